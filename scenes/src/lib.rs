@@ -1,0 +1,17 @@
+//! Bytes in, a [`Scene`] out: triangles, materials, lights and cameras, ready to be traced.
+//!
+//! * [`load`] reads glTF 2.0 (`.gltf` JSON and `.glb`) from bytes, with a [`Resolver`] for the
+//!   files beside it. It never touches the file system and never panics on bad input.
+//! * [`generate`] makes scenes from a few numbers.
+//! * [`convert`] reads Wavefront OBJ and Stanford PLY.
+//! * [`write_glb`] turns any [`Scene`] into a GLB that `load` reads back.
+
+pub mod convert;
+pub mod generate;
+mod glb;
+mod load;
+pub mod scene;
+
+pub use glb::{WriteError, write_glb};
+pub use load::{LoadError, LoadOptions, NoFiles, Resolver, load};
+pub use scene::{Bounds, Camera, Light, Material, Note, Projection, Scene, Texture, Wrap};

@@ -1,0 +1,232 @@
+//! What a tracer needs to know of a scene, flattened: world space, one entry per triangle.
+
+use glam::{DVec3, Vec3};
+
+/// A scene in world space. Right-handed, +Y up as in glTF, lengths in scene units.
+///
+/// Everything per triangle is indexed by the triangle's id, its position in [`triangles`](Self::triangles).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// A short name for reports: the file's stem, or the generator's name.
+    pub name: String,
+    /// Corner positions. All are finite.
+    pub triangles: Vec<[[f32; 3]; 3]>,
+    /// Unit vertex normals, one a corner; `None` where no mesh has any. Where only some meshes
+    /// have them, the others carry their flat normal.
+    pub normals: Option<Vec<[[f32; 3]; 3]>>,
+    /// Base colour texture coordinates, one a corner; `None` where no material has a texture.
+    pub texcoords: Option<Vec<[[f32; 2]; 3]>>,
+    /// Linear vertex colours, one a corner; `None` where no mesh has any (white where only some do).
+    pub colors: Option<Vec<[[f32; 3]; 3]>>,
+    /// Index into [`materials`](Self::materials), one a triangle.
+    pub triangle_materials: Vec<u32>,
+    /// At least one, even where a file has none.
+    pub materials: Vec<Material>,
+    /// Textures that materials refer to.
+    pub textures: Vec<Texture>,
+    /// Empty where the file has none; the renderer then puts a headlight at the eye.
+    pub lights: Vec<Light>,
+    /// Empty where the file has none; [`Camera::framing`] then frames the scene.
+    pub cameras: Vec<Camera>,
+    /// What the reader of the file should know: features ignored, defaults taken.
+    pub notes: Vec<Note>,
+}
+
+/// One sentence to the user about how a scene was read, e.g. "skins are shown in their rest pose".
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note(pub String);
+
+/// A Lambertian material, as the paper's equation (1) needs it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The material's name, or empty.
+    pub name: String,
+    /// Diffuse colour, linear.
+    pub base_color: [f32; 3],
+    /// Added to the shaded colour, linear.
+    pub emissive: [f32; 3],
+    /// Index into [`Scene::textures`]; its colour multiplies `base_color`.
+    pub texture: Option<u32>,
+    /// Shade the back with the normal turned to the viewer. Rays stop at both sides either way.
+    pub double_sided: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self { name: String::new(), base_color: [1.0; 3], emissive: [0.0; 3], texture: None, double_sided: false }
+    }
+}
+
+/// A base colour texture: 8-bit sRGB texels, row 0 at the top, as glTF's v = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Texels a row; at least 1.
+    pub width: u32,
+    /// Rows; at least 1.
+    pub height: u32,
+    /// `width * height` texels, R G B sRGB-encoded, A linear (unused).
+    pub texels: Vec<[u8; 4]>,
+    /// How u continues outside [0, 1].
+    pub wrap_u: Wrap,
+    /// How v continues outside [0, 1].
+    pub wrap_v: Wrap,
+    /// Bilinear when true, nearest when false.
+    pub linear: bool,
+}
+
+/// How a texture continues outside [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// The texture repeats.
+    Repeat,
+    /// Every other copy is mirrored.
+    Mirror,
+    /// The edge texel continues.
+    Clamp,
+}
+
+/// A light of KHR_lights_punctual. Equation (1) has no falloff, so `intensity` and range are kept
+/// for information only.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Light {
+    /// Shines in all directions from `position`.
+    Point {
+        /// World position.
+        position: [f32; 3],
+        /// Linear colour.
+        color: [f32; 3],
+        /// Candela, as in the file.
+        intensity: f32,
+    },
+    /// Shines along `direction` everywhere.
+    Directional {
+        /// Unit vector in which the light travels.
+        direction: [f32; 3],
+        /// Linear colour.
+        color: [f32; 3],
+        /// Lux, as in the file.
+        intensity: f32,
+    },
+    /// A point light within a cone.
+    Spot {
+        /// World position.
+        position: [f32; 3],
+        /// Unit vector along the cone's axis, away from the light.
+        direction: [f32; 3],
+        /// Linear colour.
+        color: [f32; 3],
+        /// Candela, as in the file.
+        intensity: f32,
+        /// Half angle of full light, radians, `0 <= inner < outer`.
+        inner_cone: f32,
+        /// Half angle where the light ends, radians, `outer <= pi/2`.
+        outer_cone: f32,
+    },
+}
+
+/// Where rays start. The three axes are orthonormal and right-handed: right × up = −forward.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// The camera's name, or empty.
+    pub name: String,
+    /// World position.
+    pub eye: DVec3,
+    /// Unit vector to the right of the picture.
+    pub right: DVec3,
+    /// Unit vector to the top of the picture.
+    pub up: DVec3,
+    /// Unit vector into the picture.
+    pub forward: DVec3,
+    /// How pixels spread.
+    pub projection: Projection,
+}
+
+/// Perspective or orthographic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays fan out from the eye.
+    Perspective {
+        /// Full vertical angle of view, radians, in (0, pi).
+        vertical_fov: f64,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half the picture's height in scene units, above 0. The width follows from the image's aspect.
+        half_height: f64,
+    },
+}
+
+/// An axis-aligned box. Empty when any `min > max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest coordinates.
+    pub min: Vec3,
+    /// Largest coordinates.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The box of nothing.
+    pub const EMPTY: Self = Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
+
+    /// Whether the box holds no point.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.min.cmpgt(self.max).any()
+    }
+}
+
+impl Scene {
+    /// The box of all corners; [`Bounds::EMPTY`] without triangles.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.triangles.iter().flatten().fold(Bounds::EMPTY, |b, &p| {
+            let p = Vec3::from(p);
+            Bounds { min: b.min.min(p), max: b.max.max(p) }
+        })
+    }
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`. `None` where the two coincide or are not finite;
+    /// an `up` parallel to the view is replaced by another axis.
+    #[must_use]
+    pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, projection: Projection) -> Option<Self> {
+        let forward = (target - eye).try_normalize().filter(|v| v.is_finite())?;
+        let right = [up, DVec3::Y, DVec3::Z]
+            .into_iter()
+            .filter_map(DVec3::try_normalize)
+            .map(|up| forward.cross(up))
+            .find(|r| r.length() > 1e-6)?
+            .normalize();
+        Some(Self { name: String::new(), eye, right, up: right.cross(forward), forward, projection })
+    }
+
+    /// A camera that frames `bounds` from the front, a little above and to the right: what a scene
+    /// without cameras is seen from. Works for empty, flat and single-point bounds too.
+    #[must_use]
+    pub fn framing(bounds: &Bounds) -> Self {
+        const FOV_DEG: f64 = 40.0;
+        let (center, radius) = if bounds.is_empty() {
+            (DVec3::ZERO, 1.0)
+        } else {
+            let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+            let radius = (max - min).length() * 0.5;
+            let center = (min + max) * 0.5;
+            // A single point has no size of its own; its distance from the origin is the only scale.
+            (center, if radius > 0.0 { radius } else { center.length().max(1.0) * 1e-3 })
+        };
+        let vertical_fov = FOV_DEG.to_radians();
+        let distance = radius / (vertical_fov * 0.5).sin() * 1.05;
+        let eye = center + DVec3::new(0.35, 0.3, 1.0).normalize() * distance;
+        let projection = Projection::Perspective { vertical_fov };
+        Self::look_at(eye, center, DVec3::Y, projection).unwrap_or(Self {
+            name: String::new(),
+            eye,
+            right: DVec3::X,
+            up: DVec3::Y,
+            forward: DVec3::NEG_Z,
+            projection,
+        })
+    }
+}
