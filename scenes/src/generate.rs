@@ -1,0 +1,198 @@
+//! Scenes made from a few numbers.
+//!
+//! [`GENERATORS`] is the table that `raystep scene NAME` and its help are driven by: a generator's
+//! parameters, their defaults and their ranges stand there and nowhere else. The functions beside it
+//! are what a program calls.
+//!
+//! The same numbers give the same scene everywhere: randomness comes from a seeded SplitMix64, and
+//! coordinates of [`soup`], [`terrain`] and [`icosphere`] need only operations that IEEE 754 rounds
+//! in one way (+ − × ÷ √), so their bits do not depend on the machine. [`sphere_flake`], [`hair`] and
+//! [`tiny_in_room`] also take sines and cosines, whose last bit may differ from one system to the next.
+//!
+//! No generator takes memory for more than [`MAX_TRIANGLES`].
+
+mod cornell;
+mod draft;
+mod flake;
+mod hair;
+mod icosphere;
+mod random;
+mod soup;
+mod terrain;
+mod tiny;
+
+pub use cornell::cornell_box;
+pub use flake::sphere_flake;
+pub use hair::hair;
+pub use icosphere::icosphere;
+pub use soup::soup;
+pub use terrain::terrain;
+pub use tiny::tiny_in_room;
+
+use crate::Scene;
+use std::ops::RangeInclusive;
+
+/// The most triangles a generator makes: about 7 GiB of positions, beyond what any adapter binds.
+pub const MAX_TRIANGLES: u64 = 200_000_000;
+
+/// Why a scene was not generated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GenerateError {
+    /// No generator has this name.
+    #[error("there is no generator '{name}'; there are {known}")]
+    UnknownGenerator {
+        /// What was asked for.
+        name: String,
+        /// The names in [`GENERATORS`].
+        known: String,
+    },
+    /// The generator does not take this parameter.
+    #[error("{generator} has no parameter '{name}'; it takes {known}")]
+    UnknownParameter {
+        /// The generator's name.
+        generator: &'static str,
+        /// What was given.
+        name: String,
+        /// The names it takes.
+        known: String,
+    },
+    /// A parameter is outside its range.
+    #[error("{generator}: {parameter} is {value}, but must be from {min} to {max}")]
+    OutOfRange {
+        /// The generator's name.
+        generator: &'static str,
+        /// The parameter's name.
+        parameter: &'static str,
+        /// What was given.
+        value: u64,
+        /// Smallest allowed value.
+        min: u64,
+        /// Largest allowed value.
+        max: u64,
+    },
+    /// Each parameter is in its range, but together they need too many triangles.
+    #[error("{generator} would have {triangles} triangles with these parameters; the most is {MAX_TRIANGLES}")]
+    TooManyTriangles {
+        /// The generator's name.
+        generator: &'static str,
+        /// How many there would be.
+        triangles: u64,
+    },
+    /// The system refused the memory.
+    #[error("{generator} needs {bytes} bytes of memory for {triangles} triangles, and the system refused them")]
+    OutOfMemory {
+        /// The generator's name.
+        generator: &'static str,
+        /// How many there would be.
+        triangles: u64,
+        /// What their corners and attributes take.
+        bytes: u64,
+    },
+}
+
+/// A whole number that a generator takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// The option's name without dashes, e.g. `triangles`.
+    pub name: &'static str,
+    /// Help text, one line.
+    pub summary: &'static str,
+    /// Taken where none is given.
+    pub default: u64,
+    /// Allowed values.
+    pub range: RangeInclusive<u64>,
+}
+
+/// One row of [`GENERATORS`].
+#[derive(Clone, Debug)]
+pub struct Generator {
+    /// The name on the command line.
+    pub name: &'static str,
+    /// Help text, one line.
+    pub summary: &'static str,
+    /// What it takes, in the order in which `make` expects the values.
+    pub parameters: &'static [Parameter],
+    make: fn(&[u64]) -> Result<Scene, GenerateError>,
+}
+
+impl Generator {
+    /// Makes the scene. Parameters that are not in `given` take their defaults; where one is given
+    /// twice, the last counts.
+    ///
+    /// # Errors
+    /// A parameter that the generator does not take or that is out of range, and too many triangles.
+    pub fn make(&self, given: &[(&str, u64)]) -> Result<Scene, GenerateError> {
+        let mut values: Vec<u64> = self.parameters.iter().map(|p| p.default).collect();
+        for &(name, value) in given {
+            let slot = self.parameters.iter().position(|p| p.name == name).ok_or_else(|| {
+                let known = match self.parameters {
+                    [] => "none".to_owned(),
+                    some => some.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
+                };
+                GenerateError::UnknownParameter { generator: self.name, name: name.to_owned(), known }
+            })?;
+            values[slot] = value;
+        }
+        (self.make)(&values)
+    }
+}
+
+/// The generator called `name`.
+///
+/// # Errors
+/// There is none; the message lists those there are.
+pub fn find(name: &str) -> Result<&'static Generator, GenerateError> {
+    GENERATORS.iter().find(|g| g.name == name).ok_or_else(|| GenerateError::UnknownGenerator {
+        name: name.to_owned(),
+        known: GENERATORS.iter().map(|g| g.name).collect::<Vec<_>>().join(", "),
+    })
+}
+
+const SEED: Parameter =
+    Parameter { name: "seed", summary: "start of the random numbers", default: 1, range: 0..=u64::MAX };
+
+/// Every generator, in the order in which help lists them.
+pub const GENERATORS: &[Generator] = &[
+    Generator {
+        name: "cornell-box",
+        summary: "the paper's box: 26 triangles, one point light",
+        parameters: &[],
+        make: |_| Ok(cornell_box()),
+    },
+    Generator {
+        name: "soup",
+        summary: "small triangles scattered evenly in a unit cube",
+        parameters: &[soup::TRIANGLES, SEED],
+        make: |v| soup(v[0], v[1]),
+    },
+    Generator {
+        name: "terrain",
+        summary: "mountains and lakes: a height field with smooth normals and vertex colours",
+        parameters: &[terrain::TRIANGLES, SEED],
+        make: |v| terrain(v[0], v[1]),
+    },
+    Generator {
+        name: "sphere-flake",
+        summary: "spheres that carry nine smaller spheres each (Haines 1987)",
+        parameters: &[flake::DEPTH, flake::SUBDIVISIONS],
+        make: |v| sphere_flake(v[0], v[1]),
+    },
+    Generator {
+        name: "hair",
+        summary: "a ball of long thin ribbons, the worst case for boxes along the axes",
+        parameters: &[hair::STRANDS, SEED],
+        make: |v| hair(v[0], v[1]),
+    },
+    Generator {
+        name: "tiny-in-room",
+        summary: "a small finely tessellated object in a very large room",
+        parameters: &[tiny::TRIANGLES, tiny::RATIO],
+        make: |v| tiny_in_room(v[0], v[1]),
+    },
+    Generator {
+        name: "icosphere",
+        summary: "a closed unit sphere whose triangles share their corners bit for bit",
+        parameters: &[icosphere::SUBDIVISIONS],
+        make: |v| icosphere(v[0]),
+    },
+];
