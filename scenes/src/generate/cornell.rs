@@ -12,7 +12,7 @@ const FRONT: f32 = 3.6;
 /// The blocks' footprints (x, z), seen from above: front left, front right, back right, back left.
 /// They are Cornell's measured corners, scaled to a room two units wide.
 const SHORT: [[f32; 2]; 4] = [[-0.045, 0.592], [0.532, 0.767], [0.705, 0.195], [0.135, 0.027]];
-const TALL: [[f32; 2]; 4] = [[-0.701, -0.453], [-0.524, 0.116], [0.045, -0.059], [-0.132, -0.631]];
+const TALL: [[f32; 2]; 4] = [[-0.524, 0.116], [0.045, -0.059], [-0.132, -0.631], [-0.701, -0.453]];
 const SHORT_TOP: f32 = -0.4;
 const TALL_TOP: f32 = 0.2;
 

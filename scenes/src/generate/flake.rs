@@ -64,7 +64,7 @@ pub fn sphere_flake(depth: u64, subdivisions: u64) -> Result<Scene, GenerateErro
         for ball in &generation {
             for t in &unit {
                 scene.triangles.push(t.map(|n| (ball.center + n * ball.radius).to_array()));
-                normals.push(t.map(Vec3::to_array));
+                normals.push(t.map(<[f32; 3]>::from));
                 scene.triangle_materials.push(level as u32);
             }
         }

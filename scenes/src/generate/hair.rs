@@ -42,8 +42,8 @@ pub fn hair(strands: u64, seed: u64) -> Result<Scene, GenerateError> {
     let mut scene = draft(NAME, count, Attributes { normals: true, colors: false }, materials)?;
     let mut normals = scene.normals.take().unwrap_or_default();
     sphere(SCALP_SUBDIVISIONS, |t| {
-        scene.triangles.push(t.map(Vec3::to_array));
-        normals.push(t.map(Vec3::to_array));
+        scene.triangles.push(t.map(<[f32; 3]>::from));
+        normals.push(t.map(<[f32; 3]>::from));
         scene.triangle_materials.push(0);
     });
     let mut random = Random::new(seed);
@@ -56,8 +56,8 @@ pub fn hair(strands: u64, seed: u64) -> Result<Scene, GenerateError> {
         for k in 0..PIECES {
             let ((a, b, n), (d, c, m)) = (ribbon.rung(k), ribbon.rung(k + 1));
             let mut push = |t: [Vec3; 3], n: [Vec3; 3]| {
-                scene.triangles.push(t.map(Vec3::to_array));
-                normals.push(n.map(Vec3::to_array));
+                scene.triangles.push(t.map(<[f32; 3]>::from));
+                normals.push(n.map(<[f32; 3]>::from));
                 scene.triangle_materials.push(material);
             };
             push([a, b, c], [n, n, m]);

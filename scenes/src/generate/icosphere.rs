@@ -26,7 +26,7 @@ pub fn icosphere(subdivisions: u64) -> Result<Scene, GenerateError> {
     let attributes = Attributes { normals: true, colors: false };
     let mut scene = draft(NAME, triangles(subdivisions), attributes, vec![matte("sphere", [0.62, 0.68, 0.75])])?;
     sphere(subdivisions, |corners| {
-        let corners = corners.map(Vec3::to_array);
+        let corners = corners.map(<[f32; 3]>::from);
         scene.triangles.push(corners);
         scene.normals.get_or_insert_default().push(corners);
         scene.triangle_materials.push(0);
