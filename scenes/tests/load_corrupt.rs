@@ -1,0 +1,151 @@
+//! Damaged and hostile files: never a panic, a hang or a large allocation.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
+
+mod load_common;
+
+use load_common::*;
+use raystep_scenes::{LoadError, LoadOptions, NoFiles, load};
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+
+/// A GLB that uses most features.
+fn rich() -> Vec<u8> {
+    let mut doc = Doc::triangle();
+    let normal = doc.floats("VEC3", &[0., 0., 1.].repeat(3));
+    let uv = doc.floats("VEC2", &[0., 0., 1., 0., 0., 1.]);
+    let color = doc.accessor("VEC4", U8, 3, &[255; 12]);
+    doc.json["accessors"][color]["normalized"] = json!(true);
+    let indices = doc.accessor("SCALAR", U8, 3, &[0, 1, 2]);
+    let joints = doc.accessor("VEC4", U8, 3, &[0; 12]);
+    let weights = doc.floats("VEC4", &[1., 0., 0., 0.].repeat(3));
+    let picture = doc.view(&png(2, 2, TEXELS.as_flattened()));
+    let (sparse, value) = (doc.view(&[1]), doc.view(&f32s(&[2., 0., 0.])));
+    doc.json["accessors"][0]["sparse"] = json!({"count": 1,
+        "indices": {"bufferView": sparse, "componentType": U8}, "values": {"bufferView": value}});
+    *doc.primitive() = json!({"material": 0, "indices": indices, "targets": [{"POSITION": 1}],
+        "attributes": {"POSITION": 0, "NORMAL": normal, "TEXCOORD_0": uv, "COLOR_0": color,
+            "JOINTS_0": joints, "WEIGHTS_0": weights}});
+    doc.push("materials", json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
+    doc.push("textures", json!({"source": 0}));
+    doc.push("images", json!({"bufferView": picture}));
+    doc.push("skins", json!({"joints": [1]}));
+    doc.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}));
+    doc.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {}}]}});
+    doc.json["nodes"] = json!([{"mesh": 0, "skin": 0, "weights": [1]},
+        {"camera": 0, "rotation": [0, 0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}, {"mesh": 0}]);
+    let bytes = doc.glb();
+    assert_eq!(doc.scene().triangles.len(), 2);
+    bytes
+}
+
+#[test]
+fn truncated_at_every_length() {
+    let whole = rich();
+    for length in 0..whole.len() {
+        let error = load("x", &whole[..length], &NoFiles, &small()).expect_err("truncated");
+        one_line(&error);
+    }
+    let text = Doc::triangle().json.to_string();
+    for length in 0..text.len() {
+        let error = load("x", &text.as_bytes()[..length], &NoFiles, &small()).expect_err("truncated");
+        one_line(&error);
+    }
+}
+
+#[test]
+fn every_single_bit_flipped() {
+    let mut bytes = rich();
+    let mut refused = 0_usize;
+    for bit in 0..bytes.len() * 8 {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let start = Instant::now();
+        match load("x", &bytes, &NoFiles, &small()) {
+            Ok(scene) => assert!(scene.triangles.iter().flatten().flatten().all(|c| c.is_finite())),
+            Err(error) => {
+                one_line(&error);
+                refused += 1;
+            }
+        }
+        // A load of these 3 kB takes microseconds; a second is a hang on any machine.
+        assert!(start.elapsed() < Duration::from_secs(1), "bit {bit}");
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
+    assert!(refused > bytes.len(), "{refused} of {} flips noticed", bytes.len() * 8);
+}
+
+#[test]
+fn claims_beyond_the_file_are_refused_before_memory_is_taken() {
+    // 4 GiB of vertices, of zeros, of buffer, and of instances: all within a few hundred bytes.
+    let mut doc = Doc::triangle();
+    doc.json["accessors"][0]["count"] = json!(357_913_941);
+    assert!(doc.error().contains("do not fit"));
+    doc.json["accessors"][0] = json!({"componentType": F32, "type": "VEC3", "count": 357_913_941});
+    assert!(doc.error().contains("357913941 zeros"));
+
+    let text = |uri: &str| {
+        json!({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1_u64 << 32, "uri": uri}]}).to_string()
+    };
+    let error = load("x", text("data:;base64,AAAA").as_bytes(), &NoFiles, &LoadOptions::default()).unwrap_err();
+    assert!(one_line(&error).contains("buffers[0]: has 3 bytes, fewer than its byteLength of 4294967296"), "{error}");
+    assert!(text("").len() < 200);
+
+    // A mesh of 20,000 triangles on 300,000 nodes.
+    let mut doc = Doc::triangle();
+    let indices = doc.accessor("SCALAR", U8, 60_000, &[0, 1, 2].repeat(20_000));
+    doc.primitive()["indices"] = json!(indices);
+    doc.json["nodes"] = json!(vec![json!({"mesh": 0}); 300_000]);
+    assert!(doc.error().contains("6000000000 triangles"));
+    // And one that numbers can hold but max_bytes cannot.
+    doc.json["nodes"] = json!(vec![json!({"mesh": 0}); 100]);
+    let error = doc.load_with(&NoFiles, &small()).unwrap_err();
+    assert!(matches!(error, LoadError::TooLarge { needed: 72_000_000, limit: 16_777_216, .. }), "{error}");
+    one_line(&error);
+    assert_eq!(
+        doc.load_with(&NoFiles, &LoadOptions { max_bytes: 1 << 28, ..Default::default() }).unwrap().triangles.len(),
+        2_000_000
+    );
+}
+
+#[test]
+fn chains_of_a_hundred_thousand_nodes_load() {
+    let mut doc = Doc::triangle();
+    let last = 100_000;
+    let mut nodes: Vec<Value> = (1..=last).map(|i| json!({"children": [i], "translation": [1, 0, 0]})).collect();
+    nodes.push(json!({"mesh": 0}));
+    doc.json["nodes"] = json!(nodes);
+    assert_eq!(doc.scene().triangles[0][0], [last as f32, 0., 0.]);
+    // Bent into a ring, with no root at all.
+    doc.json["nodes"][last] = json!({"children": [0]});
+    assert!(doc.error().contains("cycle"));
+}
+
+#[test]
+fn text_that_is_no_gltf() {
+    // What is nested too deep for the stack is refused; applications' own data is not even looked at.
+    let deep = |key: &str| {
+        let (open, close) = ("[".repeat(200_000), "]".repeat(200_000));
+        format!("{{\"asset\":{{\"version\":\"2.0\"}},\"{key}\":{open}{close}}}").into_bytes()
+    };
+    assert!(load("x", &deep("extras"), &NoFiles, &small()).is_ok());
+    let deep = deep("other");
+    for (bytes, word) in [
+        (&b""[..], "empty"),
+        (b"  \n", "empty"),
+        (b"\xff\xfe{}", "UTF-8"),
+        (b"{\"asset\":{\"version\":\"\xc3\x28\"}}", "UTF-8"),
+        (b"solid cube", "neither a GLB nor glTF JSON"),
+        (b"{}", "asset"),
+        (b"{\"asset\":{\"version\":\"2.0\"}} x", "trailing"),
+        (b"{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"name\":\"\\ud800\"}]}", "nodes[0].name"),
+        (&deep, "recursion"),
+        (b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0JSON", "version 1"),
+        (b"glTF\x02\0\0\0\x0c\0\0\0", "no chunks"),
+        (b"glTF\x02\0\0\0\x14\0\0\0\0\0\0\0BIN\0", "first chunk is not JSON"),
+        (b"glTF\x02\0\0\0\x14\0\0\0\xff\xff\xff\xffJSON", "chunk 0 says 4294967295 bytes"),
+        (b"glTF\x02\0\0\0\0\0\0\0\0\0\0\0JSON", "header says 0 bytes"),
+    ] {
+        let error = one_line(&load("x", bytes, &NoFiles, &small()).unwrap_err());
+        assert!(error.contains(word), "{error:?} does not say {word:?}");
+    }
+}
