@@ -1,1 +1,70 @@
+//! What happens to a ray: small kernels over per-ray streams, on any wgpu adapter or on the CPU.
+//!
+//! The tracer is the stream program of Mølhave's *Implementing a Ray Tracer on a GPU*: `generate` makes
+//! eye rays, `setup` finds each ray's first cell in a uniform grid, `traverse_grid` moves it to the next,
+//! `intersect` tests it against one triangle, `shade` colours it. What a ray waits for is in its
+//! [`state`]; what kernels read and write is in its [`stream`]s. Every kernel is a WGSL file with a twin in
+//! Rust beside it, and every list of them is one table.
+//!
+//! # A run, pass by pass
+//!
+//! ```
+//! use raystep_kernels::{Device, Options, RaySource, Renderer, Stream};
+//! # use raystep_scenes::{Camera, Material, Scene};
+//! # pollster::block_on(async {
+//! let scene = Scene {
+//!     triangles: vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]],
+//!     triangle_materials: vec![0],
+//!     materials: vec![Material::default()],
+//!     ..Scene::default()
+//! };
+//! let camera = Camera::framing(&scene.bounds());
+//! let options = Options::new(RaySource::Camera { camera, width: 32, height: 32 });
+//!
+//! // The twins; `Device::Gpu(Gpu::new(&AdapterChoice::Best).await?)` for a GPU.
+//! let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
+//! while let Some(pass) = renderer.step().await? {
+//!     println!("{:>3} {:<14} {} rays", pass.index, pass.kernel.name(), pass.rays_in);
+//! }
+//! let hit = renderer.values(Stream::Hit).await?;
+//! assert_eq!(hit.get(2, 16 * 32 + 16), 0, "the centre pixel sees triangle 0");
+//! let image = renderer.image().await?;
+//! assert_eq!(image.pixels.len(), 32 * 32);
+//! # Ok::<(), raystep_kernels::RenderError>(())
+//! # }).unwrap();
+//! ```
 
+pub mod buffer;
+pub mod executor;
+// pub mod export;
+pub mod features;
+pub mod generate;
+pub mod grid;
+pub mod image;
+pub mod intersect;
+pub mod kernel;
+pub mod options;
+mod parallel;
+pub mod plan;
+pub mod real;
+// pub mod reference;
+pub mod renderer;
+pub mod scene_data;
+pub mod schedule;
+pub mod setup;
+pub mod shade;
+pub mod shader;
+pub mod shared;
+pub mod state;
+pub mod stream;
+pub mod traverse_grid;
+pub mod units;
+
+pub use executor::gpu::{AdapterChoice, AdapterSummary, Gpu, GpuError, adapters};
+pub use grid::GridSize;
+pub use image::Image;
+pub use kernel::Kernel;
+pub use options::{Accelerator, Numerics, Options, Ray, RaySource, ScheduleKind};
+pub use plan::{Limits, Plan, PlanError};
+pub use renderer::{Device, Pass, Progress, RayHit, RenderError, Renderer};
+pub use stream::{Stream, StreamData};

@@ -1,0 +1,202 @@
+//! The twins, on all cores: the same streams as the GPU executor, one row of texels a ray.
+
+use crate::executor::PassResult;
+use crate::kernel::Kernel;
+use crate::parallel::{for_chunks, map_ranges};
+use crate::plan::Plan;
+use crate::real::{Real, Vec3};
+use crate::scene_data::SceneData;
+use crate::state::{self, StateCounts};
+use crate::stream::{STATE_TAG, STREAMS, Stream, StreamData};
+
+/// A kernel's twin: one ray's work.
+pub type Twin<R> = fn(&mut Texels<'_, R>, &SceneData);
+
+/// Where each stream's components lie in a ray's row.
+#[derive(Clone, Copy, Debug)]
+struct Layout {
+    first: [Option<usize>; STREAMS.len()],
+    stride: usize,
+}
+
+/// The texels of one ray in every stream.
+pub struct Texels<'a, R: Real> {
+    row: &'a mut [R::Bits],
+    layout: &'a Layout,
+    /// Column of the ray's pixel.
+    pub x: u32,
+    /// Row of the ray's pixel, 0 at the top.
+    pub y: u32,
+}
+
+impl<R: Real> Texels<'_, R> {
+    fn index(&self, stream: Stream, layer: usize) -> usize {
+        // A stream that the plan left out is never asked for: the twins branch on the same options.
+        self.layout.first[stream as usize].map_or(usize::MAX, |first| first + layer)
+    }
+    /// A float component.
+    pub fn load(&self, stream: Stream, layer: usize) -> R {
+        R::from_bits(self.row[self.index(stream, layer)])
+    }
+    /// An integer component.
+    pub fn load_u32(&self, stream: Stream, layer: usize) -> u32 {
+        R::bits_to_u32(self.row[self.index(stream, layer)])
+    }
+    /// Three float components.
+    pub fn load_vec3(&self, stream: Stream) -> Vec3<R> {
+        Vec3::new(self.load(stream, 0), self.load(stream, 1), self.load(stream, 2))
+    }
+    /// Stores a float component.
+    pub fn store(&mut self, stream: Stream, layer: usize, value: R) {
+        let i = self.index(stream, layer);
+        self.row[i] = value.to_bits();
+    }
+    /// Stores an integer component.
+    pub fn store_u32(&mut self, stream: Stream, layer: usize, value: u32) {
+        let i = self.index(stream, layer);
+        self.row[i] = R::bits_from_u32(value);
+    }
+    /// Stores three float components.
+    pub fn store_vec3(&mut self, stream: Stream, value: Vec3<R>) {
+        self.store(stream, 0, value.x);
+        self.store(stream, 1, value.y);
+        self.store(stream, 2, value.z);
+    }
+}
+
+/// Runs twins over the rays of a plan.
+#[derive(Clone, Debug)]
+pub struct CpuExecutor<R: Real> {
+    width: u32,
+    height: u32,
+    layout: Layout,
+    texels: Vec<R::Bits>,
+    clock: Option<fn() -> u64>,
+}
+
+/// Rays a task: enough work to be worth a hand-over, few enough to balance.
+const RAYS_PER_TASK: usize = 4096;
+
+impl<R: Real> CpuExecutor<R> {
+    /// Takes the memory for the plan's streams; `clock`, in nanoseconds, times passes if there is one.
+    #[must_use]
+    pub fn new(plan: &Plan, clock: Option<fn() -> u64>) -> Self {
+        let mut layout = Layout { first: [None; STREAMS.len()], stride: 0 };
+        for stream in &plan.streams {
+            layout.first[stream.what as usize] = Some(layout.stride);
+            layout.stride += stream.what.layers();
+        }
+        let rays = plan.width as usize * plan.height as usize;
+        let texels = vec![R::Bits::default(); rays * layout.stride];
+        let mut executor = Self { width: plan.width, height: plan.height, layout, texels, clock };
+        executor.clear();
+        executor
+    }
+
+    /// Every stream to its unwritten value.
+    pub fn clear(&mut self) {
+        let mut row = vec![R::Bits::default(); self.layout.stride];
+        for info in &STREAMS {
+            let Some(first) = self.layout.first[info.stream as usize] else { continue };
+            for (layer, &bits) in info.unwritten.iter().enumerate() {
+                row[first + layer] = Self::from_stream_bits(info.stream, layer, bits);
+            }
+        }
+        let stride = self.layout.stride.max(1);
+        for_chunks(&mut self.texels, RAYS_PER_TASK * stride, |_, texels| {
+            texels.chunks_exact_mut(stride).for_each(|texel| texel.copy_from_slice(&row));
+        });
+    }
+
+    fn from_stream_bits(stream: Stream, layer: usize, bits: u32) -> R::Bits {
+        if stream.is_float_layer(layer) { R::from_f32(f32::from_bits(bits)).to_bits() } else { R::bits_from_u32(bits) }
+    }
+
+    fn to_stream_bits(stream: Stream, layer: usize, bits: R::Bits) -> u32 {
+        if stream.is_float_layer(layer) {
+            (R::from_bits(bits).to_f64() as f32).to_bits()
+        } else {
+            R::bits_to_u32(bits)
+        }
+    }
+
+    /// Runs one pass over every ray.
+    pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> PassResult {
+        let begin_ns = self.clock.map(|now| now());
+        let (twin, layout, stride) = (kernel.twin::<R>(), self.layout, self.layout.stride.max(1));
+        let width = self.width as usize;
+        for_chunks(&mut self.texels, RAYS_PER_TASK * stride, |first, texels| {
+            for (i, row) in texels.chunks_exact_mut(stride).enumerate() {
+                let ray = first / stride + i;
+                let (x, y) = ((ray % width) as u32, (ray / width) as u32);
+                twin(&mut Texels { row, layout: &layout, x, y }, scene);
+            }
+        });
+        let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
+        PassResult { kernel, counts: self.counts(), begin_ns, duration_ns }
+    }
+
+    /// How many rays are in each state.
+    #[must_use]
+    pub fn counts(&self) -> StateCounts {
+        let (stride, mut sum) = (self.layout.stride.max(1), StateCounts::default());
+        let Some(tag) = self.layout.first[Stream::State as usize].map(|first| first + STATE_TAG) else { return sum };
+        let parts = map_ranges(self.texels.len(), RAYS_PER_TASK * stride, |range| {
+            let mut counts = StateCounts::default();
+            for row in self.texels[range].chunks_exact(stride) {
+                counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
+            }
+            counts
+        });
+        for part in parts {
+            sum.iter_mut().zip(part).for_each(|(s, n)| *s += n);
+        }
+        sum
+    }
+
+    /// The values of a stream; f64 is rounded to f32. `None` where the plan left it out.
+    #[must_use]
+    pub fn read(&self, stream: Stream) -> Option<StreamData> {
+        let first = self.layout.first[stream as usize]?;
+        let rays = self.width as usize * self.height as usize;
+        let mut bits = Vec::with_capacity(rays * stream.layers());
+        for layer in 0..stream.layers() {
+            let rows = self.texels.chunks_exact(self.layout.stride);
+            bits.extend(rows.map(|row| Self::to_stream_bits(stream, layer, row[first + layer])));
+        }
+        Some(StreamData { stream, width: self.width, height: self.height, bits })
+    }
+
+    /// One ray's texel in a stream; `None` where the plan left the stream out or the image has no such pixel.
+    #[must_use]
+    pub fn read_texel(&self, stream: Stream, x: u32, y: u32) -> Option<Vec<u32>> {
+        let first = self.layout.first[stream as usize]?;
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let row = (y as usize * self.width as usize + x as usize) * self.layout.stride + first;
+        Some((0..stream.layers()).map(|l| Self::to_stream_bits(stream, l, self.texels[row + l])).collect())
+    }
+
+    /// A float component of a ray at the executor's own precision.
+    #[must_use]
+    pub fn component(&self, stream: Stream, layer: usize, ray: usize) -> Option<R> {
+        let first = self.layout.first[stream as usize]?;
+        self.texels.get(ray * self.layout.stride + first + layer).map(|&bits| R::from_bits(bits))
+    }
+
+    /// Replaces a stream. False where the plan left it out or the size differs.
+    pub fn write(&mut self, data: &StreamData) -> bool {
+        let Some(first) = self.layout.first[data.stream as usize] else { return false };
+        let rays = self.width as usize * self.height as usize;
+        if (data.width, data.height) != (self.width, self.height) || data.bits.len() != rays * data.stream.layers() {
+            return false;
+        }
+        for layer in 0..data.stream.layers() {
+            for (row, &bits) in self.texels.chunks_exact_mut(self.layout.stride).zip(data.layer(layer)) {
+                row[first + layer] = Self::from_stream_bits(data.stream, layer, bits);
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,235 @@
+//! Adapters and devices: finding one, and noticing that it is gone.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A device, its queue, and what became of it.
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// The adapter's name, driver and backend.
+    pub info: wgpu::AdapterInfo,
+    /// Nanoseconds a tick of the pass timers; `None` where the adapter has none.
+    pub timestamp_period_ns: Option<f64>,
+    trouble: Arc<Mutex<Option<GpuError>>>,
+}
+
+/// Which adapter to take.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum AdapterChoice {
+    /// A real GPU if there is one, else a software one, the most capable first.
+    #[default]
+    Best,
+    /// The first whose name contains this, ignoring case.
+    Named(String),
+}
+
+/// An adapter as `raystep info` lists it.
+#[derive(Clone, Debug)]
+pub struct AdapterSummary {
+    /// Name, driver, backend, type.
+    pub info: wgpu::AdapterInfo,
+    /// What it can hold.
+    pub limits: wgpu::Limits,
+    /// Whether it can time passes.
+    pub has_timestamps: bool,
+    /// Whether it has all that raystep needs.
+    pub is_usable: bool,
+}
+
+/// Something is wrong with the device.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GpuError {
+    /// No adapter, or none by that name.
+    #[error("no GPU adapter {0}")]
+    NoAdapter(String),
+    /// The adapter gives no device.
+    #[error("the adapter {adapter:?} gives no device: {message}")]
+    NoDevice {
+        /// The adapter.
+        adapter: String,
+        /// What it says.
+        message: String,
+    },
+    /// The device was lost.
+    #[error("the GPU device was lost ({0}): what was on it is gone; run again, or with --device cpu")]
+    Lost(String),
+    /// Not enough memory.
+    #[error("the GPU has not enough memory: {0}")]
+    OutOfMemory(String),
+    /// The device refused a call. This is a defect of raystep or of the driver.
+    #[error("the GPU device refused a call: {0}")]
+    Refused(String),
+    /// A read-back failed.
+    #[error("reading back from the GPU failed: {0}")]
+    Readback(String),
+    /// Something was asked for that the plan left out.
+    #[error("{0:?} is not part of this run's plan")]
+    Missing(&'static str),
+}
+
+impl From<wgpu::Error> for GpuError {
+    fn from(error: wgpu::Error) -> Self {
+        match &error {
+            wgpu::Error::OutOfMemory { .. } => Self::OutOfMemory(first_line(&error.to_string())),
+            _ => Self::Refused(first_line(&error.to_string())),
+        }
+    }
+}
+
+/// A message for one line: wgpu's chain of causes, joined.
+fn first_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// An instance without debug layers, and without validation of indirect dispatches: it costs a pass of
+/// its own, and our argument kernels clamp.
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    })
+}
+
+/// Every adapter on this machine.
+pub async fn adapters() -> Vec<AdapterSummary> {
+    let adapters = instance().enumerate_adapters(wgpu::Backends::all()).await;
+    adapters.iter().map(summary).collect()
+}
+
+fn summary(adapter: &wgpu::Adapter) -> AdapterSummary {
+    AdapterSummary {
+        info: adapter.get_info(),
+        limits: adapter.limits(),
+        has_timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+        is_usable: is_usable(adapter),
+    }
+}
+
+/// Core WebGPU limits, and compute shaders that read and write r32 textures.
+fn is_usable(adapter: &wgpu::Adapter) -> bool {
+    let read_write = |format| {
+        let features = adapter.get_texture_format_features(format);
+        features.flags.contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_WRITE)
+    };
+    adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
+        && wgpu::Limits::default().check_limits(&adapter.limits())
+        && read_write(wgpu::TextureFormat::R32Float)
+        && read_write(wgpu::TextureFormat::R32Uint)
+}
+
+/// Lower is better.
+fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    (kind, u8::from(info.backend == wgpu::Backend::Gl))
+}
+
+impl Gpu {
+    /// Opens a device on the adapter chosen, with all the limits it offers and timers where it has them.
+    ///
+    /// # Errors
+    /// Where there is no such adapter, or it gives no device.
+    pub async fn new(choice: &AdapterChoice) -> Result<Arc<Self>, GpuError> {
+        Self::with_features(choice, wgpu::Features::TIMESTAMP_QUERY).await
+    }
+
+    /// The same with only those of `optional` features that the adapter has.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub async fn with_features(choice: &AdapterChoice, optional: wgpu::Features) -> Result<Arc<Self>, GpuError> {
+        let mut adapters = instance().enumerate_adapters(wgpu::Backends::all()).await;
+        adapters.sort_by_key(|a| rank(&a.get_info()));
+        let names = adapters.iter().map(|a| a.get_info().name).collect::<Vec<_>>().join(", ");
+        let adapter = match choice {
+            AdapterChoice::Best => adapters.into_iter().find(is_usable),
+            AdapterChoice::Named(name) => {
+                let wanted = name.to_lowercase();
+                adapters.into_iter().find(|a| a.get_info().name.to_lowercase().contains(&wanted))
+            }
+        };
+        let Some(adapter) = adapter else {
+            let there = if names.is_empty() { "there are none".into() } else { format!("there are: {names}") };
+            return Err(GpuError::NoAdapter(match choice {
+                AdapterChoice::Best => format!("with compute shaders and core WebGPU limits ({there})"),
+                AdapterChoice::Named(name) => format!("has {name:?} in its name ({there})"),
+            }));
+        };
+        let info = adapter.get_info();
+        let refused = |message: String| GpuError::NoDevice { adapter: info.name.clone(), message: first_line(&message) };
+        if !is_usable(&adapter) {
+            return Err(refused("it lacks compute shaders, core WebGPU limits or read-write r32 textures".into()));
+        }
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("raystep"),
+            required_features: adapter.features() & optional,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = adapter.request_device(&descriptor).await.map_err(|e| refused(e.to_string()))?;
+        Ok(Self::from_device(device, queue, info))
+    }
+
+    /// Takes over a device that somebody else opened.
+    #[must_use]
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Arc<Self> {
+        let trouble = Arc::new(Mutex::new(None));
+        let note = |trouble: &Arc<Mutex<Option<GpuError>>>, error: GpuError| {
+            // The first trouble is the cause, what follows is its consequence.
+            trouble.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        };
+        let lost = trouble.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            let message = if message.is_empty() { format!("{reason:?}") } else { first_line(&message) };
+            note(&lost, GpuError::Lost(message));
+        });
+        let uncaptured = trouble.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&uncaptured, error.into())));
+        let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
+        Arc::new(Self { device, queue, info, timestamp_period_ns, trouble })
+    }
+
+    /// Whether the device still works.
+    ///
+    /// # Errors
+    /// The first thing that went wrong with it.
+    pub fn health(&self) -> Result<(), GpuError> {
+        match &*self.trouble.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error.clone()),
+            None => Ok(()),
+        }
+    }
+
+    /// Starts catching errors of the calls that follow, until [`pop_scopes`](Self::pop_scopes).
+    pub(super) fn push_scopes(&self) -> [wgpu::ErrorScopeGuard; 2] {
+        [
+            self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory),
+            self.device.push_error_scope(wgpu::ErrorFilter::Validation),
+        ]
+    }
+
+    /// Ends catching; resolves to the first error caught.
+    pub(super) fn pop_scopes(
+        &self,
+        [memory, validation]: [wgpu::ErrorScopeGuard; 2],
+    ) -> impl Future<Output = Result<(), GpuError>> + use<> {
+        // Popped now, in reverse order; awaited later.
+        let (validation, memory) = (validation.pop(), memory.pop());
+        let trouble = self.trouble.clone();
+        async move {
+            let caught = validation.await.or(memory.await);
+            if let Some(error) = &*trouble.lock().unwrap_or_else(PoisonError::into_inner) {
+                return Err(error.clone());
+            }
+            caught.map_or(Ok(()), |error| Err(error.into()))
+        }
+    }
+}

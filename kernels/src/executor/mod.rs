@@ -1,0 +1,21 @@
+//! Who runs the passes: any wgpu adapter, or the twins on the CPU. Both keep the same streams.
+
+pub mod cpu;
+pub mod gpu;
+pub mod readback;
+
+use crate::kernel::Kernel;
+use crate::state::StateCounts;
+
+/// What one pass did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassResult {
+    /// The kernel that ran.
+    pub kernel: Kernel,
+    /// Rays in each state after it.
+    pub counts: StateCounts,
+    /// When it began, on the executor's clock; `None` where passes were not timed.
+    pub begin_ns: Option<u64>,
+    /// How long it took; `None` where passes were not timed or the timer's value is not valid.
+    pub duration_ns: Option<u64>,
+}

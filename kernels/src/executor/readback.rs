@@ -1,0 +1,44 @@
+//! From the GPU to the host without blocking: a future that is ready once the device has been polled
+//! often enough, or, in a browser, by itself.
+
+use std::sync::Arc;
+
+use futures_channel::oneshot;
+
+use super::gpu::{Gpu, GpuError};
+
+/// Bytes on their way.
+pub(crate) struct Readback {
+    gpu: Arc<Gpu>,
+    buffer: wgpu::Buffer,
+    mapped: oneshot::Receiver<Result<(), wgpu::BufferAsyncError>>,
+}
+
+impl Readback {
+    /// Starts mapping `bytes` of `buffer`, after everything submitted so far.
+    pub(crate) fn start(gpu: &Arc<Gpu>, buffer: wgpu::Buffer, bytes: u64) -> Self {
+        let (sender, mapped) = oneshot::channel();
+        buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
+            // The receiver is gone where the caller lost interest.
+            let _ = sender.send(result);
+        });
+        Self { gpu: gpu.clone(), buffer, mapped }
+    }
+
+    /// Waits for the bytes, hands them to `read` and unmaps the buffer.
+    pub(crate) async fn finish<T>(self, bytes: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
+        let outcome = self.mapped.await;
+        self.gpu.health()?;
+        match outcome {
+            Ok(Ok(())) => {}
+            Ok(Err(e)) => return Err(GpuError::Readback(e.to_string())),
+            Err(_) => return Err(GpuError::Readback("the device dropped the request".into())),
+        }
+        let value = {
+            let view = self.buffer.get_mapped_range(0..bytes).map_err(|e| GpuError::Readback(e.to_string()))?;
+            read(&view)
+        };
+        self.buffer.unmap();
+        Ok(value)
+    }
+}

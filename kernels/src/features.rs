@@ -1,0 +1,46 @@
+//! The textual options of the kernels: what a run needs, and for what it does not need, why not.
+
+use crate::shared::grid_walk::WalkRules;
+
+macro_rules! features {
+    ($($name:ident: $doc:literal,)*) => {
+        /// One flag for every `@if` in the WGSL; the twins branch on the same.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+        pub struct Features {
+            $(#[doc = $doc] pub $name: bool,)*
+        }
+
+        impl Features {
+            /// Name in the WGSL and value of every flag.
+            #[must_use]
+            pub fn list(&self) -> Vec<(&'static str, bool)> {
+                vec![$((stringify!($name), self.$name)),*]
+            }
+        }
+    };
+}
+
+features! {
+    robust: "`--numerics robust`, else `paper`.",
+    grid: "The scene is traced through a uniform grid.",
+    clip: "Rays may start outside of the grid.",
+    perspective: "Rays fan out from the eye, else they are parallel.",
+    counters: "Cells visited and triangles tested are counted per ray.",
+    normals: "Shading interpolates vertex normals.",
+    textures: "A material has a base colour texture.",
+    vertex_colors: "Corners have colours.",
+    many_materials: "There is more than one material.",
+    emissive: "A material emits light.",
+    double_sided: "A material is shaded on both sides.",
+    many_lights: "There is more than one light.",
+    directional_lights: "A light is directional.",
+    spot_lights: "A light is a spot.",
+}
+
+impl Features {
+    /// The part that the grid's walk depends on.
+    #[must_use]
+    pub fn walk_rules(&self) -> WalkRules {
+        WalkRules { robust: self.robust, clip: self.clip }
+    }
+}

@@ -1,0 +1,58 @@
+//! Twin of `generate.wgsl`: makes a ray for every pixel.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::executor::cpu::Texels;
+use crate::real::{Real, Vec3};
+use crate::scene_data::SceneData;
+use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::state::{TRAV_SETUP, UNWRITTEN};
+use crate::stream::Stream::{Hit, RayDirection, RayOrigin, State};
+
+/// The uniform `camera`, in traced units.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Camera {
+    /// The eye; the centre of the picture for parallel rays.
+    pub eye: [f32; 3],
+    /// 2 / width of the picture in pixels.
+    pub pixel_x: f32,
+    /// From the centre of the view plane to its right edge.
+    pub right: [f32; 3],
+    /// 2 / height of the picture in pixels.
+    pub pixel_y: f32,
+    /// To its upper edge.
+    pub up: [f32; 3],
+    pub(crate) _pad0: u32,
+    /// From the eye to the centre of the view plane; along all parallel rays.
+    pub forward: [f32; 3],
+    pub(crate) _pad1: u32,
+}
+
+/// One ray's work.
+pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
+    if ray.load_u32(State, 0) != UNWRITTEN {
+        return;
+    }
+    let camera = &scene.camera;
+    let half = R::from_f32(0.5);
+    let x = (R::from_i32(ray.x as i32) + half) * R::from_f32(camera.pixel_x) - R::one();
+    let y = R::one() - (R::from_i32(ray.y as i32) + half) * R::from_f32(camera.pixel_y);
+    let across = Vec3::from_f32(camera.right) * x;
+    let upward = Vec3::from_f32(camera.up) * y;
+    let (origin, direction) = if scene.features.perspective {
+        (Vec3::from_f32(camera.eye), Vec3::from_f32(camera.forward) + across + upward)
+    } else {
+        (Vec3::from_f32(camera.eye) + across + upward, Vec3::from_f32(camera.forward))
+    };
+
+    ray.store_vec3(RayOrigin, origin);
+    ray.store_vec3(RayDirection, direction);
+    ray.store(Hit, 0, R::zero());
+    ray.store(Hit, 1, R::zero());
+    ray.store_u32(Hit, 2, NO_TRIANGLE);
+    ray.store_u32(State, 0, TRAV_SETUP);
+    ray.store(State, 1, R::from_f32(INF));
+    ray.store_u32(State, 2, 0);
+    ray.store_u32(State, 3, 0);
+}

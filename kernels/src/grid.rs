@@ -1,0 +1,292 @@
+//! The uniform grid: its planes, its resolution, and which triangles each cell lists.
+//!
+//! ```text
+//! grid_cells  u32  one a cell, x fastest, and one more: where the cell's list starts in grid_items
+//! grid_items  u32  triangle ids, ascending within a cell; cell c owns cells[c] .. cells[c + 1]
+//! ```
+//!
+//! **Planes are exact.** Corner and cell width are multiples of one quantum, a power of two chosen so
+//! that every plane has at most 24 bits in it: `corner + width * i` is never rounded, contracted or not.
+//!
+//! **Lists are conservative.** A ray's computed place differs from its true one by at most
+//! [`growth`]: 7 roundings in a crossing's t (subtraction 1, reciprocal 5, product 1, in units of
+//! 2⁻²⁴ of the largest distance involved), 5 in the entry point and its cell, 10 in the t of a triangle
+//! that is not seen edge-on, together under 32. Every cell is grown by that much before the exact
+//! triangle/box test, so the cell in which a ray is believed to be lists what the ray can meet there.
+
+mod overlap;
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::parallel::{for_chunks, for_ranges, map_ranges};
+use crate::shared::grid_walk::Grid;
+use crate::units::{exp2, floor_log2};
+use overlap::Overlap;
+
+/// How fine the grid is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GridSize {
+    /// From the number of triangles and the scene's extent, see [`automatic_cells`].
+    #[default]
+    Auto,
+    /// Cells along x, y and z.
+    Cells([u32; 3]),
+}
+
+/// The grid cannot be built.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GridError {
+    /// A cell count of 0, or more cells than an index can name.
+    #[error("a grid of {} x {} x {} cells cannot be built: each count must be 1 to 4096 and their product at most {MAX_CELLS}", .0[0], .0[1], .0[2])]
+    Size([u32; 3]),
+    /// The lists are longer than an index can name.
+    #[error(
+        "a grid of {} x {} x {} cells would list {references} triangles, at most {} can be indexed: use fewer cells",
+        cells[0], cells[1], cells[2], u32::MAX
+    )]
+    TooManyReferences {
+        /// Cells along x, y and z.
+        cells: [u32; 3],
+        /// Entries that the lists would have.
+        references: u64,
+    },
+}
+
+/// Most cells in all.
+pub const MAX_CELLS: u64 = 1 << 28;
+
+/// A built grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridData {
+    /// The uniform.
+    pub grid: Grid,
+    /// Starts of the lists, one a cell and one more.
+    pub cells: Vec<u32>,
+    /// The lists.
+    pub items: Vec<u32>,
+    /// What each cell was grown by, traced units.
+    pub growth: f32,
+}
+
+/// How a grid's lists are distributed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridStats {
+    /// Cells in all.
+    pub cells: u64,
+    /// Cells with an empty list.
+    pub empty: u64,
+    /// Entries of all lists.
+    pub references: u64,
+    /// Entries that are there only because cells are grown.
+    pub added_by_growth: u64,
+    /// Longest list.
+    pub longest: u32,
+}
+
+/// What a cell is grown by, in traced units, where no origin, corner or distance between the two
+/// exceeds `reach`.
+#[must_use]
+pub fn growth(reach: f32) -> f32 {
+    32.0 * reach / (1 << 24) as f32
+}
+
+/// Cells along each axis for `triangles` triangles in a box of these sides: nearly cubic cells, about
+/// [`CELLS_PER_TRIANGLE`] a triangle. An axis thinner than a cell gets one, and the other two share.
+#[must_use]
+pub fn automatic_cells(triangles: u64, extent: [f64; 3]) -> [u32; 3] {
+    let wanted = (triangles as f64 * CELLS_PER_TRIANGLE).clamp(1.0, MAX_CELLS as f64 / 4.0);
+    let mut flat = [false; 3];
+    loop {
+        let axes = (0..3).filter(|&a| !flat[a]).count();
+        if axes == 0 {
+            return [1; 3];
+        }
+        let volume: f64 = (0..3).filter(|&a| !flat[a]).map(|a| extent[a]).product();
+        let width = (volume / wanted).powf(1.0 / axes as f64);
+        let thin = (0..3).filter(|&a| !flat[a] && extent[a] <= width * 0.5).collect::<Vec<_>>();
+        if !width.is_finite() || width <= 0.0 || !thin.is_empty() {
+            // Zero width: at least one side is zero.
+            let smallest = (0..3).filter(|&a| !flat[a]).min_by(|&a, &b| extent[a].total_cmp(&extent[b]));
+            flat[smallest.unwrap_or(0)] = true;
+            continue;
+        }
+        return [0, 1, 2].map(|a| if flat[a] { 1 } else { (extent[a] / width).round().clamp(1.0, 1024.0) as u32 });
+    }
+}
+
+/// Cells a triangle at which the automatic resolution aims.
+pub const CELLS_PER_TRIANGLE: f64 = 4.0;
+
+/// Builds the grid over `vertices` (nine floats a triangle, traced units).
+///
+/// `reach` bounds every coordinate of corners and ray origins and the distances between them.
+///
+/// # Errors
+/// Where the size asked for, or the lists, cannot be indexed.
+pub fn build(vertices: &[f32], size: GridSize, reach: f32) -> Result<GridData, GridError> {
+    let growth = growth(reach);
+    let (min, max) = bounds(vertices);
+    let triangles = (vertices.len() / 9) as u64;
+    let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
+    let GridSize::Cells(cells) = size else {
+        let mut cells = automatic_cells(triangles, extent);
+        loop {
+            let grid = layout(min, max, cells, growth);
+            let (counts, references) = count(vertices, &grid, growth);
+            // Triangles much larger than a cell would fill every list; a coarser grid is cheaper then.
+            if references <= 16 * triangles + 4096 || cells == [1; 3] {
+                return fill(vertices, grid, growth, counts, references);
+            }
+            cells = cells.map(|n| (n * 2 / 3).max(1));
+        }
+    };
+    let product = cells.iter().map(|&n| u64::from(n)).product::<u64>();
+    if cells.iter().any(|&n| n == 0 || n > 4096) || product > MAX_CELLS {
+        return Err(GridError::Size(cells));
+    }
+    let grid = layout(min, max, cells, growth);
+    let (counts, references) = count(vertices, &grid, growth);
+    fill(vertices, grid, growth, counts, references)
+}
+
+/// Lower and upper corner; the unit box without triangles.
+fn bounds(vertices: &[f32]) -> ([f32; 3], [f32; 3]) {
+    const CHUNK: usize = 9 << 14;
+    let parts = map_ranges(vertices.len(), CHUNK, |range| {
+        vertices[range].chunks_exact(3).fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), p| {
+            ([0, 1, 2].map(|a| low[a].min(p[a])), [0, 1, 2].map(|a| high[a].max(p[a])))
+        })
+    });
+    parts
+        .into_iter()
+        .reduce(|a, b| ([0, 1, 2].map(|i| a.0[i].min(b.0[i])), [0, 1, 2].map(|i| a.1[i].max(b.1[i]))))
+        .unwrap_or(([0.0; 3], [1.0; 3]))
+}
+
+/// Places the planes: the box of the scene with a margin of twice the growth, on exact planes.
+fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
+    let mut grid = Grid { cells: cells.map(|n| n as i32), ..Grid::default() };
+    for a in 0..3 {
+        let margin = 2.0 * f64::from(growth);
+        let (low, high) = (f64::from(min[a]) - margin, f64::from(max[a]) + margin);
+        let count = f64::from(cells[a]);
+        // Two bits of headroom: rounding up each of the cells may move the last plane outwards.
+        let quantum = exp2(floor_log2(low.abs().max(high.abs())) - 22);
+        let corner = (low / quantum).floor() * quantum;
+        let width = (((high - corner) / count) / quantum).ceil().max(1.0) * quantum;
+        grid.corner[a] = corner as f32;
+        grid.width[a] = width as f32;
+        grid.inverse_width[a] = (1.0 / width) as f32;
+    }
+    grid
+}
+
+const CHUNK: usize = 1 << 12;
+
+/// How many triangles each cell will list, and their sum.
+fn count(vertices: &[f32], grid: &Grid, growth: f32) -> (Vec<AtomicU32>, u64) {
+    let cells = grid.cells.iter().map(|&n| n as usize).product::<usize>();
+    let counts: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(cells + 1).collect();
+    for_references(vertices, grid, growth, |_, cell| {
+        counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+    });
+    let references = counts.iter().map(|c| u64::from(c.load(Ordering::Relaxed))).sum();
+    (counts, references)
+}
+
+/// Calls `f` with every triangle and each cell that lists it.
+fn for_references(vertices: &[f32], grid: &Grid, growth: f32, f: impl Fn(u32, u32) + Sync) {
+    for_ranges(vertices.len() / 9, CHUNK, |range| {
+        for triangle in range {
+            let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * triangle..9 * triangle + 9]);
+            if overlap.is_single() {
+                f(triangle as u32, grid.cell_index(overlap.low));
+            } else {
+                overlap.for_cells(|cell| f(triangle as u32, grid.cell_index(cell)));
+            }
+        }
+    });
+}
+
+/// Turns counts into starts, in place, and fills the lists.
+fn fill(
+    vertices: &[f32],
+    grid: Grid,
+    growth: f32,
+    counts: Vec<AtomicU32>,
+    references: u64,
+) -> Result<GridData, GridError> {
+    if references > u64::from(u32::MAX) {
+        return Err(GridError::TooManyReferences { cells: grid.cells.map(|n| n as u32), references });
+    }
+    let mut start = 0;
+    for count in &counts {
+        start += count.swap(start, Ordering::Relaxed);
+    }
+    // Each list is filled in any order; its start moves to its end, which is the next one's start.
+    let slots: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(references as usize).collect();
+    for_references(vertices, &grid, growth, |triangle, cell| {
+        let slot = counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+        slots[slot as usize].store(triangle, Ordering::Relaxed);
+    });
+    let mut cells: Vec<u32> = counts.into_iter().map(AtomicU32::into_inner).collect();
+    let mut items: Vec<u32> = slots.into_iter().map(AtomicU32::into_inner).collect();
+    let last = cells.len() - 1;
+    cells.copy_within(0..last, 1);
+    cells[0] = 0;
+    sort_lists(&cells, &mut items);
+    Ok(GridData { grid, cells, items, growth })
+}
+
+/// Sorts every list, so that the order of the fill does not show.
+fn sort_lists(cells: &[u32], items: &mut [u32]) {
+    let mut lists = Vec::new();
+    let mut rest = items;
+    const LISTS: usize = 1 << 14;
+    for first in (0..cells.len() - 1).step_by(LISTS) {
+        let last = (first + LISTS).min(cells.len() - 1);
+        let (piece, tail) = rest.split_at_mut((cells[last] - cells[first]) as usize);
+        lists.push((first..last, piece));
+        rest = tail;
+    }
+    for_chunks(&mut lists, 1, |_, piece| {
+        for (range, items) in piece {
+            let base = cells[range.start];
+            for cell in range.clone() {
+                items[(cells[cell] - base) as usize..(cells[cell + 1] - base) as usize].sort_unstable();
+            }
+        }
+    });
+}
+
+impl GridData {
+    /// Bytes of the two lists.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        4 * (self.cells.len() as u64 + self.items.len() as u64)
+    }
+
+    /// The triangles that a cell lists; empty for a cell that the grid does not have.
+    #[must_use]
+    pub fn list(&self, cell: u32) -> &[u32] {
+        let cell = cell as usize;
+        match (self.cells.get(cell), self.cells.get(cell + 1)) {
+            (Some(&first), Some(&end)) => &self.items[first as usize..end as usize],
+            _ => &[],
+        }
+    }
+
+    /// Statistics; walks all triangles once more to tell what the growth added.
+    #[must_use]
+    pub fn stats(&self, vertices: &[f32]) -> GridStats {
+        let lengths = || self.cells.windows(2).map(|w| w[1] - w[0]);
+        let (_, exact) = count(vertices, &self.grid, 0.0);
+        GridStats {
+            cells: self.cells.len() as u64 - 1,
+            empty: lengths().filter(|&n| n == 0).count() as u64,
+            references: self.items.len() as u64,
+            added_by_growth: self.items.len() as u64 - exact,
+            longest: lengths().max().unwrap_or(0),
+        }
+    }
+}

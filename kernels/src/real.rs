@@ -1,0 +1,206 @@
+//! Numbers that a twin can be run in: f32, as on the GPU, and f64, for the reference.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// A floating point type that every twin is generic over. Operations round as IEEE 754 says.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + PartialOrd
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
+{
+    /// An unsigned integer as wide as the float: what one texel of a twin's stream holds.
+    type Bits: Copy + Debug + Default + Eq + Send + Sync + 'static;
+
+    /// Half the distance from 1 to the next larger number: 2⁻²⁴ for f32.
+    const UNIT_ROUNDOFF: f64;
+
+    /// Exact: every f32 is a `Real`.
+    fn from_f32(value: f32) -> Self;
+    /// Rounds to nearest.
+    fn from_f64(value: f64) -> Self;
+    /// Exact.
+    fn to_f64(self) -> f64;
+    /// WGSL's `f32(i)`: rounds to nearest.
+    fn from_i32(value: i32) -> Self;
+    /// WGSL's `i32(x)`: truncates, and clamps to the range of i32; 0 for NaN.
+    fn to_i32(self) -> i32;
+    /// Largest integer not above.
+    fn floor(self) -> Self;
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// Square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// WGSL's `min`: the second operand where either is NaN is not relied upon.
+    fn min(self, other: Self) -> Self;
+    /// WGSL's `max`.
+    fn max(self, other: Self) -> Self;
+    /// Bit pattern.
+    fn to_bits(self) -> Self::Bits;
+    /// From a bit pattern.
+    fn from_bits(bits: Self::Bits) -> Self;
+    /// An integer component as a texel.
+    fn bits_from_u32(value: u32) -> Self::Bits;
+    /// The integer component in a texel.
+    fn bits_to_u32(bits: Self::Bits) -> u32;
+
+    /// 0
+    fn zero() -> Self {
+        Self::from_f32(0.0)
+    }
+    /// 1
+    fn one() -> Self {
+        Self::from_f32(1.0)
+    }
+}
+
+macro_rules! real {
+    ($float:ty, $bits:ty, $unit_roundoff:expr) => {
+        impl Real for $float {
+            type Bits = $bits;
+            const UNIT_ROUNDOFF: f64 = $unit_roundoff;
+            fn from_f32(value: f32) -> Self {
+                value as $float
+            }
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            fn from_i32(value: i32) -> Self {
+                value as $float
+            }
+            fn to_i32(self) -> i32 {
+                self as i32
+            }
+            fn floor(self) -> Self {
+                <$float>::floor(self)
+            }
+            fn abs(self) -> Self {
+                <$float>::abs(self)
+            }
+            fn sqrt(self) -> Self {
+                <$float>::sqrt(self)
+            }
+            fn min(self, other: Self) -> Self {
+                if other < self { other } else { self }
+            }
+            fn max(self, other: Self) -> Self {
+                if self < other { other } else { self }
+            }
+            fn to_bits(self) -> $bits {
+                <$float>::to_bits(self)
+            }
+            fn from_bits(bits: $bits) -> Self {
+                <$float>::from_bits(bits)
+            }
+            fn bits_from_u32(value: u32) -> $bits {
+                value as $bits
+            }
+            fn bits_to_u32(bits: $bits) -> u32 {
+                bits as u32
+            }
+        }
+    };
+}
+real!(f32, u32, 1.0 / (1u64 << 24) as f64);
+real!(f64, u64, 1.0 / (1u64 << 53) as f64);
+
+/// WGSL's `vec3f`, over any [`Real`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vec3<R> {
+    /// First component.
+    pub x: R,
+    /// Second component.
+    pub y: R,
+    /// Third component.
+    pub z: R,
+}
+
+impl<R: Real> Vec3<R> {
+    /// From three components.
+    pub fn new(x: R, y: R, z: R) -> Self {
+        Self { x, y, z }
+    }
+    /// The same component three times.
+    pub fn splat(v: R) -> Self {
+        Self { x: v, y: v, z: v }
+    }
+    /// Exact.
+    pub fn from_f32(v: [f32; 3]) -> Self {
+        Self { x: R::from_f32(v[0]), y: R::from_f32(v[1]), z: R::from_f32(v[2]) }
+    }
+    /// Component-wise magnitude.
+    pub fn abs(self) -> Self {
+        self.map(R::abs)
+    }
+    /// Applies `f` to each component.
+    pub fn map<T>(self, f: impl Fn(R) -> T) -> Vec3<T> {
+        Vec3 { x: f(self.x), y: f(self.y), z: f(self.z) }
+    }
+    /// Rounds each component to f64.
+    pub fn to_f64(self) -> [f64; 3] {
+        [self.x.to_f64(), self.y.to_f64(), self.z.to_f64()]
+    }
+}
+
+impl<T: Copy> Vec3<T> {
+    /// As an array.
+    pub fn to_array(self) -> [T; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl<T> From<[T; 3]> for Vec3<T> {
+    fn from([x, y, z]: [T; 3]) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<R: Real> Add for Vec3<R> {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+    }
+}
+
+impl<R: Real> Sub for Vec3<R> {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        Self { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+    }
+}
+
+/// Component-wise, as in WGSL.
+impl<R: Real> Mul for Vec3<R> {
+    type Output = Self;
+    fn mul(self, o: Self) -> Self {
+        Self { x: self.x * o.x, y: self.y * o.y, z: self.z * o.z }
+    }
+}
+
+impl<R: Real> Mul<R> for Vec3<R> {
+    type Output = Self;
+    fn mul(self, s: R) -> Self {
+        Self { x: self.x * s, y: self.y * s, z: self.z * s }
+    }
+}
+
+impl<R: Real> Neg for Vec3<R> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}

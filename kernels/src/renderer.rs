@@ -1,0 +1,443 @@
+//! A run that a program drives: one pass at a time or to the end, with every stream in the open.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use raystep_scenes::Scene;
+
+use crate::executor::PassResult;
+use crate::executor::cpu::CpuExecutor;
+use crate::executor::gpu::{Gpu, GpuError, GpuExecutor, MOST_PASSES};
+use crate::image::Image;
+use crate::kernel::Kernel;
+use crate::options::{Options, RaySource};
+use crate::plan::{Limits, Plan, PlanError};
+use crate::scene_data::{SceneData, traced_ray};
+use crate::schedule::Cursor;
+use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::state::{self, StateCounts};
+use crate::stream::{HIT_TRIANGLE, STATE_T, Stream, StreamData};
+use crate::units::exp2;
+
+/// Where passes run.
+#[derive(Clone)]
+pub enum Device {
+    /// A wgpu device.
+    Gpu(Arc<Gpu>),
+    /// The twins in f32. The clock, in nanoseconds from any start, times passes if there is one.
+    Cpu(Option<fn() -> u64>),
+    /// The twins in f64, from the same f32 scene and camera.
+    CpuF64(Option<fn() -> u64>),
+}
+
+enum Executor {
+    Gpu(Box<GpuExecutor>),
+    Cpu(CpuExecutor<f32>),
+    CpuF64(CpuExecutor<f64>),
+}
+
+/// A run that failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// It does not fit.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The GPU failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The caller's progress function asked to stop.
+    #[error("cancelled after {passes} passes")]
+    Cancelled {
+        /// Passes that were complete.
+        passes: usize,
+    },
+    /// The stream is not part of the plan.
+    #[error("stream {0:?} is left out of this run's plan")]
+    NoStream(&'static str),
+    /// A pass that was submitted ahead changed something. This is a defect of raystep.
+    #[error("pass {0}, submitted ahead of its turn, was not idle")]
+    Overshoot(usize),
+}
+
+/// One pass that has run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Its place in the run, from 0.
+    pub index: usize,
+    /// Turn of the walk's loop that it belongs to, from 1; 0 before the loop.
+    pub iteration: u32,
+    /// Its kernel.
+    pub kernel: Kernel,
+    /// Rays that it worked on.
+    pub rays_in: u32,
+    /// Rays in each state after it.
+    pub counts: StateCounts,
+    /// When it began, on the device's own clock.
+    pub begin_ns: Option<u64>,
+    /// How long it took on the device.
+    pub duration_ns: Option<u64>,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Passes so far.
+    pub passes: usize,
+    /// Rays whose hit is decided.
+    pub rays_decided: u64,
+    /// All rays.
+    pub rays: u64,
+}
+
+/// What one ray hit, in scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// Parameter along the ray's direction as it was given.
+    pub t: f64,
+    /// Weight of vertex 1.
+    pub u: f32,
+    /// Weight of vertex 2.
+    pub v: f32,
+    /// The triangle's id.
+    pub triangle: u32,
+}
+
+/// A scene, its options and a device, between two passes.
+pub struct Renderer {
+    plan: Plan,
+    data: SceneData,
+    executor: Executor,
+    given: Option<GivenRays>,
+    cursor: Cursor,
+    counts: StateCounts,
+    passes: Vec<Pass>,
+    pass_bound: u64,
+    unfinished: u64,
+}
+
+/// Rays from outside, as streams, and the exponent of each one's t.
+struct GivenRays {
+    streams: [StreamData; 3],
+    exponents: Vec<i32>,
+}
+
+impl Renderer {
+    /// Plans the run, prepares the scene, allocates. No pass has run yet.
+    ///
+    /// # Errors
+    /// Where the scene or options do not fit the device, or the device fails.
+    pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
+        let limits = match device {
+            Device::Gpu(gpu) => Limits::from(&gpu.device.limits()),
+            Device::Cpu(_) | Device::CpuF64(_) => Limits::CPU,
+        };
+        let (plan, data) = Plan::new(scene, options, &limits)?;
+        Self::from_plan(plan, data, options, device).await
+    }
+
+    /// The same from a plan that was made before.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub async fn from_plan(
+        plan: Plan,
+        data: SceneData,
+        options: &Options,
+        device: &Device,
+    ) -> Result<Self, RenderError> {
+        let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| options.timings);
+        let executor = match device {
+            Device::Gpu(gpu) => {
+                Executor::Gpu(Box::new(GpuExecutor::new(gpu.clone(), &plan, &data, options.timings).await?))
+            }
+            Device::Cpu(clock) => Executor::Cpu(CpuExecutor::new(&plan, timer(clock))),
+            Device::CpuF64(clock) => Executor::CpuF64(CpuExecutor::new(&plan, timer(clock))),
+        };
+        let given = match &options.rays {
+            RaySource::Given(rays) => Some(GivenRays::new(rays, &plan, &data)),
+            RaySource::Camera { .. } => None,
+        };
+        let pass_bound = plan.pass_bound(&data);
+        let mut renderer = Self {
+            plan,
+            data,
+            executor,
+            given,
+            cursor: Cursor::start(),
+            counts: StateCounts::default(),
+            passes: Vec::new(),
+            pass_bound,
+            unfinished: 0,
+        };
+        renderer.restart();
+        Ok(renderer)
+    }
+
+    /// Back to before the first pass. Kernels are deterministic, so the same passes follow.
+    pub fn restart(&mut self) {
+        match &mut self.executor {
+            Executor::Gpu(e) => e.clear(),
+            Executor::Cpu(e) => e.clear(),
+            Executor::CpuF64(e) => e.clear(),
+        }
+        self.cursor = Cursor::start();
+        self.passes.clear();
+        self.unfinished = 0;
+        self.counts = StateCounts::default();
+        let texels = self.plan.width * self.plan.height;
+        match self.given.take() {
+            Some(given) => {
+                for data in &given.streams {
+                    self.write(data);
+                }
+                let rays = given.exponents.len() as u32;
+                self.counts[state::TRAV_SETUP as usize] = rays;
+                self.counts[state::UNWRITTEN as usize] = texels - rays;
+                self.given = Some(given);
+            }
+            None => self.counts[state::UNWRITTEN as usize] = texels,
+        }
+    }
+
+    /// Runs one pass. `None` when the run is complete.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub async fn step(&mut self) -> Result<Option<Pass>, RenderError> {
+        let before = self.passes.len();
+        self.advance(1).await?;
+        Ok(self.passes.get(before).copied())
+    }
+
+    /// The kernel that [`step`](Self::step) would run.
+    #[must_use]
+    pub fn next_kernel(&self) -> Option<Kernel> {
+        self.cursor.clone().next(&self.plan.schedule, &self.counts)
+    }
+
+    /// Runs to the end. `progress` is called between batches of passes and may stop the run.
+    ///
+    /// # Errors
+    /// Where the device fails, or `progress` said so.
+    pub async fn run(
+        &mut self,
+        mut progress: impl FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
+        // Enough passes to hide the read-back, few enough rays to report often.
+        let most = match self.executor {
+            Executor::Gpu(_) => ((1usize << 26) / self.plan.rays.max(1) as usize).clamp(2, MOST_PASSES),
+            Executor::Cpu(_) | Executor::CpuF64(_) => 1,
+        };
+        let mut batch = most.min(8);
+        while self.advance(batch).await? > 0 {
+            batch = (batch * 2).min(most);
+            if progress(&self.progress()).is_break() {
+                return Err(RenderError::Cancelled { passes: self.passes.len() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Submits up to `most` passes and records those that the schedule asked for.
+    async fn advance(&mut self, most: usize) -> Result<usize, RenderError> {
+        if self.passes.len() as u64 >= self.pass_bound && self.unfinished == 0 {
+            // Only the paper's numerics can get here: a ray that wraps over a face of the grid.
+            self.unfinished = self.undecided();
+            self.cursor.leave_loop();
+        }
+        let guess = self.cursor.guess(&self.plan.schedule, &self.counts, most);
+        if guess.is_empty() {
+            return Ok(0);
+        }
+        let results: Vec<PassResult> = match &mut self.executor {
+            Executor::Gpu(e) => e.run(&guess).await?,
+            Executor::Cpu(e) => vec![e.run(guess[0], &self.data)],
+            Executor::CpuF64(e) => vec![e.run(guess[0], &self.data)],
+        };
+        let mut recorded = 0;
+        for result in &results {
+            let mut ahead = self.cursor.clone();
+            if ahead.next(&self.plan.schedule, &self.counts) != Some(result.kernel) {
+                // What follows was submitted ahead for rays that are no longer there.
+                if results[recorded..].iter().any(|r| r.counts != self.counts) {
+                    return Err(RenderError::Overshoot(self.passes.len()));
+                }
+                break;
+            }
+            let rays_in = result.kernel.live(&self.counts);
+            self.cursor = ahead;
+            self.counts = result.counts;
+            self.passes.push(Pass {
+                index: self.passes.len(),
+                iteration: self.cursor.iteration,
+                kernel: result.kernel,
+                rays_in,
+                counts: result.counts,
+                begin_ns: result.begin_ns,
+                duration_ns: result.duration_ns,
+            });
+            recorded += 1;
+        }
+        Ok(recorded)
+    }
+
+    fn undecided(&self) -> u64 {
+        [state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT]
+            .iter()
+            .map(|&tag| u64::from(self.counts[tag as usize]))
+            .sum()
+    }
+
+    /// How far the run is.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        let decided = [state::SHADE, state::BACKGROUND, state::DONE];
+        let rays_decided = decided.iter().map(|&tag| u64::from(self.counts[tag as usize])).sum();
+        Progress { passes: self.passes.len(), rays_decided, rays: self.plan.rays }
+    }
+
+    /// The plan.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The scene as the kernels read it.
+    #[must_use]
+    pub fn data(&self) -> &SceneData {
+        &self.data
+    }
+
+    /// Every pass so far.
+    #[must_use]
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
+    }
+
+    /// Rays in each state now.
+    #[must_use]
+    pub fn live(&self) -> StateCounts {
+        self.counts
+    }
+
+    /// Rays that were still walking when the bound on passes was reached. 0 with robust numerics.
+    #[must_use]
+    pub fn unfinished(&self) -> u64 {
+        self.unfinished
+    }
+
+    /// The GPU executor, where passes run on one.
+    #[must_use]
+    pub fn gpu(&self) -> Option<&GpuExecutor> {
+        match &self.executor {
+            Executor::Gpu(e) => Some(e),
+            _ => None,
+        }
+    }
+
+    /// The f64 twins, where passes run on them.
+    #[must_use]
+    pub fn cpu_f64(&self) -> Option<&CpuExecutor<f64>> {
+        match &self.executor {
+            Executor::CpuF64(e) => Some(e),
+            _ => None,
+        }
+    }
+
+    /// A stream's own texture, where passes run on a GPU.
+    #[must_use]
+    pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
+        self.gpu()?.texture(stream)
+    }
+
+    /// A stream's values after the last pass.
+    ///
+    /// # Errors
+    /// Where the plan left it out, or the device fails.
+    pub async fn values(&self, stream: Stream) -> Result<StreamData, RenderError> {
+        let data = match &self.executor {
+            Executor::Gpu(e) => e.read(stream).await?,
+            Executor::Cpu(e) => e.read(stream),
+            Executor::CpuF64(e) => e.read(stream),
+        };
+        data.ok_or(RenderError::NoStream(stream.name()))
+    }
+
+    /// One ray's texel after the last pass, one word a layer.
+    ///
+    /// # Errors
+    /// Where the plan left the stream out, the image has no such pixel, or the device fails.
+    pub async fn texel(&self, stream: Stream, x: u32, y: u32) -> Result<Vec<u32>, RenderError> {
+        let texel = match &self.executor {
+            Executor::Gpu(e) => e.read_texel(stream, x, y).await?,
+            Executor::Cpu(e) => e.read_texel(stream, x, y),
+            Executor::CpuF64(e) => e.read_texel(stream, x, y),
+        };
+        texel.ok_or(RenderError::NoStream(stream.name()))
+    }
+
+    /// Replaces a stream's values; the next pass works on them. False where the plan left it out or the
+    /// size differs.
+    pub fn write(&mut self, data: &StreamData) -> bool {
+        match &mut self.executor {
+            Executor::Gpu(e) => e.write(data),
+            Executor::Cpu(e) => e.write(data),
+            Executor::CpuF64(e) => e.write(data),
+        }
+    }
+
+    /// The image so far, linear; alpha is 1 where a ray hit something.
+    ///
+    /// # Errors
+    /// Where the run does not shade, or the device fails.
+    pub async fn image(&self) -> Result<Image, RenderError> {
+        let color = self.values(Stream::Color).await?;
+        let hit = self.values(Stream::Hit).await?;
+        Ok(Image::from_streams(&color, &hit))
+    }
+
+    /// What every ray hit so far, in scene units.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub async fn hits(&self) -> Result<Vec<Option<RayHit>>, RenderError> {
+        let hit = self.values(Stream::Hit).await?;
+        let state = self.values(Stream::State).await?;
+        let scale = self.data.units.scene_units_per_stream_unit();
+        let hit_of = |i: usize| {
+            let (t, triangle) = (state.get_f32(STATE_T, i), hit.get(HIT_TRIANGLE, i));
+            let scale = self.given.as_ref().map_or(scale, |g| exp2(g.exponents[i]));
+            (triangle != NO_TRIANGLE && t < INF).then(|| RayHit {
+                t: f64::from(t) * scale,
+                u: hit.get_f32(0, i),
+                v: hit.get_f32(1, i),
+                triangle,
+            })
+        };
+        Ok((0..self.plan.rays as usize).map(hit_of).collect())
+    }
+}
+
+impl GivenRays {
+    fn new(rays: &[crate::options::Ray], plan: &Plan, data: &SceneData) -> Self {
+        let texels = plan.width as usize * plan.height as usize;
+        let unwritten = |stream: Stream| StreamData {
+            stream,
+            width: plan.width,
+            height: plan.height,
+            bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
+        };
+        let mut streams = [Stream::RayOrigin, Stream::RayDirection, Stream::State].map(unwritten);
+        let mut exponents = Vec::with_capacity(rays.len());
+        for (i, ray) in rays.iter().enumerate() {
+            let (ray, exponent) = traced_ray(ray, data.units);
+            for axis in 0..3 {
+                streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();
+                streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
+            }
+            streams[2].bits[i] = state::TRAV_SETUP;
+            exponents.push(exponent);
+        }
+        Self { streams, exponents }
+    }
+}

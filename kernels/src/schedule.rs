@@ -1,0 +1,238 @@
+//! Which kernels run, in what order, until what holds: a value that can be checked without a GPU.
+
+use crate::kernel::Kernel;
+use crate::options::{Accelerator, ScheduleKind};
+use crate::state::StateCounts;
+
+/// One line of a schedule.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Run a kernel once.
+    Run(Kernel),
+    /// Run a kernel until no ray is active there; not at all if none is.
+    RunUntilIdle(Kernel),
+    /// Run the steps again and again while any ray is active in one of the kernels.
+    LoopWhileActive(&'static [Kernel], Vec<Step>),
+}
+
+/// An order of kernels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Schedule {
+    /// The steps, first to last.
+    pub steps: Vec<Step>,
+}
+
+impl Schedule {
+    /// The paper's §4.3. `rays_given`: there is nothing to generate; `shade`: the image is wanted.
+    #[must_use]
+    pub fn new(kind: ScheduleKind, accelerator: Accelerator, rays_given: bool, shade: bool) -> Self {
+        use Kernel::{Generate, Intersect, Setup, Shade, TraverseGrid};
+        let walk = match (accelerator, kind) {
+            // The printed condition of the first strategy is inverted; `while (!done || traverser())` is meant.
+            (Accelerator::Grid, ScheduleKind::First) => Step::LoopWhileActive(
+                &[Intersect, TraverseGrid],
+                vec![Step::RunUntilIdle(Intersect), Step::Run(TraverseGrid)],
+            ),
+            (Accelerator::Grid, ScheduleKind::Second) => {
+                Step::LoopWhileActive(&[Intersect, TraverseGrid], vec![Step::Run(Intersect), Step::Run(TraverseGrid)])
+            }
+            (Accelerator::None, _) => Step::RunUntilIdle(Intersect),
+        };
+        let mut steps = Vec::new();
+        if !rays_given {
+            steps.push(Step::Run(Generate));
+        }
+        steps.extend([Step::Run(Setup), walk]);
+        if shade {
+            steps.push(Step::Run(Shade));
+        }
+        Self { steps }
+    }
+
+    /// Every kernel that the schedule can run, in order of first use.
+    #[must_use]
+    pub fn kernels(&self) -> Vec<Kernel> {
+        fn collect(steps: &[Step], kernels: &mut Vec<Kernel>) {
+            for step in steps {
+                match step {
+                    Step::Run(k) | Step::RunUntilIdle(k) => {
+                        if !kernels.contains(k) {
+                            kernels.push(*k);
+                        }
+                    }
+                    Step::LoopWhileActive(_, body) => collect(body, kernels),
+                }
+            }
+        }
+        let mut kernels = Vec::new();
+        collect(&self.steps, &mut kernels);
+        kernels
+    }
+}
+
+/// A place in a schedule. Cloning it and walking the clone on a guess tells which passes may come next.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cursor {
+    /// Index of the step at each depth of nesting, outermost first.
+    path: Vec<usize>,
+    /// How often the outermost loop's body was begun.
+    pub iteration: u32,
+}
+
+impl Cursor {
+    /// Before the first step.
+    #[must_use]
+    pub fn start() -> Self {
+        Self { path: vec![0], iteration: 0 }
+    }
+
+    /// The kernel that runs next, given how many rays are in each state; `None` at the end. Moves past it.
+    pub fn next(&mut self, schedule: &Schedule, counts: &StateCounts) -> Option<Kernel> {
+        loop {
+            let (steps, parent) = self.steps(schedule);
+            let index = *self.path.last()?;
+            let Some(step) = steps.get(index) else {
+                // End of a body: back to the loop's head, or the end of the schedule.
+                parent?;
+                self.path.pop();
+                continue;
+            };
+            match step {
+                Step::Run(kernel) => {
+                    *self.path.last_mut()? += 1;
+                    return Some(*kernel);
+                }
+                Step::RunUntilIdle(kernel) => {
+                    if kernel.live(counts) > 0 {
+                        return Some(*kernel);
+                    }
+                    *self.path.last_mut()? += 1;
+                }
+                Step::LoopWhileActive(kernels, _) => {
+                    if kernels.iter().any(|k| k.live(counts) > 0) {
+                        self.iteration += 1;
+                        self.path.push(0);
+                    } else {
+                        *self.path.last_mut()? += 1;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Goes on behind the outermost loop, whatever is still active in it.
+    pub fn leave_loop(&mut self) {
+        self.path.truncate(1);
+        self.path[0] += 1;
+    }
+
+    /// The next passes if every ray stayed where it is: what may be submitted before the counts of the
+    /// first are known. A pass on which no ray is active changes nothing, so a wrong guess is harmless as
+    /// long as it only repeats kernels that have become idle.
+    #[must_use]
+    pub fn guess(&self, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Kernel> {
+        let mut cursor = self.clone();
+        let Some(first) = cursor.next(schedule, counts) else { return Vec::new() };
+        let mut kernels = vec![first];
+        // Only inside of a loop may a pass be repeated for nothing.
+        if !cursor.in_loop(schedule) {
+            return kernels;
+        }
+        while kernels.len() < most.max(1) {
+            let mut ahead = cursor.clone();
+            match ahead.next(schedule, counts) {
+                // A kernel that runs once a turn is idle right after; guessing it again would be for nothing.
+                Some(kernel) if ahead.in_loop(schedule) && (kernels.last() != Some(&kernel) || ahead.stays(schedule)) => {
+                    kernels.push(kernel);
+                }
+                _ => break,
+            }
+            cursor = ahead;
+        }
+        kernels
+    }
+
+    /// Whether the step that the cursor is at may run again at once.
+    fn stays(&self, schedule: &Schedule) -> bool {
+        let index = self.path.last().copied().unwrap_or(0);
+        matches!(self.steps(schedule).0.get(index), Some(Step::RunUntilIdle(_)))
+    }
+
+    fn in_loop(&self, schedule: &Schedule) -> bool {
+        let (steps, parent) = self.steps(schedule);
+        parent.is_some() || matches!(steps.get(self.path[0]), Some(Step::RunUntilIdle(_)))
+    }
+
+    /// The steps at the innermost depth, and the loop that they are the body of.
+    fn steps<'a>(&self, schedule: &'a Schedule) -> (&'a [Step], Option<&'a Step>) {
+        let (mut steps, mut parent) = (schedule.steps.as_slice(), None);
+        for &index in &self.path[..self.path.len() - 1] {
+            let Step::LoopWhileActive(_, body) = &steps[index] else { break };
+            (steps, parent) = (body, Some(&steps[index]));
+        }
+        (steps, parent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::{DONE, ISECT_NO_HIT, SHADE, TRAV};
+
+    fn counts(isect: u32, trav: u32, shade: u32) -> StateCounts {
+        let mut c = StateCounts::default();
+        (c[ISECT_NO_HIT as usize], c[TRAV as usize], c[SHADE as usize]) = (isect, trav, shade);
+        c
+    }
+
+    fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[StateCounts]) -> Vec<&'static str> {
+        let schedule = Schedule::new(kind, accelerator, false, true);
+        let mut cursor = Cursor::start();
+        let mut now = counts(0, 0, 0);
+        let mut names = Vec::new();
+        for after in script {
+            names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
+            now = *after;
+        }
+        names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
+        names
+    }
+
+    #[test]
+    fn second_takes_turns_until_both_are_idle() {
+        let (c, mut done) = (counts, StateCounts::default());
+        done[DONE as usize] = 9;
+        let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(9, 0, 0), c(0, 4, 5), c(0, 0, 9), done];
+        let names = run(ScheduleKind::Second, Accelerator::Grid, &script);
+        let expected = ["generate", "setup", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
+        assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn first_empties_intersect_before_it_traverses() {
+        let c = counts;
+        let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(0, 9, 0), c(2, 0, 7), c(0, 0, 9), c(0, 0, 9), c(0, 0, 0)];
+        let names = run(ScheduleKind::First, Accelerator::Grid, &script);
+        let expected =
+            ["generate", "setup", "intersect", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
+        assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn without_a_grid_there_is_nothing_to_traverse() {
+        let c = counts;
+        let script = [c(0, 0, 0), c(9, 0, 0), c(3, 0, 6), c(0, 0, 9), c(0, 0, 0)];
+        let names = run(ScheduleKind::Second, Accelerator::None, &script);
+        assert_eq!(names, ["generate", "setup", "intersect", "intersect", "shade", "end"]);
+    }
+
+    #[test]
+    fn a_guess_never_leaves_the_loop() {
+        let schedule = Schedule::new(ScheduleKind::First, Accelerator::Grid, false, true);
+        let mut cursor = Cursor::start();
+        assert_eq!(cursor.guess(&schedule, &counts(0, 0, 0), 8), [Kernel::Generate]);
+        cursor.next(&schedule, &counts(0, 0, 0));
+        cursor.next(&schedule, &counts(0, 0, 0));
+        assert_eq!(cursor.guess(&schedule, &counts(5, 0, 0), 4), [Kernel::Intersect; 4]);
+    }
+}

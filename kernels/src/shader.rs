@@ -1,0 +1,217 @@
+//! From a kernel's file to the WGSL that a device gets, and what that WGSL says of its bindings.
+//!
+//! WESL resolves `import` and `@if`; naga parses and validates the result and tells what every entry
+//! point reads and writes, through the functions it calls. The WGSL is the only list of bindings.
+
+use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
+use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInner};
+use wesl::{CompileOptions, ManglerKind, ModulePath, VirtualResolver, Wesl};
+
+use crate::features::Features;
+use crate::kernel::Kernel;
+use crate::shared;
+use crate::stream::{Stream, Texel};
+
+/// What a binding is bound to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resource {
+    /// A per-ray stream, read through a sampled texture.
+    ReadStream(Stream),
+    /// A per-ray stream, written or updated in place.
+    WriteStream {
+        /// Which stream.
+        stream: Stream,
+        /// Declared `read_write`, else `write`.
+        readable: bool,
+    },
+    /// A uniform.
+    Uniform,
+    /// A read-only storage buffer.
+    Storage,
+}
+
+/// One binding of a kernel's variant, as its WGSL declares and uses it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// `@group`
+    pub group: u32,
+    /// `@binding`
+    pub index: u32,
+    /// Global's name: the stream's or buffer's.
+    pub name: String,
+    /// What to bind.
+    pub resource: Resource,
+    /// The entry point reads it.
+    pub reads: bool,
+    /// The entry point writes it.
+    pub writes: bool,
+}
+
+/// A uniform or storage struct as naga lays it out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StructLayout {
+    /// The WGSL struct's name.
+    pub name: String,
+    /// Bytes, padding included.
+    pub size: u32,
+    /// Name and byte offset of each member.
+    pub members: Vec<(String, u32)>,
+}
+
+/// A kernel with its options decided.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Which kernel.
+    pub kernel: Kernel,
+    /// Plain WGSL.
+    pub source: String,
+    /// Everything it binds.
+    pub bindings: Vec<Binding>,
+    /// Structs behind its uniforms and buffers.
+    pub structs: Vec<StructLayout>,
+}
+
+/// A kernel's source is not valid. This is a defect of raystep, not of a scene.
+#[derive(Debug, thiserror::Error)]
+pub enum ShaderError {
+    /// `import` or `@if` could not be resolved.
+    #[error("kernel {kernel}: {message}")]
+    Compose {
+        /// The kernel.
+        kernel: &'static str,
+        /// What WESL says.
+        message: String,
+    },
+    /// naga refuses the result.
+    #[error("kernel {kernel} is not valid WGSL: {message}")]
+    Invalid {
+        /// The kernel.
+        kernel: &'static str,
+        /// What naga says.
+        message: String,
+    },
+    /// A global has no meaning for the host.
+    #[error("kernel {kernel} binds {name:?}, which is neither a stream nor a buffer")]
+    UnknownBinding {
+        /// The kernel.
+        kernel: &'static str,
+        /// The global.
+        name: String,
+    },
+}
+
+impl Variant {
+    /// Composes, validates and reflects a kernel. Needs no device.
+    ///
+    /// # Errors
+    /// Where the WGSL in this crate is wrong.
+    pub fn new(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
+        let name = kernel.name();
+        let source = compose(kernel, features).map_err(|message| ShaderError::Compose { kernel: name, message })?;
+        let invalid = |message| ShaderError::Invalid { kernel: name, message };
+        let module = naga::front::wgsl::parse_str(&source).map_err(|e| invalid(e.emit_to_string(&source)))?;
+        let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+            .validate(&module)
+            .map_err(|e| invalid(e.emit_to_string(&source)))?;
+        let entry = module
+            .entry_points
+            .iter()
+            .position(|e| e.stage == ShaderStage::Compute && e.name == name)
+            .ok_or_else(|| invalid(format!("no compute entry point named {name}")))?;
+        let usage = info.get_entry_point(entry);
+
+        let mut bindings = Vec::new();
+        for (handle, global) in module.global_variables.iter() {
+            let (Some(at), Some(global_name)) = (&global.binding, &global.name) else { continue };
+            let used = usage[handle];
+            if used.is_empty() {
+                continue;
+            }
+            let resource = resource_of(&module, global, global_name)
+                .ok_or_else(|| ShaderError::UnknownBinding { kernel: name, name: global_name.clone() })?;
+            bindings.push(Binding {
+                group: at.group,
+                index: at.binding,
+                name: global_name.clone(),
+                resource,
+                reads: used.contains(GlobalUse::READ),
+                writes: used.contains(GlobalUse::WRITE),
+            });
+        }
+        bindings.sort_by_key(|b| (b.group, b.index));
+        Ok(Self { kernel, structs: structs_of(&module), source, bindings })
+    }
+
+    /// Streams that the variant reads or writes.
+    pub fn streams(&self) -> impl Iterator<Item = (Stream, &Binding)> {
+        self.bindings.iter().filter_map(|b| match b.resource {
+            Resource::ReadStream(stream) | Resource::WriteStream { stream, .. } => Some((stream, b)),
+            _ => None,
+        })
+    }
+}
+
+fn compose(kernel: Kernel, features: &Features) -> Result<String, String> {
+    let path = |name: &str| format!("package::{name}").parse::<ModulePath>().map_err(|e| e.to_string());
+    let mut resolver = VirtualResolver::new();
+    for (name, source) in shared::modules() {
+        resolver.add_module(path(name)?, source.into());
+    }
+    let root = path(kernel.name())?;
+    resolver.add_module(root.clone(), kernel.info().wgsl.into());
+
+    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
+    compiler
+        .set_options(CompileOptions {
+            imports: true,
+            condcomp: true,
+            strip: true,
+            lazy: true,
+            validate: false,
+            ..CompileOptions::default()
+        })
+        // Global names are stream and buffer names; a clash between modules is refused by naga.
+        .set_mangler(ManglerKind::None)
+        .set_missing_feature_behavior(wesl::Feature::Error)
+        .set_features(features.list());
+    compiler.compile(&root).map(|result| result.to_string()).map_err(|e| e.to_string())
+}
+
+fn resource_of(module: &Module, global: &naga::GlobalVariable, name: &str) -> Option<Resource> {
+    match global.space {
+        AddressSpace::Uniform => Some(Resource::Uniform),
+        AddressSpace::Storage { access } if access == StorageAccess::LOAD => Some(Resource::Storage),
+        AddressSpace::Handle => {
+            let stream = Stream::from_name(name)?;
+            let TypeInner::Image { arrayed: true, class, .. } = module.types[global.ty].inner else { return None };
+            match class {
+                ImageClass::Sampled { .. } => Some(Resource::ReadStream(stream)),
+                ImageClass::Storage { format, access } => {
+                    let wanted = match stream.info().texel {
+                        Texel::F32 => naga::StorageFormat::R32Float,
+                        Texel::U32 => naga::StorageFormat::R32Uint,
+                    };
+                    let readable = access.contains(StorageAccess::LOAD);
+                    (format == wanted).then_some(Resource::WriteStream { stream, readable })
+                }
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+fn structs_of(module: &Module) -> Vec<StructLayout> {
+    module
+        .types
+        .iter()
+        .filter_map(|(_, ty)| match (&ty.inner, &ty.name) {
+            (TypeInner::Struct { members, span }, Some(name)) => Some(StructLayout {
+                name: name.clone(),
+                size: *span,
+                members: members.iter().filter_map(|m| Some((m.name.clone()?, m.offset))).collect(),
+            }),
+            _ => None,
+        })
+        .collect()
+}

@@ -1,0 +1,44 @@
+//! Numbers that kernels and twins share. They become the WGSL module `package::constants`.
+
+/// Farther than any t: the value of t without a hit and of `tmax` along an axis that is never crossed.
+/// 2¹⁰⁰ and not infinity, because WGSL may assume that infinities do not occur.
+pub const INF: f32 = 1.267_650_6e30;
+
+/// A direction component below this (2⁻⁶⁴) cannot carry the ray across one cell's width of rounding
+/// error inside the grid: with t at most 2²⁸ in traced units, it moves by less than 2⁻³⁶, far less than
+/// what every cell is grown by (see [`crate::grid`]). Dividing by anything larger stays below [`INF`].
+pub const PARALLEL: f32 = 5.421_011e-20;
+
+/// The paper's threshold for the same question (§4.2.3), absolute.
+pub const PAPER_PARALLEL: f32 = 0.001;
+
+/// The determinant's threshold in the published Möller–Trumbore test (1997).
+pub const PAPER_EPSILON: f32 = 1e-6;
+
+/// The triangle of a ray that hit nothing.
+pub const NO_TRIANGLE: u32 = 0xffff_ffff;
+
+/// Invocations of a workgroup along x and y. 64 together, a multiple of every GPU's lane count.
+pub const WORKGROUP: u32 = 8;
+
+/// The WGSL module `package::constants`.
+#[must_use]
+pub fn wgsl_module() -> String {
+    // Rust prints the shortest decimal that reads back as the same f32.
+    format!(
+        "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
+         const PAPER_PARALLEL: f32 = {PAPER_PARALLEL:e}f;\nconst PAPER_EPSILON: f32 = {PAPER_EPSILON:e}f;\n\
+         const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_are_the_powers_of_two_that_the_bounds_assume() {
+        assert_eq!(INF, 100f32.exp2());
+        assert_eq!(PARALLEL, (-64f32).exp2());
+    }
+}

@@ -1,0 +1,21 @@
+// How many rays are in each state: one atomic a state and workgroup.
+
+@group(0) @binding(0) var state: texture_2d_array<u32>;
+@group(0) @binding(1) var<storage, read_write> live_counts: array<atomic<u32>, 8>;
+
+var<workgroup> in_workgroup: array<atomic<u32>, 8>;
+
+@compute @workgroup_size(16, 16)
+fn count(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
+    if (all(id.xy < textureDimensions(state))) {
+        let tag = min(textureLoad(state, id.xy, 0, 0).x, 7u);
+        atomicAdd(&in_workgroup[tag], 1u);
+    }
+    workgroupBarrier();
+    if (lane < 8u) {
+        let rays = atomicLoad(&in_workgroup[lane]);
+        if (rays > 0u) {
+            atomicAdd(&live_counts[lane], rays);
+        }
+    }
+}

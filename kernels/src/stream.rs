@@ -1,0 +1,205 @@
+//! Every per-ray stream, in one table.
+//!
+//! A stream is a 2D-array texture: one texel a ray, one layer a component, `r32float` or `r32uint`.
+//! Pixel (x, y) is texel (x, y); row 0 is at the top. A kernel updates its own texel in place.
+//!
+//! ```text
+//! ray_origin    f32  x  y  z             traced units
+//! ray_direction f32  x  y  z             traced units per unit of t; not normalised
+//! state         u32  tag  nearest-t  cell  item
+//! tmax          f32  x  y  z             t
+//! hit           u32  u  v  triangle      u, v as f32 bits
+//! color         f32  r  g  b             linear light
+//! counters      u32  cells  triangles  repeated
+//! ```
+//!
+//! Lengths are in *traced units*: scene units times a power of two, see [`crate::units`]. `t` is the
+//! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
+//! of a primary ray is its depth.
+
+use crate::shared::constants::{INF, NO_TRIANGLE};
+
+/// A per-ray stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stream {
+    /// Where the ray starts.
+    RayOrigin,
+    /// Where it goes.
+    RayDirection,
+    /// Tag, nearest t, cell, item offset.
+    State,
+    /// t at which the ray leaves its cell, per axis.
+    TMax,
+    /// Barycentrics and triangle of the nearest hit.
+    Hit,
+    /// Shaded colour.
+    Color,
+    /// Cells visited, triangles tested, repeated tests.
+    Counters,
+}
+
+/// What a texel component is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Texel {
+    /// `r32float`
+    F32,
+    /// `r32uint`
+    U32,
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct StreamInfo {
+    /// Which stream.
+    pub stream: Stream,
+    /// Its name in WGSL, files and options.
+    pub name: &'static str,
+    /// Component type.
+    pub texel: Texel,
+    /// One name a layer.
+    pub layers: &'static [&'static str],
+    /// Layers of a `u32` stream that hold f32 bits.
+    pub float_layers: &'static [usize],
+    /// Unit of the numbers.
+    pub unit: &'static str,
+    /// What each layer holds before any kernel has written it (bits).
+    pub unwritten: &'static [u32],
+}
+
+const fn row(
+    stream: Stream,
+    name: &'static str,
+    texel: Texel,
+    layers: &'static [&'static str],
+    float_layers: &'static [usize],
+    unit: &'static str,
+    unwritten: &'static [u32],
+) -> StreamInfo {
+    StreamInfo { stream, name, texel, layers, float_layers, unit, unwritten }
+}
+
+/// Layer of the `state` stream: the tag.
+pub const STATE_TAG: usize = 0;
+/// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
+pub const STATE_T: usize = 1;
+/// Layer of the `state` stream: 1-D index of the cell.
+pub const STATE_CELL: usize = 2;
+/// Layer of the `state` stream: offset into the cell's triangle list.
+pub const STATE_ITEM: usize = 3;
+/// Layer of the `hit` stream: the triangle, [`NO_TRIANGLE`] without a hit.
+pub const HIT_TRIANGLE: usize = 2;
+
+/// Every stream.
+pub const STREAMS: [StreamInfo; 7] = [
+    row(Stream::RayOrigin, "ray_origin", Texel::F32, &["x", "y", "z"], &[], "traced units", &[0; 3]),
+    row(Stream::RayDirection, "ray_direction", Texel::F32, &["x", "y", "z"], &[], "traced units per t", &[0; 3]),
+    row(
+        Stream::State,
+        "state",
+        Texel::U32,
+        &["tag", "t", "cell", "item"],
+        &[STATE_T],
+        "tag, t as f32 bits, 1-D index, count",
+        &[0, INF.to_bits(), 0, 0],
+    ),
+    row(Stream::TMax, "tmax", Texel::F32, &["x", "y", "z"], &[], "t", &[0; 3]),
+    row(
+        Stream::Hit,
+        "hit",
+        Texel::U32,
+        &["u", "v", "triangle"],
+        &[0, 1],
+        "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
+        &[0, 0, NO_TRIANGLE],
+    ),
+    row(Stream::Color, "color", Texel::F32, &["r", "g", "b"], &[], "linear light", &[0; 3]),
+    row(
+        Stream::Counters,
+        "counters",
+        Texel::U32,
+        &["cells", "triangles", "repeated"],
+        &[],
+        "count",
+        &[0; 3],
+    ),
+];
+
+impl Stream {
+    /// Its row of the table.
+    #[must_use]
+    pub const fn info(self) -> &'static StreamInfo {
+        &STREAMS[self as usize]
+    }
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.info().name
+    }
+    /// Components a texel.
+    #[must_use]
+    pub const fn layers(self) -> usize {
+        self.info().layers.len()
+    }
+    /// The stream with this name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        STREAMS.iter().find(|s| s.name == name).map(|s| s.stream)
+    }
+    /// Bytes for `rays` rays on the GPU; `None` where that overflows.
+    #[must_use]
+    pub fn bytes(self, rays: u64) -> Option<u64> {
+        rays.checked_mul(4 * self.layers() as u64)
+    }
+    /// Whether a layer holds a float, as such or as bits.
+    #[must_use]
+    pub fn is_float_layer(self, layer: usize) -> bool {
+        let info = self.info();
+        info.texel == Texel::F32 || info.float_layers.contains(&layer)
+    }
+}
+
+/// The values of one stream after some pass: layer-major, then rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StreamData {
+    /// Which stream.
+    pub stream: Stream,
+    /// Texels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `layers * height * width` components, floats as bits.
+    pub bits: Vec<u32>,
+}
+
+impl StreamData {
+    /// One component of ray `index` (= y * width + x).
+    #[must_use]
+    pub fn get(&self, layer: usize, index: usize) -> u32 {
+        self.bits[layer * (self.width as usize * self.height as usize) + index]
+    }
+    /// One component as f32.
+    #[must_use]
+    pub fn get_f32(&self, layer: usize, index: usize) -> f32 {
+        f32::from_bits(self.get(layer, index))
+    }
+    /// All components of one layer.
+    #[must_use]
+    pub fn layer(&self, layer: usize) -> &[u32] {
+        let n = self.width as usize * self.height as usize;
+        &self.bits[layer * n..(layer + 1) * n]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_enum_and_complete() {
+        for (i, info) in STREAMS.iter().enumerate() {
+            assert_eq!(info.stream as usize, i, "{}", info.name);
+            assert_eq!(info.layers.len(), info.unwritten.len(), "{}", info.name);
+            assert_eq!(Stream::from_name(info.name), Some(info.stream));
+        }
+    }
+}
