@@ -1,5 +1,14 @@
-//! Writes the scene files of this repository, all of them and always the same:
-//! `cargo run -p raystep-scenes --example make_scenes -- scenes`.
+//! Writes the scene files of this repository, always the same:
+//! `cargo run -p raystep-scenes --example make_scenes -- scenes [teapot.js]`.
+//!
+//! `teapot.js` is the file of that name in the npm package `teapot` 1.0.0; without it `teapot.glb` is
+//! left as it is.
+
+mod gltf;
+mod plain;
+mod shapes;
+mod surfaces;
+mod teapot;
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 use raystep_scenes::{Scene, generate, write_glb};
@@ -9,43 +18,45 @@ use std::fs;
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args_os().nth(1).ok_or("usage: make_scenes FOLDER")?;
+    let mut arguments = std::env::args_os().skip(1);
+    let folder = arguments.next().ok_or("usage: make_scenes FOLDER [teapot.js]")?;
     let folder = Path::new(&folder);
     fs::create_dir_all(folder)?;
+    let write = |name: &str, bytes: &[u8]| {
+        println!("{:>9} bytes  {name}", bytes.len());
+        fs::write(folder.join(name), bytes)
+    };
 
-    fs::write(folder.join("cornell-box.gltf"), readable(&generate::cornell_box())?)?;
+    write("cornell-box.gltf", readable(&generate::cornell_box())?.as_bytes())?;
+    write("primitives.gltf", plain::primitives().as_bytes())?;
+    write("instances.gltf", plain::instances().as_bytes())?;
+    write("bare.gltf", plain::bare().as_bytes())?;
+    write("single-triangle.gltf", plain::single_triangle().as_bytes())?;
+    write("flat.gltf", plain::flat().as_bytes())?;
+    write("empty.gltf", plain::empty().as_bytes())?;
+    let (text, data, chessboard) = surfaces::textures()?;
+    write("textures.gltf", text.as_bytes())?;
+    write(surfaces::DATA, &data)?;
+    write(surfaces::CHESSBOARD, &chessboard)?;
+    write("lights.gltf", surfaces::lights().as_bytes())?;
+    write("quantized.glb", &surfaces::quantized())?;
+    write("skin-and-morph.gltf", surfaces::skin_and_morph().as_bytes())?;
+    write("sphere-flake.glb", &write_glb(&generate::sphere_flake(2, 2)?)?)?;
+    write("terrain.glb", &write_glb(&generate::terrain(20_000, 1)?)?)?;
+    if let Some(source) = arguments.next() {
+        write("teapot.glb", &write_glb(&teapot::teapot(&fs::read_to_string(source)?)?)?)?;
+    }
     Ok(())
 }
 
-/// The scene as `.gltf`: the writer's JSON, one value a line, its bytes in a data URI.
+/// The scene as `.gltf`: the writer's JSON in lines, its bytes in a data URI.
 fn readable(scene: &Scene) -> Result<String, Box<dyn Error>> {
     let glb = write_glb(scene)?;
-    let length = |at: usize| glb[at..at + 4].try_into().map(|b| u32::from_le_bytes(b) as usize);
-    let json = length(12)?;
+    let json = u32::from_le_bytes(glb[12..16].try_into()?) as usize;
     let mut document: Value = serde_json::from_slice(&glb[20..20 + json])?;
-    if document.get("buffers").is_some() {
-        let (at, bytes) = (20 + json + 8, document["buffers"][0]["byteLength"].as_u64().unwrap_or(0) as usize);
-        let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&glb[at..at + bytes]));
-        document["buffers"][0]["uri"] = uri.into();
-    }
-    Ok(pretty(&document, 0) + "\n")
-}
-
-/// JSON with what fits on a line on one line. Strings with commas are only safe in what does not fit,
-/// which here are data URIs alone.
-fn pretty(value: &Value, indent: usize) -> String {
-    let flat = value.to_string();
-    let inner = " ".repeat(indent + 2);
-    let lines: Vec<String> = match value {
-        _ if indent > 0 && flat.len() + indent < 110 && !flat.contains("data:") => {
-            return flat.replace(',', ", ").replace("\":", "\": ");
-        }
-        Value::Array(items) => items.iter().map(|v| inner.clone() + &pretty(v, indent + 2)).collect(),
-        Value::Object(map) => {
-            map.iter().map(|(k, v)| format!("{inner}{}: {}", Value::from(k.as_str()), pretty(v, indent + 2))).collect()
-        }
-        _ => return flat,
-    };
-    let (open, close) = if value.is_array() { ('[', ']') } else { ('{', '}') };
-    format!("{open}\n{}\n{}{close}", lines.join(",\n"), " ".repeat(indent))
+    let bytes = document["buffers"][0]["byteLength"].as_u64().unwrap_or(0) as usize;
+    let at = 20 + json + 8;
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&glb[at..at + bytes]));
+    document["buffers"][0]["uri"] = uri.into();
+    Ok(gltf::pretty(&document) + "\n")
 }

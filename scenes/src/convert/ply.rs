@@ -29,7 +29,8 @@ pub fn ply(name: &str, bytes: &[u8]) -> Result<Scene, ConvertError> {
     for (_, element) in &header.elements {
         match element.name.as_str() {
             "vertex" => {
-                vertices = Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header).map_err(parse)?;
+                vertices =
+                    Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header).map_err(parse)?;
             }
             "face" => {
                 faces = Parser::<Face>::new().read_payload_for_element(&mut reader, element, &header).map_err(parse)?;

@@ -34,7 +34,7 @@ pub fn cornell_box() -> Scene {
             matte("red", [0.65, 0.05, 0.05]),
             matte("green", [0.12, 0.45, 0.15]),
         ],
-        lights: vec![lamp([0.0, 0.8, 0.75], [1.0; 3], 4.0)],
+        lights: vec![lamp([0.0, 0.8, 1.0], [1.0; 3], 4.0)],
         cameras: camera("camera", DVec3::new(0.0, 0.0, 3.3), DVec3::ZERO, 39.0).into_iter().collect(),
         ..Scene::default()
     };

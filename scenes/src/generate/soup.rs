@@ -49,7 +49,7 @@ pub fn soup(triangles: u64, seed: u64) -> Result<Scene, GenerateError> {
     }
     scene.lights = vec![lamp([0.9, 2.2, 2.4], [1.0, 0.97, 0.92], 8.0), sun(Vec3::new(1.0, -0.2, -0.4), [0.25; 3])];
     scene.cameras =
-        camera("camera", DVec3::new(1.35, 1.15, 2.3), DVec3::new(0.5, 0.46, 0.5), 34.0).into_iter().collect();
+        camera("camera", DVec3::new(1.35, 1.15, 2.3), DVec3::new(0.5, 0.46, 0.5), 40.0).into_iter().collect();
     Ok(scene)
 }
 

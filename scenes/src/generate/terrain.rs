@@ -54,7 +54,7 @@ pub fn terrain(triangles: u64, seed: u64) -> Result<Scene, GenerateError> {
     (scene.normals, scene.colors) = (Some(normals), Some(colors));
     scene.lights =
         vec![sun(Vec3::new(-0.8, -0.55, -0.3), [1.0, 0.92, 0.78]), sun(Vec3::new(0.4, -1.0, 0.3), [0.12, 0.18, 0.3])];
-    scene.cameras = camera("camera", DVec3::new(1.6, 3.2, 8.6), DVec3::new(0.0, 0.15, 0.3), 38.0).into_iter().collect();
+    scene.cameras = camera("camera", DVec3::new(1.6, 3.2, 8.6), DVec3::new(0.2, 0.0, 0.3), 46.0).into_iter().collect();
     Ok(scene)
 }
 
@@ -77,7 +77,7 @@ impl Field {
         let mut heights = Vec::with_capacity((cells + 1) * (cells + 1));
         for row in 0..=cells {
             for column in 0..=cells {
-                let at = |i: usize| i as f32 / cells as f32 * 5.0;
+                let at = |i: usize| i as f32 / cells as f32 * 4.0;
                 heights.push(height(at(column), at(row), octaves, mix(seed)));
             }
         }
@@ -113,8 +113,8 @@ fn color(h: f32, upright: f32) -> Vec3 {
         return DEEP.lerp(SHALLOW, smooth(-0.35, 0.0, h));
     }
     let ground = SAND.lerp(GRASS, smooth(0.03, 0.14, h));
-    let ground = ground.lerp(ROCK, smooth(0.55, 0.85, h).max(smooth(0.80, 0.62, upright)));
-    ground.lerp(SNOW, smooth(0.85, 1.1, h) * smooth(0.45, 0.7, upright))
+    let ground = ground.lerp(ROCK, smooth(0.45, 0.7, h).max(smooth(0.80, 0.62, upright)));
+    ground.lerp(SNOW, smooth(0.62, 0.8, h) * smooth(0.45, 0.7, upright))
 }
 
 /// 0 up to `from`, 1 from `to`, a cubic in between; also for `from > to`.
@@ -132,7 +132,7 @@ fn height(x: f32, z: f32, octaves: u32, seed: u64) -> f32 {
         size *= 0.46;
         scale *= 2.0;
     }
-    0.85 * sum - 0.1
+    0.5 * sum
 }
 
 /// Lattice noise in [-1, 1] with a quintic blend.

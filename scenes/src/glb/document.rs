@@ -118,13 +118,13 @@ impl<'a> Document<'a> {
                 node
             }));
         }
-        let mut root_scene = json!({ "name": scene.name });
+        // A file without scenes is valid; some readers refuse a scene without nodes, though it is too.
         if !nodes.is_empty() {
-            root_scene["nodes"] = (0..nodes.len()).collect();
+            let all: Vec<_> = (0..nodes.len()).collect();
+            self.root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": all }]));
+            self.root.insert("scene".into(), 0.into());
         }
         self.list("nodes", nodes.into_iter());
-        self.root.insert("scenes".into(), json!([root_scene]));
-        self.root.insert("scene".into(), 0.into());
         let (accessors, views, bytes) =
             (std::mem::take(&mut self.accessors), std::mem::take(&mut self.views), self.bytes);
         self.list("accessors", accessors.into_iter());
