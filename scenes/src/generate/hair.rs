@@ -1,7 +1,7 @@
 //! Long thin triangles.
 
 use super::draft::{Attributes, camera, check, draft, lamp, matte, sun};
-use super::icosphere::{sphere, triangles};
+use super::icosphere::sphere;
 use super::random::Random;
 use super::{GenerateError, MAX_TRIANGLES, Parameter};
 use crate::{Material, Scene};
@@ -12,12 +12,13 @@ const NAME: &str = "hair";
 const PIECES: usize = 8;
 const PER_STRAND: u64 = 2 * PIECES as u64 - 1;
 const SCALP_SUBDIVISIONS: u64 = 4;
+const SCALP_TRIANGLES: u64 = 20 << (2 * SCALP_SUBDIVISIONS);
 
 pub(super) const STRANDS: Parameter = Parameter {
     name: "strands",
     summary: "how many hairs, 15 triangles each, on a ball of 5,120",
     default: 4_000,
-    range: 0..=MAX_TRIANGLES / PER_STRAND,
+    range: 0..=(MAX_TRIANGLES - SCALP_TRIANGLES) / PER_STRAND,
 };
 
 const COLORS: [[f32; 3]; 4] = [[0.42, 0.20, 0.08], [0.55, 0.29, 0.11], [0.66, 0.40, 0.17], [0.33, 0.14, 0.06]];
@@ -38,7 +39,7 @@ pub fn hair(strands: u64, seed: u64) -> Result<Scene, GenerateError> {
                 .map(|(i, &c)| Material { double_sided: true, ..matte(&format!("strand {i}"), c) }),
         )
         .collect();
-    let count = triangles(SCALP_SUBDIVISIONS) + strands * PER_STRAND;
+    let count = SCALP_TRIANGLES + strands * PER_STRAND;
     let mut scene = draft(NAME, count, Attributes { normals: true, colors: false }, materials)?;
     let mut normals = scene.normals.take().unwrap_or_default();
     sphere(SCALP_SUBDIVISIONS, |t| {
