@@ -78,6 +78,7 @@ fn attributes_that_do_not_fit() {
     let attribute = |name: &str, accessor: Value, words: &[&str]| {
         let mut doc = Doc::triangle();
         doc.view(&[1; 64]);
+        doc.view(&[0, 1, 3]);
         let index = doc.push("accessors", accessor);
         match name {
             "indices" => doc.primitive()["indices"] = json!(index),
@@ -97,6 +98,11 @@ fn attributes_that_do_not_fit() {
     attribute("indices", of(F32, "SCALAR", 3), &["F32", "U8"]);
     attribute("indices", of(U8, "VEC3", 3), &["Vec3", "SCALAR"]);
     attribute("indices", of(U16, "SCALAR", 3), &["element 0 is 257", "3 vertices"]);
+    attribute(
+        "indices",
+        json!({"bufferView": 2, "componentType": U8, "type": "SCALAR", "count": 3}),
+        &["element 2 is 3", "3 vertices"],
+    );
     attribute("indices", of(U8, "SCALAR", 4), &["4 corners", "multiple of 3"]);
 }
 

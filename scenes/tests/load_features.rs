@@ -121,7 +121,7 @@ fn mirrored_meshes_keep_their_front_where_their_normals_point() {
 fn one_mesh_on_many_nodes_and_several_scenes() {
     let mut doc = Doc::triangle();
     doc.json["nodes"] = json!((0..4).map(|i| json!({"mesh": 0, "translation": [i, 0, 0]})).collect::<Vec<_>>());
-    doc.json["scenes"] = json!([{"nodes": [0]}, {"nodes": [1, 2, 3]}, {"nodes": []}]);
+    doc.json["scenes"] = json!([{"nodes": [0]}, {"nodes": [1, 2, 3]}, {"name": "empty"}]);
     let xs = |doc: &Doc, scene| {
         let scene = doc.load_with(&NoFiles, &LoadOptions { scene, ..Default::default() }).unwrap();
         scene.triangles.iter().map(|t| t[0][0]).collect::<Vec<_>>()
@@ -178,6 +178,14 @@ fn vertex_colors_of_every_type() {
         assert_eq!(colors[0], [[1., 0., blue], [0., 1., 0.], [0., 0., 1.]], "{kind} {component}");
         assert_eq!(colors[1], [[1.; 3]; 3]);
     }
+}
+
+#[test]
+fn colors_that_are_no_numbers_are_white() {
+    let mut doc = Doc::triangle();
+    let color = doc.floats("VEC3", &[f32::NAN, 0., 0., 0., f32::INFINITY, 0., 0., 0., 1.]);
+    doc.primitive()["attributes"]["COLOR_0"] = json!(color);
+    assert_eq!(doc.scene().colors.unwrap(), [[[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]]]);
 }
 
 #[test]
@@ -346,7 +354,8 @@ fn skins_take_their_joints_rest_pose() {
 fn names_and_json_files() {
     let mut doc = Doc::triangle();
     doc.json["buffers"] = json!([{"byteLength": doc.bin.len(), "uri": "data:application/gltf-buffer;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]);
-    let text = format!("\u{feff}{}", doc.json);
+    // A byte order mark and padding by zeros are not allowed, but met.
+    let text = format!("\u{feff}{}\0\0", doc.json);
     let scene = load("Zimmer ü.gltf", text.as_bytes(), &NoFiles, &LoadOptions::default()).unwrap();
     assert_eq!((scene.name.as_str(), &scene.triangles[..]), ("Zimmer ü", &[[A, B, C]][..]));
 }

@@ -81,17 +81,37 @@ fn parse_json(json: &[u8]) -> Result<Root, LoadError> {
     if !text.trim_start().starts_with('{') {
         return Err(LoadError::Container("this is neither a GLB nor glTF JSON, which starts with `{`".into()));
     }
-    let wrong = |path: String, error: serde_json::Error| {
-        LoadError::Json(if path == "." || path == "?" { error.to_string() } else { format!("{path}: {error}") })
+    let root = match read_root(text) {
+        // A scene may be empty, but gltf-json insists on its list of nodes.
+        Err(LoadError::Json(error)) if error.starts_with("scenes[") && error.contains("missing field `nodes`") => {
+            read_root(&with_scene_nodes(text).ok_or(LoadError::Json(error))?)?
+        }
+        root => root?,
     };
     let mut deserializer = serde_json::Deserializer::from_str(text);
-    let root = serde_path_to_error::deserialize(&mut deserializer)
-        .map_err(|error| wrong(error.path().to_string(), error.into_inner()))?;
-    deserializer.end().map_err(|error| wrong(String::from("."), error))?;
-
-    let mut deserializer = serde_json::Deserializer::from_str(text);
-    WideIndices { key: "" }.deserialize(&mut deserializer).map_err(|error| wrong(String::from("."), error))?;
+    WideIndices { key: "" }.deserialize(&mut deserializer).map_err(|error| LoadError::Json(error.to_string()))?;
     Ok(root)
+}
+
+fn read_root(text: &str) -> Result<Root, LoadError> {
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let root = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+        let path = error.path().to_string();
+        let error = error.into_inner();
+        // These are its words for the whole file and for a place that it lost.
+        LoadError::Json(if path == "." || path == "?" { error.to_string() } else { format!("{path}: {error}") })
+    })?;
+    deserializer.end().map_err(|error| LoadError::Json(error.to_string()))?;
+    Ok(root)
+}
+
+/// The same JSON with an empty list of nodes in every scene that has none.
+fn with_scene_nodes(text: &str) -> Option<String> {
+    let mut json: serde_json::Value = serde_json::from_str(text).ok()?;
+    for scene in json.get_mut("scenes")?.as_array_mut()? {
+        scene.as_object_mut()?.entry("nodes").or_insert_with(|| serde_json::Value::Array(Vec::new()));
+    }
+    serde_json::to_string(&json).ok()
 }
 
 /// Keys whose integers the `gltf` crate cuts to 32 bits, so that 4294967296 would pass for 0.

@@ -15,10 +15,8 @@ pub(super) struct Placement {
 impl Placement {
     pub(super) fn new(world: DAffine3) -> Self {
         let m = world.matrix3;
-        // The cofactor matrix is the inverse transpose times the determinant. Scaled first, since
-        // a cofactor squares the matrix's size.
-        let size = [m.x_axis, m.y_axis, m.z_axis].into_iter().map(|axis| axis.abs().max_element()).fold(0.0, f64::max);
-        let m = if size > 0.0 && size.is_finite() { m * size.recip() } else { m };
+        // The cofactor matrix is the inverse transpose times the determinant. In f64 it holds for
+        // every scale that leaves a triangle its corners in f32.
         let cofactors = DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
         let mirrors = m.x_axis.dot(cofactors.x_axis) < 0.0;
         Self { world, normals: if mirrors { -cofactors } else { cofactors }, mirrors }
