@@ -1,5 +1,7 @@
 //! OBJ and PLY: what is read, and what is said of files that are wrong.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
+
 use raystep_scenes::Scene;
 use raystep_scenes::convert::{obj, ply};
 

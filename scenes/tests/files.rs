@@ -1,6 +1,8 @@
 //! The scene files of this folder: each loads, has the triangles that README.md says, and the Cornell
 //! box is the generator's.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
+
 use raystep_scenes::{LoadOptions, Resolver, generate, load};
 use std::fs;
 use std::path::{Path, PathBuf};

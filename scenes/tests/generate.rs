@@ -1,5 +1,7 @@
 //! Generated scenes: counts, closedness, windings, the same bits every time, refusals.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
+
 use glam::Vec3;
 use raystep_scenes::generate::{self, GENERATORS, GenerateError, MAX_TRIANGLES};
 use raystep_scenes::{Light, Scene};

@@ -1,5 +1,7 @@
 //! What `write_glb` writes, and that `load` brings the same bits back.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
+
 use glam::DVec3;
 use raystep_scenes::generate::{self, GENERATORS};
 use raystep_scenes::{

@@ -110,13 +110,15 @@ pub(crate) fn lights() -> String {
         &mut b,
         &surface(20, 6, |u, v| {
             let (s, c) = (-u * std::f32::consts::TAU).sin_cos();
-            let (t, d) = (v * 1.5708).sin_cos();
+            let (t, d) = (v * std::f32::consts::FRAC_PI_2).sin_cos();
             [0.6 * d * c, 0.6 - 0.6 * t, 0.6 * d * s]
         }),
         2,
     );
     let bulb = list(&mut b, &globe(8, 4, 0.08), 3);
     let pane = list(&mut b, &panel(0.9, 1.4), 4);
+    // A quarter turn about x, downwards.
+    let half_turned = std::f64::consts::FRAC_1_SQRT_2;
     let orthographic = json!({
         "name": "plan", "type": "orthographic", "orthographic": { "xmag": 4, "ymag": 4, "znear": 0, "zfar": 20 }
     });
@@ -134,7 +136,7 @@ pub(crate) fn lights() -> String {
             with(looking([0.0, 4.0, 3.0], [1.0, 0.0, -3.0]), json!({ "name": "sun", "extensions": lit(1) })),
             with(looking([1.5, 3.6, 2.5], [1.3, 0.6, -1.2]), json!({ "name": "spot", "extensions": lit(2) })),
             with(looking([0.4, 2.2, 5.8], [0.0, 1.0, -0.6]), json!({ "name": "front", "camera": 0 })),
-            { "name": "above", "camera": 1, "translation": [0, 8, 0], "rotation": [-0.7071067812, 0, 0, 0.7071067812] },
+            { "name": "above", "camera": 1, "translation": [0, 8, 0], "rotation": [-half_turned, 0, 0, half_turned] },
             with(looking([-2.6, 0.9, 2.8], [0.4, 0.8, 0.0]), json!({ "name": "low", "camera": 2 }))
         ],
         "meshes": [
