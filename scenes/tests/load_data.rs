@@ -245,6 +245,10 @@ fn buffers_beside_and_in_uris() {
         let files = Files::one("grüße.bin", &longer);
         let scene = load("x", doc.json.to_string().as_bytes(), &files, &LoadOptions::default()).unwrap();
         assert_eq!(scene.triangles.len(), 1);
+        // But what lies beyond that length is not the buffer's.
+        let shorter = doc.json.to_string().replace("\"byteLength\":36,\"uri\"", "\"byteLength\":35,\"uri\"");
+        let error = load("x", shorter.as_bytes(), &files, &LoadOptions::default()).unwrap_err();
+        assert!(one_line(&error).contains("35 bytes of buffers[0]"), "{error}");
         // The same JSON in a GLB without a BIN chunk.
         let whole = glb(&doc.json, &[]);
         let (body, _) = whole.split_at(whole.len() - 8);
