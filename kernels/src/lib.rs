@@ -36,7 +36,7 @@
 
 pub mod buffer;
 pub mod executor;
-// pub mod export;
+pub mod export;
 pub mod features;
 pub mod generate;
 pub mod grid;

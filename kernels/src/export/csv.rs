@@ -1,0 +1,301 @@
+//! `passes.csv`: one row a pass, RFC 4180, raw numbers with their unit in the column's name. What is not
+//! known is empty, never 0.
+//!
+//! | column | holds |
+//! |---|---|
+//! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
+//! | `run_id` | the same for all rows of one run |
+//! | `scene` … `height_px` | what was run, and on what |
+//! | `repeat`, `is_warmup` | which repetition, from 0, and whether it only warmed up |
+//! | `pass_index` | place in the run, from 0 |
+//! | `iteration` | turn of the walk's loop, from 1; 0 before the loop |
+//! | `kernel` | the kernel that ran |
+//! | `gpu_begin_ns`, `gpu_duration_ns` | on the clock that `timer_source` names; its zero is arbitrary |
+//! | `cpu_encode_ns` | host time to record the pass |
+//! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
+//! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stays for the next pass |
+//! | `threads_launched` | workgroups × 64 on a GPU; calls of the twin, one a texel, on the CPU |
+//! | `cells_visited`, `triangles_tested` | by this pass; known where counters were asked for |
+//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; empty where passes were not timed |
+//! | `timer_resolution_ns` | smallest step of that clock |
+//! | `valid` | `true` where the timer gave a duration, `false` where it failed to; empty where there was none |
+
+use std::io::Write;
+
+use crate::renderer::Pass;
+use crate::shared::constants::WORKGROUP;
+
+/// Version of the columns.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// The columns, in order.
+pub const COLUMNS: [&str; 25] = [
+    "schema_version",
+    "run_id",
+    "scene",
+    "accelerator",
+    "schedule",
+    "numerics",
+    "device",
+    "width_px",
+    "height_px",
+    "repeat",
+    "is_warmup",
+    "pass_index",
+    "iteration",
+    "kernel",
+    "gpu_begin_ns",
+    "gpu_duration_ns",
+    "cpu_encode_ns",
+    "rays_in",
+    "rays_out",
+    "threads_launched",
+    "cells_visited",
+    "triangles_tested",
+    "timer_source",
+    "timer_resolution_ns",
+    "valid",
+];
+
+/// Which clock timed the passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Timer {
+    /// The adapter's timestamps.
+    GpuTimestamp {
+        /// Nanoseconds a tick.
+        resolution_ns: f64,
+    },
+    /// The host's clock, around a twin.
+    CpuClock {
+        /// Smallest step seen.
+        resolution_ns: Option<f64>,
+    },
+}
+
+impl Timer {
+    /// Its name in the column `timer_source`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::GpuTimestamp { .. } => "gpu_timestamp",
+            Self::CpuClock { .. } => "cpu_clock",
+        }
+    }
+
+    fn resolution_ns(self) -> Option<f64> {
+        match self {
+            Self::GpuTimestamp { resolution_ns } => Some(resolution_ns),
+            Self::CpuClock { resolution_ns } => resolution_ns,
+        }
+    }
+}
+
+/// What all rows of a run have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunContext {
+    /// Tells runs apart when files are joined.
+    pub run_id: String,
+    /// The scene's name.
+    pub scene: String,
+    /// `--accelerator`
+    pub accelerator: &'static str,
+    /// `--schedule`
+    pub schedule: &'static str,
+    /// `--numerics`
+    pub numerics: &'static str,
+    /// The adapter's name, or `cpu`.
+    pub device: String,
+    /// Texels a row.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// Which repetition, from 0.
+    pub repeat: u32,
+    /// Whether the repetition only warmed up.
+    pub is_warmup: bool,
+    /// Threads of one pass, see [`gpu_threads`] and [`cpu_threads`].
+    pub threads_launched: u64,
+    /// What timed the passes, if anything did.
+    pub timer: Option<Timer>,
+}
+
+/// Threads that a pass over these texels launches on a GPU: whole workgroups of 64.
+#[must_use]
+pub fn gpu_threads(width: u32, height: u32) -> u64 {
+    let groups = u64::from(width.div_ceil(WORKGROUP)) * u64::from(height.div_ceil(WORKGROUP));
+    groups * u64::from(WORKGROUP * WORKGROUP)
+}
+
+/// Calls of a twin that a pass over these texels makes.
+#[must_use]
+pub fn cpu_threads(width: u32, height: u32) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// What one pass added to the `counters` stream, summed over all rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PassWork {
+    /// Cells visited.
+    pub cells_visited: u64,
+    /// Triangles tested.
+    pub triangles_tested: u64,
+}
+
+/// Rays that a pass moved out of its kernel's states: `rays_in` less those that are still there.
+///
+/// Only the kernel that runs moves rays, so nothing else can have entered those states meanwhile.
+#[must_use]
+pub fn rays_out(pass: &Pass) -> u32 {
+    pass.rays_in.saturating_sub(pass.kernel.live(&pass.counts))
+}
+
+/// Writes `passes.csv`.
+pub struct PassesCsv<W: Write> {
+    writer: ::csv::Writer<W>,
+}
+
+impl<W: Write> PassesCsv<W> {
+    /// Writes the columns' names.
+    ///
+    /// # Errors
+    /// Where `out` fails.
+    pub fn new(out: W) -> Result<Self, ::csv::Error> {
+        let mut writer =
+            ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).has_headers(false).from_writer(out);
+        writer.write_record(COLUMNS)?;
+        Ok(Self { writer })
+    }
+
+    /// Writes a pass. `work` is known where counters were asked for.
+    ///
+    /// # Errors
+    /// Where the output fails.
+    pub fn write(&mut self, run: &RunContext, pass: &Pass, work: Option<PassWork>) -> Result<(), ::csv::Error> {
+        fn known(value: Option<impl ToString>) -> String {
+            value.map(|v| v.to_string()).unwrap_or_default()
+        }
+        let row: [String; COLUMNS.len()] = [
+            SCHEMA_VERSION.to_string(),
+            run.run_id.clone(),
+            run.scene.clone(),
+            run.accelerator.into(),
+            run.schedule.into(),
+            run.numerics.into(),
+            run.device.clone(),
+            run.width_px.to_string(),
+            run.height_px.to_string(),
+            run.repeat.to_string(),
+            run.is_warmup.to_string(),
+            pass.index.to_string(),
+            pass.iteration.to_string(),
+            pass.kernel.name().into(),
+            known(pass.begin_ns),
+            known(pass.duration_ns),
+            String::new(),
+            pass.rays_in.to_string(),
+            rays_out(pass).to_string(),
+            run.threads_launched.to_string(),
+            known(work.map(|w| w.cells_visited)),
+            known(work.map(|w| w.triangles_tested)),
+            known(run.timer.map(Timer::name)),
+            known(run.timer.and_then(Timer::resolution_ns)),
+            known(run.timer.map(|_| pass.duration_ns.is_some())),
+        ];
+        self.writer.write_record(row)
+    }
+
+    /// Writes what is still buffered.
+    ///
+    /// # Errors
+    /// Where the output fails.
+    pub fn finish(mut self) -> std::io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::Kernel;
+    use crate::state::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+
+    fn run(timer: Option<Timer>) -> RunContext {
+        RunContext {
+            run_id: "1".into(),
+            scene: "a \"b\", c\nd".into(),
+            accelerator: "grid",
+            schedule: "second",
+            numerics: "robust",
+            device: "cpu".into(),
+            width_px: 9,
+            height_px: 8,
+            repeat: 0,
+            is_warmup: false,
+            threads_launched: gpu_threads(9, 8),
+            timer,
+        }
+    }
+
+    fn pass(duration_ns: Option<u64>) -> Pass {
+        let mut counts = [0; crate::state::COUNT];
+        (counts[ISECT_NO_HIT as usize], counts[ISECT_HIT as usize]) = (3, 4);
+        (counts[TRAV as usize], counts[SHADE as usize]) = (60, 5);
+        Pass {
+            index: 2,
+            iteration: 1,
+            kernel: Kernel::Intersect,
+            rays_in: 72,
+            counts,
+            begin_ns: duration_ns,
+            duration_ns,
+        }
+    }
+
+    fn rows(timer: Option<Timer>, duration_ns: Option<u64>, work: Option<PassWork>) -> Vec<(String, String)> {
+        let mut file = Vec::new();
+        let mut csv = PassesCsv::new(&mut file).expect("memory");
+        csv.write(&run(timer), &pass(duration_ns), work).expect("memory");
+        csv.finish().expect("memory");
+        let mut reader = ::csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
+        let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+        let row = reader.records().next().expect("a row").expect("as many fields as names");
+        names.into_iter().zip(row.iter().map(str::to_owned)).collect()
+    }
+
+    fn value<'a>(row: &'a [(String, String)], name: &str) -> &'a str {
+        &row.iter().find(|(n, _)| n == name).expect(name).1
+    }
+
+    #[test]
+    fn unknown_is_empty_and_odd_names_are_quoted() {
+        let row = rows(None, None, None);
+        assert_eq!(value(&row, "scene"), "a \"b\", c\nd");
+        let unknown = ["gpu_begin_ns", "gpu_duration_ns", "cpu_encode_ns", "cells_visited", "triangles_tested"];
+        for name in unknown.iter().chain(&["timer_source", "timer_resolution_ns", "valid"]) {
+            assert_eq!(value(&row, name), "", "{name}");
+        }
+        assert_eq!(value(&row, "rays_in"), "72");
+        assert_eq!(value(&row, "rays_out"), "65", "7 of 72 are still in the kernel's states");
+        assert_eq!(value(&row, "threads_launched"), "128", "two workgroups");
+    }
+
+    #[test]
+    fn a_timed_pass_says_by_which_clock_and_whether_it_worked() {
+        let work = PassWork { cells_visited: 10, triangles_tested: 11 };
+        let row = rows(Some(Timer::GpuTimestamp { resolution_ns: 0.5 }), Some(1200), Some(work));
+        let expected = [
+            ("gpu_begin_ns", "1200"),
+            ("gpu_duration_ns", "1200"),
+            ("cells_visited", "10"),
+            ("triangles_tested", "11"),
+            ("timer_source", "gpu_timestamp"),
+            ("timer_resolution_ns", "0.5"),
+            ("valid", "true"),
+        ];
+        for (name, expected) in expected {
+            assert_eq!(value(&row, name), expected, "{name}");
+        }
+        let row = rows(Some(Timer::CpuClock { resolution_ns: None }), None, None);
+        assert_eq!((value(&row, "gpu_duration_ns"), value(&row, "valid")), ("", "false"));
+    }
+}

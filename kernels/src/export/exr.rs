@@ -1,0 +1,213 @@
+//! OpenEXR: the image with what each ray hit, and streams.
+//!
+//! One part, scan lines, ZIP: what every viewer opens. Floats are 32 bits, ids are UINT, so nothing is
+//! rounded. The image's channels:
+//!
+//! | channel | type | holds | where nothing was hit |
+//! |---|---|---|---|
+//! | `R` `G` `B` | float | linear light | the background |
+//! | `A` | float | 1 | 0 |
+//! | `Z` | float | depth along the view, scene units | infinity |
+//! | `Hit.T.V` | float | t of the hit, scene units per unit of the ray's direction | infinity |
+//! | `Hit.Bary.U` `Hit.Bary.V` | float | weights of vertices 1 and 2 | 0 |
+//! | `Hit.TriId.V` | uint | triangle id | 4294967295 |
+//! | `Normal.X` `Normal.Y` `Normal.Z` | float | unit normal of the triangle's plane, by its winding | 0 |
+//!
+//! A camera's direction has length 1 along the view, so its t *is* the depth; of given rays there is no
+//! view, and `Z` repeats t.
+
+use std::io::{Seek, Write};
+
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes,
+    LineOrder, WritableImage as _,
+};
+
+use crate::image::Image;
+use crate::renderer::RayHit;
+use crate::shared::constants::NO_TRIANGLE;
+use crate::stream::StreamData;
+
+/// An EXR file was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum ExrError {
+    /// The encoder, or what it writes to, failed.
+    #[error(transparent)]
+    Write(#[from] ::exr::error::Error),
+    /// There are not as many hits as pixels.
+    #[error("{hits} hits were given for {pixels} pixels")]
+    WrongLength {
+        /// Hits.
+        hits: usize,
+        /// Pixels.
+        pixels: usize,
+    },
+    /// A hit names a triangle that the scene does not have.
+    #[error("a hit names triangle {triangle}, the scene has {triangles}")]
+    NoSuchTriangle {
+        /// The id.
+        triangle: u32,
+        /// How many there are.
+        triangles: usize,
+    },
+}
+
+/// Writes the image and what each ray hit. `triangles` are the scene's corners, for the normals.
+///
+/// # Errors
+/// Where `out` fails, or the parts do not fit each other.
+pub fn write_image(
+    out: &mut (impl Write + Seek),
+    image: &Image,
+    hits: &[Option<RayHit>],
+    triangles: &[[[f32; 3]; 3]],
+) -> Result<(), ExrError> {
+    if hits.len() != image.pixels.len() {
+        return Err(ExrError::WrongLength { hits: hits.len(), pixels: image.pixels.len() });
+    }
+    let normals = hits
+        .iter()
+        .map(|hit| match hit {
+            None => Ok([0.0; 3]),
+            Some(hit) => triangles
+                .get(hit.triangle as usize)
+                .map(plane_normal)
+                .ok_or(ExrError::NoSuchTriangle { triangle: hit.triangle, triangles: triangles.len() }),
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let floats = |f: &dyn Fn(&RayHit) -> f32, miss: f32| {
+        FlatSamples::F32(hits.iter().map(|hit| hit.as_ref().map_or(miss, f)).collect())
+    };
+    let color = |c: usize| FlatSamples::F32(image.pixels.iter().map(|p| p[c]).collect());
+    let normal = |a: usize| FlatSamples::F32(normals.iter().map(|n| n[a]).collect());
+    let ids = hits.iter().map(|hit| hit.as_ref().map_or(NO_TRIANGLE, |h| h.triangle)).collect();
+    let t = || floats(&|hit| hit.t as f32, f32::INFINITY);
+    let channels = vec![
+        AnyChannel::new("R", color(0)),
+        AnyChannel::new("G", color(1)),
+        AnyChannel::new("B", color(2)),
+        AnyChannel::new("A", color(3)),
+        AnyChannel::new("Z", t()),
+        AnyChannel::new("Hit.T.V", t()),
+        AnyChannel::new("Hit.Bary.U", floats(&|hit| hit.u, 0.0)),
+        AnyChannel::new("Hit.Bary.V", floats(&|hit| hit.v, 0.0)),
+        AnyChannel::new("Hit.TriId.V", FlatSamples::U32(ids)),
+        AnyChannel::new("Normal.X", normal(0)),
+        AnyChannel::new("Normal.Y", normal(1)),
+        AnyChannel::new("Normal.Z", normal(2)),
+    ];
+    write_channels(out, image.width, image.height, channels)
+}
+
+/// Writes a stream: the channel `hit.u` is layer `u` of stream `hit`. A layer that is a float, as such or as
+/// bits in an integer texel, becomes a FLOAT channel, the others UINT; either way the bits are kept.
+///
+/// # Errors
+/// Where `out` fails.
+pub fn write_stream(out: &mut (impl Write + Seek), data: &StreamData) -> Result<(), ExrError> {
+    let info = data.stream.info();
+    let samples = |layer: usize| {
+        if data.stream.is_float_layer(layer) {
+            FlatSamples::F32(data.layer(layer).iter().map(|&bits| f32::from_bits(bits)).collect())
+        } else {
+            FlatSamples::U32(data.layer(layer).to_vec())
+        }
+    };
+    let channel =
+        |(layer, name): (usize, &&str)| AnyChannel::new(format!("{}.{name}", info.name).as_str(), samples(layer));
+    let channels = info.layers.iter().enumerate().map(channel).collect();
+    write_channels(out, data.width, data.height, channels)
+}
+
+fn write_channels(
+    out: &mut (impl Write + Seek),
+    width: u32,
+    height: u32,
+    channels: Vec<AnyChannel<FlatSamples>>,
+) -> Result<(), ExrError> {
+    let attributes = LayerAttributes { software_name: Some("raystep".into()), ..LayerAttributes::default() };
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let size = (width as usize, height as usize);
+    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels.into()));
+    ExrImage::from_layer(layer).write().non_parallel().to_buffered(out)?;
+    Ok(())
+}
+
+/// The unit normal by the corners' winding; 0 for a triangle without area.
+fn plane_normal(corners: &[[f32; 3]; 3]) -> [f32; 3] {
+    let [a, b, c] = corners.map(|p| glam::Vec3::from(p).as_dvec3());
+    (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use ::exr::prelude::{ReadChannels as _, ReadLayers as _};
+
+    use super::*;
+    use crate::stream::Stream;
+
+    fn read(file: Vec<u8>) -> Vec<(String, FlatSamples)> {
+        let image = ::exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(file))
+            .expect("a valid EXR");
+        image.layer_data.channel_data.list.into_iter().map(|c| (c.name.to_string(), c.sample_data)).collect()
+    }
+
+    #[test]
+    fn an_image_comes_back_with_every_channel() {
+        let image = Image { width: 2, height: 1, pixels: vec![[0.1, 0.2, 0.3, 1.0], [0.4, 0.5, 0.6, 0.0]] };
+        let hits = [Some(RayHit { t: 2.5, u: 0.25, v: 0.5, triangle: 1 }), None];
+        let triangles = [[[0.0; 3]; 3], [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0]]];
+        let mut file = Cursor::new(Vec::new());
+        write_image(&mut file, &image, &hits, &triangles).expect("memory");
+        let expected = [
+            ("A", FlatSamples::F32(vec![1.0, 0.0])),
+            ("B", FlatSamples::F32(vec![0.3, 0.6])),
+            ("G", FlatSamples::F32(vec![0.2, 0.5])),
+            ("Hit.Bary.U", FlatSamples::F32(vec![0.25, 0.0])),
+            ("Hit.Bary.V", FlatSamples::F32(vec![0.5, 0.0])),
+            ("Hit.T.V", FlatSamples::F32(vec![2.5, f32::INFINITY])),
+            ("Hit.TriId.V", FlatSamples::U32(vec![1, NO_TRIANGLE])),
+            ("Normal.X", FlatSamples::F32(vec![0.0, 0.0])),
+            ("Normal.Y", FlatSamples::F32(vec![0.0, 0.0])),
+            ("Normal.Z", FlatSamples::F32(vec![1.0, 0.0])),
+            ("R", FlatSamples::F32(vec![0.1, 0.4])),
+            ("Z", FlatSamples::F32(vec![2.5, f32::INFINITY])),
+        ];
+        let channels = read(file.into_inner());
+        assert_eq!(channels.len(), expected.len());
+        for ((name, samples), (expected_name, expected)) in channels.into_iter().zip(expected) {
+            assert_eq!((name.as_str(), samples), (expected_name, expected));
+        }
+    }
+
+    #[test]
+    fn parts_that_do_not_fit_are_refused() {
+        let image = Image { width: 1, height: 1, pixels: vec![[0.0; 4]] };
+        let hit = Some(RayHit { t: 1.0, u: 0.0, v: 0.0, triangle: 7 });
+        let mut out = Cursor::new(Vec::new());
+        assert!(matches!(write_image(&mut out, &image, &[], &[]), Err(ExrError::WrongLength { hits: 0, pixels: 1 })));
+        let refused = write_image(&mut out, &image, &[hit], &[]);
+        assert!(matches!(refused, Err(ExrError::NoSuchTriangle { triangle: 7, triangles: 0 })));
+    }
+
+    #[test]
+    fn a_stream_keeps_its_bits_and_types() {
+        let bits = vec![1.5f32.to_bits(), 2.5f32.to_bits(), 0, 1.0f32.to_bits(), 0xffff_ffff, 0x0100_0001];
+        let data = StreamData { stream: Stream::Hit, width: 2, height: 1, bits };
+        let mut file = Cursor::new(Vec::new());
+        write_stream(&mut file, &data).expect("memory");
+        let channels = read(file.into_inner());
+        assert_eq!(channels[0], ("hit.triangle".to_owned(), FlatSamples::U32(vec![0xffff_ffff, 0x0100_0001])));
+        assert_eq!(channels[1], ("hit.u".to_owned(), FlatSamples::F32(vec![1.5, 2.5])));
+        assert_eq!(channels[2], ("hit.v".to_owned(), FlatSamples::F32(vec![0.0, 1.0])));
+    }
+}

@@ -1,0 +1,245 @@
+//! A run's summary, as values that serialise to JSON. Unknown is `null`, never 0.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::renderer::{Pass, RayHit};
+use crate::scene_data::SceneData;
+use crate::state::{self, StateCounts};
+use crate::stream::{Stream, Texel};
+
+/// Version of the JSON objects here.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// What a run did, for `--summary-json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// raystep's version.
+    pub raystep_version: &'static str,
+    /// The scene's name.
+    pub scene: String,
+    /// What reading the scene had to say.
+    pub notes: Vec<String>,
+    /// `gpu` or `cpu`.
+    pub device: &'static str,
+    /// Why that one.
+    pub device_reason: String,
+    /// The adapter; `null` on the CPU.
+    pub adapter: Option<AdapterInfo>,
+    /// The run's options.
+    pub options: RunOptions,
+    /// Triangles.
+    pub triangles: u64,
+    /// The grid; `null` without one.
+    pub grid: Option<GridSummary>,
+    /// Passes in all.
+    pub passes: usize,
+    /// Passes, and rays worked on, of each kernel.
+    pub kernels: BTreeMap<&'static str, KernelSummary>,
+    /// Rays.
+    pub rays: u64,
+    /// Rays that hit a triangle.
+    pub hits: u64,
+    /// Rays still walking at the bound on passes; 0 with robust numerics.
+    pub unfinished: u64,
+    /// Sums of the `counters` stream; `null` where they were not asked for.
+    pub counters: Option<CounterSums>,
+    /// Wall-clock seconds a stage.
+    pub seconds: BTreeMap<&'static str, f64>,
+    /// Bytes of each stream.
+    pub stream_bytes: BTreeMap<&'static str, u64>,
+    /// Bytes of each buffer.
+    pub buffer_bytes: BTreeMap<&'static str, u64>,
+}
+
+/// An adapter's names.
+#[derive(Clone, Debug, Serialize)]
+pub struct AdapterInfo {
+    /// Its name.
+    pub name: String,
+    /// Vulkan, Metal, …
+    pub backend: String,
+    /// Discrete, integrated, software, …
+    pub kind: String,
+    /// The driver's name and version.
+    pub driver: String,
+}
+
+impl From<&wgpu::AdapterInfo> for AdapterInfo {
+    fn from(info: &wgpu::AdapterInfo) -> Self {
+        let kind = match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+            wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+            wgpu::DeviceType::VirtualGpu => "virtual GPU",
+            wgpu::DeviceType::Cpu => "software",
+            wgpu::DeviceType::Other => "unknown kind",
+        };
+        Self {
+            name: info.name.clone(),
+            backend: info.backend.to_string(),
+            kind: kind.into(),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().into(),
+        }
+    }
+}
+
+/// The options that decide a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunOptions {
+    /// `--accelerator`
+    pub accelerator: &'static str,
+    /// `--schedule`
+    pub schedule: &'static str,
+    /// `--numerics`
+    pub numerics: &'static str,
+    /// Texels a row.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// `--keep-all`
+    pub keep_all: bool,
+}
+
+/// A grid in numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GridSummary {
+    /// Cells along x, y and z.
+    pub cells: [i32; 3],
+    /// Cells with an empty list.
+    pub empty_cells: u64,
+    /// Entries of all lists.
+    pub references: u64,
+    /// Longest list.
+    pub longest_list: u32,
+    /// What cells were grown by, in traced units.
+    pub growth: f32,
+}
+
+impl GridSummary {
+    /// Of a scene that has a grid.
+    #[must_use]
+    pub fn of(data: &SceneData) -> Option<Self> {
+        if data.grid_cells.len() < 2 {
+            return None;
+        }
+        let lengths = || data.grid_cells.windows(2).map(|w| w[1] - w[0]);
+        Some(Self {
+            cells: data.grid.cells,
+            empty_cells: lengths().filter(|&n| n == 0).count() as u64,
+            references: data.grid_items.len() as u64,
+            longest_list: lengths().max().unwrap_or(0),
+            growth: data.grid_growth,
+        })
+    }
+}
+
+/// A kernel's share of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct KernelSummary {
+    /// Passes.
+    pub passes: usize,
+    /// Rays worked on, summed over its passes.
+    pub rays_in: u64,
+    /// Device time; `null` unless every pass was timed.
+    pub duration_ns: Option<u64>,
+}
+
+/// Passes and rays of each kernel, by name.
+#[must_use]
+pub fn kernels(passes: &[Pass]) -> BTreeMap<&'static str, KernelSummary> {
+    let mut all: BTreeMap<&'static str, KernelSummary> = BTreeMap::new();
+    for pass in passes {
+        let kernel =
+            all.entry(pass.kernel.name()).or_insert(KernelSummary { duration_ns: Some(0), ..KernelSummary::default() });
+        kernel.passes += 1;
+        kernel.rays_in += u64::from(pass.rays_in);
+        kernel.duration_ns = kernel.duration_ns.zip(pass.duration_ns).map(|(a, b)| a + b);
+    }
+    all
+}
+
+/// How many rays hit something.
+#[must_use]
+pub fn hit_count(hits: &[Option<RayHit>]) -> u64 {
+    hits.iter().flatten().count() as u64
+}
+
+/// Sums over all rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct CounterSums {
+    /// Cells visited.
+    pub cells_visited: u64,
+    /// Triangles tested.
+    pub triangles_tested: u64,
+    /// Those tested in an earlier cell already.
+    pub repeated_tests: u64,
+}
+
+impl CounterSums {
+    /// Of the values of the `counters` stream; `None` for another.
+    #[must_use]
+    pub fn of(data: &crate::stream::StreamData) -> Option<Self> {
+        let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
+        (data.stream == Stream::Counters).then(|| Self {
+            cells_visited: sum(0),
+            triangles_tested: sum(1),
+            repeated_tests: sum(2),
+        })
+    }
+}
+
+/// Rays in each state, by the state's name.
+#[must_use]
+pub fn states(counts: &StateCounts) -> BTreeMap<&'static str, u32> {
+    counts.iter().enumerate().map(|(tag, &n)| (state::name(tag as u32), n)).collect()
+}
+
+/// A stream's row of the table, for readers of a dump.
+#[derive(Clone, Debug, Serialize)]
+pub struct StreamSummary {
+    /// Its name.
+    pub name: &'static str,
+    /// `float32` or `uint32`, as NumPy says it.
+    pub dtype: &'static str,
+    /// One a layer.
+    pub layers: Vec<LayerSummary>,
+    /// Unit of its values.
+    pub unit: &'static str,
+    /// Bytes for the whole image.
+    pub bytes: u64,
+}
+
+/// A layer of a stream.
+#[derive(Clone, Debug, Serialize)]
+pub struct LayerSummary {
+    /// Its name.
+    pub name: &'static str,
+    /// Whether its bits are a float's, whatever the texel.
+    pub is_float: bool,
+    /// The bits before a kernel has written any.
+    pub unwritten_bits: u32,
+}
+
+/// A stream for `texels` texels.
+#[must_use]
+pub fn stream(stream: Stream, texels: u64) -> StreamSummary {
+    let info = stream.info();
+    let layer = |(i, name): (usize, &&'static str)| LayerSummary {
+        name,
+        is_float: stream.is_float_layer(i),
+        unwritten_bits: info.unwritten[i],
+    };
+    StreamSummary {
+        name: info.name,
+        dtype: match info.texel {
+            Texel::F32 => "float32",
+            Texel::U32 => "uint32",
+        },
+        layers: info.layers.iter().enumerate().map(layer).collect(),
+        unit: info.unit,
+        bytes: stream.bytes(texels).unwrap_or(u64::MAX),
+    }
+}

@@ -1,0 +1,69 @@
+//! A stream as a NumPy array, format version 1.0 (NEP 1).
+//!
+//! The array's shape is (layer, row, column), its type `<f4` or `<u4` as the stream's texel is: the bits
+//! are those of the stream. Floats that a stream keeps as bits in an integer texel (`state`'s t, `hit`'s u
+//! and v) are read with `array[1].view(numpy.float32)`.
+
+use std::io::{self, Write};
+
+use crate::stream::{StreamData, Texel};
+
+/// Bytes before the data: magic, version, length and header, padded so that the data is aligned.
+pub const HEADER_BYTES: u64 = 128;
+
+/// Bytes of the whole file.
+#[must_use]
+pub fn file_bytes(data: &StreamData) -> u64 {
+    HEADER_BYTES + 4 * data.bits.len() as u64
+}
+
+/// Writes the stream.
+///
+/// # Errors
+/// Where `out` fails.
+pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
+    let kind = match data.stream.info().texel {
+        Texel::F32 => "<f4",
+        Texel::U32 => "<u4",
+    };
+    let shape = (data.stream.layers(), data.height, data.width);
+    let header =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}, {}, {}), }}", shape.0, shape.1, shape.2);
+    // Magic, version and length take 10 bytes; the header ends in a line feed.
+    let width = HEADER_BYTES as usize - 11;
+    out.write_all(b"\x93NUMPY\x01\x00")?;
+    out.write_all(&(HEADER_BYTES as u16 - 10).to_le_bytes())?;
+    writeln!(out, "{header:<width$}")?;
+    // A piece at a time: a stream can be as large as half the memory.
+    let mut bytes = Vec::with_capacity(4 << 14);
+    for piece in data.bits.chunks(1 << 14) {
+        bytes.clear();
+        bytes.extend(piece.iter().flat_map(|bits| bits.to_le_bytes()));
+        out.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stream::Stream;
+
+    #[test]
+    fn the_header_is_padded_and_the_bits_are_kept() {
+        let bits: Vec<u32> = (0..3 * 2 * 5).map(|i| 0x7fc0_0000 + i).collect();
+        for (stream, kind) in [(Stream::RayOrigin, "<f4"), (Stream::Hit, "<u4")] {
+            let data = StreamData { stream, width: 5, height: 2, bits: bits.clone() };
+            let mut file = Vec::new();
+            write_stream(&mut file, &data).expect("memory");
+            assert_eq!(file.len() as u64, file_bytes(&data));
+            assert_eq!(&file[..10], b"\x93NUMPY\x01\x00\x76\x00");
+            let header = std::str::from_utf8(&file[10..128]).expect("ASCII");
+            let start = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (3, 2, 5), }}");
+            assert_eq!(header.trim_end_matches(' ').strip_suffix('\n').map(str::trim_end), Some(start.as_str()));
+            let read: Vec<u32> =
+                file[128..].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+            assert_eq!(read, bits);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! A plan as a value that serialises to JSON.
+
+use serde::Serialize;
+
+use super::json::{GridSummary, SCHEMA_VERSION, StreamSummary, stream};
+use crate::buffer;
+use crate::kernel::Kernel;
+use crate::plan::{Because, Plan, Planned};
+use crate::scene_data::SceneData;
+use crate::schedule::Step;
+use crate::shader::{Resource, Variant};
+use crate::state;
+
+/// A plan, for `raystep plan --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlanSummary {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// Texels a row.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// Rays.
+    pub rays: u64,
+    /// Triangles.
+    pub triangles: u64,
+    /// The grid; `null` without one.
+    pub grid: Option<GridSummary>,
+    /// Scene units per unit of the streams.
+    pub scene_units_per_stream_unit: f64,
+    /// The schedule's steps.
+    pub schedule: Vec<StepSummary>,
+    /// Kernels and what they bind.
+    pub kernels: Vec<PlannedKernel>,
+    /// Streams to allocate.
+    pub streams: Vec<StreamSummary>,
+    /// Buffers to allocate.
+    pub buffers: Vec<PlannedBuffer>,
+    /// Bytes of all of them.
+    pub bytes: u64,
+    /// What is left out.
+    pub left_out: Vec<LeftOutSummary>,
+}
+
+/// A step of a schedule.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StepSummary {
+    /// Run a kernel once.
+    Run(&'static str),
+    /// Run a kernel until no ray is in its states.
+    RunUntilIdle(&'static str),
+    /// Run the steps while rays are in the states of one of the kernels.
+    LoopWhileActive {
+        /// The kernels.
+        kernels: Vec<&'static str>,
+        /// The steps.
+        steps: Vec<StepSummary>,
+    },
+}
+
+/// A kernel of a plan.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlannedKernel {
+    /// Its name.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// States whose rays it works on.
+    pub rays_in: Vec<&'static str>,
+    /// What it binds.
+    pub bindings: Vec<BindingSummary>,
+}
+
+/// A binding of a kernel.
+#[derive(Clone, Debug, Serialize)]
+pub struct BindingSummary {
+    /// The stream or buffer.
+    pub name: String,
+    /// `stream`, `uniform` or `buffer`.
+    pub kind: &'static str,
+    /// Whether the kernel reads it.
+    pub reads: bool,
+    /// Whether the kernel writes it.
+    pub writes: bool,
+}
+
+/// A buffer of a plan.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlannedBuffer {
+    /// Its name.
+    pub name: &'static str,
+    /// What an element is.
+    pub element: &'static str,
+    /// Its bytes.
+    pub bytes: u64,
+}
+
+/// What a plan leaves out.
+#[derive(Clone, Debug, Serialize)]
+pub struct LeftOutSummary {
+    /// A kernel, stream, buffer or piece of code.
+    pub what: String,
+    /// `scene`, `options` or `view`.
+    pub because: &'static str,
+    /// The reason.
+    pub reason: &'static str,
+}
+
+/// The plan as it prints to JSON.
+#[must_use]
+pub fn plan(plan: &Plan, data: &SceneData) -> PlanSummary {
+    let texels = u64::from(plan.width) * u64::from(plan.height);
+    let kernel = |variant: &Variant| {
+        let info = variant.kernel.info();
+        let bindings = variant.bindings.iter().map(|b| BindingSummary {
+            name: b.name.clone(),
+            kind: match b.resource {
+                Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
+                Resource::Uniform => "uniform",
+                Resource::Storage => "buffer",
+            },
+            reads: b.reads,
+            writes: b.writes,
+        });
+        PlannedKernel {
+            name: info.name,
+            summary: info.summary,
+            rays_in: info.active.iter().map(|&tag| state::name(tag)).collect(),
+            bindings: bindings.collect(),
+        }
+    };
+    let buffer = |b: &Planned<&'static str>| PlannedBuffer {
+        name: b.what,
+        element: buffer::info(b.what).map_or("rays per state, one slot a pass", |info| info.element),
+        bytes: b.bytes,
+    };
+    let left_out = plan.left_out.iter().map(|item| LeftOutSummary {
+        what: item.what.clone(),
+        because: match item.because {
+            Because::Scene => "scene",
+            Because::Options => "options",
+            Because::View => "view",
+        },
+        reason: item.reason,
+    });
+    PlanSummary {
+        schema_version: SCHEMA_VERSION,
+        width_px: plan.width,
+        height_px: plan.height,
+        rays: plan.rays,
+        triangles: plan.triangles,
+        grid: GridSummary::of(data),
+        scene_units_per_stream_unit: data.units.scene_units_per_stream_unit(),
+        schedule: steps(&plan.schedule.steps),
+        kernels: plan.variants.iter().map(kernel).collect(),
+        streams: plan.streams.iter().map(|s| stream(s.what, texels)).collect(),
+        buffers: plan.buffers.iter().map(buffer).collect(),
+        bytes: plan.bytes(),
+        left_out: left_out.collect(),
+    }
+}
+
+fn steps(all: &[Step]) -> Vec<StepSummary> {
+    let names = |kernels: &[Kernel]| kernels.iter().map(|k| k.name()).collect();
+    all.iter()
+        .map(|step| match step {
+            Step::Run(kernel) => StepSummary::Run(kernel.name()),
+            Step::RunUntilIdle(kernel) => StepSummary::RunUntilIdle(kernel.name()),
+            Step::LoopWhileActive(kernels, body) => {
+                StepSummary::LoopWhileActive { kernels: names(kernels), steps: steps(body) }
+            }
+        })
+        .collect()
+}
