@@ -2,7 +2,7 @@
 
 use super::draft::{Attributes, camera, check, draft, lamp, matte, sun};
 use super::icosphere::{sphere, triangles};
-use super::{GenerateError, MAX_TRIANGLES, Parameter};
+use super::{GenerateError, Parameter};
 use crate::{Material, Scene};
 use glam::{DVec3, Quat, Vec3};
 
@@ -38,15 +38,12 @@ const COLORS: [[f32; 3]; 7] = [
 /// smooth normals; a colour a generation.
 ///
 /// # Errors
-/// A parameter out of its range, or more than [`MAX_TRIANGLES`] together.
+/// A parameter out of its range, or more than [`MAX_TRIANGLES`](super::MAX_TRIANGLES) together.
 pub fn sphere_flake(depth: u64, subdivisions: u64) -> Result<Scene, GenerateError> {
     check(NAME, &DEPTH, depth)?;
     check(NAME, &SUBDIVISIONS, subdivisions)?;
     let spheres = (9u64.pow(depth as u32 + 1) - 1) / 8;
     let count = spheres * triangles(subdivisions);
-    if count > MAX_TRIANGLES {
-        return Err(GenerateError::TooManyTriangles { generator: NAME, triangles: count });
-    }
     let materials: Vec<Material> = COLORS
         .iter()
         .take(depth as usize + 1)
