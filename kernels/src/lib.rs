@@ -47,7 +47,7 @@ pub mod options;
 mod parallel;
 pub mod plan;
 pub mod real;
-// pub mod reference;
+pub mod reference;
 pub mod renderer;
 pub mod scene_data;
 pub mod schedule;

@@ -1,1 +1,159 @@
+//! What the tests that cross crates share: the scenes of the repository, a GPU, and comparisons.
 
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::pin::pin;
+use std::sync::{Arc, OnceLock};
+use std::task::{Context, Poll, Waker};
+
+use raystep_kernels::reference::{Report, check_rays};
+use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, Stream, StreamData};
+use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
+
+pub mod parity;
+pub mod rays;
+
+/// The folder of scene files: beside this crate, or under the current folder where a test's binary was
+/// carried elsewhere.
+#[must_use]
+pub fn scenes_dir() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    if beside.is_dir() { beside } else { PathBuf::from("scenes") }
+}
+
+struct Beside(PathBuf);
+
+impl Resolver for Beside {
+    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
+        std::fs::read(self.0.join(path)).map_err(|e| e.to_string())
+    }
+}
+
+/// Loads a scene file of the repository by its name.
+#[must_use]
+pub fn scene(file: &str) -> Scene {
+    let dir = scenes_dir();
+    let bytes = std::fs::read(dir.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+    raystep_scenes::load(file, &bytes, &Beside(dir), &LoadOptions::default()).unwrap_or_else(|e| panic!("{file}: {e}"))
+}
+
+/// Every scene file of the repository, by name, in order.
+#[must_use]
+pub fn scene_files() -> Vec<String> {
+    let entries = std::fs::read_dir(scenes_dir()).expect("the scenes folder");
+    let mut files: Vec<String> = entries
+        .filter_map(|e| e.ok()?.file_name().into_string().ok())
+        .filter(|f| f.ends_with(".gltf") || f.ends_with(".glb"))
+        .collect();
+    files.sort();
+    assert!(files.len() > 8, "{files:?}");
+    files
+}
+
+/// The scene's first camera, or one that frames it.
+#[must_use]
+pub fn camera(scene: &Scene) -> Camera {
+    scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()))
+}
+
+/// Default options for a picture of the scene.
+#[must_use]
+pub fn options(scene: &Scene, width: u32, height: u32) -> Options {
+    Options::new(RaySource::Camera { camera: camera(scene), width, height })
+}
+
+/// The best adapter here. A test that needs one fails where there is none; it never passes by skipping.
+#[must_use]
+pub fn gpu() -> Arc<Gpu> {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
+    let open = || {
+        let gpu = pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter: see tests/run.sh");
+        eprintln!("adapter: {} ({}, {})", gpu.info.name, gpu.info.backend, gpu.info.driver_info);
+        gpu
+    };
+    GPU.get_or_init(open).clone()
+}
+
+/// Runs a future to its end, polling the device that it waits for.
+pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
+    let mut future = pin!(future);
+    let mut context = Context::from_waker(Waker::noop());
+    loop {
+        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
+            return value;
+        }
+        match gpu {
+            // An error here is a lost device, which the future reports itself.
+            Some(gpu) => drop(gpu.device.poll(wgpu::PollType::wait_indefinitely())),
+            None => panic!("nothing to wait for"),
+        }
+    }
+}
+
+/// Distance of two f32 in units in the last place; 0 for equal numbers and for two NaN.
+#[must_use]
+pub fn ulp(a: u32, b: u32) -> u64 {
+    let (x, y) = (f32::from_bits(a), f32::from_bits(b));
+    if x == y || (x.is_nan() && y.is_nan()) {
+        return 0;
+    }
+    if x.is_nan() || y.is_nan() {
+        return u64::MAX;
+    }
+    let ordered = |bits: u32| {
+        let magnitude = i64::from(bits & 0x7fff_ffff);
+        if bits >> 31 == 1 { -magnitude } else { magnitude }
+    };
+    ordered(a).abs_diff(ordered(b))
+}
+
+/// Every component of two streams that differs: (layer, ray, left, right).
+pub fn differences<'a>(
+    left: &'a StreamData,
+    right: &'a StreamData,
+) -> impl Iterator<Item = (usize, usize, u32, u32)> + 'a {
+    let rays = left.width as usize * left.height as usize;
+    let pairs = left.bits.iter().zip(&right.bits).enumerate();
+    pairs.filter(|(_, (a, b))| a != b).map(move |(i, (&a, &b))| (i / rays, i % rays, a, b))
+}
+
+/// All streams that a run has.
+#[must_use]
+pub fn streams_of(plan: &raystep_kernels::Plan) -> Vec<Stream> {
+    plan.streams.iter().map(|s| s.what).collect()
+}
+
+/// Every device that results are compared across: the adapter, and the twins.
+#[must_use]
+pub fn devices() -> Vec<(&'static str, Device)> {
+    vec![("gpu", Device::Gpu(gpu())), ("cpu", Device::Cpu(None))]
+}
+
+/// Runs to the end without shading and returns the renderer.
+#[must_use]
+pub fn traced(scene: &Scene, options: &Options, device: &Device) -> Renderer {
+    let gpu = match device {
+        Device::Gpu(gpu) => Some(&**gpu),
+        _ => None,
+    };
+    block_on(gpu, async {
+        let mut renderer = Renderer::new(scene, options, device).await.expect("a renderer");
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+        renderer
+    })
+}
+
+/// A stream's values after a run.
+#[must_use]
+pub fn values(renderer: &Renderer, stream: Stream) -> StreamData {
+    block_on(renderer.gpu().map(|g| &**g.gpu()), renderer.values(stream)).expect("values")
+}
+
+/// Compares a run's hits with f64 brute force.
+#[must_use]
+pub fn check(renderer: &Renderer) -> Report {
+    let streams = [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit].map(|s| values(renderer, s));
+    let [origins, directions, state, hit] = &streams;
+    let rays = renderer.plan().rays;
+    check_rays(renderer.data(), rays, [origins, directions, state, hit], |_, _| ControlFlow::Continue(()))
+}

@@ -77,7 +77,8 @@ fn moller_trumbore(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f
     let q = cross3(s, edge1);
     let v = dot3(direction, q) * inverse;
     let t = dot3(edge2, q) * inverse;
-    let is_hit = abs(det) >= PAPER_EPSILON && u >= 0.0 && u <= 1.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0;
+    // Published as u + v <= 1, which a compiler may turn into (a + b) * inverse <= 1: Mesa's does.
+    let is_hit = abs(det) >= PAPER_EPSILON && u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0 - u && t > 0.0;
     return Candidate(t, u, v, is_hit);
 }
 

@@ -1,0 +1,340 @@
+//! The truth: every triangle against every ray in f64, from the exact f32 rays and corners that the
+//! kernels saw, with a bound on what f32 may get wrong.
+//!
+//! With u = 2⁻²⁴, a difference, product or sum rounds by a factor of at most 1 ± u, a division by WGSL's
+//! 2.5 units in the last place by 1 ± 5u. For the watertight test (see [`crate::shared::triangle`]):
+//!
+//! * a sheared corner p = a − s·c, |s| ≤ 1, is off by at most (2|a| + 8|c|)·u ≤ 10u·r, r being the
+//!   corner's largest distance along an axis from the origin;
+//! * an edge function of corners q and r is off by at most |q|₁·10u·r_r + |r|₁·10u·r_q + 3u·(|qx·ry| +
+//!   |qy·rx|), where |·|₁ sums x and y: [`Edge::bound`];
+//! * t, a weighted mean of the corners' depths z, moves by Σ bound_i·|z_i − t| / |det| when the weights
+//!   move, twice that covers the higher orders, and by 18u·max|z| in its own arithmetic. Where the
+//!   bounds reach half the determinant, any t between the nearest and the farthest corner may come out.
+//!
+//! A **tie** is a ray for which those bounds leave a choice: an edge function within its bound, or two
+//! triangles whose |Δt| is within the sum of theirs. Everything else has one right answer.
+
+mod exact;
+
+use std::fmt;
+use std::ops::ControlFlow;
+
+use crate::parallel::map_ranges;
+use crate::scene_data::SceneData;
+use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::stream::{HIT_TRIANGLE, STATE_T, StreamData};
+
+const U: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// What became of one ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// The exact triangle, or rightly none.
+    Same,
+    /// Not the exact one, but f32 could not tell.
+    Tie,
+    /// Nothing was hit, and something was there.
+    Missed,
+    /// Something was hit, and nothing was there.
+    False,
+    /// Another triangle than the nearest, or its t is off by more than its bound.
+    Wrong,
+}
+
+/// A ray that is not right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mistake {
+    /// Its place, y * width + x.
+    pub ray: usize,
+    /// What is wrong.
+    pub verdict: Verdict,
+    /// The triangle and t that were found, if any.
+    pub found: Option<(u32, f32)>,
+    /// The exact triangle and t, if any.
+    pub exact: Option<(u32, f64)>,
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Rays compared.
+    pub rays: u64,
+    /// Rays with the exact result.
+    pub same: u64,
+    /// Rays with another result that f32 cannot exclude.
+    pub ties: u64,
+    /// Rays that missed.
+    pub missed: u64,
+    /// Rays that hit where nothing is.
+    pub false_hits: u64,
+    /// Rays that hit the wrong triangle or at the wrong t.
+    pub wrong: u64,
+    /// Largest error of t among right hits, in units in the last place of t.
+    pub largest_t_ulp: f64,
+    /// The first mistakes, at most 64.
+    pub mistakes: Vec<Mistake>,
+    /// True where the comparison was stopped before its end.
+    pub is_partial: bool,
+}
+
+impl Report {
+    /// Missed, false and wrong together.
+    #[must_use]
+    pub fn errors(&self) -> u64 {
+        self.missed + self.false_hits + self.wrong
+    }
+
+    fn add(&mut self, mistake: Mistake, t_ulp: f64) {
+        self.rays += 1;
+        self.largest_t_ulp = self.largest_t_ulp.max(t_ulp);
+        match mistake.verdict {
+            Verdict::Same => self.same += 1,
+            Verdict::Tie => self.ties += 1,
+            Verdict::Missed => self.missed += 1,
+            Verdict::False => self.false_hits += 1,
+            Verdict::Wrong => self.wrong += 1,
+        }
+        let is_error = !matches!(mistake.verdict, Verdict::Same | Verdict::Tie);
+        if is_error && self.mistakes.len() < 64 {
+            self.mistakes.push(mistake);
+        }
+    }
+
+    fn merge(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.same += other.same;
+        self.ties += other.ties;
+        self.missed += other.missed;
+        self.false_hits += other.false_hits;
+        self.wrong += other.wrong;
+        self.largest_t_ulp = self.largest_t_ulp.max(other.largest_t_ulp);
+        self.mistakes.extend(other.mistakes);
+        self.mistakes.truncate(64);
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} rays against f64 brute force: {} missed, {} false, {} wrong, {} ties ({:.4}%), t within {:.1} ulp",
+            self.rays,
+            self.missed,
+            self.false_hits,
+            self.wrong,
+            self.ties,
+            100.0 * self.ties as f64 / self.rays.max(1) as f64,
+            self.largest_t_ulp
+        )
+    }
+}
+
+/// Compares what rays hit with what they should. Streams are those after the last walking pass; the
+/// texels from `rays` on (unused ones) are left out. `progress` gets rays done and rays in all.
+pub fn check_rays(
+    data: &SceneData,
+    rays: u64,
+    [origins, directions, state, hit]: [&StreamData; 4],
+    mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,
+) -> Report {
+    let triangles = Triangles::new(&data.vertices);
+    let one = |ray: usize| {
+        let component = |s: &StreamData| [0, 1, 2].map(|layer| s.get_f32(layer, ray));
+        let triangle = hit.get(HIT_TRIANGLE, ray);
+        let t = state.get_f32(STATE_T, ray);
+        let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, t));
+        triangles.judge(ray, component(origins), component(directions), found)
+    };
+    let (rays, mut report) = (rays as usize, Report::default());
+    let batch = (1usize << 24).div_ceil(triangles.spheres.len().max(1)).clamp(64, 1 << 16);
+    for first in (0..rays).step_by(batch) {
+        let count = batch.min(rays - first);
+        let parts = map_ranges(count, 64, |range| {
+            let mut part = Report::default();
+            for i in range {
+                let (mistake, t_ulp) = one(first + i);
+                part.add(mistake, t_ulp);
+            }
+            part
+        });
+        parts.into_iter().for_each(|part| report.merge(part));
+        if progress((first + count) as u64, rays as u64).is_break() {
+            report.is_partial = first + count < rays;
+            break;
+        }
+    }
+    report
+}
+
+/// Corners, and a sphere around each triangle for a quick and safe no.
+struct Triangles<'a> {
+    vertices: &'a [f32],
+    spheres: Vec<([f64; 3], f64)>,
+}
+
+/// An edge function with what f32 may be off by.
+#[derive(Clone, Copy)]
+struct Edge {
+    value: f64,
+    bound: f64,
+}
+
+/// A triangle that a ray may hit.
+struct Possible {
+    triangle: u32,
+    t: f64,
+    t_bound: f64,
+    /// No bound leaves a doubt that the ray hits it.
+    is_definite: bool,
+    /// The exact ray hits the exact triangle; edges and corners count.
+    is_exact: bool,
+}
+
+impl<'a> Triangles<'a> {
+    fn new(vertices: &'a [f32]) -> Self {
+        let sphere = |v: &[f32]| {
+            let p = [0, 3, 6].map(|c| [0, 1, 2].map(|a| f64::from(v[c + a])));
+            let center = [0, 1, 2].map(|a| (p[0][a] + p[1][a] + p[2][a]) / 3.0);
+            let radius = p.iter().map(|q| length(sub(*q, center))).fold(0.0, f64::max);
+            (center, radius)
+        };
+        Self { vertices, spheres: vertices.chunks_exact(9).map(sphere).collect() }
+    }
+
+    fn judge(
+        &self,
+        ray: usize,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        found: Option<(u32, f32)>,
+    ) -> (Mistake, f64) {
+        let (o, d) = (origin.map(f64::from), direction.map(f64::from));
+        let d_squared = dot(d, d);
+        // Smallest t by which a definite hit ends: nothing behind it can be right.
+        let mut surely_by = f64::INFINITY;
+        let (mut any_possible, mut exact, mut chosen) = (false, None::<(u32, f64)>, None);
+        for (triangle, &(center, radius)) in self.spheres.iter().enumerate() {
+            let c = sub(center, o);
+            let off = cross(c, d);
+            let reach = radius + 64.0 * U * (length(c) + radius);
+            if dot(off, off) > reach * reach * d_squared * (1.0 + 1e-9) {
+                continue;
+            }
+            let Some(p) = self.test(origin, direction, o, d, triangle as u32) else { continue };
+            any_possible = true;
+            if p.is_definite {
+                surely_by = surely_by.min(p.t + p.t_bound);
+            }
+            if p.is_exact && exact.is_none_or(|(_, t)| p.t < t) {
+                exact = Some((p.triangle, p.t));
+            }
+            if found.is_some_and(|(k, _)| k == p.triangle) {
+                chosen = Some(p);
+            }
+        }
+        let mut t_ulp = 0.0;
+        let verdict = match (found, chosen) {
+            (None, _) if surely_by.is_finite() => Verdict::Missed,
+            (None, _) if any_possible && exact.is_some() => Verdict::Tie,
+            (None, _) => Verdict::Same,
+            (Some(_), None) if exact.is_none() && !surely_by.is_finite() => Verdict::False,
+            (Some(_), None) => Verdict::Wrong,
+            (Some((_, t)), Some(p)) => {
+                let error = (f64::from(t) - p.t).abs();
+                if error > p.t_bound || surely_by < p.t - p.t_bound {
+                    Verdict::Wrong
+                } else if exact.is_some_and(|(k, _)| k == p.triangle) {
+                    t_ulp = error / (2.0 * U * f64::from(t).abs());
+                    Verdict::Same
+                } else {
+                    Verdict::Tie
+                }
+            }
+        };
+        (Mistake { ray, verdict, found, exact }, t_ulp)
+    }
+
+    /// `None` where f32, too, must see that the ray misses the triangle.
+    fn test(&self, origin: [f32; 3], direction: [f32; 3], o: [f64; 3], d: [f64; 3], triangle: u32) -> Option<Possible> {
+        let first = 9 * triangle as usize;
+        let corners = [0, 3, 6].map(|c| [0, 1, 2].map(|a| self.vertices[first + c + a]));
+        let largest = largest_axis(d);
+        let [i, j, k] = [(largest + 1) % 3, (largest + 2) % 3, largest];
+        let (sx, sy, sz) = (d[i] / d[k], d[j] / d[k], 1.0 / d[k]);
+        let (mut p, mut reach) = ([[0.0; 3]; 3], [0.0; 3]);
+        for c in 0..3 {
+            let a = sub(corners[c].map(f64::from), o);
+            p[c] = [a[i] - sx * a[k], a[j] - sy * a[k], sz * a[k]];
+            reach[c] = 10.0 * U * a[0].abs().max(a[1].abs()).max(a[2].abs());
+        }
+        let edge = |q: usize, r: usize| {
+            let (a, b) = (p[q][0] * p[r][1], p[q][1] * p[r][0]);
+            let size = |c: usize| p[c][0].abs() + p[c][1].abs();
+            let bound = size(q) * reach[r] + size(r) * reach[q] + reach[q] * reach[r] + 3.0 * U * (a.abs() + b.abs());
+            Edge { value: a - b, bound }
+        };
+        let edges = [edge(1, 2), edge(2, 0), edge(0, 1)];
+        let could_be = |sign: f64| edges.iter().all(|e| sign * e.value >= -e.bound);
+        if !could_be(1.0) && !could_be(-1.0) {
+            return None;
+        }
+        let det: f64 = edges.iter().map(|e| e.value).sum();
+        let det_bound: f64 = edges.iter().map(|e| e.bound).sum();
+        let z = p.map(|c| c[2]);
+        let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
+        let own = 18.0 * U * near.abs().max(far.abs());
+        let (t, t_bound) = if det.abs() <= 2.0 * det_bound {
+            (0.5 * (near + far), 0.5 * (far - near) + own)
+        } else {
+            let t = (0..3).map(|c| edges[c].value * z[c]).sum::<f64>() / det;
+            let moved: f64 = (0..3).map(|c| edges[c].bound * (z[c] - t).abs()).sum();
+            (t, 2.0 * moved / det.abs() + own)
+        };
+        if t <= -t_bound {
+            return None;
+        }
+        let clear = |sign: f64| edges.iter().all(|e| sign * e.value > e.bound);
+        // f64 itself is off by far less than 2⁻²⁰ of what f32 is.
+        let certain = edges.iter().all(|e| e.value.abs() > e.bound * exp2_minus_20());
+        let is_exact = t > 0.0
+            && if certain {
+                edges.iter().all(|e| e.value > 0.0) || edges.iter().all(|e| e.value < 0.0)
+            } else {
+                exact::hits(origin, direction, corners)
+            };
+        Some(Possible { triangle, t, t_bound, is_definite: (clear(1.0) || clear(-1.0)) && t > t_bound, is_exact })
+    }
+}
+
+const fn exp2_minus_20() -> f64 {
+    1.0 / (1u64 << 20) as f64
+}
+
+/// As the kernels choose it.
+fn largest_axis(d: [f64; 3]) -> usize {
+    let m = d.map(f64::abs);
+    if m[0] > m[1] && m[0] > m[2] {
+        0
+    } else if m[1] > m[2] {
+        1
+    } else {
+        2
+    }
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}

@@ -1,0 +1,91 @@
+//! Accelerators, schedules and executors end in the same hits.
+
+use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Stream};
+use raystep_tests::{check, devices, differences, options, scene, scene_files, traced, ulp, values};
+
+/// The streams that make up a hit: u, v, triangle, and t of the state.
+fn hits(renderer: &Renderer) -> (Vec<u32>, Vec<u32>) {
+    (values(renderer, Stream::Hit).bits, values(renderer, Stream::State).layer(1).to_vec())
+}
+
+#[test]
+fn every_combination_ends_in_the_same_hits() {
+    let mut failures = Vec::new();
+    for file in scene_files() {
+        let scene = scene(&file);
+        let mut by_device = Vec::new();
+        for (name, device) in devices() {
+            let mut first: Option<(String, (Vec<u32>, Vec<u32>))> = None;
+            for accelerator in [Accelerator::Grid, Accelerator::None] {
+                // On two cores, brute force over more takes minutes; the rays are fewer for the same reason.
+                let size = if scene.triangles.len() <= 60 { 256 } else { 96 };
+                if accelerator == Accelerator::None && scene.triangles.len() > 2000 {
+                    continue;
+                }
+                for schedule in [ScheduleKind::Second, ScheduleKind::First] {
+                    if accelerator == Accelerator::None && schedule == ScheduleKind::First {
+                        continue; // the same schedule: there is nothing to traverse
+                    }
+                    let mut options = options(&scene, size, size);
+                    (options.accelerator, options.schedule, options.shade) = (accelerator, schedule, false);
+                    let renderer = traced(&scene, &options, &device);
+                    assert_eq!(renderer.unfinished(), 0, "{file} {accelerator} {schedule}");
+                    let found = hits(&renderer);
+                    let label = format!("{accelerator} {schedule}");
+                    match &first {
+                        None => first = Some((label, found)),
+                        Some((reference, expected)) if *expected != found => {
+                            let rays = found.1.len();
+                            let differ = (0..rays).filter(|&i| {
+                                (0..3).any(|l| expected.0[l * rays + i] != found.0[l * rays + i])
+                                    || expected.1[i] != found.1[i]
+                            });
+                            failures.push(format!("{file} {name}: {label} differs from {reference} on {} rays", differ.count()));
+                        }
+                        Some(_) => {}
+                    }
+                }
+            }
+            by_device.extend(first);
+        }
+        // Across executors: the same bits, or both right within the bounds.
+        let [(_, gpu), (_, cpu)] = &by_device[..] else { panic!("two devices") };
+        let differ = gpu.1.iter().zip(&cpu.1).filter(|(a, b)| a != b).count();
+        let largest = gpu.1.iter().zip(&cpu.1).map(|(&a, &b)| ulp(a, b)).max().unwrap_or(0);
+        println!("{file}: t differs between gpu and cpu on {differ} of {} rays, by {largest} ulp at most", gpu.1.len());
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// The executors' difference is bounded by f64: both may only differ where f32 cannot tell.
+#[test]
+fn gpu_and_cpu_differ_only_in_ties() {
+    for file in ["cornell-box.gltf", "primitives.gltf", "instances.gltf", "flat.gltf"] {
+        let scene = scene(file);
+        for (name, device) in devices() {
+            let mut options = options(&scene, 128, 128);
+            options.shade = false;
+            let report = check(&traced(&scene, &options, &device));
+            println!("{file} {name}: {report}");
+            assert_eq!(report.errors(), 0, "{file} {name}: {report}\n{:?}", report.mistakes);
+        }
+    }
+}
+
+/// The streams themselves, and the passes, are the same for both executors, pass by pass.
+#[test]
+fn both_executors_take_the_same_passes() {
+    for file in ["cornell-box.gltf", "sphere-flake.glb"] {
+        let scene = scene(file);
+        let runs: Vec<Renderer> =
+            devices().iter().map(|(_, device)| traced(&scene, &options(&scene, 64, 64), device)).collect();
+        let passes = |r: &Renderer| r.passes().iter().map(|p| (p.kernel, p.rays_in)).collect::<Vec<_>>();
+        let (left, right) = (passes(&runs[0]), passes(&runs[1]));
+        let parted = left.iter().zip(&right).position(|(a, b)| a != b);
+        let differ = differences(&values(&runs[0], Stream::State), &values(&runs[1], Stream::State)).count();
+        println!("{file}: {} and {} passes, part at {parted:?}; {differ} components of state differ", left.len(), right.len());
+        // A ray on a rounding boundary may take another cell on a GPU whose division is not exact.
+        assert!(left.len().abs_diff(right.len()) <= 4, "{file}: {} and {} passes", left.len(), right.len());
+        assert!(matches!(runs[1].plan().variants.len(), 5) && matches!(devices()[1].1, Device::Cpu(_)));
+    }
+}
