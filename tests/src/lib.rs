@@ -12,6 +12,7 @@ use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
 
 pub mod parity;
 pub mod rays;
+pub mod watertight;
 
 /// The folder of scene files: beside this crate, or under the current folder where a test's binary was
 /// carried elsewhere.

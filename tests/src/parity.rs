@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
-use raystep_kernels::{Device, Gpu, Kernel, Options, Renderer, Stream, StreamData};
+use raystep_kernels::{Device, Gpu, Kernel, Limits, Options, Plan, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
 
 use crate::{block_on, differences, streams_of, ulp};
@@ -78,9 +78,18 @@ pub struct Parity {
 /// Runs a scene on the GPU and compares every pass with the twin.
 #[must_use]
 pub fn compare(gpu: &Arc<Gpu>, scene: &Scene, options: &Options) -> Parity {
+    compare_with(gpu, scene, options, |_| {})
+}
+
+/// The same after `change` had its way with the plan: a comparison that cannot fail proves nothing.
+#[must_use]
+pub fn compare_with(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
     block_on(Some(gpu), async {
         let device = Device::Gpu(gpu.clone());
-        let mut renderer = Renderer::new(scene, options, &device).await.expect("a renderer");
+        let limits = Limits::from(&gpu.device.limits());
+        let (mut plan, data) = Plan::new(scene, options, &limits).expect("a plan");
+        change(&mut plan);
+        let mut renderer = Renderer::from_plan(plan, data, options, &device).await.expect("a renderer");
         let streams = streams_of(renderer.plan());
         let mut twin = CpuExecutor::<f32>::new(renderer.plan(), None);
         let mut found = Parity::default();

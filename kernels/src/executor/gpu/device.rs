@@ -94,7 +94,7 @@ fn instance() -> wgpu::Instance {
 
 /// Every adapter on this machine.
 pub async fn adapters() -> Vec<AdapterSummary> {
-    let adapters = instance().enumerate_adapters(wgpu::Backends::all()).await;
+    let adapters = instance().enumerate_adapters(wgpu::Backends::PRIMARY).await;
     adapters.iter().map(summary).collect()
 }
 
@@ -145,7 +145,7 @@ impl Gpu {
     /// # Errors
     /// As [`new`](Self::new).
     pub async fn with_features(choice: &AdapterChoice, optional: wgpu::Features) -> Result<Arc<Self>, GpuError> {
-        let mut adapters = instance().enumerate_adapters(wgpu::Backends::all()).await;
+        let mut adapters = instance().enumerate_adapters(wgpu::Backends::PRIMARY).await;
         adapters.sort_by_key(|a| rank(&a.get_info()));
         let names = adapters.iter().map(|a| a.get_info().name).collect::<Vec<_>>().join(", ");
         let adapter = match choice {

@@ -1,0 +1,36 @@
+//! No ray gets between two triangles that share an edge, nor out at the last cell.
+
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::{GridSize, Stream};
+use raystep_tests::{devices, options, scene, traced, values, watertight};
+
+#[test]
+fn a_closed_mesh_loses_no_ray_at_any_scale() {
+    // 10 million take minutes here: cargo run --release -p raystep-tests --example watertight
+    for (name, device) in devices() {
+        for scale in [1e-6, 1e-3, 1.0, 0.7, 1e3, 1e6] {
+            let scene = watertight::closed_mesh(scale);
+            for grid in [GridSize::Auto, GridSize::Cells([1, 1, 1])] {
+                let rays = if grid == GridSize::Auto { 40_000 } else { 400 };
+                let missed = watertight::misses(&device, &scene, rays, grid, 3);
+                assert_eq!(missed, 0, "{name}, scale {scale:e}, {grid:?}");
+            }
+        }
+    }
+}
+
+/// Every wall is a face of the scene's box, so every hit on one lies at the exit of the last cell.
+#[test]
+fn walls_that_are_the_bounds_lose_no_ray() {
+    let scene = scene("cornell-box.gltf");
+    for (name, device) in devices() {
+        for cells in [[1, 1, 1], [2, 3, 5], [16, 16, 16], [20, 20, 20], [31, 64, 7]] {
+            let mut options = options(&scene, 256, 256);
+            (options.shade, options.grid) = (false, GridSize::Cells(cells));
+            let hit = values(&traced(&scene, &options, &device), Stream::Hit);
+            // The room is open behind the camera only; every ray meets a wall.
+            let lost = hit.layer(2).iter().filter(|&&t| t == NO_TRIANGLE).count();
+            assert_eq!(lost, 0, "{name} {cells:?}");
+        }
+    }
+}
