@@ -159,7 +159,7 @@ impl<W: Write> PassesCsv<W> {
     ///
     /// # Errors
     /// Where `out` fails.
-    pub fn new(out: W) -> Result<Self, ::csv::Error> {
+    pub fn new(out: W) -> std::io::Result<Self> {
         let mut writer =
             ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).has_headers(false).from_writer(out);
         writer.write_record(COLUMNS)?;
@@ -170,7 +170,7 @@ impl<W: Write> PassesCsv<W> {
     ///
     /// # Errors
     /// Where the output fails.
-    pub fn write(&mut self, run: &RunContext, pass: &Pass, work: Option<PassWork>) -> Result<(), ::csv::Error> {
+    pub fn write(&mut self, run: &RunContext, pass: &Pass, work: Option<PassWork>) -> std::io::Result<()> {
         fn known(value: Option<impl ToString>) -> String {
             value.map(|v| v.to_string()).unwrap_or_default()
         }
@@ -201,7 +201,7 @@ impl<W: Write> PassesCsv<W> {
             known(run.timer.and_then(Timer::resolution_ns)),
             known(run.timer.map(|_| pass.duration_ns.is_some())),
         ];
-        self.writer.write_record(row)
+        Ok(self.writer.write_record(row)?)
     }
 
     /// Writes what is still buffered.

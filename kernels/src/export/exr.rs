@@ -31,9 +31,12 @@ use crate::stream::StreamData;
 /// An EXR file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum ExrError {
-    /// The encoder, or what it writes to, failed.
+    /// What it is written to failed.
     #[error(transparent)]
-    Write(#[from] ::exr::error::Error),
+    Io(#[from] std::io::Error),
+    /// The encoder refused the image.
+    #[error("the EXR encoder refused the image: {0}")]
+    Encode(String),
     /// There are not as many hits as pixels.
     #[error("{hits} hits were given for {pixels} pixels")]
     WrongLength {
@@ -50,6 +53,15 @@ pub enum ExrError {
         /// How many there are.
         triangles: usize,
     },
+}
+
+impl From<::exr::error::Error> for ExrError {
+    fn from(error: ::exr::error::Error) -> Self {
+        match error {
+            ::exr::error::Error::Io(error) => Self::Io(error),
+            other => Self::Encode(other.to_string()),
+        }
+    }
 }
 
 /// Writes the image and what each ray hit. `triangles` are the scene's corners, for the normals.

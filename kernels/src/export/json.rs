@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::reference::Report;
 use crate::renderer::{Pass, RayHit};
 use crate::scene_data::SceneData;
 use crate::state::{self, StateCounts};
@@ -47,6 +48,8 @@ pub struct Summary {
     pub unfinished: u64,
     /// Sums of the `counters` stream; `null` where they were not asked for.
     pub counters: Option<CounterSums>,
+    /// Against f64 brute force; `null` where that was not asked for.
+    pub check: Option<CheckSummary>,
     /// Wall-clock seconds a stage.
     pub seconds: BTreeMap<&'static str, f64>,
     /// Bytes of each stream.
@@ -188,6 +191,32 @@ impl CounterSums {
             triangles_tested: sum(1),
             repeated_tests: sum(2),
         })
+    }
+}
+
+/// What a comparison with f64 brute force found, in rays.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CheckSummary {
+    /// Compared.
+    pub rays: u64,
+    /// With the exact result.
+    pub same: u64,
+    /// With another that f32 cannot exclude.
+    pub ties: u64,
+    /// Hit nothing where something is.
+    pub missed: u64,
+    /// Hit something where nothing is.
+    pub false_hits: u64,
+    /// Hit another triangle, or at a wrong t.
+    pub wrong: u64,
+    /// Largest error of t among right hits, in units in the last place.
+    pub largest_t_ulp: f64,
+}
+
+impl From<&Report> for CheckSummary {
+    fn from(report: &Report) -> Self {
+        let Report { rays, same, ties, missed, false_hits, wrong, largest_t_ulp, .. } = *report;
+        Self { rays, same, ties, missed, false_hits, wrong, largest_t_ulp }
     }
 }
 

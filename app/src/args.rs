@@ -1,0 +1,164 @@
+//! The options that every subcommand shares, the same everywhere.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind};
+
+/// Which file.
+#[derive(Args, Debug)]
+pub(crate) struct SceneArgs {
+    /// The scene: glTF 2.0, .gltf or .glb
+    pub(crate) scene: PathBuf,
+    /// Which scene of a file that holds several, counted from 0 [default: the file's own]
+    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    pub(crate) scene_index: Option<usize>,
+}
+
+/// What is seen, and at which size.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Scene and view")]
+pub(crate) struct ViewArgs {
+    /// Pixels a row and rows
+    #[arg(long, value_name = "WxH", default_value = "512x512")]
+    pub(crate) size: Size,
+    /// One of the scene's cameras, counted from 0 [default: 0, or one that frames the scene]
+    #[arg(long, value_name = "N", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
+    pub(crate) camera: Option<usize>,
+    /// A camera of your own: where it is
+    #[arg(long, value_name = "X,Y,Z", requires = "look_at", allow_hyphen_values = true)]
+    pub(crate) eye: Option<Vector>,
+    /// … what it looks at
+    #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true)]
+    pub(crate) look_at: Option<Vector>,
+    /// … what is up [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true)]
+    pub(crate) up: Option<Vector>,
+    /// … and its vertical angle of view in degrees [default: 40]
+    #[arg(long, value_name = "DEG", requires = "eye", allow_hyphen_values = true)]
+    pub(crate) fov: Option<f64>,
+}
+
+/// How rays are traced.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Tracing")]
+pub(crate) struct RunArgs {
+    /// What keeps a ray from testing every triangle
+    #[arg(long, default_value = "grid", value_parser = named(Accelerator::ALL, Accelerator::name))]
+    pub(crate) accelerator: Accelerator,
+    /// In which order kernels run: intersect until no ray is active there, then traverse once (first), or
+    /// in turn (second)
+    #[arg(long, default_value = "second", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
+    pub(crate) schedule: ScheduleKind,
+    /// Rules for planes, steps and hits: no wrong hits but ties (robust), or the paper's, a baseline
+    #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
+    pub(crate) numerics: Numerics,
+    /// Cells of the grid: as many along each axis, or along x, y and z
+    #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid)]
+    pub(crate) grid: GridSize,
+    /// Leave nothing out of the plan, to see what leaving out saves
+    #[arg(long)]
+    pub(crate) keep_all: bool,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+/// Where passes run.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Device")]
+pub(crate) struct DeviceArgs {
+    /// A GPU adapter, or the kernels' CPU twins
+    ///
+    /// auto takes the best GPU, else the CPU: the twins are faster than a software adapter.
+    #[arg(long, value_enum, default_value_t = DeviceKind::Auto)]
+    pub(crate) device: DeviceKind,
+    /// The GPU adapter with this in its name, see 'raystep info'
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+}
+
+/// `--device`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DeviceKind {
+    /// The best GPU, else the CPU
+    Auto,
+    /// The best adapter, be it software
+    Gpu,
+    /// The kernels' twins on all cores
+    Cpu,
+}
+
+/// `--quiet`
+#[derive(Args, Clone, Debug)]
+pub(crate) struct QuietArgs {
+    /// Show no progress, notes or summary
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// A parser that knows every value's name, for help and completions.
+fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err = raystep_kernels::options::ParseOptionError> + Copy + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(all.iter().map(|&v| name(v)).collect::<Vec<_>>()).try_map(|value| value.parse::<T>())
+}
+
+/// `--size`
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    /// Pixels a row.
+    pub(crate) width: u32,
+    /// Rows.
+    pub(crate) height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(value: &str) -> Result<Self, String> {
+        let wrong = || "two whole numbers with an x between them are wanted, such as 640x480".to_owned();
+        let (width, height) = value.split_once(['x', 'X']).ok_or_else(wrong)?;
+        let side = |text: &str| text.parse::<u32>().map_err(|_| wrong());
+        let (width, height) = (side(width)?, side(height)?);
+        if width == 0 || height == 0 {
+            return Err("an image has at least one pixel each way".into());
+        }
+        Ok(Self { width, height })
+    }
+}
+
+/// Three numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Vector(pub(crate) [f64; 3]);
+
+impl FromStr for Vector {
+    type Err = String;
+
+    fn from_str(value: &str) -> Result<Self, String> {
+        let wrong = || "three numbers with commas between them are wanted, such as 0,1.5,-3".to_owned();
+        let numbers = value
+            .split(',')
+            .map(|part| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Self(numbers.try_into().map_err(|_| wrong())?))
+    }
+}
+
+fn parse_grid(value: &str) -> Result<GridSize, String> {
+    let wrong = || "auto, a number of cells, or one each for x, y and z are wanted, such as 32 or 32,8,32".to_owned();
+    if value == "auto" {
+        return Ok(GridSize::Auto);
+    }
+    let cells = value
+        .split(',')
+        .map(|part| part.parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(wrong))
+        .collect::<Result<Vec<_>, _>>()?;
+    match cells[..] {
+        [n] => Ok(GridSize::Cells([n; 3])),
+        [x, y, z] => Ok(GridSize::Cells([x, y, z])),
+        _ => Err(wrong()),
+    }
+}

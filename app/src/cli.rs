@@ -1,0 +1,75 @@
+//! The command line as a whole; each subcommand's own options are in its file.
+
+use std::ffi::OsString;
+
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, Parser, Subcommand};
+
+use crate::commands::{completions, dump, info, plan, render, scene, trace};
+use crate::error::Error;
+
+/// Trace rays as a stream program, step by step, with every stream in the open
+///
+/// Small kernels work on per-ray streams, on any GPU or on the CPU. Exit codes: 0 done, 1 the work failed,
+/// 2 wrong usage.
+#[derive(Parser, Debug)]
+#[command(
+    name = "raystep",
+    version,
+    max_term_width = 100,
+    disable_help_subcommand = true,
+    after_help = "\
+Examples:
+  raystep render scenes/cornell-box.gltf -o box.png
+  raystep plan scenes/cornell-box.gltf
+  raystep trace scenes/cornell-box.gltf --pixel 256,256
+  raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
+  raystep info
+'raystep COMMAND --help' says more about each."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+#[derive(Subcommand, Debug)]
+pub(crate) enum Command {
+    Render(Box<render::RenderArgs>),
+    Trace(Box<trace::TraceArgs>),
+    Dump(Box<dump::DumpArgs>),
+    Plan(Box<plan::PlanArgs>),
+    Info(info::InfoArgs),
+    #[command(subcommand)]
+    Scene(scene::SceneCommand),
+    Completions(completions::CompletionsArgs),
+}
+
+/// What the command line asks for.
+pub(crate) enum Request {
+    /// To do something.
+    Run(Command),
+    /// To be told something.
+    Show(String),
+}
+
+/// Reads the command line.
+pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
+    match Cli::try_parse_from(arguments) {
+        Ok(Cli { command: Some(command) }) => Ok(Request::Run(command)),
+        Ok(Cli { command: None }) => Ok(Request::Show(Cli::command().render_help().to_string())),
+        Err(error) if !error.use_stderr() => Ok(Request::Show(error.render().to_string())),
+        Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            Err(Error::usage("what to do is missing (see --help)"))
+        }
+        Err(error) => Err(Error::usage(one_line(&error.render().to_string()))),
+    }
+}
+
+/// clap's message in one line: without the usage and the pointer to help, which are the same every time.
+fn one_line(message: &str) -> String {
+    let message = message.strip_prefix("error: ").unwrap_or(message);
+    let paragraphs =
+        message.split("\n\n").filter(|p| !p.starts_with("Usage:") && !p.starts_with("For more information"));
+    let lines = paragraphs.map(|p| p.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>().join("; ");
+    format!("{lines} (see --help)")
+}

@@ -1,0 +1,295 @@
+//! `raystep dump`
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, ValueEnum};
+use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
+use raystep_kernels::export::{csv, exr, npy};
+use raystep_kernels::plan::{Bytes, Plan};
+use raystep_kernels::stream::STREAMS;
+use raystep_kernels::{Pass, Stream, StreamData};
+use serde::Serialize;
+
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::error::Error;
+use crate::output::TargetFolder;
+use crate::session::{Running, Session};
+use crate::terminal::Progress;
+
+/// Write the values of streams after one pass or after each
+///
+/// DIR/pass-000123.hit.npy holds the stream 'hit' after pass 123, (layer, row, column), float32 or uint32 as
+/// the stream is; index.json says what each pass did, and how many scene units a stream's unit is.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
+  raystep dump scenes/cornell-box.gltf --pass 7 --stream state,tmax -o pass7
+  raystep dump scenes/teapot.glb --pass all --stream all --size 64x64 --format both -o all")]
+pub(crate) struct DumpArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// After which pass, counted from 0
+    #[arg(long, value_name = "N|last|all", default_value = "last")]
+    pass: Which,
+    /// Which streams, with commas between them; see 'raystep plan'
+    #[arg(long, value_name = "NAME|all", default_value = "all", value_delimiter = ',', value_parser = parse_stream)]
+    stream: Vec<Wanted>,
+    /// The folder to write: new, or empty
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// NumPy arrays, OpenEXR images (a channel a layer), or both
+    #[arg(long, value_enum, default_value_t = Format::Npy)]
+    format: Format,
+    /// Replace files of the same names in a folder that is not empty
+    #[arg(long)]
+    force: bool,
+    /// Count cells visited and triangles tested
+    #[arg(long)]
+    counters: bool,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    Number(usize),
+    Last,
+    All,
+}
+
+impl FromStr for Which {
+    type Err = &'static str;
+
+    fn from_str(value: &str) -> Result<Self, Self::Err> {
+        match value {
+            "last" => Ok(Self::Last),
+            "all" => Ok(Self::All),
+            _ => value.parse().map(Self::Number).map_err(|_| "a pass's number, last or all is wanted"),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    Stream(Stream),
+    All,
+}
+
+fn parse_stream(value: &str) -> Result<Wanted, String> {
+    if value == "all" {
+        return Ok(Wanted::All);
+    }
+    let names = || STREAMS.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
+    Stream::from_name(value).map(Wanted::Stream).ok_or_else(|| format!("there are {}, and all", names()))
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Npy,
+    Exr,
+    Both,
+}
+
+/// `index.json`
+#[derive(Serialize)]
+struct Index {
+    schema_version: u32,
+    raystep_version: &'static str,
+    scene: String,
+    device: &'static str,
+    adapter: Option<AdapterInfo>,
+    options: RunOptions,
+    rays: u64,
+    /// Multiply lengths and t of the streams by this for scene units.
+    scene_units_per_stream_unit: f64,
+    streams: Vec<StreamSummary>,
+    /// Every pass up to the last one written.
+    passes: Vec<IndexPass>,
+}
+
+#[derive(Serialize)]
+struct IndexPass {
+    index: usize,
+    iteration: u32,
+    kernel: &'static str,
+    rays_in: u32,
+    rays_out: u32,
+    rays_by_state: std::collections::BTreeMap<&'static str, u32>,
+    files: Vec<String>,
+}
+
+pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
+    let folder = TargetFolder::new(&args.output, args.force)?;
+    match fill(args, &folder) {
+        Ok(text) => {
+            folder.finish()?;
+            Progress::new(args.quiet.quiet).say(text);
+            Ok(())
+        }
+        Err(error) => {
+            folder.abandon();
+            Err(error)
+        }
+    }
+}
+
+/// Writes every file; tells what was written.
+fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
+    let progress = Progress::new(args.quiet.quiet);
+    let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        options.counters = args.counters || args.stream.contains(&Wanted::Stream(Stream::Counters));
+        // The image is the one thing that only shading makes.
+        options.shade = is_wanted(Stream::Color);
+    })?;
+    let streams = streams(args, &session.plan)?;
+    let mut running = session.start(&progress)?;
+
+    let passes = match args.pass {
+        Which::Number(wanted) => {
+            step_to(&mut running, wanted, &progress)?;
+            vec![wanted]
+        }
+        Which::Last | Which::All => {
+            let show = |now: &raystep_kernels::Progress| {
+                progress.rays(now);
+                ControlFlow::Continue(())
+            };
+            running.chosen.wait(running.renderer.run(show))?;
+            let last = running.renderer.passes().len().saturating_sub(1);
+            if args.pass == Which::Last { vec![last] } else { (0..=last).collect() }
+        }
+    };
+    let plan = running.renderer.plan();
+    let bytes = bytes(&streams, plan, args.format) * passes.len() as u64;
+    let files = streams.len() * passes.len() * if args.format == Format::Both { 2 } else { 1 };
+    let about = if args.format == Format::Npy { "" } else { " at most, as EXR is compressed" };
+    progress.say(format_args!("writing {}, {}{about}, to {}", count(files), Bytes(bytes), args.output.display()));
+
+    let mut index = index(&running, &streams);
+    if args.pass == Which::All {
+        // Known only now how many there are: the same passes once more, as kernels are deterministic.
+        running.renderer.restart();
+    }
+    for (done, &wanted) in passes.iter().enumerate() {
+        if args.pass == Which::All {
+            running.chosen.wait(running.renderer.step())?;
+        }
+        progress.part("writing", done as u64, passes.len() as u64);
+        for &stream in &streams {
+            let data = running.chosen.wait(running.renderer.values(stream))?;
+            index.passes[wanted].files.extend(write_stream(folder, wanted, &data, args.format)?);
+        }
+    }
+    let text = super::json_text(&index)?;
+    folder.write("index.json", |out| std::io::Write::write_all(out, text.as_bytes()))?;
+    Ok(format!("wrote {} and index.json to {}", count(files), args.output.display()))
+}
+
+fn count(files: usize) -> String {
+    if files == 1 { "1 file".into() } else { format!("{files} files") }
+}
+
+fn step_to(running: &mut Running, wanted: usize, progress: &Progress) -> Result<(), Error> {
+    while running.renderer.passes().len() <= wanted {
+        if running.chosen.wait(running.renderer.step())?.is_none() {
+            let count = running.renderer.passes().len();
+            return Err(Error::usage(format!(
+                "--pass {wanted}: the run has {count} passes, 0 to {}",
+                count.saturating_sub(1)
+            )));
+        }
+        progress.rays(&running.renderer.progress());
+    }
+    Ok(())
+}
+
+/// The streams to write; an error where one that was named is not part of the plan.
+fn streams(args: &DumpArgs, plan: &Plan) -> Result<Vec<Stream>, Error> {
+    if args.stream.contains(&Wanted::All) {
+        return Ok(plan.streams.iter().map(|s| s.what).collect());
+    }
+    let mut streams = Vec::new();
+    for wanted in &args.stream {
+        let Wanted::Stream(stream) = *wanted else { continue };
+        if !plan.has_stream(stream) {
+            let what = format!("stream {}", stream.name());
+            let reason = plan.left_out.iter().find(|l| l.what == what).map_or("not needed", |l| l.reason);
+            return Err(Error::usage(format!("--stream {}: this run leaves it out: {reason}", stream.name())));
+        }
+        if !streams.contains(&stream) {
+            streams.push(stream);
+        }
+    }
+    Ok(streams)
+}
+
+/// Bytes of the streams after one pass.
+fn bytes(streams: &[Stream], plan: &Plan, format: Format) -> u64 {
+    let texels = u64::from(plan.width) * u64::from(plan.height);
+    let of = |stream: &Stream| {
+        let raw = stream.bytes(texels).unwrap_or(u64::MAX);
+        match format {
+            Format::Npy => raw + npy::HEADER_BYTES,
+            Format::Exr => raw,
+            Format::Both => 2 * raw + npy::HEADER_BYTES,
+        }
+    };
+    streams.iter().map(of).sum()
+}
+
+fn index(running: &Running, streams: &[Stream]) -> Index {
+    let (renderer, plan) = (&running.renderer, running.renderer.plan());
+    let texels = u64::from(plan.width) * u64::from(plan.height);
+    let pass = |pass: &Pass| IndexPass {
+        index: pass.index,
+        iteration: pass.iteration,
+        kernel: pass.kernel.name(),
+        rays_in: pass.rays_in,
+        rays_out: csv::rays_out(pass),
+        rays_by_state: json::states(&pass.counts),
+        files: Vec::new(),
+    };
+    Index {
+        schema_version: json::SCHEMA_VERSION,
+        raystep_version: env!("CARGO_PKG_VERSION"),
+        scene: running.scene.name.clone(),
+        device: running.chosen.kind(),
+        adapter: running.chosen.gpu().map(|gpu| AdapterInfo::from(&gpu.info)),
+        options: running.run_options(),
+        rays: plan.rays,
+        scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
+        streams: streams.iter().map(|&s| json::stream(s, texels)).collect(),
+        passes: renderer.passes().iter().map(pass).collect(),
+    }
+}
+
+fn write_stream(folder: &TargetFolder, pass: usize, data: &StreamData, format: Format) -> Result<Vec<String>, Error> {
+    let mut files = Vec::new();
+    let name = |extension: &str| format!("pass-{pass:06}.{}.{extension}", data.stream.name());
+    if format != Format::Exr {
+        let name = name("npy");
+        folder.write(&name, |out| npy::write_stream(out, data))?;
+        files.push(name);
+    }
+    if format != Format::Npy {
+        let name = name("exr");
+        folder.write(&name, |out| exr::write_stream(out, data).map_err(io_error))?;
+        files.push(name);
+    }
+    Ok(files)
+}
+
+fn io_error(error: exr::ExrError) -> std::io::Error {
+    match error {
+        exr::ExrError::Io(error) => error,
+        other => std::io::Error::other(other.to_string()),
+    }
+}

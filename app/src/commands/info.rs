@@ -1,0 +1,256 @@
+//! `raystep info`
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use raystep_kernels::AdapterSummary;
+use raystep_kernels::export::json::AdapterInfo;
+use raystep_kernels::plan::Bytes;
+use raystep_scenes::{Light, Projection, Scene};
+use serde::Serialize;
+
+use crate::args::{DeviceArgs, DeviceKind, SceneArgs};
+use crate::device::{block_on, choose};
+use crate::error::Error;
+use crate::scene_file;
+use crate::terminal::print;
+
+/// List the GPU adapters and which one would be used; or what a scene holds
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep info
+  raystep info scenes/teapot.glb
+  raystep info --json | jq '.adapters[].name'")]
+pub(crate) struct InfoArgs {
+    /// A scene to tell about instead
+    scene: Option<PathBuf>,
+    /// Which scene of a file that holds several, counted from 0
+    #[arg(long, value_name = "N", requires = "scene")]
+    scene_index: Option<usize>,
+    /// As JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &InfoArgs) -> Result<(), Error> {
+    match &args.scene {
+        Some(path) => {
+            let scene = scene_file::read(&SceneArgs { scene: path.clone(), scene_index: args.scene_index })?;
+            let about = AboutScene::of(&scene);
+            print(&if args.json { super::json_text(&about)? } else { about.text() })
+        }
+        None => {
+            let adapters = block_on(None, raystep_kernels::adapters());
+            let chosen = choose(&DeviceArgs { device: DeviceKind::Auto, adapter: None })?;
+            let about = AboutDevices {
+                adapters: adapters.iter().map(AboutAdapter::of).collect(),
+                device: chosen.kind(),
+                name: chosen.name(),
+                reason: chosen.reason.clone(),
+            };
+            print(&if args.json { super::json_text(&about)? } else { about.text() })
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct AboutDevices {
+    adapters: Vec<AboutAdapter>,
+    /// What `--device auto` takes.
+    device: &'static str,
+    name: String,
+    reason: String,
+}
+
+#[derive(Serialize)]
+struct AboutAdapter {
+    #[serde(flatten)]
+    info: AdapterInfo,
+    is_usable: bool,
+    has_timestamps: bool,
+    image_side_px: u32,
+    storage_binding_bytes: u64,
+    buffer_bytes: u64,
+    workgroups_per_dimension: u32,
+    storage_textures_per_stage: u32,
+    storage_buffers_per_stage: u32,
+}
+
+impl AboutAdapter {
+    fn of(adapter: &AdapterSummary) -> Self {
+        let limits = &adapter.limits;
+        Self {
+            info: AdapterInfo::from(&adapter.info),
+            is_usable: adapter.is_usable,
+            has_timestamps: adapter.has_timestamps,
+            image_side_px: raystep_kernels::Limits::from(limits).image_side,
+            storage_binding_bytes: limits.max_storage_buffer_binding_size,
+            buffer_bytes: limits.max_buffer_size,
+            workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
+            storage_textures_per_stage: limits.max_storage_textures_per_shader_stage,
+            storage_buffers_per_stage: limits.max_storage_buffers_per_shader_stage,
+        }
+    }
+}
+
+impl AboutDevices {
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let mut line = |line: String| text.extend([line.as_str(), "\n"]);
+        if self.adapters.is_empty() {
+            line("No GPU adapter was found: neither a driver nor a software one. The CPU twins need none.\n".into());
+        }
+        for a in &self.adapters {
+            line(a.info.name.clone());
+            line(format!("  backend     {}, {}", a.info.backend, a.info.driver));
+            line(format!("  kind        {}", a.info.kind));
+            line(format!(
+                "  usable      {}",
+                if a.is_usable {
+                    "yes"
+                } else {
+                    "no: it lacks compute shaders, core WebGPU limits or read-write r32 textures"
+                }
+            ));
+            line(format!("  timestamps  {}", if a.has_timestamps { "yes" } else { "no: passes cannot be timed" }));
+            line(format!("  images      up to {} pixels a side", a.image_side_px));
+            line(format!("  buffers     {} each, {} bound", Bytes(a.buffer_bytes), Bytes(a.storage_binding_bytes)));
+            line(format!(
+                "  a stage     {} storage textures, {} storage buffers",
+                a.storage_textures_per_stage, a.storage_buffers_per_stage
+            ));
+            line(format!("  a dispatch  {} workgroups each way\n", a.workgroups_per_dimension));
+        }
+        line(format!(
+            "--device auto takes {}: {}",
+            if self.device == "cpu" { "the CPU" } else { &self.name },
+            self.reason
+        ));
+        text
+    }
+}
+
+#[derive(Serialize)]
+struct AboutScene {
+    name: String,
+    triangles: usize,
+    bounds_min: Option<[f32; 3]>,
+    bounds_max: Option<[f32; 3]>,
+    has_normals: bool,
+    has_texcoords: bool,
+    has_vertex_colors: bool,
+    materials: Vec<AboutMaterial>,
+    textures: Vec<[u32; 2]>,
+    lights: Vec<&'static str>,
+    cameras: Vec<AboutCamera>,
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct AboutMaterial {
+    name: String,
+    triangles: usize,
+    texture: Option<u32>,
+    is_emissive: bool,
+    is_double_sided: bool,
+}
+
+#[derive(Serialize)]
+struct AboutCamera {
+    name: String,
+    projection: &'static str,
+    eye: [f64; 3],
+    vertical_fov_deg: Option<f64>,
+}
+
+impl AboutScene {
+    fn of(scene: &Scene) -> Self {
+        let bounds = Some(scene.bounds()).filter(|b| !b.is_empty());
+        let mut counts = vec![0; scene.materials.len()];
+        for &material in &scene.triangle_materials {
+            counts[material as usize] += 1;
+        }
+        let materials = scene.materials.iter().zip(counts).map(|(m, triangles)| AboutMaterial {
+            name: m.name.clone(),
+            triangles,
+            texture: m.texture,
+            is_emissive: m.emissive != [0.0; 3],
+            is_double_sided: m.double_sided,
+        });
+        let lights = scene.lights.iter().map(|light| match light {
+            Light::Point { .. } => "point",
+            Light::Directional { .. } => "directional",
+            Light::Spot { .. } => "spot",
+        });
+        let cameras = scene.cameras.iter().map(|camera| {
+            let (projection, fov) = match camera.projection {
+                Projection::Perspective { vertical_fov } => ("perspective", Some(vertical_fov.to_degrees())),
+                Projection::Orthographic { .. } => ("orthographic", None),
+            };
+            AboutCamera { name: camera.name.clone(), projection, eye: camera.eye.to_array(), vertical_fov_deg: fov }
+        });
+        Self {
+            name: scene.name.clone(),
+            triangles: scene.triangles.len(),
+            bounds_min: bounds.map(|b| b.min.to_array()),
+            bounds_max: bounds.map(|b| b.max.to_array()),
+            has_normals: scene.normals.is_some(),
+            has_texcoords: scene.texcoords.is_some(),
+            has_vertex_colors: scene.colors.is_some(),
+            materials: materials.collect(),
+            textures: scene.textures.iter().map(|t| [t.width, t.height]).collect(),
+            lights: lights.collect(),
+            cameras: cameras.collect(),
+            notes: scene.notes.iter().map(|n| n.0.clone()).collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}\n  triangles  {}\n", self.name, self.triangles);
+        let mut line = |name: &str, value: String| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {name:<9}  {value}");
+        };
+        if let (Some(min), Some(max)) = (self.bounds_min, self.bounds_max) {
+            line("bounds", format!("{min:?} to {max:?}"));
+        }
+        let attributes: Vec<_> = [
+            (self.has_normals, "normals"),
+            (self.has_texcoords, "texture coordinates"),
+            (self.has_vertex_colors, "vertex colours"),
+        ]
+        .iter()
+        .filter_map(|(has, name)| has.then_some(*name))
+        .collect();
+        line(
+            "corners",
+            if attributes.is_empty() {
+                "positions only".into()
+            } else {
+                format!("positions, {}", attributes.join(", "))
+            },
+        );
+        for m in &self.materials {
+            let texture = m.texture.map(|t| format!(", texture {t}")).unwrap_or_default();
+            let emissive = if m.is_emissive { ", emissive" } else { "" };
+            let sides = if m.is_double_sided { ", double-sided" } else { "" };
+            line("material", format!("{:?}: {} triangles{texture}{emissive}{sides}", m.name, m.triangles));
+        }
+        for (i, [width, height]) in self.textures.iter().enumerate() {
+            line("texture", format!("{i}: {width} x {height}"));
+        }
+        for light in &self.lights {
+            line("light", (*light).into());
+        }
+        for (i, c) in self.cameras.iter().enumerate() {
+            let fov = c.vertical_fov_deg.map(|d| format!(", {d:.1} degrees")).unwrap_or_default();
+            line("camera", format!("{i}: {:?}, {}{fov}, at {:?}", c.name, c.projection, c.eye));
+        }
+        for note in &self.notes {
+            line("note", note.clone());
+        }
+        text
+    }
+}

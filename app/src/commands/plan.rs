@@ -1,0 +1,47 @@
+//! `raystep plan`
+
+use clap::Args;
+use raystep_kernels::export;
+
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::error::Error;
+use crate::session::Session;
+use crate::terminal::{Progress, print};
+
+/// Show what a run would need, and what it leaves out and why
+///
+/// Kernels with their bindings, streams and buffers with their bytes. What is left out is neither compiled,
+/// bound, allocated nor uploaded.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep plan scenes/cornell-box.gltf
+  raystep plan scenes/teapot.glb --accelerator none
+  raystep plan scenes/terrain.glb --json | jq .bytes")]
+pub(crate) struct PlanArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// As JSON
+    #[arg(long)]
+    json: bool,
+    /// Count cells visited and triangles tested
+    #[arg(long)]
+    counters: bool,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
+    let progress = Progress::new(args.quiet.quiet);
+    let session =
+        Session::new(&args.scene, &args.view, &args.run, &progress, |options| options.counters = args.counters)?;
+    progress.finish();
+    if args.json {
+        return print(&super::json_text(&export::plan::plan(&session.plan, &session.data))?);
+    }
+    print(&session.plan.to_string())
+}

@@ -1,0 +1,221 @@
+//! `raystep render`
+
+use std::io::Cursor;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use image::ImageEncoder as _;
+use raystep_kernels::export::csv::{PassWork, PassesCsv};
+use raystep_kernels::export::json::CounterSums;
+use raystep_kernels::export::{exr, json};
+use raystep_kernels::reference::{Report, check_rays};
+use raystep_kernels::{Image, Numerics, RayHit, Stream};
+
+use super::summary;
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::error::Error;
+use crate::output::{Target, write};
+use crate::session::{Running, Session};
+use crate::terminal::{Progress, print};
+
+/// Mistakes that `--check` names; the rest is counted.
+const MISTAKES_SHOWN: usize = 8;
+
+/// Trace a scene to the end and write the image
+///
+/// PNG is sRGB. EXR is linear, and carries what each ray hit: Z, Hit.T.V, Hit.Bary.U and .V, Hit.TriId.V,
+/// Normal.X, .Y and .Z.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep render scenes/cornell-box.gltf -o box.png
+  raystep render scenes/teapot.glb -o teapot.exr --size 1920x1080 --device cpu
+  raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
+  raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
+  raystep render scenes/cornell-box.gltf -o box.png --passes-csv passes.csv --summary-json run.json")]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The image to write; its name ends in .png or .exr
+    #[arg(short, long, value_name = "OUT.png|OUT.exr")]
+    output: PathBuf,
+    /// Time every pass, and write one row a pass
+    #[arg(long, value_name = "F")]
+    passes_csv: Option<PathBuf>,
+    /// Write what the run did
+    #[arg(long, value_name = "F")]
+    summary_json: Option<PathBuf>,
+    /// Count cells visited and triangles tested
+    #[arg(long)]
+    counters: bool,
+    /// Compare what every ray hit with f64 brute force; with --numerics robust, a difference is a failure
+    #[arg(long)]
+    check: bool,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+#[derive(Clone, Copy)]
+enum Format {
+    Png,
+    Exr,
+}
+
+pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
+    let format = match super::extension(&args.output).as_str() {
+        "png" => Format::Png,
+        "exr" => Format::Exr,
+        _ => {
+            let path = args.output.display();
+            return Err(Error::usage(format!("-o {path}: a name that ends in .png or .exr is wanted")));
+        }
+    };
+    let target = Target::new(&args.output)?;
+    let optional = |path: &Option<PathBuf>| path.as_deref().map(Target::new).transpose();
+    let (passes_target, summary_target) = (optional(&args.passes_csv)?, optional(&args.summary_json)?);
+    refuse_doubles(&[Some(&target), passes_target.as_ref(), summary_target.as_ref()])?;
+
+    let progress = Progress::new(args.quiet.quiet);
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        options.counters = args.counters;
+        options.timings = args.passes_csv.is_some();
+    })?;
+    let mut running = session.start(&progress)?;
+    let work = trace(&mut running, args.counters && args.passes_csv.is_some(), &progress)?;
+    running.watch.lap("trace");
+
+    progress.stage("reading back");
+    let image = running.chosen.wait(running.renderer.image())?;
+    let hits = running.chosen.wait(running.renderer.hits())?;
+    let counters = counters(&running)?;
+    running.watch.lap("read_back");
+    let report = args.check.then(|| check(&mut running, &progress)).transpose()?;
+
+    progress.stage("writing");
+    let mut files = vec![(target, encode(format, &image, &hits, &running, &args.output)?)];
+    if let Some(target) = passes_target {
+        files.push((target, passes_csv(&running, work.as_deref())?));
+    }
+    running.watch.lap("encode");
+    let summary = summary::of(&running, json::hit_count(&hits), counters, report.as_ref());
+    if let Some(target) = summary_target {
+        files.push((target, super::json_text(&summary)?.into_bytes()));
+    }
+    write(files)?;
+    progress.finish();
+    progress.say(summary::text(&summary, &running));
+    report.map_or(Ok(()), |report| judge(&report, &running))
+}
+
+fn refuse_doubles(targets: &[Option<&Target>]) -> Result<(), Error> {
+    for (i, a) in targets.iter().enumerate() {
+        if let Some(a) = a
+            && targets[..i].iter().flatten().any(|b| a.is_same(b))
+        {
+            return Err(Error::usage(format!("{} is named for two outputs: give each its own", a.path().display())));
+        }
+    }
+    Ok(())
+}
+
+/// Runs to the end. With `per_pass`, tells what each pass added to the counters.
+fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<Option<Vec<PassWork>>, Error> {
+    let Running { chosen, renderer, .. } = running;
+    progress.rays(&renderer.progress());
+    if !per_pass {
+        let show = |now: &raystep_kernels::Progress| {
+            progress.rays(now);
+            ControlFlow::Continue(())
+        };
+        chosen.wait(renderer.run(show))?;
+        return Ok(None);
+    }
+    let (mut all, mut before) = (Vec::new(), CounterSums::default());
+    while chosen.wait(renderer.step())?.is_some() {
+        let after = CounterSums::of(&chosen.wait(renderer.values(Stream::Counters))?).unwrap_or_default();
+        all.push(PassWork {
+            cells_visited: after.cells_visited.saturating_sub(before.cells_visited),
+            triangles_tested: after.triangles_tested.saturating_sub(before.triangles_tested),
+        });
+        before = after;
+        progress.rays(&renderer.progress());
+    }
+    Ok(Some(all))
+}
+
+/// Compares with f64 brute force.
+fn check(running: &mut Running, progress: &Progress) -> Result<Report, Error> {
+    let Running { chosen, renderer, watch, .. } = running;
+    let read = |stream| chosen.wait(renderer.values(stream));
+    let [origins, directions] = [read(Stream::RayOrigin)?, read(Stream::RayDirection)?];
+    let [state, hit] = [read(Stream::State)?, read(Stream::Hit)?];
+    let show = |done, of| {
+        progress.part("comparing with f64", done, of);
+        ControlFlow::Continue(())
+    };
+    let streams = [&origins, &directions, &state, &hit];
+    let report = check_rays(renderer.data(), renderer.plan().rays, streams, show);
+    watch.lap("check");
+    Ok(report)
+}
+
+/// Says what the comparison found; errors fail the run, unless the paper's numerics make them as expected.
+fn judge(report: &Report, running: &Running) -> Result<(), Error> {
+    let width = running.renderer.plan().width as usize;
+    let mut text = format!("{report}\n");
+    for m in report.mistakes.iter().take(MISTAKES_SHOWN) {
+        let (x, y) = (m.ray % width, m.ray / width);
+        let found = m.found.map_or("nothing".into(), |(triangle, t)| format!("triangle {triangle} at t {t}"));
+        let exact = m.exact.map_or("nothing".into(), |(triangle, t)| format!("triangle {triangle} at t {t}"));
+        text += &format!("  pixel {x},{y}: {found}, but the truth is {exact} (t in traced units)\n");
+    }
+    print(&text)?;
+    if report.errors() > 0 && running.options.numerics == Numerics::Robust {
+        return Err(Error::failed(format!("{} of {} rays have the wrong hit", report.errors(), report.rays)));
+    }
+    Ok(())
+}
+
+fn counters(running: &Running) -> Result<Option<CounterSums>, Error> {
+    if !running.renderer.plan().has_stream(Stream::Counters) {
+        return Ok(None);
+    }
+    Ok(CounterSums::of(&running.chosen.wait(running.renderer.values(Stream::Counters))?))
+}
+
+fn encode(
+    format: Format,
+    image: &Image,
+    hits: &[Option<RayHit>],
+    running: &Running,
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
+    let cannot = |e: &dyn std::fmt::Display| Error::failed(format!("cannot encode {}: {e}", path.display()));
+    let mut file = Cursor::new(Vec::new());
+    match format {
+        Format::Png => image::codecs::png::PngEncoder::new(&mut file)
+            .write_image(&image.to_srgb8(), image.width, image.height, image::ExtendedColorType::Rgb8)
+            .map_err(|e| cannot(&e))?,
+        Format::Exr => {
+            exr::write_image(&mut file, image, hits, &running.scene.triangles).map_err(|e| cannot(&e))?;
+        }
+    }
+    Ok(file.into_inner())
+}
+
+fn passes_csv(running: &Running, work: Option<&[PassWork]>) -> Result<Vec<u8>, Error> {
+    let cannot = |e: std::io::Error| Error::failed(format!("cannot write the passes: {e}"));
+    let context = running.run_context();
+    let mut file = Vec::new();
+    let mut csv = PassesCsv::new(&mut file).map_err(cannot)?;
+    for (i, pass) in running.renderer.passes().iter().enumerate() {
+        csv.write(&context, pass, work.and_then(|all| all.get(i)).copied()).map_err(cannot)?;
+    }
+    csv.finish().map_err(cannot)?;
+    Ok(file)
+}

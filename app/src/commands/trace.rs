@@ -1,0 +1,121 @@
+//! `raystep trace`
+
+use std::ops::ControlFlow;
+use std::str::FromStr;
+
+use clap::{ArgGroup, Args, ValueEnum};
+use raystep_kernels::export::trace::trace;
+use raystep_kernels::{Ray, RaySource};
+
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::error::Error;
+use crate::session::Session;
+use crate::terminal::{Progress, print};
+
+/// Follow one ray through every pass, with what was decided and why
+///
+/// A row for every pass that worked on the ray, from the executor's own streams: kernel, state, cell, tmax,
+/// item, triangle tested, hit, and the reason in words.
+#[derive(Args, Debug)]
+#[command(group = ArgGroup::new("which").required(true).args(["pixel", "ray"]), after_help = "\
+Examples:
+  raystep trace scenes/cornell-box.gltf --pixel 256,256
+  raystep trace scenes/cornell-box.gltf --pixel 256,256 --numerics paper --format csv > ray.csv
+  raystep trace scenes/teapot.glb --ray 0,0,5,0,0,-1
+  raystep trace scenes/teapot.glb --ray 0,0,0x40a00000,0,0,0xbf800000 --format json")]
+pub(crate) struct TraceArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The ray through the centre of a pixel, counted from 0 at the top left
+    #[arg(long, value_name = "X,Y")]
+    pixel: Option<Pixel>,
+    /// A ray of your own: origin and direction, decimal or as the bits of an f32 in hex
+    #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", allow_hyphen_values = true)]
+    ray: Option<TypedRay>,
+    /// A table for people, or data
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Table,
+    Json,
+    Csv,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Pixel {
+    x: u32,
+    y: u32,
+}
+
+impl FromStr for Pixel {
+    type Err = &'static str;
+
+    fn from_str(value: &str) -> Result<Self, Self::Err> {
+        const WRONG: &str = "two whole numbers with a comma between them are wanted, such as 256,256";
+        let (x, y) = value.split_once(',').ok_or(WRONG)?;
+        Ok(Self { x: x.trim().parse().map_err(|_| WRONG)?, y: y.trim().parse().map_err(|_| WRONG)? })
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TypedRay(Ray);
+
+impl FromStr for TypedRay {
+    type Err = &'static str;
+
+    fn from_str(value: &str) -> Result<Self, Self::Err> {
+        const WRONG: &str = "six numbers with commas between them are wanted, decimal or hex bits such as 0x3f800000";
+        let number = |text: &str| match text.trim().strip_prefix("0x") {
+            Some(bits) => u32::from_str_radix(bits, 16).map(f32::from_bits).map_err(|_| WRONG),
+            None => text.trim().parse::<f32>().map_err(|_| WRONG),
+        };
+        let numbers = value.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+        let [ox, oy, oz, dx, dy, dz] = numbers[..] else { return Err(WRONG) };
+        Ok(Self(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] }))
+    }
+}
+
+pub(crate) fn run(args: &TraceArgs) -> Result<(), Error> {
+    let (size, pixel) = (args.view.size, args.pixel.unwrap_or(Pixel { x: 0, y: 0 }));
+    if pixel.x >= size.width || pixel.y >= size.height {
+        return Err(Error::usage(format!(
+            "--pixel {},{}: the image has pixels 0,0 to {},{}; --size makes it larger",
+            pixel.x,
+            pixel.y,
+            size.width - 1,
+            size.height - 1
+        )));
+    }
+    let progress = Progress::new(args.quiet.quiet);
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        if let Some(TypedRay(ray)) = args.ray {
+            options.rays = RaySource::Given(vec![ray]);
+        }
+    })?;
+    let mut running = session.start(&progress)?;
+    progress.stage("tracing");
+    let following = trace(&mut running.renderer, pixel.x, pixel.y, |pass| {
+        progress.pass(pass.index);
+        ControlFlow::Continue(())
+    });
+    let life = running.chosen.wait(following)?;
+    progress.finish();
+    match args.format {
+        Format::Table => print(&life.table()),
+        Format::Json => print(&super::json_text(&life)?),
+        Format::Csv => {
+            let mut text = Vec::new();
+            life.write_csv(&mut text).map_err(|e| Error::failed(format!("cannot write as CSV: {e}")))?;
+            print(&String::from_utf8_lossy(&text))
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! What ends a command early: a line for the user and an exit code.
+
+use std::fmt;
+
+use raystep_kernels::grid::GridError;
+use raystep_kernels::{GpuError, PlanError, RenderError};
+
+/// The work failed.
+pub(crate) const FAILED: u8 = 1;
+/// The command line cannot mean anything.
+pub(crate) const USAGE: u8 = 2;
+
+/// One line, and the code to exit with.
+#[derive(Debug)]
+pub(crate) struct Error {
+    message: String,
+    /// The exit code.
+    pub(crate) code: u8,
+}
+
+impl Error {
+    /// The work failed: exit code 1.
+    pub(crate) fn failed(message: impl fmt::Display) -> Self {
+        Self::new(message, FAILED)
+    }
+
+    /// The command line is wrong: exit code 2.
+    pub(crate) fn usage(message: impl fmt::Display) -> Self {
+        Self::new(message, USAGE)
+    }
+
+    fn new(message: impl fmt::Display, code: u8) -> Self {
+        // A file's name or a driver's message may hold line feeds.
+        let message = message.to_string().split(['\n', '\r']).map(str::trim).collect::<Vec<_>>().join(" ");
+        Self { message, code }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "error: {}", self.message)
+    }
+}
+
+impl From<PlanError> for Error {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Grid(GridError::Size(_)) => Self::usage(format!("--grid: {error}")),
+            PlanError::ImageSize { .. } => Self::failed(format!("--size: {error}")),
+            PlanError::Ray { .. } => Self::usage(format!("--ray: {error}")),
+            PlanError::BufferSize { .. } => Self::failed(format!("{error}; --device cpu is bound by memory only")),
+            _ => Self::failed(error),
+        }
+    }
+}
+
+impl From<GpuError> for Error {
+    fn from(error: GpuError) -> Self {
+        Self::failed(error)
+    }
+}
+
+impl From<RenderError> for Error {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Plan(error) => error.into(),
+            _ => Self::failed(error),
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Files that are there whole or not at all: written under a temporary name beside the target, then renamed.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use tempfile::{NamedTempFile, TempDir};
+
+use crate::error::Error;
+use crate::interrupt::Temporary;
+
+/// A file to be written.
+#[derive(Debug)]
+pub(crate) struct Target {
+    /// As the user wrote it.
+    path: PathBuf,
+    /// Where it is, through links.
+    place: PathBuf,
+    /// A device or pipe: written to, never replaced.
+    is_special: bool,
+}
+
+impl Target {
+    /// Checks what can be checked before the work begins: the folder exists and can be written to.
+    pub(crate) fn new(path: &Path) -> Result<Self, Error> {
+        let at = path.display();
+        // A link is followed: what it points to is replaced, the link stays.
+        let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let is_special = match fs::metadata(&place) {
+            Ok(found) if found.is_dir() => return Err(Error::failed(format!("{at} is a folder; name a file in it"))),
+            Ok(found) => !found.is_file(),
+            Err(_) => false,
+        };
+        if place.file_name().is_none() {
+            return Err(Error::usage(format!("\"{at}\" names no file")));
+        }
+        let target = Self { path: path.to_owned(), place, is_special };
+        if !is_special {
+            let folder = target.folder();
+            if !folder.is_dir() {
+                return Err(Error::failed(format!("cannot write {at}: there is no folder {}", folder.display())));
+            }
+            target.temporary()?.finish(drop);
+        }
+        Ok(target)
+    }
+
+    /// Whether two names are one file.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let folder = |t: &Self| fs::canonicalize(t.folder()).ok();
+        !self.is_special && folder(self) == folder(other) && self.place.file_name() == other.place.file_name()
+    }
+
+    /// As the user wrote it.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn folder(&self) -> &Path {
+        folder_of(&self.place)
+    }
+
+    fn temporary(&self) -> Result<Temporary<NamedTempFile>, Error> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".raystep-").suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // As any new file: what the umask leaves.
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        Temporary::create(|| builder.tempfile_in(self.folder()), NamedTempFile::path).map_err(|e| self.cannot(&e))
+    }
+
+    fn cannot(&self, error: &io::Error) -> Error {
+        Error::failed(format!("cannot write {}: {}", self.path.display(), reason(error)))
+    }
+}
+
+/// The folder that holds `path`.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// The system's words, without the temporary name that tempfile adds.
+pub(crate) fn reason(error: &io::Error) -> String {
+    match error.raw_os_error() {
+        Some(code) => {
+            // The number is for programmers.
+            let text = io::Error::from_raw_os_error(code).to_string();
+            text.split(" (os error").next().unwrap_or(&text).to_owned()
+        }
+        None => match error.get_ref().and_then(|inner| inner.source()).and_then(|s| s.downcast_ref::<io::Error>()) {
+            Some(inner) => reason(inner),
+            None => error.to_string(),
+        },
+    }
+}
+
+/// Writes all files, then renames all: where one cannot be written, none appears.
+pub(crate) fn write(files: Vec<(Target, Vec<u8>)>) -> Result<(), Error> {
+    let mut written = Vec::new();
+    for (target, bytes) in &files {
+        if target.is_special {
+            let mut out = File::options().write(true).open(&target.place).map_err(|e| target.cannot(&e))?;
+            out.write_all(bytes).and_then(|()| out.flush()).map_err(|e| target.cannot(&e))?;
+        } else {
+            let mut temporary = target.temporary()?;
+            let file = &mut temporary.inner;
+            // A full disk may show only when the data reaches it.
+            if let Err(error) = file.write_all(bytes).and_then(|()| file.as_file().sync_all()) {
+                temporary.finish(drop);
+                return Err(target.cannot(&error));
+            }
+            written.push((target, temporary));
+        }
+    }
+    for (target, temporary) in written {
+        temporary.finish(|file| file.persist(&target.place)).map_err(|e| target.cannot(&e.error))?;
+    }
+    Ok(())
+}
+
+/// A folder of files that appears when all of them are there.
+pub(crate) struct TargetFolder {
+    /// As the user wrote it.
+    path: PathBuf,
+    staging: Temporary<TempDir>,
+    /// The folder was there before: files are moved into it.
+    exists: bool,
+}
+
+impl TargetFolder {
+    /// Starts the folder under a temporary name. A folder that is there must be empty, unless files in it may
+    /// be replaced.
+    pub(crate) fn new(path: &Path, may_replace: bool) -> Result<Self, Error> {
+        let at = path.display();
+        let cannot = |e: &io::Error| Error::failed(format!("cannot write {at}: {}", reason(e)));
+        let exists = match fs::metadata(path) {
+            Ok(found) if !found.is_dir() => return Err(Error::failed(format!("{at} is not a folder"))),
+            Ok(_) => true,
+            Err(_) => false,
+        };
+        if exists && !may_replace && fs::read_dir(path).map_err(|e| cannot(&e))?.next().is_some() {
+            return Err(Error::failed(format!(
+                "{at} is not empty: name another folder, or use --force to replace files in it"
+            )));
+        }
+        // What is renamed must be on the same file system.
+        let beside = if exists { path } else { folder_of(path) };
+        if !beside.is_dir() {
+            return Err(Error::failed(format!("cannot write {at}: there is no folder {}", beside.display())));
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".raystep-").suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // As any new folder: what the umask leaves.
+            builder.permissions(fs::Permissions::from_mode(0o777));
+        }
+        let staging = Temporary::create(|| builder.tempdir_in(beside), TempDir::path).map_err(|e| cannot(&e))?;
+        Ok(Self { path: path.to_owned(), staging, exists })
+    }
+
+    /// Writes one of its files.
+    pub(crate) fn write(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<(), Error> {
+        let written = File::create_new(self.staging.inner.path().join(name)).and_then(|file| {
+            let mut out = BufWriter::new(file);
+            fill(&mut out)?;
+            out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()
+        });
+        written.map_err(|e| Error::failed(format!("cannot write {}: {}", self.path.join(name).display(), reason(&e))))
+    }
+
+    /// Gives the folder its name.
+    pub(crate) fn finish(self) -> Result<(), Error> {
+        let Self { path, staging, exists } = self;
+        staging
+            .finish(|staging| {
+                if !exists {
+                    fs::rename(staging.path(), &path)?;
+                    // It is no longer there to be removed.
+                    let _ = staging.keep();
+                    return Ok(());
+                }
+                for file in fs::read_dir(staging.path())? {
+                    let file = file?;
+                    fs::rename(file.path(), path.join(file.file_name()))?;
+                }
+                staging.close()
+            })
+            .map_err(|e: io::Error| Error::failed(format!("cannot write {}: {}", path.display(), reason(&e))))
+    }
+
+    /// Takes everything away again.
+    pub(crate) fn abandon(self) {
+        self.staging.finish(drop);
+    }
+}

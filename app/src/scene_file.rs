@@ -1,0 +1,103 @@
+//! Scene files: from the file system into a `Scene`, and the camera that a command asks for.
+
+use std::fs::{self, File};
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use raystep_scenes::{Camera, LoadOptions, Projection, Resolver, Scene, load};
+
+use crate::args::{SceneArgs, ViewArgs};
+use crate::error::Error;
+use crate::output::{folder_of, reason};
+
+/// Vertical angle of view of `--eye` without `--fov`, degrees.
+const DEFAULT_FOV_DEG: f64 = 40.0;
+
+/// Reads a scene.
+pub(crate) fn read(args: &SceneArgs) -> Result<Scene, Error> {
+    let path = &args.scene;
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let options = LoadOptions { scene: args.scene_index, ..LoadOptions::default() };
+    let bytes = read_file(path, options.max_bytes).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
+    if extension == "obj" || extension == "ply" {
+        return Err(Error::usage(format!(
+            "{}: a glTF scene is wanted; 'raystep scene convert' turns OBJ and PLY into one",
+            path.display()
+        )));
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let files = Beside { folder: folder_of(path).to_owned() };
+    load(&stem, &bytes, &files, &options).map_err(|e| match e {
+        raystep_scenes::LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
+        _ => Error::failed(format!("{}: {e}", path.display())),
+    })
+}
+
+/// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
+pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
+    let found = fs::metadata(path).map_err(|e| reason(&e))?;
+    if found.is_dir() {
+        return Err("it is a folder; a file is wanted".into());
+    }
+    if !found.is_file() {
+        return Err("it is not a regular file".into());
+    }
+    let too_large = || format!("it is larger than the {max_bytes} bytes that can be read here");
+    if found.len() > max_bytes {
+        return Err(too_large());
+    }
+    let mut bytes = Vec::new();
+    bytes
+        .try_reserve_exact(found.len() as usize)
+        .map_err(|_| format!("there is no memory for its {} bytes", found.len()))?;
+    // It may grow while it is read.
+    File::open(path)
+        .and_then(|f| f.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes))
+        .map_err(|e| reason(&e))?;
+    if bytes.len() as u64 > max_bytes { Err(too_large()) } else { Ok(bytes) }
+}
+
+/// The files beside a scene. `..` is allowed, as textures are often shared; absolute paths are not.
+struct Beside {
+    folder: PathBuf,
+}
+
+impl Resolver for Beside {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, String> {
+        let relative = Path::new(path);
+        if relative.has_root() || relative.is_absolute() {
+            return Err("an absolute path; one relative to the scene is wanted".into());
+        }
+        read_file(&self.folder.join(relative), max_bytes)
+    }
+}
+
+/// The camera that the options ask for.
+pub(crate) fn camera(args: &ViewArgs, scene: &Scene) -> Result<Camera, Error> {
+    if let (Some(eye), Some(target)) = (args.eye, args.look_at) {
+        let fov = args.fov.unwrap_or(DEFAULT_FOV_DEG);
+        if !(fov > 0.0 && fov < 180.0) {
+            return Err(Error::usage(format!("--fov {fov}: an angle between 0 and 180 degrees is wanted")));
+        }
+        let up = args.up.map_or(DVec3::Y, |v| DVec3::from(v.0));
+        let projection = Projection::Perspective { vertical_fov: fov.to_radians() };
+        return Camera::look_at(DVec3::from(eye.0), DVec3::from(target.0), up, projection)
+            .ok_or_else(|| Error::usage("--look-at is the same point as --eye: name one that it can look at"));
+    }
+    match (args.camera, scene.cameras.as_slice()) {
+        (None, []) => Ok(Camera::framing(&scene.bounds())),
+        (index, cameras) => {
+            let index = index.unwrap_or(0);
+            cameras.get(index).cloned().ok_or_else(|| {
+                let count = cameras.len();
+                Error::usage(match count {
+                    0 => {
+                        format!("--camera {index}: the scene has no camera; leave it out for one that frames the scene")
+                    }
+                    _ => format!("--camera {index}: the scene has {count}, counted from 0"),
+                })
+            })
+        }
+    }
+}

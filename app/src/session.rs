@@ -1,0 +1,153 @@
+//! From the command line to a run that is ready to start.
+
+use std::time::Instant;
+
+use raystep_kernels::export::csv::{RunContext, cpu_threads, gpu_threads};
+use raystep_kernels::export::json::RunOptions;
+use raystep_kernels::plan::Plan;
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::{Options, RaySource, Renderer};
+use raystep_scenes::Scene;
+
+use crate::args::{RunArgs, SceneArgs, ViewArgs};
+use crate::device::{self, Chosen};
+use crate::error::Error;
+use crate::scene_file;
+use crate::terminal::Progress;
+
+/// Seconds a stage, in the order of the stages.
+#[derive(Debug)]
+pub(crate) struct Stopwatch {
+    last: Instant,
+    /// Name and seconds.
+    pub(crate) stages: Vec<(&'static str, f64)>,
+}
+
+impl Stopwatch {
+    pub(crate) fn start() -> Self {
+        Self { last: Instant::now(), stages: Vec::new() }
+    }
+
+    /// A stage has ended.
+    pub(crate) fn lap(&mut self, stage: &'static str) {
+        self.stages.push((stage, self.last.elapsed().as_secs_f64()));
+        self.last = Instant::now();
+    }
+}
+
+/// A run that has been planned.
+pub(crate) struct Session {
+    /// The scene as it was read.
+    pub(crate) scene: Scene,
+    /// What was asked for.
+    pub(crate) options: Options,
+    /// Where it runs.
+    pub(crate) chosen: Chosen,
+    /// What it needs.
+    pub(crate) plan: Plan,
+    /// The scene as kernels read it.
+    pub(crate) data: SceneData,
+    /// How long that took.
+    pub(crate) watch: Stopwatch,
+}
+
+impl Session {
+    /// Reads the scene, says its notes, chooses a device and plans. `adjust` has the last word on the options.
+    pub(crate) fn new(
+        scene: &SceneArgs,
+        view: &ViewArgs,
+        run: &RunArgs,
+        progress: &Progress,
+        adjust: impl FnOnce(&mut Options),
+    ) -> Result<Self, Error> {
+        let mut watch = Stopwatch::start();
+        progress.stage("reading the scene");
+        let scene = scene_file::read(scene)?;
+        for note in &scene.notes {
+            progress.say(format_args!("note: {}", note.0));
+        }
+        let camera = scene_file::camera(view, &scene)?;
+        watch.lap("load");
+        progress.stage("looking for a device");
+        let chosen = device::choose(&run.device)?;
+        watch.lap("device");
+        let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
+        let mut options = Options {
+            accelerator: run.accelerator,
+            schedule: run.schedule,
+            numerics: run.numerics,
+            grid: run.grid,
+            keep_all: run.keep_all,
+            ..Options::new(rays)
+        };
+        adjust(&mut options);
+        progress.stage("planning and building the grid");
+        let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
+        watch.lap("plan_and_grid");
+        Ok(Self { scene, options, chosen, plan, data, watch })
+    }
+
+    /// Compiles, allocates and uploads.
+    pub(crate) fn start(self, progress: &Progress) -> Result<Running, Error> {
+        let Self { scene, options, chosen, plan, data, mut watch } = self;
+        progress.stage("compiling kernels");
+        let renderer = chosen.wait(Renderer::from_plan(plan, data, &options, &chosen.device))?;
+        watch.lap("compile_and_upload");
+        Ok(Running { scene, options, chosen, renderer, watch })
+    }
+}
+
+/// A run between two passes.
+pub(crate) struct Running {
+    /// The scene as it was read.
+    pub(crate) scene: Scene,
+    /// What was asked for.
+    pub(crate) options: Options,
+    /// Where it runs.
+    pub(crate) chosen: Chosen,
+    /// The run.
+    pub(crate) renderer: Renderer,
+    /// How long each stage took.
+    pub(crate) watch: Stopwatch,
+}
+
+impl Running {
+    /// The options that decide a run, for reports.
+    pub(crate) fn run_options(&self) -> RunOptions {
+        let (options, plan) = (&self.options, self.renderer.plan());
+        RunOptions {
+            accelerator: options.accelerator.name(),
+            schedule: options.schedule.name(),
+            numerics: options.numerics.name(),
+            width_px: plan.width,
+            height_px: plan.height,
+            keep_all: options.keep_all,
+        }
+    }
+
+    /// What all rows of `passes.csv` have in common.
+    pub(crate) fn run_context(&self) -> RunContext {
+        let (options, plan) = (&self.options, self.renderer.plan());
+        let threads = if self.chosen.gpu().is_some() { gpu_threads } else { cpu_threads };
+        RunContext {
+            run_id: run_id(),
+            scene: self.scene.name.clone(),
+            accelerator: options.accelerator.name(),
+            schedule: options.schedule.name(),
+            numerics: options.numerics.name(),
+            device: self.chosen.name(),
+            width_px: plan.width,
+            height_px: plan.height,
+            repeat: 0,
+            is_warmup: false,
+            threads_launched: threads(plan.width, plan.height),
+            timer: self.chosen.timer().filter(|_| options.timings),
+        }
+    }
+}
+
+/// Differs from every other run's: the time of day and the process.
+fn run_id() -> String {
+    let since_1970 = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    format!("{:x}-{:x}", since_1970.as_nanos(), std::process::id())
+}

@@ -1,0 +1,93 @@
+//! What is shown: results on stdout, everything else on stderr. Neither panics when the reader has gone.
+
+use std::io::{self, ErrorKind, Write as _};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::error::Error;
+
+/// Writes a result to stdout. A reader that has had enough, as `head` does, is no error.
+pub(crate) fn print(text: &str) -> Result<(), Error> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::failed(format!("cannot write to standard output: {}", crate::output::reason(&error))))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a line to stderr. If that fails there is nobody to tell.
+pub(crate) fn say(line: impl std::fmt::Display) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// What the user sees of a long run: nothing with `--quiet`, and no moving bar unless stderr is a terminal.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    is_quiet: bool,
+}
+
+impl Progress {
+    pub(crate) fn new(is_quiet: bool) -> Self {
+        // A target that is not a terminal draws nothing.
+        let target = if is_quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        Self { bar: ProgressBar::with_draw_target(None, target), is_quiet }
+    }
+
+    /// A stage of unknown length begins.
+    pub(crate) fn stage(&self, name: &str) {
+        self.bar.unset_length();
+        self.bar.set_style(style("{spinner} {msg}"));
+        self.bar.set_message(name.to_owned());
+        self.bar.enable_steady_tick(Duration::from_millis(100));
+    }
+
+    /// How far a run is.
+    pub(crate) fn rays(&self, progress: &raystep_kernels::Progress) {
+        if self.bar.length() != Some(progress.rays) {
+            self.bar.set_length(progress.rays);
+            self.bar.set_style(style("{msg:<24} [{bar:30}] {human_pos} of {human_len} rays decided, {elapsed}"));
+        }
+        self.bar.set_message(format!("pass {}", progress.passes));
+        self.bar.set_position(progress.rays_decided);
+    }
+
+    /// A pass has run, and how many rays are decided does not matter.
+    pub(crate) fn pass(&self, index: usize) {
+        self.bar.set_message(format!("pass {index}"));
+    }
+
+    /// How much of something is done.
+    pub(crate) fn part(&self, what: &str, done: u64, of: u64) {
+        if self.bar.length() != Some(of) {
+            self.bar.set_length(of);
+            self.bar.set_style(style("{msg:<24} [{bar:30}] {human_pos} of {human_len}, {elapsed}"));
+            self.bar.set_message(what.to_owned());
+        }
+        self.bar.set_position(done);
+    }
+
+    /// A line that stays.
+    pub(crate) fn say(&self, line: impl std::fmt::Display) {
+        if !self.is_quiet {
+            self.bar.suspend(|| say(line));
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ")
+}

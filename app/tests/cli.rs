@@ -1,0 +1,10 @@
+//! The built binary, as a user runs it. `cli/` holds what the tests share and the tests by subject.
+
+#[path = "cli/bad_input.rs"]
+mod bad_input;
+#[path = "cli/common.rs"]
+mod common;
+#[path = "cli/files.rs"]
+mod files;
+#[path = "cli/text.rs"]
+mod text;

@@ -1,0 +1,96 @@
+//! Running the binary in a folder of its own.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+/// A scene of this repository.
+pub(crate) fn scene(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name)
+}
+
+/// What a run came to.
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+/// An empty folder in which the binary runs.
+pub(crate) struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    pub(crate) fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    pub(crate) fn path(&self, name: impl AsRef<OsStr>) -> PathBuf {
+        self.folder.path().join(name.as_ref())
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// Names in the folder, sorted: what a run left behind, hidden files included.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).expect("the folder");
+        let mut names: Vec<_> =
+            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    /// The binary.
+    pub(crate) fn command(&self, arguments: &[&OsStr]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_raystep"));
+        command.current_dir(self.folder.path()).args(arguments).stdin(Stdio::null());
+        // Libraries of the desktop complain on stderr where it is not set.
+        command.env("XDG_RUNTIME_DIR", self.folder.path());
+        command
+    }
+
+    pub(crate) fn run(&self, arguments: &[&str]) -> Outcome {
+        let arguments: Vec<&OsStr> = arguments.iter().map(OsStr::new).collect();
+        outcome(&mut self.command(&arguments))
+    }
+
+    /// Runs, and fails the test unless the exit code is 0.
+    pub(crate) fn ok(&self, arguments: &[&str]) -> Outcome {
+        let outcome = self.run(arguments);
+        assert_eq!(outcome.code, Some(0), "{arguments:?}: {outcome:?}");
+        outcome
+    }
+
+    /// Runs, and fails the test unless it ends with this code and one line of error that has `wanted` in it,
+    /// and leaves nothing behind.
+    pub(crate) fn fails(&self, code: i32, wanted: &str, arguments: &[&str]) {
+        let before = self.names();
+        let outcome = self.run(arguments);
+        assert_error(&outcome, code, wanted, &format!("{arguments:?}"));
+        assert_eq!(self.names(), before, "{arguments:?} left something behind");
+    }
+}
+
+pub(crate) fn assert_error(outcome: &Outcome, code: i32, wanted: &str, what: &str) {
+    assert_eq!(outcome.code, Some(code), "{what}: {outcome:?}");
+    assert_eq!(outcome.stdout, "", "{what}");
+    let errors: Vec<_> = outcome.stderr.lines().filter(|l| !l.starts_with("note: ")).collect();
+    assert_eq!(errors.len(), 1, "{what}: one line is wanted: {outcome:?}");
+    assert!(errors[0].starts_with("error: ") && errors[0].contains(wanted), "{what}: {:?} in {errors:?}", wanted);
+}
+
+pub(crate) fn outcome(command: &mut Command) -> Outcome {
+    let output = command.output().expect("the binary starts");
+    Outcome {
+        code: output.status.code(),
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+    }
+}

@@ -1,0 +1,267 @@
+//! Files that the binary writes, read back by other readers.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use exr::prelude::{FlatSamples, ReadChannels as _, ReadLayers as _};
+use serde_json::Value;
+
+use crate::common::{Place, scene};
+
+fn cornell_box() -> String {
+    scene("cornell-box.gltf").display().to_string()
+}
+
+fn channels(file: Vec<u8>) -> BTreeMap<String, FlatSamples> {
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(file))
+        .expect("a valid EXR");
+    image.layer_data.channel_data.list.into_iter().map(|c| (c.name.to_string(), c.sample_data)).collect()
+}
+
+fn floats<'a>(channels: &'a BTreeMap<String, FlatSamples>, name: &str) -> &'a [f32] {
+    match &channels[name] {
+        FlatSamples::F32(values) => values,
+        other => panic!("{name} is {other:?}"),
+    }
+}
+
+/// Shape and values of a .npy, by the rules of its format.
+fn npy(file: &[u8]) -> (String, Vec<usize>, Vec<u32>) {
+    assert_eq!(&file[..8], b"\x93NUMPY\x01\x00");
+    let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
+    assert_eq!((10 + length) % 64, 0, "the data is not aligned");
+    let header = std::str::from_utf8(&file[10..10 + length]).expect("ASCII");
+    assert!(header.ends_with('\n') && header.contains("'fortran_order': False"), "{header:?}");
+    let between = |start: &str, end: &str| {
+        let rest = &header[header.find(start).expect(start) + start.len()..];
+        rest[..rest.find(end).expect(end)].to_owned()
+    };
+    let shape = between("'shape': (", ")").split(", ").map(|n| n.parse().expect("a number")).collect();
+    let words = file[10 + length..].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    (between("'descr': '", "'"), shape, words.collect())
+}
+
+#[test]
+fn render_writes_the_png_that_a_reader_reads() {
+    let place = Place::new();
+    let outcome = place.ok(&["render", &cornell_box(), "-o", "box.png", "--size", "64x48", "--device", "cpu"]);
+    assert!(outcome.stderr.contains("triangles 26") && outcome.stderr.contains("--device cpu"), "{outcome:?}");
+    let image = image::load_from_memory(&place.read("box.png")).expect("a PNG").to_rgb8();
+    assert_eq!(image.dimensions(), (64, 48));
+    let (left, right) = (image.get_pixel(1, 24), image.get_pixel(62, 24));
+    assert!(
+        left[0] > 2 * left[1] && right[1] > right[0],
+        "red wall at the left, green at the right: {left:?} {right:?}"
+    );
+    assert_eq!(place.names(), ["box.png"]);
+}
+
+#[test]
+fn quiet_is_quiet() {
+    let place = Place::new();
+    let outcome = place.ok(&["render", &cornell_box(), "-o", "box.png", "--size", "8x8", "--quiet", "--device", "cpu"]);
+    assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+}
+
+#[test]
+fn exr_carries_what_each_ray_hit() {
+    let place = Place::new();
+    place.ok(&["render", &cornell_box(), "-o", "box.exr", "--size", "32x32", "--quiet", "--device", "cpu"]);
+    let channels = channels(place.read("box.exr"));
+    let names: Vec<_> = channels.keys().map(String::as_str).collect();
+    let expected = ["A", "B", "G", "Hit.Bary.U", "Hit.Bary.V", "Hit.T.V", "Hit.TriId.V", "Normal.X", "Normal.Y"];
+    assert_eq!(names[..9], expected);
+    assert_eq!(names[9..], ["Normal.Z", "R", "Z"]);
+    let FlatSamples::U32(ids) = &channels["Hit.TriId.V"] else { panic!("ids are not UINT") };
+    assert!(ids.iter().all(|&id| id < 26), "every pixel of the closed box sees one of its triangles");
+    // The back wall is seen at the centre of the top half and faces the viewer.
+    let centre = 12 * 32 + 20;
+    let normal = ["Normal.X", "Normal.Y", "Normal.Z"].map(|n| floats(&channels, n)[centre].abs());
+    assert_eq!(normal, [0.0, 0.0, 1.0]);
+    assert_eq!(floats(&channels, "Z"), floats(&channels, "Hit.T.V"));
+    let depth = floats(&channels, "Z")[centre];
+    assert!((1.0..10.0).contains(&depth), "depth {depth} is not in scene units");
+    let (u, v) = (floats(&channels, "Hit.Bary.U"), floats(&channels, "Hit.Bary.V"));
+    assert!(u.iter().zip(v).all(|(u, v)| *u >= 0.0 && *v >= 0.0 && u + v <= 1.0001));
+}
+
+#[test]
+fn passes_csv_reads_strictly_and_adds_up() {
+    let place = Place::new();
+    let arguments = ["--size", "32x24", "--device", "cpu", "--counters", "--quiet"];
+    let files = ["-o", "a.png", "--passes-csv", "passes.csv", "--summary-json", "run.json"];
+    place.ok(&[&["render", &cornell_box()], &files[..], &arguments[..]].concat());
+    let (bytes, json) = (place.read("passes.csv"), place.read("run.json"));
+    let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(bytes.as_slice());
+    let names = reader.headers().expect("a header").clone();
+    assert_eq!(
+        names.iter().collect::<Vec<_>>().join(","),
+        "schema_version,run_id,scene,accelerator,schedule,numerics,device,width_px,height_px,repeat,is_warmup,\
+         pass_index,iteration,kernel,gpu_begin_ns,gpu_duration_ns,cpu_encode_ns,rays_in,rays_out,threads_launched,\
+         cells_visited,triangles_tested,timer_source,timer_resolution_ns,valid"
+    );
+    let column = |name: &str| names.iter().position(|n| n == name).expect("a column");
+    let rows: Vec<_> = reader.records().map(|r| r.expect("as many fields as names")).collect();
+    let sum = |name: &str| rows.iter().map(|r| r[column(name)].parse::<u64>().expect("a number")).sum::<u64>();
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!(row[column("pass_index")], i.to_string());
+        assert_eq!((&row[column("timer_source")], &row[column("valid")]), ("cpu_clock", "true"));
+        assert_eq!(&row[column("cpu_encode_ns")], "", "unknown is empty");
+        assert_eq!(&row[column("threads_launched")], "768");
+    }
+    assert_eq!((&rows[0][column("rays_in")], &rows[0][column("rays_out")]), ("768", "768"));
+    let run: Value = serde_json::from_slice(&json).expect("JSON");
+    assert_eq!(run["passes"], rows.len());
+    assert_eq!(run["counters"]["triangles_tested"], sum("triangles_tested"));
+    assert_eq!(run["counters"]["cells_visited"], sum("cells_visited"));
+    assert!(run["kernels"]["intersect"]["duration_ns"].is_u64());
+    assert_eq!((&run["triangles"], &run["rays"], &run["hits"]), (&26.into(), &768.into(), &768.into()));
+    assert_eq!(run["stream_bytes"]["hit"], 768 * 12);
+    assert!(run["seconds"]["trace"].as_f64().is_some_and(|s| s > 0.0) && run["adapter"].is_null());
+}
+
+#[test]
+fn without_timers_the_time_is_null() {
+    let place = Place::new();
+    place.ok(&[
+        "render",
+        &cornell_box(),
+        "-o",
+        "a.png",
+        "--summary-json",
+        "run.json",
+        "--size",
+        "8x8",
+        "--device",
+        "cpu",
+    ]);
+    let run: Value = serde_json::from_slice(&place.read("run.json")).expect("JSON");
+    assert!(run["kernels"]["intersect"]["duration_ns"].is_null() && run["counters"].is_null());
+}
+
+#[test]
+fn the_gpu_and_the_twins_draw_the_same_image() {
+    let place = Place::new();
+    let size = ["--size", "40x30"];
+    place.ok(&[&["render", &cornell_box(), "-o", "cpu.png", "--device", "cpu"], &size[..]].concat());
+    let gpu = ["render", &cornell_box(), "-o", "gpu.png", "--device", "gpu", "--passes-csv", "passes.csv"];
+    let outcome = place.ok(&[&gpu[..], &size[..]].concat());
+    println!("{}", outcome.stderr.lines().next().unwrap_or_default());
+    let read = |name| image::load_from_memory(&place.read(name)).expect("a PNG").to_rgb8().into_raw();
+    let furthest = read("cpu.png").iter().zip(read("gpu.png")).map(|(a, b)| a.abs_diff(b)).max();
+    // One step of 8 bits: a shaded value may round the other way.
+    assert!(furthest <= Some(1), "{furthest:?}");
+}
+
+#[test]
+fn dump_writes_streams_and_an_index_that_names_them() {
+    let place = Place::new();
+    let outcome = place.ok(&[
+        "dump",
+        &cornell_box(),
+        "-o",
+        "out",
+        "--pass",
+        "last",
+        "--stream",
+        "hit,state",
+        "--format",
+        "both",
+        "--size",
+        "20x10",
+        "--device",
+        "cpu",
+    ]);
+    assert!(outcome.stderr.contains("writing 4 files, "), "the size is said first: {outcome:?}");
+    let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
+    let passes = index["passes"].as_array().expect("passes");
+    let last = passes.last().expect("a pass");
+    assert_eq!(index["scene_units_per_stream_unit"], 4.0);
+    assert_eq!(last["kernel"], "traverse_grid", "nothing that is dumped needs shading");
+    let names: Vec<_> = last["files"].as_array().expect("files").iter().map(|f| f.as_str().expect("a name")).collect();
+    let stem = format!("pass-{:06}", passes.len() - 1);
+    let expected = ["state.npy", "state.exr", "hit.npy", "hit.exr"].map(|n| format!("{stem}.{n}"));
+    assert_eq!(sorted(&names), sorted(&expected.each_ref().map(String::as_str)));
+
+    let (kind, shape, hit) = npy(&place.read(&format!("out/{stem}.hit.npy")));
+    assert_eq!((kind.as_str(), shape), ("<u4", vec![3, 10, 20]));
+    assert!(hit[400..].iter().all(|&triangle| triangle < 26));
+    let channels = channels(place.read(&format!("out/{stem}.hit.exr")));
+    assert_eq!(channels["hit.triangle"], FlatSamples::U32(hit[400..].to_vec()));
+    let u: Vec<u32> = floats(&channels, "hit.u").iter().map(|u| u.to_bits()).collect();
+    assert_eq!(u, hit[..200]);
+    assert_eq!(place.names(), ["out"]);
+}
+
+fn sorted<'a>(names: &[&'a str]) -> Vec<&'a str> {
+    let mut names = names.to_vec();
+    names.sort_unstable();
+    names
+}
+
+#[test]
+fn dump_of_all_passes_ends_as_the_last_one_does() {
+    let place = Place::new();
+    let common = ["--stream", "all", "--size", "12x9", "--quiet"];
+    for device in ["cpu", "gpu"] {
+        let (all, last) = (format!("{device}-all"), format!("{device}-last"));
+        let base = ["dump", &cornell_box(), "--device", device];
+        place.ok(&[&base[..], &common[..], &["--pass", "all", "-o", &all]].concat());
+        place.ok(&[&base[..], &common[..], &["--pass", "last", "-o", &last]].concat());
+        let index: Value = serde_json::from_slice(&place.read(&format!("{all}/index.json"))).expect("JSON");
+        let passes = index["passes"].as_array().expect("passes");
+        assert!(passes.iter().all(|p| p["files"].as_array().is_some_and(|f| f.len() == 6)));
+        for name in passes.last().expect("a pass")["files"].as_array().expect("files") {
+            let name = name.as_str().expect("a name");
+            assert_eq!(place.read(&format!("{all}/{name}")), place.read(&format!("{last}/{name}")), "{name}");
+        }
+        // What the index says of a pass is what its state stream holds.
+        let states = ["UNWRITTEN", "TRAV_SETUP", "TRAV", "ISECT_NO_HIT", "ISECT_HIT", "SHADE", "BACKGROUND", "DONE"];
+        let (_, _, state) = npy(&place.read(&format!("{all}/pass-000004.state.npy")));
+        for (tag, name) in states.iter().enumerate() {
+            let count = state[..108].iter().filter(|&&t| t == tag as u32).count();
+            assert_eq!(passes[4]["rays_by_state"][name], count, "{device} {name}");
+        }
+    }
+}
+
+#[test]
+fn dump_leaves_a_folder_with_files_alone_unless_forced() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("out")).expect("a folder");
+    let dump = ["dump", &cornell_box(), "-o", "out", "--stream", "hit", "--size", "8x8", "--device", "cpu", "--quiet"];
+    place.ok(&dump);
+    std::fs::write(place.path("out/mine.txt"), "mine").expect("a file");
+    place.fails(1, "out is not empty", &dump);
+    place.ok(&[&dump[..], &["--force"]].concat());
+    assert_eq!(place.read("out/mine.txt"), b"mine");
+    assert_eq!(std::fs::read_dir(place.path("out")).expect("the folder").count(), 3);
+}
+
+#[test]
+fn scene_makes_and_converts_files_that_render() {
+    let place = Place::new();
+    place.ok(&["scene", "soup", "--triangles", "50", "--seed", "3", "-o", "soup.glb"]);
+    std::fs::write(place.path("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+    place.ok(&["scene", "convert", "one.obj", "-o", "one.glb"]);
+    for (name, triangles) in [("soup.glb", "triangles  50\n"), ("one.glb", "triangles  1\n")] {
+        assert!(place.ok(&["info", name]).stdout.contains(triangles), "{name}");
+        let outcome = place.ok(&["render", name, "-o", "x.png", "--size", "16x16", "--device", "cpu", "--check"]);
+        assert!(outcome.stdout.contains("0 missed, 0 false, 0 wrong"), "{outcome:?}");
+        let about: Value = serde_json::from_str(&place.ok(&["info", name, "--json"]).stdout).expect("JSON");
+        let expected: Vec<_> = about["notes"]
+            .as_array()
+            .expect("notes")
+            .iter()
+            .map(|n| format!("note: {}", n.as_str().expect("text")))
+            .collect();
+        let said: Vec<_> = outcome.stderr.lines().filter(|l| l.starts_with("note: ")).collect();
+        assert!(!said.is_empty() && said == expected, "each note once: {outcome:?}");
+    }
+}

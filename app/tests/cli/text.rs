@@ -1,0 +1,141 @@
+//! What the binary prints: help, plans, traces, adapters.
+
+use serde_json::Value;
+
+use crate::common::{Place, outcome, scene};
+
+fn cornell_box() -> String {
+    scene("cornell-box.gltf").display().to_string()
+}
+
+#[test]
+fn help_has_examples_everywhere_and_no_argument_is_help() {
+    let place = Place::new();
+    let top = place.ok(&["--help"]).stdout;
+    for name in ["render", "trace", "dump", "plan", "info", "scene", "completions"] {
+        assert!(top.contains(&format!("  {name} ")), "{name} is not listed");
+        let help = place.ok(&[name, "--help"]).stdout;
+        assert!(help.contains("Examples:\n  raystep "), "{name} --help has no example");
+    }
+    assert!(place.ok(&[]).stdout.contains("Usage: raystep"));
+    for later in ["inspect", "bench", "report", "stability", "bvh", "compact", "fused"] {
+        assert!(
+            !top.contains(later) && !place.ok(&["render", "--help"]).stdout.contains(later),
+            "{later} is not there yet"
+        );
+    }
+}
+
+#[test]
+fn plan_prints_what_is_left_out_and_why() {
+    let place = Place::new();
+    let text = place.ok(&["plan", &cornell_box(), "--size", "16x16", "--accelerator", "none"]).stdout;
+    assert!(text.contains("kernel traverse_grid") && text.contains("--accelerator none"), "{text}");
+    let json = place.ok(&["plan", &cornell_box(), "--size", "16x16", "--json"]).stdout;
+    let plan: Value = serde_json::from_str(&json).expect("JSON");
+    let bytes = |list: &str| {
+        plan[list].as_array().expect("a list").iter().map(|i| i["bytes"].as_u64().expect("bytes")).sum::<u64>()
+    };
+    assert_eq!(plan["bytes"], bytes("streams") + bytes("buffers"));
+    assert!(
+        plan["left_out"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .any(|l| l["what"] == "stream counters" && l["because"] == "options")
+    );
+    assert_eq!(plan["kernels"][0]["name"], "generate");
+}
+
+#[test]
+fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
+    let place = Place::new();
+    let common = ["--size", "32x32", "--device", "cpu", "--quiet"];
+    let trace = ["trace", &cornell_box(), "--pixel", "5,7"];
+    let json = place.ok(&[&trace[..], &common[..], &["--format", "json"]].concat()).stdout;
+    let life: Value = serde_json::from_str(&json).expect("JSON");
+    let rows = life["rows"].as_array().expect("rows");
+    let last = &rows.last().expect("a row")["after"];
+    assert_eq!(last["state"], "DONE");
+    place.ok(&[&["dump", &cornell_box(), "--stream", "hit", "-o", "d"], &common[..]].concat());
+    let name = place.names();
+    assert_eq!(name, ["d"]);
+    let index: Value = serde_json::from_slice(&place.read("d/index.json")).expect("JSON");
+    let passes = index["passes"].as_array().expect("passes");
+    let file = passes.last().expect("a pass")["files"][0].as_str().expect("a name");
+    let hit = place.read(&format!("d/{file}"));
+    let at = 128 + 4 * (2 * 1024 + 7 * 32 + 5);
+    let triangle = u32::from_le_bytes([hit[at], hit[at + 1], hit[at + 2], hit[at + 3]]);
+    assert_eq!(last["triangle"], triangle);
+
+    let csv = place.ok(&[&trace[..], &common[..], &["--format", "csv"]].concat()).stdout;
+    let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(csv.as_bytes());
+    assert_eq!(reader.records().map(|r| r.expect("as many fields as names")).count(), rows.len());
+    let table = place.ok(&[&trace[..], &common[..]].concat()).stdout;
+    assert!(table.starts_with("pass ") && table.contains("TRAV_SETUP"), "{table}");
+}
+
+#[test]
+fn a_ray_typed_in_hex_is_the_ray_typed_in_decimal() {
+    let place = Place::new();
+    let life = |ray: &str| place.ok(&["trace", &cornell_box(), "--ray", ray, "--device", "cpu", "--quiet"]).stdout;
+    let decimal = life("-0.5,0.25,5,0,0,-1");
+    assert_eq!(decimal, life("0xbf000000,0x3e800000,0x40a00000,0,0,0xbf800000"));
+    assert!(decimal.contains("hit at t"), "{decimal}");
+}
+
+#[test]
+fn info_and_render_say_that_there_is_no_adapter() {
+    let place = Place::new();
+    let without = |arguments: &[&str]| {
+        let arguments: Vec<_> = arguments.iter().map(std::ffi::OsStr::new).collect();
+        outcome(
+            place.command(&arguments).env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent"),
+        )
+    };
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    let info = without(&["info"]);
+    assert_eq!(info.code, Some(0), "{info:?}");
+    assert!(info.stdout.contains("No GPU adapter was found") && info.stdout.contains("takes the CPU"), "{info:?}");
+    let json: Value = serde_json::from_str(&without(&["info", "--json"]).stdout).expect("JSON");
+    assert_eq!((&json["device"], json["adapters"].as_array().map(Vec::len)), (&"cpu".into(), Some(0)));
+    let render = without(&["render", &cornell_box(), "-o", "a.png", "--size", "8x8"]);
+    assert!(render.code == Some(0) && render.stderr.contains("no GPU adapter found: the CPU twins"), "{render:?}");
+    let gpu = without(&["render", &cornell_box(), "-o", "b.png", "--size", "8x8", "--device", "gpu"]);
+    assert!(gpu.code == Some(1) && gpu.stderr.starts_with("error: no GPU adapter "), "{gpu:?}");
+    assert_eq!(place.names(), ["a.png"]);
+}
+
+#[test]
+fn info_lists_the_adapter_that_gpu_uses() {
+    let place = Place::new();
+    let info: Value = serde_json::from_str(&place.ok(&["info", "--json"]).stdout).expect("JSON");
+    let adapters = info["adapters"].as_array().expect("a list");
+    let usable: Vec<_> = adapters.iter().filter(|a| a["is_usable"] == true).collect();
+    assert!(!usable.is_empty(), "an adapter, if only software, is needed: {info}");
+    let name = usable[0]["name"].as_str().expect("a name");
+    let outcome =
+        place.ok(&["render", &cornell_box(), "-o", "a.png", "--size", "8x8", "--adapter", &name.to_uppercase()]);
+    assert!(outcome.stderr.contains(name), "{outcome:?}");
+}
+
+#[test]
+fn completions_know_every_subcommand_and_value() {
+    let place = Place::new();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = place.ok(&["completions", shell]).stdout;
+        for word in ["render", "trace", "dump", "sphere-flake", "robust", "second"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+}
+
+#[test]
+fn scene_list_shows_every_generator_with_its_parameters() {
+    let list = Place::new().ok(&["scene", "list"]).stdout;
+    for word in ["cornell-box", "soup", "--triangles N", "--seed N", "icosphere", "--subdivisions N"] {
+        assert!(list.contains(word), "{word}");
+    }
+}
