@@ -10,9 +10,11 @@
 //! | [`csv`] | `passes.csv` | one row a pass |
 //! | [`json`] | JSON | the run's summary |
 //! | [`plan`] | JSON | what a run needs and leaves out |
+//! | [`trace`] | table, CSV, JSON | one ray's life, pass by pass |
 
 pub mod csv;
 pub mod exr;
 pub mod json;
 pub mod npy;
 pub mod plan;
+pub mod trace;
