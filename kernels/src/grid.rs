@@ -16,7 +16,7 @@
 
 mod overlap;
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use crate::parallel::{for_chunks, for_ranges, map_ranges};
 use crate::shared::grid_walk::Grid;
@@ -115,7 +115,7 @@ pub fn automatic_cells(triangles: u64, extent: [f64; 3]) -> [u32; 3] {
 }
 
 /// Cells a triangle at which the automatic resolution aims.
-pub const CELLS_PER_TRIANGLE: f64 = 4.0;
+pub const CELLS_PER_TRIANGLE: f64 = 6.0;
 
 /// Builds the grid over `vertices` (nine floats a triangle, traced units).
 ///
@@ -181,29 +181,44 @@ fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
     grid
 }
 
-const CHUNK: usize = 1 << 12;
+/// Triangles whose references are gathered before they are counted or listed: few enough that the cells
+/// they touch stay in a core's cache.
+const BATCH: usize = 512;
 
 /// How many triangles each cell will list, and their sum.
 fn count(vertices: &[f32], grid: &Grid, growth: f32) -> (Vec<AtomicU32>, u64) {
     let cells = grid.cells.iter().map(|&n| n as usize).product::<usize>();
     let counts: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(cells + 1).collect();
-    for_references(vertices, grid, growth, |_, cell| {
-        counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+    let references = AtomicU64::new(0);
+    for_references(vertices, grid, growth, &counts, |batch| {
+        for &(_, cell) in batch {
+            counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+        }
+        references.fetch_add(batch.len() as u64, Ordering::Relaxed);
     });
-    let references = counts.iter().map(|c| u64::from(c.load(Ordering::Relaxed))).sum();
-    (counts, references)
+    (counts, references.into_inner())
 }
 
-/// Calls `f` with every triangle and each cell that lists it.
-fn for_references(vertices: &[f32], grid: &Grid, growth: f32, f: impl Fn(u32, u32) + Sync) {
-    for_ranges(vertices.len() / 9, CHUNK, |range| {
-        for triangle in range {
-            let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * triangle..9 * triangle + 9]);
-            if overlap.is_single() {
-                f(triangle as u32, grid.cell_index(overlap.low));
-            } else {
-                overlap.for_cells(|cell| f(triangle as u32, grid.cell_index(cell)));
+/// Calls `f` with every triangle and each cell that lists it, a batch at a time.
+fn for_references(
+    vertices: &[f32],
+    grid: &Grid,
+    growth: f32,
+    counts: &[AtomicU32],
+    f: impl Fn(&[(u32, u32)]) + Sync,
+) {
+    for_ranges(vertices.len() / 9, 16 * BATCH, |range| {
+        let mut batch = Vec::new();
+        for first in range.clone().step_by(BATCH) {
+            batch.clear();
+            for triangle in first..range.end.min(first + BATCH) {
+                let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * triangle..9 * triangle + 9]);
+                overlap.for_cells(|cell| batch.push((triangle as u32, grid.cell_index(cell))));
             }
+            // An atomic addition waits for its cell to arrive from memory; loads before it overlap.
+            let touched = batch.iter().fold(0, |sum, &(_, cell)| sum ^ counts[cell as usize].load(Ordering::Relaxed));
+            std::hint::black_box(touched);
+            f(&batch);
         }
     });
 }
@@ -225,9 +240,11 @@ fn fill(
     }
     // Each list is filled in any order; its start moves to its end, which is the next one's start.
     let slots: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(references as usize).collect();
-    for_references(vertices, &grid, growth, |triangle, cell| {
-        let slot = counts[cell as usize].fetch_add(1, Ordering::Relaxed);
-        slots[slot as usize].store(triangle, Ordering::Relaxed);
+    for_references(vertices, &grid, growth, &counts, |batch| {
+        for &(triangle, cell) in batch {
+            let slot = counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+            slots[slot as usize].store(triangle, Ordering::Relaxed);
+        }
     });
     let mut cells: Vec<u32> = counts.into_iter().map(AtomicU32::into_inner).collect();
     let mut items: Vec<u32> = slots.into_iter().map(AtomicU32::into_inner).collect();

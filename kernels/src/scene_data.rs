@@ -18,7 +18,7 @@ use crate::units::{Units, exp2, floor_log2};
 pub const BACKGROUND: [f32; 3] = [0.015, 0.018, 0.024];
 
 /// Host side of everything that is bound. What a run does not bind stays empty.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct SceneData {
     /// The options decided.
     pub features: Features,
@@ -56,6 +56,17 @@ pub struct SceneData {
     pub textures: Vec<Texture>,
     /// Two words a texel.
     pub texels: Vec<u32>,
+}
+
+impl std::fmt::Debug for SceneData {
+    /// Sizes only: the contents of a scene fill no log.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut sizes = f.debug_struct("SceneData");
+        for info in crate::buffer::BUFFERS {
+            sizes.field(info.name, &self.bytes(info.name).map_or(0, <[u8]>::len));
+        }
+        sizes.finish()
+    }
 }
 
 impl SceneData {

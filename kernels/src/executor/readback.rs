@@ -27,12 +27,18 @@ impl Readback {
 
     /// Waits for the bytes, hands them to `read` and unmaps the buffer.
     pub(crate) async fn finish<T>(self, bytes: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
-        let outcome = self.mapped.await;
+        let problem = match self.mapped.await {
+            Ok(Ok(())) => None,
+            Ok(Err(e)) => Some(e.to_string()),
+            Err(_) => Some("the device dropped the request".into()),
+        };
+        if problem.is_some() {
+            // A lost device fails the mapping first and reports its loss at the next poll.
+            drop(self.gpu.device.poll(wgpu::PollType::Poll));
+        }
         self.gpu.health()?;
-        match outcome {
-            Ok(Ok(())) => {}
-            Ok(Err(e)) => return Err(GpuError::Readback(e.to_string())),
-            Err(_) => return Err(GpuError::Readback("the device dropped the request".into())),
+        if let Some(problem) = problem {
+            return Err(GpuError::Readback(problem));
         }
         let value = {
             let view = self.buffer.get_mapped_range(0..bytes).map_err(|e| GpuError::Readback(e.to_string()))?;

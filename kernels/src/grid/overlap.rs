@@ -6,8 +6,8 @@ use crate::shared::grid_walk::Grid;
 /// A triangle prepared against boxes of one size.
 pub(super) struct Overlap {
     /// First and last cell that the triangle's own box touches, per axis.
-    pub(super) low: [i32; 3],
-    pub(super) high: [i32; 3],
+    low: [i32; 3],
+    high: [i32; 3],
     corner: [f64; 3],
     width: [f64; 3],
     normal: [f64; 3],
@@ -51,17 +51,25 @@ impl Overlap {
         Self { low, high, corner, width, normal, plane: -dot(normal, p[0]), plane_reach, edges }
     }
 
-    /// Whether the triangle's box touches one cell only.
-    pub(super) fn is_single(&self) -> bool {
-        self.low == self.high
-    }
-
     /// Calls `f` with every cell that the triangle overlaps.
     pub(super) fn for_cells(&self, mut f: impl FnMut([i32; 3])) {
+        if self.low == self.high {
+            return f(self.low);
+        }
+        let center = |axis: usize, cell: i32| self.corner[axis] + (f64::from(cell) + 0.5) * self.width[axis];
         for z in self.low[2]..=self.high[2] {
+            let cz = center(2, z);
             for y in self.low[1]..=self.high[1] {
+                let cy = center(1, y);
+                // What is projected along x is the same for the whole row.
+                if !self.covers(0, cy, cz) {
+                    continue;
+                }
+                let row = self.normal[1] * cy + self.normal[2] * cz + self.plane;
                 for x in self.low[0]..=self.high[0] {
-                    if self.overlaps([x, y, z]) {
+                    let cx = center(0, x);
+                    let is_near = (self.normal[0] * cx + row).abs() <= self.plane_reach;
+                    if is_near && self.covers(1, cz, cx) && self.covers(2, cx, cy) {
                         f([x, y, z]);
                     }
                 }
@@ -69,15 +77,9 @@ impl Overlap {
         }
     }
 
-    /// Whether the triangle overlaps a cell that its box touches. Touching counts.
-    fn overlaps(&self, cell: [i32; 3]) -> bool {
-        let center = [0, 1, 2].map(|a| self.corner[a] + (f64::from(cell[a]) + 0.5) * self.width[a]);
-        if (dot(self.normal, center) + self.plane).abs() > self.plane_reach {
-            return false;
-        }
-        self.edges.iter().zip(OTHER).all(|(edges, [i, j])| {
-            edges.iter().all(|&[ni, nj, offset]| ni * center[i] + nj * center[j] + offset >= 0.0)
-        })
+    /// Whether triangle and grown cell overlap when seen along an axis. Touching counts.
+    fn covers(&self, axis: usize, ci: f64, cj: f64) -> bool {
+        self.edges[axis].iter().all(|&[ni, nj, offset]| ni * ci + nj * cj + offset >= 0.0)
     }
 }
 

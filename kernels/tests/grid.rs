@@ -1,0 +1,117 @@
+//! The grid lists what a ray can meet, and little more.
+
+use raystep_kernels::grid::{self, GridError, GridSize, automatic_cells, build};
+
+/// Corners of pseudo-random triangles of a given size in the box [-1, 1] times `extent`.
+fn soup(count: usize, size: f32, extent: [f32; 3]) -> Vec<f32> {
+    let mut state = 1u64;
+    let mut unit = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u64 << 24) as f32 * 2.0 - 1.0
+    };
+    let mut vertices = Vec::new();
+    for _ in 0..count {
+        let center = extent.map(|e| unit() * e);
+        for _ in 0..3 {
+            vertices.extend((0..3).map(|a| center[a] + if extent[a] == 0.0 { 0.0 } else { unit() * size }));
+        }
+    }
+    vertices
+}
+
+#[test]
+fn every_point_of_every_triangle_lies_in_a_cell_that_lists_it() {
+    for (extent, size) in [([1.0; 3], 0.1), ([1.0; 3], 0.9), ([1.0, 0.0, 1.0], 0.2), ([1.0, 0.0, 0.0], 0.2), ([0.0; 3], 0.0)] {
+        let vertices = soup(300, size, extent);
+        for cells in [GridSize::Auto, GridSize::Cells([1, 1, 1]), GridSize::Cells([13, 7, 29])] {
+            let built = build(&vertices, cells, 4.0).expect("a grid");
+            for (triangle, v) in vertices.chunks_exact(9).enumerate() {
+                for i in 0..=8 {
+                    for j in 0..=8 - i {
+                        let (b, c) = (f64::from(i) / 8.0, f64::from(j) / 8.0);
+                        let point = [0, 1, 2].map(|a| {
+                            f64::from(v[a]) * (1.0 - b - c) + f64::from(v[a + 3]) * b + f64::from(v[a + 6]) * c
+                        });
+                        let cell = [0, 1, 2].map(|a| {
+                            let at = (point[a] - f64::from(built.grid.corner[a])) / f64::from(built.grid.width[a]);
+                            at.floor() as i32
+                        });
+                        assert!(built.grid.is_in_grid(cell), "{extent:?} {cells:?}: {point:?} is outside");
+                        let list = built.list(built.grid.cell_index(cell));
+                        assert!(list.contains(&(triangle as u32)), "{extent:?} {cells:?}: {triangle} at {point:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn lists_are_ascending_and_cells_that_a_triangle_does_not_touch_do_not_list_it() {
+    let vertices = soup(500, 0.3, [1.0; 3]);
+    let built = build(&vertices, GridSize::Cells([20; 3]), 4.0).expect("a grid");
+    for cell in 0..built.cells.len() as u32 - 1 {
+        assert!(built.list(cell).windows(2).all(|w| w[0] < w[1]));
+    }
+    let references = built.items.len();
+    // The boxes of the triangles alone would list about three times as many.
+    let boxes: usize = vertices.chunks_exact(9).map(|v| {
+        (0..3).map(|a| {
+            let cell = |x: f32| ((x - built.grid.corner[a]) / built.grid.width[a]) as i32;
+            let (low, high) = (v[a].min(v[a + 3]).min(v[a + 6]), v[a].max(v[a + 3]).max(v[a + 6]));
+            (cell(high) - cell(low) + 1) as usize
+        }).product::<usize>()
+    }).sum();
+    assert!(references * 2 < boxes, "{references} references, {boxes} by boxes");
+}
+
+#[test]
+fn growing_the_cells_adds_less_than_a_hundredth() {
+    let vertices = soup(20_000, 0.02, [1.0; 3]);
+    let built = build(&vertices, GridSize::Auto, 4.0).expect("a grid");
+    let stats = built.stats(&vertices);
+    assert!(stats.added_by_growth * 100 < stats.references, "{stats:?}");
+    assert!(stats.added_by_growth > 0, "20,000 triangles must touch some grown face: {stats:?}");
+}
+
+#[test]
+fn planes_are_exact() {
+    for offset in [0.0f32, 1.0, -0.3, 1000.0] {
+        let vertices: Vec<f32> = soup(50, 0.1, [1.0; 3]).iter().map(|v| v + offset).collect();
+        for n in [1, 3, 20, 1000] {
+            let g = build(&vertices, GridSize::Cells([n, 1, 2]), 4.0 + offset.abs()).expect("a grid").grid;
+            for i in 0..=n {
+                let exact = f64::from(g.corner[0]) + f64::from(g.width[0]) * f64::from(i);
+                let plane = g.cell_plane::<f32>([i as i32, 0, 0]).x;
+                assert_eq!(f64::from(plane), exact, "offset {offset}, plane {i} of {n}");
+                // Contracted or not: the product alone is exact too.
+                assert_eq!(f64::from(g.width[0] * i as f32), f64::from(g.width[0]) * f64::from(i));
+            }
+        }
+    }
+}
+
+#[test]
+fn automatic_cells_suit_flat_and_single_shapes() {
+    assert_eq!(automatic_cells(0, [0.0; 3]), [1; 3]);
+    assert_eq!(automatic_cells(1000, [1.0, 0.0, 0.0])[1..], [1, 1]);
+    let flat = automatic_cells(10_000, [1.0, 0.0, 1.0]);
+    assert_eq!((flat[0], flat[1]), (flat[2], 1));
+    let cube = automatic_cells(10_000, [1.0; 3]);
+    let product = f64::from(cube[0]) * f64::from(cube[1]) * f64::from(cube[2]);
+    assert!((product / (10_000.0 * grid::CELLS_PER_TRIANGLE) - 1.0).abs() < 0.1, "{cube:?}");
+}
+
+#[test]
+fn sizes_that_cannot_be_are_refused() {
+    for cells in [[0, 1, 1], [5000, 1, 1], [4096, 4096, 4096]] {
+        assert_eq!(build(&[0.0; 9], GridSize::Cells(cells), 1.0), Err(GridError::Size(cells)));
+    }
+}
+
+#[test]
+fn ten_thousand_triangles_that_fill_the_scene_get_a_grid_that_fits_memory() {
+    let vertices = soup(10_000, 1.0, [1.0; 3]);
+    let built = build(&vertices, GridSize::Auto, 4.0).expect("a grid");
+    assert!(built.items.len() <= 16 * 10_000 + 4096, "{}", built.items.len());
+}

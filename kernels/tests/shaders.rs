@@ -1,0 +1,141 @@
+//! Every kernel composes, validates and binds what the tables know, in every combination of options that
+//! a run can ask for; uniforms lie where the host puts them.
+
+use std::mem::{offset_of, size_of};
+
+use raystep_kernels::features::Features;
+use raystep_kernels::generate::Camera;
+use raystep_kernels::intersect::SceneInfo;
+use raystep_kernels::kernel::KERNELS;
+use raystep_kernels::shade::{Light, Material, Shading};
+use raystep_kernels::shader::{Resource, Variant};
+use raystep_kernels::shared::grid_walk::Grid;
+use raystep_kernels::shared::texture::Texture;
+use raystep_kernels::{Kernel, Stream};
+
+/// All features off, then each alone, then all on, for grid and none, robust and paper.
+fn feature_sets() -> Vec<Features> {
+    let mut sets = Vec::new();
+    for (robust, grid) in [(true, true), (true, false), (false, true), (false, false)] {
+        let base = Features { robust, grid, ..Features::default() };
+        sets.push(base);
+        let toggles: [fn(&mut Features); 12] = [
+            |f| f.clip = true,
+            |f| f.perspective = true,
+            |f| f.counters = true,
+            |f| f.normals = true,
+            |f| f.textures = true,
+            |f| f.vertex_colors = true,
+            |f| f.many_materials = true,
+            |f| f.emissive = true,
+            |f| f.double_sided = true,
+            |f| f.many_lights = true,
+            |f| f.directional_lights = true,
+            |f| f.spot_lights = true,
+        ];
+        let mut all = base;
+        for toggle in toggles {
+            let mut one = base;
+            toggle(&mut one);
+            toggle(&mut all);
+            sets.push(one);
+        }
+        sets.push(all);
+    }
+    sets
+}
+
+#[test]
+fn every_variant_is_valid_and_within_core_limits() {
+    let mut failures = Vec::new();
+    for features in feature_sets() {
+        for info in KERNELS {
+            if info.kernel == Kernel::TraverseGrid && !features.grid {
+                continue;
+            }
+            match Variant::new(info.kernel, &features) {
+                Err(e) => failures.push(format!("{features:?}: {e}")),
+                Ok(variant) => {
+                    let count = |f: fn(&Resource) -> bool| variant.bindings.iter().filter(|b| f(&b.resource)).count();
+                    let textures = count(|r| matches!(r, Resource::WriteStream { .. }));
+                    let buffers = count(|r| matches!(r, Resource::Storage));
+                    if textures > 4 || buffers > 8 {
+                        failures.push(format!("{} binds {textures} textures, {buffers} buffers", info.name));
+                    }
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn a_missing_option_is_an_error_and_not_silently_off() {
+    let names: Vec<_> = Features::default().list().into_iter().map(|(name, _)| name).collect();
+    for info in KERNELS {
+        for option in info.wgsl.match_indices("@if(").map(|(at, _)| &info.wgsl[at + 4..]) {
+            let condition = &option[..option.find(')').expect("closed")];
+            for word in condition.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|w| !w.is_empty()) {
+                assert!(names.contains(&word), "{}: @if({condition})", info.name);
+            }
+        }
+    }
+}
+
+/// The paper's Table 1, with the deviations named.
+#[test]
+fn kernels_write_what_table_1_says() {
+    use Stream::{Color, Hit, RayDirection, RayOrigin, State, TMax};
+    let table: [(Kernel, &[Stream]); 5] = [
+        // hit is set to "no triangle" with the ray; the paper discards fragments instead.
+        (Kernel::Generate, &[RayOrigin, RayDirection, State, Hit]),
+        // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
+        (Kernel::Setup, &[State, TMax]),
+        (Kernel::TraverseGrid, &[State, TMax]),
+        (Kernel::Intersect, &[State, Hit]),
+        // The state becomes DONE, so that the live counts tell when the image is complete.
+        (Kernel::Shade, &[State, Color]),
+    ];
+    let features = Features { robust: true, grid: true, clip: true, perspective: true, ..Features::default() };
+    for (kernel, expected) in table {
+        let variant = Variant::new(kernel, &features).expect("valid");
+        let mut written: Vec<_> = variant.streams().filter(|(_, b)| b.writes).map(|(s, _)| s).collect();
+        let mut expected = expected.to_vec();
+        written.sort();
+        expected.sort();
+        assert_eq!(written, expected, "{}", kernel.name());
+    }
+}
+
+#[test]
+fn host_structs_lie_as_naga_says() {
+    let mut all = Features { robust: true, grid: true, textures: true, spot_lights: true, ..Features::default() };
+    all.many_lights = true;
+    let mut layouts = Vec::new();
+    for features in [all, Features { grid: false, ..all }] {
+        for info in KERNELS.iter().filter(|k| features.grid || k.kernel != Kernel::TraverseGrid) {
+            layouts.extend(Variant::new(info.kernel, &features).expect("valid").structs);
+        }
+    }
+    macro_rules! check {
+        ($host:ty, $name:literal, $($field:ident),*) => {
+            let layout = layouts.iter().find(|l| l.name == $name).expect($name);
+            assert_eq!(layout.size as usize, size_of::<$host>(), $name);
+            let host = [$((stringify!($field), offset_of!($host, $field))),*];
+            assert_eq!(layout.members.len(), host.len(), $name);
+            for (member, offset) in &layout.members {
+                let found = host.iter().find(|(n, _)| n == member);
+                assert_eq!(found.map(|f| f.1), Some(*offset as usize), "{}.{member}", $name);
+            }
+        };
+    }
+    check!(Camera, "Camera", eye, pixel_x, right, pixel_y, up, forward);
+    check!(Grid, "Grid", corner, cells, width, inverse_width);
+    check!(Shading, "Shading", background, lights);
+    check!(Material, "Material", base_color, texture, emissive, double_sided);
+    check!(Light, "Light", position, kind, direction, cos_outer, color, cone_scale);
+    check!(Texture, "Texture", first, width, height, sampling);
+    let scene = layouts.iter().find(|l| l.name == "SceneInfo").expect("SceneInfo");
+    assert_eq!(scene.members, [("triangles".to_string(), 0)]);
+    assert!(size_of::<SceneInfo>() >= scene.size as usize);
+}

@@ -1,0 +1,121 @@
+//! Devices that are not as one would wish: no timers, lost, too small.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::{AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Plan, PlanError, RenderError, Renderer, Stream};
+use raystep_scenes::generate;
+use raystep_tests::{block_on, gpu, options, scene};
+
+#[test]
+fn an_adapter_without_timestamps_leaves_times_empty() {
+    let none = wgpu::Features::empty();
+    let gpu = pollster::block_on(Gpu::with_features(&AdapterChoice::Best, none)).expect("an adapter");
+    assert_eq!(gpu.timestamp_period_ns, None);
+    let scene = scene("cornell-box.gltf");
+    let mut options = options(&scene, 32, 32);
+    options.timings = true;
+    block_on(Some(&gpu), async {
+        let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+        assert!(renderer.passes().len() > 10);
+        assert!(renderer.passes().iter().all(|p| p.begin_ns.is_none() && p.duration_ns.is_none()));
+    });
+}
+
+#[test]
+fn an_adapter_with_timestamps_times_every_pass() {
+    let scene = scene("cornell-box.gltf");
+    let mut options = options(&scene, 256, 256);
+    options.timings = true;
+    let gpu = gpu();
+    assert!(gpu.timestamp_period_ns.is_some(), "{} has no timers", gpu.info.name);
+    block_on(Some(&gpu), async {
+        let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+        let timed = renderer.passes().iter().filter(|p| p.duration_ns.is_some_and(|ns| ns > 0)).count();
+        assert!(timed * 10 >= renderer.passes().len() * 9, "{timed} of {} passes", renderer.passes().len());
+    });
+}
+
+/// A device of its own, so that the others are not lost with it.
+fn a_device_to_lose() -> std::sync::Arc<Gpu> {
+    pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter")
+}
+
+#[test]
+fn a_lost_device_is_an_error_and_not_a_panic() {
+    let scene = scene("cornell-box.gltf");
+    let options = options(&scene, 64, 64);
+    // Lost before, between two passes, and while a read-back is awaited.
+    let gpu = a_device_to_lose();
+    gpu.device.destroy();
+    drop(gpu.device.poll(wgpu::PollType::Poll));
+    let built = block_on(Some(&gpu), Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())));
+    assert!(matches!(built, Err(RenderError::Gpu(_))), "{:?}", built.err());
+
+    let gpu = a_device_to_lose();
+    block_on(Some(&gpu), async {
+        let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+        for _ in 0..5 {
+            renderer.step().await.expect("a pass");
+        }
+        gpu.device.destroy();
+        let step = renderer.step().await;
+        assert!(matches!(step, Err(RenderError::Gpu(GpuError::Lost(_)))), "{step:?}");
+        let values = renderer.values(Stream::State).await;
+        assert!(matches!(values, Err(RenderError::Gpu(GpuError::Lost(_)))), "{:?}", values.err());
+        let message = step.expect_err("lost").to_string();
+        assert!(message.contains("lost") && message.contains("--device cpu") && !message.contains('\n'), "{message}");
+    });
+}
+
+#[test]
+fn an_unknown_adapter_is_named_beside_those_that_are_there() {
+    let error = pollster::block_on(Gpu::new(&AdapterChoice::Named("Voodoo 2".into()))).err().expect("no such adapter");
+    let message = error.to_string();
+    assert!(message.contains("Voodoo 2") && message.contains(&gpu().info.name), "{message}");
+}
+
+#[test]
+fn a_buffer_larger_than_the_adapter_binds_is_refused_with_the_numbers() {
+    let scene = generate::soup(100_000, 1).expect("soup");
+    let limits = Limits { storage_bytes: 3_000_000, ..Limits::CPU };
+    let error = Plan::new(&scene, &options(&scene, 16, 16), &limits).expect_err("too large");
+    assert!(matches!(error, PlanError::BufferSize { name: "vertices", bytes: 3_600_000, limit: 3_000_000 }), "{error}");
+    assert_eq!(error.to_string(), "vertices needs 3.4 MiB in one buffer, the adapter binds at most 2.9 MiB: 585.9 KiB too many");
+    let mut options = options(&scene, 16, 16);
+    options.grid = GridSize::Cells([200; 3]);
+    let limits = Limits { storage_bytes: 3_700_000, ..Limits::CPU };
+    let error = Plan::new(&scene, &options, &limits).expect_err("too large");
+    assert!(matches!(error, PlanError::BufferSize { name: "grid_cells" | "grid_items", .. }), "{error}");
+}
+
+#[test]
+fn images_without_pixels_or_with_too_many_are_refused() {
+    let scene = scene("cornell-box.gltf");
+    let limits = Limits::from(&gpu().device.limits());
+    for (width, height) in [(0, 0), (0, 5), (1_000_000, 1), (u32::MAX, u32::MAX)] {
+        let error = Plan::new(&scene, &options(&scene, width, height), &limits).expect_err("no such image");
+        assert!(matches!(error, PlanError::ImageSize { .. }), "{error}");
+    }
+    for (width, height) in [(1, 1), (1, 8192), (8192, 1)] {
+        assert!(Plan::new(&scene, &options(&scene, width, height), &limits).is_ok());
+    }
+}
+
+#[test]
+fn a_run_can_be_cancelled_and_taken_up_again() {
+    let scene = scene("cornell-box.gltf");
+    let gpu = gpu();
+    block_on(Some(&gpu), async {
+        let options = options(&scene, 64, 64);
+        let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+        let stopped = renderer.run(|_| ControlFlow::Break(())).await;
+        assert!(matches!(stopped, Err(RenderError::Cancelled { passes }) if passes > 0), "{stopped:?}");
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("the rest");
+        let resumed = renderer.image().await.expect("an image");
+        renderer.restart();
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+        assert_eq!(resumed, renderer.image().await.expect("an image"));
+    });
+}

@@ -1,0 +1,100 @@
+//! What a scene does not need is neither compiled, bound, allocated nor uploaded.
+
+use std::collections::BTreeSet;
+
+use raystep_kernels::{Accelerator, Device, Numerics, Plan, RaySource, Renderer, Stream};
+use raystep_tests::{block_on, differences, gpu, options, rays, scene, traced, values};
+
+fn renderer(file: &str, change: impl FnOnce(&mut raystep_kernels::Options)) -> Renderer {
+    let scene = scene(file);
+    let mut options = options(&scene, 64, 48);
+    change(&mut options);
+    block_on(Some(&gpu()), Renderer::new(&scene, &options, &Device::Gpu(gpu()))).expect("a renderer")
+}
+
+/// Names that any variant binds, by reflection.
+fn bound(plan: &Plan) -> BTreeSet<&str> {
+    plan.variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect()
+}
+
+#[test]
+fn bytes_of_the_plan_are_the_bytes_allocated() {
+    for file in ["cornell-box.gltf", "textures.gltf", "lights.gltf", "empty.gltf"] {
+        let renderer = renderer(file, |_| {});
+        let allocated = renderer.gpu().expect("a gpu").allocated();
+        let planned: Vec<(&str, u64)> = (renderer.plan().streams.iter().map(|s| (s.what.name(), s.bytes)))
+            .chain(renderer.plan().buffers.iter().map(|b| (b.what, b.bytes)))
+            .collect();
+        assert_eq!(allocated, planned, "{file}");
+        assert_eq!(allocated.iter().map(|(_, b)| b).sum::<u64>(), renderer.plan().bytes(), "{file}");
+    }
+}
+
+#[test]
+fn three_scenes_leave_out_what_they_do_not_have() {
+    // (scene, must be bound and allocated, must be neither)
+    let cases: [(&str, &[&str], &[&str]); 3] = [
+        ("cornell-box.gltf", &["vertices", "triangle_materials"], &["normals", "texcoords", "texels", "textures", "vertex_colors"]),
+        ("textures.gltf", &["texcoords", "texels", "textures"], &["counters"]),
+        ("lights.gltf", &["lights", "normals"], &["texels", "textures", "counters"]),
+    ];
+    for (file, present, absent) in cases {
+        let renderer = renderer(file, |_| {});
+        let plan = renderer.plan();
+        let bound = bound(plan);
+        let allocated: BTreeSet<&str> = renderer.gpu().expect("a gpu").allocated().into_iter().map(|(n, _)| n).collect();
+        let source: String = plan.variants.iter().map(|v| v.source.as_str()).collect();
+        for name in present {
+            assert!(bound.contains(name) && allocated.contains(name), "{file}: {name}\n{plan}");
+        }
+        for name in absent {
+            assert!(!bound.contains(name) && !allocated.contains(name), "{file}: {name}\n{plan}");
+            assert!(!source.contains(&format!(" {name}:")), "{file}: {name} is compiled");
+            assert!(renderer.data().bytes(name).is_none_or(|b| b.iter().all(|&b| b == 0)), "{file}: {name} is filled");
+            assert!(plan.left_out.iter().any(|l| l.what.ends_with(name)), "{file}: {name} has no reason\n{plan}");
+        }
+    }
+}
+
+#[test]
+fn code_for_lights_that_are_not_there_is_not_compiled() {
+    let shade = |file: &str| {
+        let renderer = renderer(file, |_| {});
+        renderer.plan().variant(raystep_kernels::Kernel::Shade).expect("shade").source.clone()
+    };
+    assert!(!shade("cornell-box.gltf").contains("light.cone_scale") && shade("lights.gltf").contains("light.cone_scale"));
+    assert!(!shade("cornell-box.gltf").contains(".kind =="));
+    assert!(shade("textures.gltf").contains("sample_texture") && !shade("lights.gltf").contains("sample_texture"));
+}
+
+#[test]
+fn without_a_view_nothing_is_shaded_and_without_a_grid_nothing_is_walked() {
+    let hits = renderer("cornell-box.gltf", |o| o.shade = false);
+    assert!(!hits.plan().has_stream(Stream::Color) && !bound(hits.plan()).contains("materials"));
+    let none = renderer("cornell-box.gltf", |o| o.accelerator = Accelerator::None);
+    assert!(!none.plan().has_stream(Stream::TMax) && !bound(none.plan()).contains("grid_cells"));
+    let scene = scene("cornell-box.gltf");
+    let mut given = options(&scene, 1, 1);
+    given.rays = RaySource::Given(rays::random(&scene, 10, 1));
+    let (plan, _) = Plan::new(&scene, &given, &raystep_kernels::Limits::CPU).expect("a plan");
+    assert!(plan.variant(raystep_kernels::Kernel::Generate).is_none() && !bound(&plan).contains("camera"));
+}
+
+#[test]
+fn keeping_everything_changes_no_hit() {
+    for file in ["cornell-box.gltf", "lights.gltf", "bare.gltf", "primitives.gltf"] {
+        for numerics in [Numerics::Robust, Numerics::Paper] {
+            let scene = scene(file);
+            let mut options = options(&scene, 96, 96);
+            options.numerics = numerics;
+            let lean = traced(&scene, &options, &Device::Gpu(gpu()));
+            options.keep_all = true;
+            let full = traced(&scene, &options, &Device::Gpu(gpu()));
+            assert!(full.plan().bytes() > lean.plan().bytes(), "{file}");
+            for stream in [Stream::Hit, Stream::State] {
+                let differ = differences(&values(&lean, stream), &values(&full, stream)).count();
+                assert_eq!(differ, 0, "{file} {numerics}: {}", stream.name());
+            }
+        }
+    }
+}
