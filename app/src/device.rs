@@ -53,17 +53,7 @@ impl Chosen {
 
     /// Waits for a future of the library.
     pub(crate) fn wait<T>(&self, future: impl Future<Output = Result<T, RenderError>>) -> Result<T, Error> {
-        block_on(self.gpu(), future).map_err(|error| {
-            // A lost device is first noticed by what it no longer does; the next poll says that it is lost.
-            let lost = self.gpu().and_then(|gpu| {
-                let _ = gpu.device.poll(wgpu::PollType::Poll);
-                gpu.health().err()
-            });
-            match (lost, &error) {
-                (Some(cause @ GpuError::Lost(_)), RenderError::Gpu(_)) => cause.into(),
-                _ => error.into(),
-            }
-        })
+        Ok(block_on(self.gpu(), future)?)
     }
 }
 

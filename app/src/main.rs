@@ -17,6 +17,8 @@ use cli::{Command, Request};
 use error::Error;
 
 fn main() -> ExitCode {
+    #[cfg(target_os = "linux")]
+    silence_mesa();
     interrupt::install();
     match run() {
         Ok(()) => ExitCode::SUCCESS,
@@ -24,6 +26,18 @@ fn main() -> ExitCode {
             terminal::say(&error);
             ExitCode::from(error.code)
         }
+    }
+}
+
+/// Keeps a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to our stderr on machines without a
+/// desktop. The layer reorders devices for desktops, and we choose ours by rank or name anyway.
+#[cfg(target_os = "linux")]
+#[allow(unsafe_code)]
+fn silence_mesa() {
+    use std::env::{set_var, var_os};
+    if var_os("XDG_RUNTIME_DIR").is_none() && var_os("MESA_VK_DEVICE_SELECT").is_none() {
+        // SAFETY: the first thing that the program does: no other thread can read the environment yet.
+        unsafe { set_var("NODEVICE_SELECT", "1") };
     }
 }
 

@@ -85,19 +85,10 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The system's words, without the temporary name that tempfile adds.
+/// The system's words, without its number for the error and the temporary name that tempfile adds.
 pub(crate) fn reason(error: &io::Error) -> String {
-    match error.raw_os_error() {
-        Some(code) => {
-            // The number is for programmers.
-            let text = io::Error::from_raw_os_error(code).to_string();
-            text.split(" (os error").next().unwrap_or(&text).to_owned()
-        }
-        None => match error.get_ref().and_then(|inner| inner.source()).and_then(|s| s.downcast_ref::<io::Error>()) {
-            Some(inner) => reason(inner),
-            None => error.to_string(),
-        },
-    }
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_owned()
 }
 
 /// Writes all files, then renames all: where one cannot be written, none appears.

@@ -51,8 +51,8 @@ impl Place {
     pub(crate) fn command(&self, arguments: &[&OsStr]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_raystep"));
         command.current_dir(self.folder.path()).args(arguments).stdin(Stdio::null());
-        // Libraries of the desktop complain on stderr where it is not set.
-        command.env("XDG_RUNTIME_DIR", self.folder.path());
+        // As on a machine without a desktop, where its libraries would complain on stderr.
+        command.env_remove("XDG_RUNTIME_DIR");
         command
     }
 
