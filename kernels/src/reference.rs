@@ -7,7 +7,7 @@
 //! * a sheared corner p = a − s·c, |s| ≤ 1, is off by at most (2|a| + 8|c|)·u ≤ 10u·r, r being the
 //!   corner's largest distance along an axis from the origin;
 //! * an edge function of corners q and r is off by at most |q|₁·10u·r_r + |r|₁·10u·r_q + 3u·(|qx·ry| +
-//!   |qy·rx|), where |·|₁ sums x and y: [`Edge::bound`];
+//!   |qy·rx|), where |·|₁ sums x and y;
 //! * t, a weighted mean of the corners' depths z, moves by Σ bound_i·|z_i − t| / |det| when the weights
 //!   move, twice that covers the higher orders, and by 18u·max|z| in its own arithmetic. Where the
 //!   bounds reach half the determinant, any t between the nearest and the farthest corner may come out.
@@ -70,7 +70,8 @@ pub struct Report {
     pub false_hits: u64,
     /// Rays that hit the wrong triangle or at the wrong t.
     pub wrong: u64,
-    /// Largest error of t among right hits, in units in the last place of t.
+    /// Largest error of t among right hits, in units in the last place of the depth of the triangle's
+    /// farthest corner: that is what the arithmetic rounds, however near the hit is.
     pub largest_t_ulp: f64,
     /// The first mistakes, at most 64.
     pub mistakes: Vec<Mistake>,
@@ -181,14 +182,29 @@ struct Edge {
 }
 
 /// A triangle that a ray may hit.
-struct Possible {
-    triangle: u32,
-    t: f64,
-    t_bound: f64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Possible {
+    /// Its id.
+    pub triangle: u32,
+    /// Where the ray meets its plane.
+    pub t: f64,
+    /// What f32 may be off by.
+    pub t_bound: f64,
+    /// What f32 may be off by in u and v.
+    pub weight_bound: f64,
     /// No bound leaves a doubt that the ray hits it.
-    is_definite: bool,
+    pub is_definite: bool,
     /// The exact ray hits the exact triangle; edges and corners count.
-    is_exact: bool,
+    pub is_exact: bool,
+    /// Depth of the farthest corner: what the arithmetic's own error is relative to.
+    pub far: f64,
+}
+
+/// Tests one triangle (nine floats each in `vertices`) in f64. `None` where f32, too, must see a miss.
+#[must_use]
+pub fn possible(vertices: &[f32], origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
+    let triangles = Triangles { vertices, spheres: Vec::new() };
+    triangles.test(origin, direction, origin.map(f64::from), direction.map(f64::from), triangle)
 }
 
 impl<'a> Triangles<'a> {
@@ -245,7 +261,7 @@ impl<'a> Triangles<'a> {
                 if error > p.t_bound || surely_by < p.t - p.t_bound {
                     Verdict::Wrong
                 } else if exact.is_some_and(|(k, _)| k == p.triangle) {
-                    t_ulp = error / (2.0 * U * f64::from(t).abs());
+                    t_ulp = error / (2.0 * U * p.far.max(f64::from(t).abs()));
                     Verdict::Same
                 } else {
                     Verdict::Tie
@@ -284,6 +300,7 @@ impl<'a> Triangles<'a> {
         let z = p.map(|c| c[2]);
         let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
         let own = 18.0 * U * near.abs().max(far.abs());
+        let weight_bound = (2.0 * det_bound / det.abs()).min(1.0) + 16.0 * U;
         let (t, t_bound) = if det.abs() <= 2.0 * det_bound {
             (0.5 * (near + far), 0.5 * (far - near) + own)
         } else {
@@ -303,7 +320,8 @@ impl<'a> Triangles<'a> {
             } else {
                 exact::hits(origin, direction, corners)
             };
-        Some(Possible { triangle, t, t_bound, is_definite: (clear(1.0) || clear(-1.0)) && t > t_bound, is_exact })
+        let is_definite = (clear(1.0) || clear(-1.0)) && t > t_bound;
+        Some(Possible { triangle, t, t_bound, weight_bound, is_definite, is_exact, far: near.abs().max(far.abs()) })
     }
 }
 

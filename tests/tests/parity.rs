@@ -8,7 +8,7 @@ use raystep_tests::{gpu, options, parity, scene, scene_files};
 fn every_kernel_agrees_with_its_twin_after_every_pass() {
     let gpu = gpu();
     let mut failures = Vec::new();
-    let (mut passes, mut components, mut tolerated) = (0, 0, 0);
+    let (mut passes, mut components, mut tolerated, mut undecided) = (0, 0, 0, 0);
     let mut seen = Vec::new();
     for file in scene_files() {
         let scene = scene(&file);
@@ -28,11 +28,14 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             passes += found.passes;
             components += found.components;
             tolerated += found.tolerated;
+            undecided += found.undecided;
             seen.extend(found.kernels);
             failures.extend(found.breaches.iter().map(|b| format!("{file} {accelerator} {numerics}: {b}")));
         }
     }
-    println!("{passes} passes, {components} components compared, {tolerated} within tolerance but not equal");
+    println!("{passes} passes, {components} components compared: {tolerated} equal but for rounding, {undecided} rays undecided");
+    // A ray is near an edge or a face by less than some 30 roundings once in 10,000 tests, by far less on most scenes.
+    assert!(undecided * 10_000 < components, "{undecided} rays undecided");
     assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
     for info in KERNELS {
         assert!(seen.contains(&info.kernel), "no ray was ever in {}", info.name);
@@ -57,7 +60,7 @@ fn a_broken_kernel_is_named() {
     for (kernel, from, to) in breaks {
         let mut options = options(&scene, 40, 40);
         // Not a number of cells that puts the eye on a plane, where floor and ceil agree.
-        options.grid = GridSize::Cells([7, 6, 9]);
+        options.grid = GridSize::Cells([7, 7, 9]);
         let found = parity::compare_with(&gpu, &scene, &options, |plan| {
             let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
             // WESL prints expressions its own way, so spaces and brackets do not count.
