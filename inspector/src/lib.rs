@@ -1,1 +1,8 @@
+//! What the inspector is about, without a window: a run that can be stepped forward and back.
+//!
+//! [`session::Session`] knows no user interface and blocks on nothing, so that a desktop window, a
+//! browser and a test can drive the same thing.
 
+pub mod session;
+
+pub use session::{Session, Target};

@@ -200,13 +200,7 @@ fn count(vertices: &[f32], grid: &Grid, growth: f32) -> (Vec<AtomicU32>, u64) {
 }
 
 /// Calls `f` with every triangle and each cell that lists it, a batch at a time.
-fn for_references(
-    vertices: &[f32],
-    grid: &Grid,
-    growth: f32,
-    counts: &[AtomicU32],
-    f: impl Fn(&[(u32, u32)]) + Sync,
-) {
+fn for_references(vertices: &[f32], grid: &Grid, growth: f32, counts: &[AtomicU32], f: impl Fn(&[(u32, u32)]) + Sync) {
     for_ranges(vertices.len() / 9, 16 * BATCH, |range| {
         let mut batch = Vec::new();
         for first in range.clone().step_by(BATCH) {

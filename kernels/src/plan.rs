@@ -52,7 +52,9 @@ impl From<&wgpu::Limits> for Limits {
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// The image has no pixels, or more than fit.
-    #[error("an image of {width}x{height} pixels cannot be traced here: each side must be 1 to {side}, and their product at most {rays}")]
+    #[error(
+        "an image of {width}x{height} pixels cannot be traced here: each side must be 1 to {side}, and their product at most {rays}"
+    )]
     ImageSize {
         /// Pixels a row.
         width: u64,
@@ -197,7 +199,10 @@ impl Plan {
         let streams = STREAMS
             .iter()
             .filter(|s| bound.contains(s.name))
-            .map(|s| Planned { what: s.stream, bytes: u64::from(width) * u64::from(height) * 4 * s.layers.len() as u64 })
+            .map(|s| Planned {
+                what: s.stream,
+                bytes: u64::from(width) * u64::from(height) * 4 * s.layers.len() as u64,
+            })
             .collect();
         let mut buffers = Vec::new();
         for info in BUFFERS.iter().filter(|b| bound.contains(b.name)) {
@@ -210,8 +215,18 @@ impl Plan {
         for name in ["live_counts", "live_counts_copy"] {
             buffers.push(Planned { what: name, bytes: COUNT_SLOTS * COUNT_SLOT_BYTES });
         }
-        let mut plan =
-            Self { width, height, rays, triangles, features, schedule, variants, streams, buffers, left_out: Vec::new() };
+        let mut plan = Self {
+            width,
+            height,
+            rays,
+            triangles,
+            features,
+            schedule,
+            variants,
+            streams,
+            buffers,
+            left_out: Vec::new(),
+        };
         plan.left_out = left_out(&plan, scene, options);
         Ok((plan, data))
     }
@@ -374,7 +389,8 @@ fn features(scene: &Scene, options: &Options, units: Units) -> Features {
 fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
     use Because::{Options as O, Scene as S, View as V};
     let mut all = Vec::new();
-    let mut add = |what: String, (because, reason): (Because, &'static str)| all.push(LeftOut { what, because, reason });
+    let mut add =
+        |what: String, (because, reason): (Because, &'static str)| all.push(LeftOut { what, because, reason });
     let no_grid = (O, "--accelerator none");
     let no_shade = (V, "the result wanted is the hits, not the image");
     for k in KERNELS.iter().filter(|k| plan.variant(k.kernel).is_none()) {
@@ -467,7 +483,14 @@ impl fmt::Display for Plan {
         writeln!(f, "\nstreams")?;
         for s in &self.streams {
             let info = s.what.info();
-            writeln!(f, "  {:<18} {:>10}  {}  [{}]", info.name, Bytes(s.bytes).to_string(), info.layers.join(" "), info.unit)?;
+            writeln!(
+                f,
+                "  {:<18} {:>10}  {}  [{}]",
+                info.name,
+                Bytes(s.bytes).to_string(),
+                info.layers.join(" "),
+                info.unit
+            )?;
         }
         writeln!(f, "\nbuffers")?;
         for b in &self.buffers {

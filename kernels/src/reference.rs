@@ -218,13 +218,7 @@ impl<'a> Triangles<'a> {
         Self { vertices, spheres: vertices.chunks_exact(9).map(sphere).collect() }
     }
 
-    fn judge(
-        &self,
-        ray: usize,
-        origin: [f32; 3],
-        direction: [f32; 3],
-        found: Option<(u32, f32)>,
-    ) -> (Mistake, f64) {
+    fn judge(&self, ray: usize, origin: [f32; 3], direction: [f32; 3], found: Option<(u32, f32)>) -> (Mistake, f64) {
         let (o, d) = (origin.map(f64::from), direction.map(f64::from));
         let d_squared = dot(d, d);
         // Smallest t by which a definite hit ends: nothing behind it can be right.

@@ -219,10 +219,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Where the device fails, or `progress` said so.
-    pub async fn run(
-        &mut self,
-        mut progress: impl FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<(), RenderError> {
+    pub async fn run(&mut self, mut progress: impl FnMut(&Progress) -> ControlFlow<()>) -> Result<(), RenderError> {
         // Enough passes to hide the read-back, few enough rays to report often.
         let most = match self.executor {
             Executor::Gpu(_) => ((1usize << 26) / self.plan.rays.max(1) as usize).clamp(2, MOST_PASSES),
@@ -396,6 +393,15 @@ impl Renderer {
         Ok(Image::from_streams(&color, &hit))
     }
 
+    /// What t of ray `index` (y * width + x) in a stream is to be multiplied by to get the t of the ray in
+    /// scene units: the traced unit's size, and for a given ray also the power of two that its direction
+    /// was scaled by.
+    #[must_use]
+    pub fn t_scale(&self, index: usize) -> f64 {
+        let given = self.given.as_ref().and_then(|g| g.exponents.get(index));
+        given.map_or_else(|| self.data.units.scene_units_per_stream_unit(), |&exponent| exp2(exponent))
+    }
+
     /// What every ray hit so far, in scene units.
     ///
     /// # Errors
@@ -403,10 +409,9 @@ impl Renderer {
     pub async fn hits(&self) -> Result<Vec<Option<RayHit>>, RenderError> {
         let hit = self.values(Stream::Hit).await?;
         let state = self.values(Stream::State).await?;
-        let scale = self.data.units.scene_units_per_stream_unit();
         let hit_of = |i: usize| {
             let (t, triangle) = (state.get_f32(STATE_T, i), hit.get(HIT_TRIANGLE, i));
-            let scale = self.given.as_ref().map_or(scale, |g| exp2(g.exponents[i]));
+            let scale = self.t_scale(i);
             (triangle != NO_TRIANGLE && t < INF).then(|| RayHit {
                 t: f64::from(t) * scale,
                 u: hit.get_f32(0, i),

@@ -223,9 +223,7 @@ fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
             };
             largest_of(&c.eye) + spread
         }
-        RaySource::Given(rays) => {
-            rays.iter().map(|r| largest_of(&traced_ray(r, units).0.origin)).fold(0.0, f32::max)
-        }
+        RaySource::Given(rays) => rays.iter().map(|r| largest_of(&traced_ray(r, units).0.origin)).fold(0.0, f32::max),
     };
     let distance = f64::from(scene) + f64::from(origins);
     exp2(floor_log2(distance.clamp(1.0, 1e30)) + 1) as f32
@@ -297,9 +295,11 @@ fn textures(textures: &[SceneTexture]) -> (Vec<Texture>, Vec<u32>) {
             height: t.height as i32,
             sampling: wrap(t.wrap_u) | wrap(t.wrap_v) << 2 | u32::from(t.linear) << 4,
         });
-        words.extend(t.texels.iter().flat_map(|&[r, g, b, _]| {
-            [linear[r as usize] | linear[g as usize] << 16, linear[b as usize]]
-        }));
+        words.extend(
+            t.texels
+                .iter()
+                .flat_map(|&[r, g, b, _]| [linear[r as usize] | linear[g as usize] << 16, linear[b as usize]]),
+        );
     }
     (infos, words)
 }

@@ -142,7 +142,9 @@ impl Cursor {
             let mut ahead = cursor.clone();
             match ahead.next(schedule, counts) {
                 // A kernel that runs once a turn is idle right after; guessing it again would be for nothing.
-                Some(kernel) if ahead.in_loop(schedule) && (kernels.last() != Some(&kernel) || ahead.stays(schedule)) => {
+                Some(kernel)
+                    if ahead.in_loop(schedule) && (kernels.last() != Some(&kernel) || ahead.stays(schedule)) =>
+                {
                     kernels.push(kernel);
                 }
                 _ => break,
@@ -204,7 +206,8 @@ mod tests {
         done[DONE as usize] = 9;
         let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(9, 0, 0), c(0, 4, 5), c(0, 0, 9), done];
         let names = run(ScheduleKind::Second, Accelerator::Grid, &script);
-        let expected = ["generate", "setup", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
+        let expected =
+            ["generate", "setup", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
         assert_eq!(names, expected);
     }
 
@@ -213,8 +216,17 @@ mod tests {
         let c = counts;
         let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(0, 9, 0), c(2, 0, 7), c(0, 0, 9), c(0, 0, 9), c(0, 0, 0)];
         let names = run(ScheduleKind::First, Accelerator::Grid, &script);
-        let expected =
-            ["generate", "setup", "intersect", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
+        let expected = [
+            "generate",
+            "setup",
+            "intersect",
+            "intersect",
+            "traverse_grid",
+            "intersect",
+            "traverse_grid",
+            "shade",
+            "end",
+        ];
         assert_eq!(names, expected);
     }
 

@@ -113,15 +113,7 @@ pub const STREAMS: [StreamInfo; 7] = [
         &[0, 0, NO_TRIANGLE],
     ),
     row(Stream::Color, "color", Texel::F32, &["r", "g", "b"], &[], "linear light", &[0; 3]),
-    row(
-        Stream::Counters,
-        "counters",
-        Texel::U32,
-        &["cells", "triangles", "repeated"],
-        &[],
-        "count",
-        &[0; 3],
-    ),
+    row(Stream::Counters, "counters", Texel::U32, &["cells", "triangles", "repeated"], &[], "count", &[0; 3]),
 ];
 
 impl Stream {

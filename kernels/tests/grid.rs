@@ -21,7 +21,9 @@ fn soup(count: usize, size: f32, extent: [f32; 3]) -> Vec<f32> {
 
 #[test]
 fn every_point_of_every_triangle_lies_in_a_cell_that_lists_it() {
-    for (extent, size) in [([1.0; 3], 0.1), ([1.0; 3], 0.9), ([1.0, 0.0, 1.0], 0.2), ([1.0, 0.0, 0.0], 0.2), ([0.0; 3], 0.0)] {
+    for (extent, size) in
+        [([1.0; 3], 0.1), ([1.0; 3], 0.9), ([1.0, 0.0, 1.0], 0.2), ([1.0, 0.0, 0.0], 0.2), ([0.0; 3], 0.0)]
+    {
         let vertices = soup(300, size, extent);
         for cells in [GridSize::Auto, GridSize::Cells([1, 1, 1]), GridSize::Cells([13, 7, 29])] {
             let built = build(&vertices, cells, 4.0).expect("a grid");
@@ -55,13 +57,18 @@ fn lists_are_ascending_and_cells_that_a_triangle_does_not_touch_do_not_list_it()
     }
     let references = built.items.len();
     // The boxes of the triangles alone would list about three times as many.
-    let boxes: usize = vertices.chunks_exact(9).map(|v| {
-        (0..3).map(|a| {
-            let cell = |x: f32| ((x - built.grid.corner[a]) / built.grid.width[a]) as i32;
-            let (low, high) = (v[a].min(v[a + 3]).min(v[a + 6]), v[a].max(v[a + 3]).max(v[a + 6]));
-            (cell(high) - cell(low) + 1) as usize
-        }).product::<usize>()
-    }).sum();
+    let boxes: usize = vertices
+        .chunks_exact(9)
+        .map(|v| {
+            (0..3)
+                .map(|a| {
+                    let cell = |x: f32| ((x - built.grid.corner[a]) / built.grid.width[a]) as i32;
+                    let (low, high) = (v[a].min(v[a + 3]).min(v[a + 6]), v[a].max(v[a + 3]).max(v[a + 6]));
+                    (cell(high) - cell(low) + 1) as usize
+                })
+                .product::<usize>()
+        })
+        .sum();
     assert!(references * 2 < boxes, "{references} references, {boxes} by boxes");
 }
 

@@ -47,7 +47,8 @@ fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
     for step in -6..=6 {
         let factor = 1.26f64.powi(step);
         // Step 0 is what a user gets without asking.
-        let cells = automatic.map(|n| if n == 1 { 1 } else { (f64::from(n) * factor).round().clamp(1.0, 4096.0) as u32 });
+        let cells =
+            automatic.map(|n| if n == 1 { 1 } else { (f64::from(n) * factor).round().clamp(1.0, 4096.0) as u32 });
         let grid = if step == 0 { GridSize::Auto } else { GridSize::Cells(cells) };
         let mut options = options(scene, size, size);
         (options.grid, options.shade) = (grid, false);
@@ -80,7 +81,9 @@ fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
         let mark = if *grid == GridSize::Auto { "  automatic" } else { "" };
         println!(
             "  {factor:>5.2}  {:>4} x {:>4} x {:>4}  {references:>9} references  {:>5} passes  {:>9.2} ms  {:>5.2}{mark}",
-            cells[0], cells[1], cells[2],
+            cells[0],
+            cells[1],
+            cells[2],
             renderer.passes().len(),
             1e3 * median(times),
             median(times) / best,

@@ -3,8 +3,10 @@
 use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Stream};
 use raystep_tests::{check, devices, differences, options, scene, scene_files, traced, ulp, values};
 
-/// The streams that make up a hit: u, v, triangle, and t of the state.
-fn hits(renderer: &Renderer) -> (Vec<u32>, Vec<u32>) {
+/// u, v, triangle of every ray, layer by layer, and t.
+type Hits = (Vec<u32>, Vec<u32>);
+
+fn hits(renderer: &Renderer) -> Hits {
     (values(renderer, Stream::Hit).bits, values(renderer, Stream::State).layer(1).to_vec())
 }
 
@@ -15,7 +17,7 @@ fn every_combination_ends_in_the_same_hits() {
         let scene = scene(&file);
         let mut by_device = Vec::new();
         for (name, device) in devices() {
-            let mut first: Option<(String, (Vec<u32>, Vec<u32>))> = None;
+            let mut first: Option<(String, Hits)> = None;
             for accelerator in [Accelerator::Grid, Accelerator::None] {
                 // On two cores, brute force over more takes minutes; the rays are fewer for the same reason.
                 let size = if scene.triangles.len() <= 60 { 256 } else { 96 };
@@ -40,7 +42,10 @@ fn every_combination_ends_in_the_same_hits() {
                                 (0..3).any(|l| expected.0[l * rays + i] != found.0[l * rays + i])
                                     || expected.1[i] != found.1[i]
                             });
-                            failures.push(format!("{file} {name}: {label} differs from {reference} on {} rays", differ.count()));
+                            failures.push(format!(
+                                "{file} {name}: {label} differs from {reference} on {} rays",
+                                differ.count()
+                            ));
                         }
                         Some(_) => {}
                     }
@@ -83,7 +88,11 @@ fn both_executors_take_the_same_passes() {
         let (left, right) = (passes(&runs[0]), passes(&runs[1]));
         let parted = left.iter().zip(&right).position(|(a, b)| a != b);
         let differ = differences(&values(&runs[0], Stream::State), &values(&runs[1], Stream::State)).count();
-        println!("{file}: {} and {} passes, part at {parted:?}; {differ} components of state differ", left.len(), right.len());
+        println!(
+            "{file}: {} and {} passes, part at {parted:?}; {differ} components of state differ",
+            left.len(),
+            right.len()
+        );
         // A ray on a rounding boundary may take another cell on a GPU whose division is not exact.
         assert!(left.len().abs_diff(right.len()) <= 4, "{file}: {} and {} passes", left.len(), right.len());
         assert!(matches!(runs[1].plan().variants.len(), 5) && matches!(devices()[1].1, Device::Cpu(_)));

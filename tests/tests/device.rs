@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::{AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Plan, PlanError, RenderError, Renderer, Stream};
+use raystep_kernels::{
+    AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Plan, PlanError, RenderError, Renderer, Stream,
+};
 use raystep_scenes::generate;
 use raystep_tests::{block_on, gpu, options, scene};
 
@@ -82,7 +84,10 @@ fn a_buffer_larger_than_the_adapter_binds_is_refused_with_the_numbers() {
     let limits = Limits { storage_bytes: 3_000_000, ..Limits::CPU };
     let error = Plan::new(&scene, &options(&scene, 16, 16), &limits).expect_err("too large");
     assert!(matches!(error, PlanError::BufferSize { name: "vertices", bytes: 3_600_000, limit: 3_000_000 }), "{error}");
-    assert_eq!(error.to_string(), "vertices needs 3.4 MiB in one buffer, the adapter binds at most 2.9 MiB: 585.9 KiB too many");
+    assert_eq!(
+        error.to_string(),
+        "vertices needs 3.4 MiB in one buffer, the adapter binds at most 2.9 MiB: 585.9 KiB too many"
+    );
     let mut options = options(&scene, 16, 16);
     options.grid = GridSize::Cells([200; 3]);
     let limits = Limits { storage_bytes: 3_700_000, ..Limits::CPU };

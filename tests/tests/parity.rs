@@ -33,7 +33,9 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             failures.extend(found.breaches.iter().map(|b| format!("{file} {accelerator} {numerics}: {b}")));
         }
     }
-    println!("{passes} passes, {components} components compared: {tolerated} equal but for rounding, {undecided} rays undecided");
+    println!(
+        "{passes} passes, {components} components compared: {tolerated} equal but for rounding, {undecided} rays undecided"
+    );
     // A ray is near an edge or a face by less than some 30 roundings once in 10,000 tests, by far less on most scenes.
     assert!(undecided * 10_000 < components, "{undecided} rays undecided");
     assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));

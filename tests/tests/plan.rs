@@ -34,7 +34,11 @@ fn bytes_of_the_plan_are_the_bytes_allocated() {
 fn three_scenes_leave_out_what_they_do_not_have() {
     // (scene, must be bound and allocated, must be neither)
     let cases: [(&str, &[&str], &[&str]); 3] = [
-        ("cornell-box.gltf", &["vertices", "triangle_materials"], &["normals", "texcoords", "texels", "textures", "vertex_colors"]),
+        (
+            "cornell-box.gltf",
+            &["vertices", "triangle_materials"],
+            &["normals", "texcoords", "texels", "textures", "vertex_colors"],
+        ),
         ("textures.gltf", &["texcoords", "texels", "textures"], &["counters"]),
         ("lights.gltf", &["lights", "normals"], &["texels", "textures", "counters"]),
     ];
@@ -42,7 +46,8 @@ fn three_scenes_leave_out_what_they_do_not_have() {
         let renderer = renderer(file, |_| {});
         let plan = renderer.plan();
         let bound = bound(plan);
-        let allocated: BTreeSet<&str> = renderer.gpu().expect("a gpu").allocated().into_iter().map(|(n, _)| n).collect();
+        let allocated: BTreeSet<&str> =
+            renderer.gpu().expect("a gpu").allocated().into_iter().map(|(n, _)| n).collect();
         let source: String = plan.variants.iter().map(|v| v.source.as_str()).collect();
         for name in present {
             assert!(bound.contains(name) && allocated.contains(name), "{file}: {name}\n{plan}");
@@ -62,7 +67,9 @@ fn code_for_lights_that_are_not_there_is_not_compiled() {
         let renderer = renderer(file, |_| {});
         renderer.plan().variant(raystep_kernels::Kernel::Shade).expect("shade").source.clone()
     };
-    assert!(!shade("cornell-box.gltf").contains("light.cone_scale") && shade("lights.gltf").contains("light.cone_scale"));
+    assert!(
+        !shade("cornell-box.gltf").contains("light.cone_scale") && shade("lights.gltf").contains("light.cone_scale")
+    );
     assert!(!shade("cornell-box.gltf").contains(".kind =="));
     assert!(shade("textures.gltf").contains("sample_texture") && !shade("lights.gltf").contains("sample_texture"));
 }

@@ -113,11 +113,7 @@ impl<R: Real> CpuExecutor<R> {
     }
 
     fn to_stream_bits(stream: Stream, layer: usize, bits: R::Bits) -> u32 {
-        if stream.is_float_layer(layer) {
-            (R::from_bits(bits).to_f64() as f32).to_bits()
-        } else {
-            R::bits_to_u32(bits)
-        }
+        if stream.is_float_layer(layer) { (R::from_bits(bits).to_f64() as f32).to_bits() } else { R::bits_to_u32(bits) }
     }
 
     /// Runs one pass over every ray.

@@ -93,7 +93,8 @@ impl GpuExecutor {
     /// Names and bytes of everything that is allocated, as the device has it.
     #[must_use]
     pub fn allocated(&self) -> Vec<(&'static str, u64)> {
-        let bytes = |t: &wgpu::Texture| 4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
+        let bytes =
+            |t: &wgpu::Texture| 4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
         let streams = self.streams.iter().map(|(s, t)| (s.name(), bytes(t)));
         let buffers = self.buffers.iter().map(|(n, b)| (*n, b.size()));
         let counts = [("live_counts", self.counting.slots.size()), ("live_counts_copy", self.counting.copy.size())];
@@ -154,7 +155,7 @@ impl GpuExecutor {
         let times = self.timers.as_ref().map(|t| Readback::start(&self.gpu, t.copy.clone(), 16 * count));
         self.gpu.pop_scopes(scopes).await?;
 
-        let counts = counts.finish(count * COUNT_SLOT_BYTES, |bytes| read_counts(bytes)).await?;
+        let counts = counts.finish(count * COUNT_SLOT_BYTES, read_counts).await?;
         let period = self.timers.as_ref().map_or(1.0, |t| t.period_ns);
         let times = match times {
             Some(times) => times.finish(16 * count, |bytes| read_times(bytes, period)).await?,
@@ -232,10 +233,7 @@ impl GpuExecutor {
             let scopes = self.gpu.push_scopes();
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
             encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo {
-                    origin: wgpu::Origin3d { x, y, z: layer },
-                    ..texture.as_image_copy()
-                },
+                wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z: layer }, ..texture.as_image_copy() },
                 wgpu::TexelCopyBufferInfo {
                     buffer: &buffer,
                     layout: wgpu::TexelCopyBufferLayout {
@@ -301,10 +299,8 @@ fn read_counts(bytes: &[u8]) -> Vec<StateCounts> {
 
 /// Begin and duration of each pass. An end before its begin, or 0, is not a time.
 fn read_times(bytes: &[u8], period_ns: f64) -> Vec<(Option<u64>, Option<u64>)> {
-    let ticks: Vec<u64> = bytes
-        .chunks_exact(8)
-        .map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]))
-        .collect();
+    let ticks: Vec<u64> =
+        bytes.chunks_exact(8).map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])).collect();
     let ns = |ticks: u64| (ticks as f64 * period_ns) as u64;
     ticks
         .chunks_exact(2)
@@ -320,11 +316,7 @@ fn stream_texture(device: &wgpu::Device, plan: &Plan, stream: Stream) -> wgpu::T
     use wgpu::TextureUsages as U;
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(stream.name()),
-        size: wgpu::Extent3d {
-            width: plan.width,
-            height: plan.height,
-            depth_or_array_layers: stream.layers() as u32,
-        },
+        size: wgpu::Extent3d { width: plan.width, height: plan.height, depth_or_array_layers: stream.layers() as u32 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,

@@ -68,8 +68,10 @@ pub struct TraceRow {
 pub struct Trace {
     /// Pixel (x, y); of the row of given rays where rays were given.
     pub pixel: [u32; 2],
-    /// Scene units per traced unit: multiply lengths and t of a camera's ray by this.
+    /// Scene units per traced unit: multiply lengths by this.
     pub scene_units_per_stream_unit: f64,
+    /// Multiply t by this to get the t of the ray as it was asked for.
+    pub t_scale: f64,
     /// Passes of the whole run; the ray was idle in those that have no row.
     pub passes: usize,
     /// The rows.
@@ -102,7 +104,8 @@ pub async fn trace(
         }
     }
     let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();
-    Ok(Trace { pixel: [x, y], scene_units_per_stream_unit, passes: renderer.passes().len(), rows })
+    let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
+    Ok(Trace { pixel: [x, y], scene_units_per_stream_unit, t_scale, passes: renderer.passes().len(), rows })
 }
 
 /// Decodes a ray's texels as they are now.
@@ -196,7 +199,10 @@ fn explain_step(data: &SceneData, before: &RayState, after: &RayState) -> String
         tag => {
             let [x, y, z] = data.grid.cell_of_index(after.cell_index);
             let kept = if tag == state::ISECT_HIT { "; the hit is kept" } else { "" };
-            format!("{step} to cell ({x}, {y}, {z}), which lists {}{kept}", triangles(list(data, after.cell_index).len()))
+            format!(
+                "{step} to cell ({x}, {y}, {z}), which lists {}{kept}",
+                triangles(list(data, after.cell_index).len())
+            )
         }
     }
 }
@@ -294,8 +300,9 @@ impl Trace {
         }
         let idle = self.passes - self.rows.len();
         let _ = writeln!(out, "\n{} passes, in {idle} of them this ray waited", self.passes);
-        let unit = self.scene_units_per_stream_unit;
-        let _ = writeln!(out, "lengths and t are in traced units, of {unit} scene units each");
+        let (unit, t) = (self.scene_units_per_stream_unit, self.t_scale);
+        let _ =
+            writeln!(out, "lengths are in traced units, of {unit} scene units each; {t} times t is the ray's own t");
         out
     }
 
@@ -306,8 +313,23 @@ impl Trace {
     pub fn write_csv(&self, out: impl std::io::Write) -> Result<(), csv::Error> {
         let mut csv = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
         csv.write_record([
-            "pass", "kernel", "state_before", "state_after", "cell_x", "cell_y", "cell_z", "tmax_x", "tmax_y", "tmax_z",
-            "item", "tested_triangle", "t", "u", "v", "triangle", "why",
+            "pass",
+            "kernel",
+            "state_before",
+            "state_after",
+            "cell_x",
+            "cell_y",
+            "cell_z",
+            "tmax_x",
+            "tmax_y",
+            "tmax_z",
+            "item",
+            "tested_triangle",
+            "t",
+            "u",
+            "v",
+            "triangle",
+            "why",
         ])?;
         fn text<T: ToString>(value: Option<T>) -> String {
             value.map_or_else(String::new, |v| v.to_string())

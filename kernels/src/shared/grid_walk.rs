@@ -80,7 +80,11 @@ impl Grid {
 
     /// The first cell of a ray.
     pub fn enter<R: Real>(&self, rules: WalkRules, origin: Vec3<R>, direction: Vec3<R>) -> Walk<R> {
-        if rules.robust { self.enter_robust(rules.clip, origin, direction) } else { self.enter_paper(origin, direction) }
+        if rules.robust {
+            self.enter_robust(rules.clip, origin, direction)
+        } else {
+            self.enter_paper(origin, direction)
+        }
     }
 
     /// The next cell of a ray.
@@ -186,11 +190,7 @@ fn sign<R: Real>(v: R) -> R {
 }
 
 fn select<R: Real>(no: Vec3<R>, yes: Vec3<R>, pick: Vec3<bool>) -> Vec3<R> {
-    Vec3::new(
-        if pick.x { yes.x } else { no.x },
-        if pick.y { yes.y } else { no.y },
-        if pick.z { yes.z } else { no.z },
-    )
+    Vec3::new(if pick.x { yes.x } else { no.x }, if pick.y { yes.y } else { no.y }, if pick.z { yes.z } else { no.z })
 }
 
 fn zip<R: Real>(a: Vec3<R>, b: Vec3<R>, f: impl Fn(R, R) -> R) -> Vec3<R> {

@@ -79,7 +79,8 @@ pub fn moller_trumbore<R: Real>(origin: Vec3<R>, direction: Vec3<R>, [a, b, c]: 
     let v = dot3(direction, q) * inverse;
     let t = dot3(edge2, q) * inverse;
     let (zero, one) = (R::zero(), R::one());
-    let is_hit = det.abs() >= R::from_f32(PAPER_EPSILON) && u >= zero && u <= one && v >= zero && v <= one - u && t > zero;
+    let is_hit =
+        det.abs() >= R::from_f32(PAPER_EPSILON) && u >= zero && u <= one && v >= zero && v <= one - u && t > zero;
     Candidate { t, u, v, is_hit }
 }
 

@@ -163,7 +163,8 @@ impl Gpu {
             }));
         };
         let info = adapter.get_info();
-        let refused = |message: String| GpuError::NoDevice { adapter: info.name.clone(), message: first_line(&message) };
+        let refused =
+            |message: String| GpuError::NoDevice { adapter: info.name.clone(), message: first_line(&message) };
         if !is_usable(&adapter) {
             return Err(refused("it lacks compute shaders, core WebGPU limits or read-write r32 textures".into()));
         }

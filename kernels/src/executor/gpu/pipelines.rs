@@ -108,7 +108,11 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
             multisampled: false,
         },
         Resource::WriteStream { stream, readable } => wgpu::BindingType::StorageTexture {
-            access: if readable { wgpu::StorageTextureAccess::ReadWrite } else { wgpu::StorageTextureAccess::WriteOnly },
+            access: if readable {
+                wgpu::StorageTextureAccess::ReadWrite
+            } else {
+                wgpu::StorageTextureAccess::WriteOnly
+            },
             format: stream_format(stream),
             view_dimension: wgpu::TextureViewDimension::D2Array,
         },

@@ -1,0 +1,48 @@
+#!/bin/sh
+# Everything that must hold, from nothing but Rust: formatting, lints as errors, all tests, the docs.
+# Installs Mesa's software Vulkan where there is no Vulkan driver, so that the GPU code is tested too.
+set -eu
+cd "$(dirname "$0")/.."
+
+step() { printf '\n== %s\n' "$1"; }
+
+has_vulkan() {
+    ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json 2>/dev/null | grep -q . ||
+        [ -n "${VK_DRIVER_FILES:-}" ] || [ -n "${VK_ICD_FILENAMES:-}" ]
+}
+if [ "$(uname)" = Linux ] && ! has_vulkan; then
+    step "software Vulkan"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    if command -v apt-get >/dev/null; then
+        $as_root apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq libvulkan1 mesa-vulkan-drivers >/dev/null
+    elif command -v dnf >/dev/null; then
+        $as_root dnf install -y -q vulkan-loader mesa-vulkan-drivers
+    elif command -v pacman >/dev/null; then
+        $as_root pacman -S --noconfirm --needed vulkan-icd-loader vulkan-swrast
+    else
+        echo "install a Vulkan driver first, e.g. Mesa's lavapipe (package mesa-vulkan-drivers)" >&2
+        exit 1
+    fi
+fi
+# rustup's minimal profile lacks them.
+cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
+cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
+
+step "format"
+cargo fmt --all --check
+
+step "tests"
+cargo test --workspace --locked
+
+step "clippy"
+cargo clippy --workspace --all-targets --locked -- -D warnings
+
+step "without threads"
+cargo clippy -p raystep-kernels --no-default-features --locked -- -D warnings
+
+step "documentation"
+RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
+
+step "all of it holds"
