@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use raystep_scenes::{Camera, Light, Material, Projection, Scene};
+use std::collections::HashMap;
 use std::error::Error;
 
 /// From the text of `teapot.js`: `exports.positions=[[x,y,z],…]` and `exports.cells=[[a,b,c],…]`.
@@ -9,11 +10,13 @@ pub(crate) fn teapot(source: &str) -> Result<Scene, Box<dyn Error>> {
     let positions: Vec<[f32; 3]> = serde_json::from_value(list(source, "positions")?)?;
     let cells: Vec<[usize; 3]> = serde_json::from_value(list(source, "cells")?)?;
     let place = |i: usize| positions.get(i).map(|&p| Vec3::from(p)).ok_or("a cell names no position");
-    // Normals: the faces' about a corner, each weighted by its area (Gouraud 1971).
-    let mut normals = vec![Vec3::ZERO; positions.len()];
+    // Normals: the faces' about a corner, each weighted by its area (Gouraud 1971). The patches have
+    // corners of their own along their seams, so what lies in the same place counts as one corner.
+    let spot = |i: usize| positions[i].map(|v| (v * 1000.0).round() as i64);
+    let mut normals = HashMap::<_, Vec3>::new();
     for &[a, b, c] in &cells {
         let normal = (place(b)? - place(a)?).cross(place(c)? - place(a)?);
-        [a, b, c].iter().for_each(|&i| normals[i] += normal);
+        [a, b, c].iter().for_each(|&i| *normals.entry(spot(i)).or_default() += normal);
     }
     let material = |name: &str, base_color, double_sided| Material {
         name: name.to_owned(),
@@ -30,7 +33,7 @@ pub(crate) fn teapot(source: &str) -> Result<Scene, Box<dyn Error>> {
     let mut corner_normals = Vec::new();
     for cell in &cells {
         scene.triangles.push(cell.map(|i| positions[i]));
-        corner_normals.push(cell.map(|i| normals[i].normalize_or(Vec3::Y).to_array()));
+        corner_normals.push(cell.map(|i| normals[&spot(i)].normalize_or(Vec3::Y).to_array()));
         scene.triangle_materials.push(0);
     }
     let bottom = scene.bounds().min.y;

@@ -35,7 +35,7 @@ pub fn cornell_box() -> Scene {
             matte("green", [0.12, 0.45, 0.15]),
         ],
         lights: vec![lamp([0.0, 0.8, 1.0], [1.0; 3], 4.0)],
-        cameras: camera("camera", DVec3::new(0.0, 0.0, 3.3), DVec3::ZERO, 39.0).into_iter().collect(),
+        cameras: camera("camera", DVec3::new(0.0, 0.0, 3.3), DVec3::ZERO, 43.0).into_iter().collect(),
         ..Scene::default()
     };
     let mut quad = |material, [a, b, c, d]: [[f32; 3]; 4]| {
