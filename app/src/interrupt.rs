@@ -25,6 +25,13 @@ pub(crate) fn install() {
     });
 }
 
+/// Creates a file in a temporary folder: no interrupt comes in between, as one that is removing the folder
+/// would not see the new file and leave both.
+pub(crate) fn create_inside<T>(create: impl FnOnce() -> T) -> T {
+    let _temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+    create()
+}
+
 /// A temporary file or folder that an interrupt removes. It is known from the moment it exists.
 pub(crate) struct Temporary<T> {
     /// The file or folder.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempDir};
 
 use crate::error::Error;
-use crate::interrupt::Temporary;
+use crate::interrupt::{Temporary, create_inside};
 
 /// A file to be written.
 #[derive(Debug)]
@@ -51,6 +51,11 @@ impl Target {
         !self.is_special && folder(self) == folder(other) && self.place.file_name() == other.place.file_name()
     }
 
+    /// Whether it is one of these files, whose names are canonical.
+    fn is_any_of(&self, files: &[PathBuf]) -> bool {
+        !self.is_special && fs::canonicalize(&self.place).is_ok_and(|place| files.contains(&place))
+    }
+
     /// As the user wrote it.
     pub(crate) fn path(&self) -> &Path {
         &self.path
@@ -75,6 +80,18 @@ impl Target {
     fn cannot(&self, error: &io::Error) -> Error {
         Error::failed(format!("cannot write {}: {}", self.path.display(), reason(error)))
     }
+}
+
+/// Refuses outputs that would replace what was read: `inputs` has canonical names.
+pub(crate) fn refuse_inputs(outputs: &[Option<&Target>], inputs: &[PathBuf]) -> Result<(), Error> {
+    match outputs.iter().flatten().find(|output| output.is_any_of(inputs)) {
+        Some(output) => Err(replaces_input(&output.path)),
+        None => Ok(()),
+    }
+}
+
+fn replaces_input(path: &Path) -> Error {
+    Error::usage(format!("{} would be replaced, and the scene is read from it: name another output", path.display()))
 }
 
 /// The folder that holds `path`.
@@ -157,13 +174,22 @@ impl TargetFolder {
         Ok(Self { path: path.to_owned(), staging, exists })
     }
 
+    /// Refuses where one of its own names, by `is_ours`, is that of a file that was read.
+    pub(crate) fn refuse_inputs(&self, inputs: &[PathBuf], is_ours: impl Fn(&str) -> bool) -> Result<(), Error> {
+        let Ok(folder) = fs::canonicalize(&self.path) else { return Ok(()) };
+        let name = |input: &PathBuf| Some(input.file_name()?.to_str()?.to_owned());
+        let mut names = inputs.iter().filter(|input| input.parent() == Some(&folder)).filter_map(name);
+        names.find(|name| is_ours(name)).map_or(Ok(()), |name| Err(replaces_input(&self.path.join(name))))
+    }
+
     /// Writes one of its files.
     pub(crate) fn write(
         &self,
         name: &str,
         fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<(), Error> {
-        let written = File::create_new(self.staging.inner.path().join(name)).and_then(|file| {
+        let path = self.staging.inner.path().join(name);
+        let written = create_inside(|| File::create_new(path)).and_then(|file| {
             let mut out = BufWriter::new(file);
             fill(&mut out)?;
             out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()

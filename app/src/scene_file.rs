@@ -1,5 +1,6 @@
 //! Scene files: from the file system into a `Scene`, and the camera that a command asks for.
 
+use std::cell::RefCell;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -14,8 +15,16 @@ use crate::output::{folder_of, reason};
 /// Vertical angle of view of `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;
 
+/// A scene, and where it came from.
+pub(crate) struct SceneFile {
+    /// What the file holds.
+    pub(crate) scene: Scene,
+    /// The canonical names of the file and of those that it refers to: no output may replace them.
+    pub(crate) inputs: Vec<PathBuf>,
+}
+
 /// Reads a scene.
-pub(crate) fn read(args: &SceneArgs) -> Result<Scene, Error> {
+pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     let path = &args.scene;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let options = LoadOptions { scene: args.scene_index, ..LoadOptions::default() };
@@ -27,11 +36,17 @@ pub(crate) fn read(args: &SceneArgs) -> Result<Scene, Error> {
         )));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let files = Beside { folder: folder_of(path).to_owned() };
-    load(&stem, &bytes, &files, &options).map_err(|e| match e {
+    let files = Beside { folder: folder_of(path).to_owned(), read: RefCell::new(vec![path.clone()]) };
+    let scene = load(&stem, &bytes, &files, &options).map_err(|e| match e {
         raystep_scenes::LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
         _ => Error::failed(format!("{}: {e}", path.display())),
-    })
+    })?;
+    Ok(SceneFile { scene, inputs: canonical(&files.read.into_inner()) })
+}
+
+/// Through links, so that two names of a file are one.
+pub(crate) fn canonical(paths: &[PathBuf]) -> Vec<PathBuf> {
+    paths.iter().filter_map(|path| fs::canonicalize(path).ok()).collect()
 }
 
 /// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
@@ -61,6 +76,8 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> 
 /// The files beside a scene. `..` is allowed, as textures are often shared; absolute paths are not.
 struct Beside {
     folder: PathBuf,
+    /// What was read so far.
+    read: RefCell<Vec<PathBuf>>,
 }
 
 impl Resolver for Beside {
@@ -69,7 +86,10 @@ impl Resolver for Beside {
         if relative.has_root() || relative.is_absolute() {
             return Err("an absolute path; one relative to the scene is wanted".into());
         }
-        read_file(&self.folder.join(relative), max_bytes)
+        let path = self.folder.join(relative);
+        let bytes = read_file(&path, max_bytes)?;
+        self.read.borrow_mut().push(path);
+        Ok(bytes)
     }
 }
 

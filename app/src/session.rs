@@ -1,5 +1,6 @@
 //! From the command line to a run that is ready to start.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use raystep_kernels::export::csv::{RunContext, cpu_threads, gpu_threads};
@@ -12,7 +13,7 @@ use raystep_scenes::Scene;
 use crate::args::{RunArgs, SceneArgs, ViewArgs};
 use crate::device::{self, Chosen};
 use crate::error::Error;
-use crate::scene_file;
+use crate::scene_file::{self, SceneFile};
 use crate::terminal::Progress;
 
 /// Seconds a stage, in the order of the stages.
@@ -39,6 +40,8 @@ impl Stopwatch {
 pub(crate) struct Session {
     /// The scene as it was read.
     pub(crate) scene: Scene,
+    /// The files that it was read from.
+    pub(crate) inputs: Vec<PathBuf>,
     /// What was asked for.
     pub(crate) options: Options,
     /// Where it runs.
@@ -62,7 +65,7 @@ impl Session {
     ) -> Result<Self, Error> {
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
-        let scene = scene_file::read(scene)?;
+        let SceneFile { scene, inputs } = scene_file::read(scene)?;
         for note in &scene.notes {
             progress.say(format_args!("note: {}", note.0));
         }
@@ -84,12 +87,12 @@ impl Session {
         progress.stage("planning and building the grid");
         let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
         watch.lap("plan_and_grid");
-        Ok(Self { scene, options, chosen, plan, data, watch })
+        Ok(Self { scene, inputs, options, chosen, plan, data, watch })
     }
 
     /// Compiles, allocates and uploads.
     pub(crate) fn start(self, progress: &Progress) -> Result<Running, Error> {
-        let Self { scene, options, chosen, plan, data, mut watch } = self;
+        let Self { scene, options, chosen, plan, data, mut watch, .. } = self;
         progress.stage("compiling kernels");
         let renderer = chosen.wait(Renderer::from_plan(plan, data, &options, &chosen.device))?;
         watch.lap("compile_and_upload");

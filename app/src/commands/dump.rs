@@ -97,6 +97,9 @@ enum Format {
     Both,
 }
 
+/// The file that tells what the others hold.
+const INDEX: &str = "index.json";
+
 /// `index.json`
 #[derive(Serialize)]
 struct Index {
@@ -149,6 +152,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         // The image is the one thing that only shading makes.
         options.shade = is_wanted(Stream::Color);
     })?;
+    folder.refuse_inputs(&session.inputs, is_ours)?;
     let streams = streams(args, &session.plan)?;
     let mut running = session.start(&progress)?;
 
@@ -189,8 +193,13 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         }
     }
     let text = super::json_text(&index)?;
-    folder.write("index.json", |out| std::io::Write::write_all(out, text.as_bytes()))?;
+    folder.write(INDEX, |out| std::io::Write::write_all(out, text.as_bytes()))?;
     Ok(format!("wrote {} and index.json to {}", count(files), args.output.display()))
+}
+
+/// Whether a dump may write a file of this name.
+fn is_ours(name: &str) -> bool {
+    name == INDEX || (name.starts_with("pass-") && (name.ends_with(".npy") || name.ends_with(".exr")))
 }
 
 fn count(files: usize) -> String {

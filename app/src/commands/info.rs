@@ -37,7 +37,7 @@ pub(crate) struct InfoArgs {
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Error> {
     match &args.scene {
         Some(path) => {
-            let scene = scene_file::read(&SceneArgs { scene: path.clone(), scene_index: args.scene_index })?;
+            let scene = scene_file::read(&SceneArgs { scene: path.clone(), scene_index: args.scene_index })?.scene;
             let about = AboutScene::of(&scene);
             print(&if args.json { super::json_text(&about)? } else { about.text() })
         }

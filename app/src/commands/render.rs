@@ -15,7 +15,7 @@ use raystep_kernels::{Image, Numerics, RayHit, Stream};
 use super::summary;
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
-use crate::output::{Target, write};
+use crate::output::{Target, refuse_inputs, write};
 use crate::session::{Running, Session};
 use crate::terminal::{Progress, print};
 
@@ -78,13 +78,15 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     let target = Target::new(&args.output)?;
     let optional = |path: &Option<PathBuf>| path.as_deref().map(Target::new).transpose();
     let (passes_target, summary_target) = (optional(&args.passes_csv)?, optional(&args.summary_json)?);
-    refuse_doubles(&[Some(&target), passes_target.as_ref(), summary_target.as_ref()])?;
+    let targets = [Some(&target), passes_target.as_ref(), summary_target.as_ref()];
+    refuse_doubles(&targets)?;
 
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.counters = args.counters;
         options.timings = args.passes_csv.is_some();
     })?;
+    refuse_inputs(&targets, &session.inputs)?;
     let mut running = session.start(&progress)?;
     let work = trace(&mut running, args.counters && args.passes_csv.is_some(), &progress)?;
     running.watch.lap("trace");

@@ -8,8 +8,8 @@ use raystep_scenes::{Scene, convert, write_glb};
 
 use crate::args::QuietArgs;
 use crate::error::Error;
-use crate::output::{Target, write};
-use crate::scene_file::read_file;
+use crate::output::{Target, refuse_inputs, write};
+use crate::scene_file::{canonical, read_file};
 use crate::terminal::{Progress, print};
 
 /// Largest file that `convert` reads.
@@ -115,6 +115,7 @@ pub(crate) fn run(command: &SceneCommand) -> Result<(), Error> {
         SceneCommand::Convert(args) => {
             let target = glb_target(&args.output)?;
             let progress = Progress::new(args.quiet.quiet);
+            refuse_inputs(&[Some(&target)], &canonical(std::slice::from_ref(&args.input)))?;
             progress.stage("reading");
             let scene = read_other(&args.input)?;
             for note in &scene.notes {

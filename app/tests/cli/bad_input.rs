@@ -130,6 +130,37 @@ fn a_link_is_followed_and_a_pipe_is_written_to() {
 }
 
 #[test]
+fn no_output_replaces_what_the_scene_is_read_from() {
+    let place = Place::new();
+    let names = ["textures.gltf", "textures-данные.bin", "schach brett ü.png"];
+    for name in names {
+        fs::copy(scene(name), place.path(name)).expect("a copy");
+    }
+    fs::copy(scene("cornell-box.gltf"), place.path("index.json")).expect("a copy");
+    fs::write(place.path("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+    #[cfg(unix)]
+    for (to, link) in [(names[1], "link.csv"), ("one.obj", "link.glb")] {
+        std::os::unix::fs::symlink(to, place.path(link)).expect("a link");
+    }
+    let before: Vec<_> = names.iter().map(|name| place.read(name)).collect();
+    let render = ["render", "textures.gltf", "--size", "8x8", "--device", "cpu", "-o"];
+    let mut cases = vec![
+        [&render[..], &["a.png", "--summary-json", "./textures.gltf"]].concat(),
+        [&render[..], &["a.png", "--passes-csv", "textures-данные.bin"]].concat(),
+        [&render[..], &["schach brett ü.png"]].concat(),
+        vec!["dump", "index.json", "-o", ".", "--force", "--size", "8x8", "--device", "cpu"],
+    ];
+    if cfg!(unix) {
+        cases.push([&render[..], &["a.png", "--passes-csv", "link.csv"]].concat());
+        cases.push(vec!["scene", "convert", "one.obj", "-o", "link.glb"]);
+    }
+    for arguments in &cases {
+        place.fails(2, "would be replaced, and the scene is read from it", arguments);
+    }
+    assert_eq!(names.map(|name| place.read(name)).to_vec(), before);
+}
+
+#[test]
 fn a_reader_that_leaves_is_no_error() {
     let place = Place::new();
     let file = scene("cornell-box.gltf");
@@ -156,6 +187,30 @@ fn names_need_not_be_text() {
     let right = outcome(&mut place.command(&arguments));
     assert_eq!(right.code, Some(0), "{right:?}");
     assert!(fs::read(place.path(output)).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG")));
+}
+
+/// Small files come so fast that one could appear while the folder is being removed.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_dump_of_many_files_leaves_nothing_behind() {
+    let file = scene("terrain.glb");
+    let arguments = ["dump", "--pass=all", "--stream=all", "--size=16x16", "--device=cpu", "--quiet", "-o=out"];
+    let arguments: Vec<&OsStr> = arguments.iter().map(OsStr::new).chain([file.as_os_str()]).collect();
+    for signal in ["-TERM", "-INT", "-TERM", "-INT", "-TERM", "-INT"] {
+        let place = Place::new();
+        let mut child = place.command(&arguments).stderr(Stdio::null()).spawn().expect("the binary starts");
+        let files = || match place.names().first() {
+            Some(name) => fs::read_dir(place.path(name)).map_or(0, Iterator::count),
+            None => 0,
+        };
+        let begun = std::time::Instant::now();
+        while files() < 100 && begun.elapsed().as_secs() < 20 {
+            std::thread::yield_now();
+        }
+        assert!(std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().is_ok());
+        assert_eq!(child.wait().expect("an end").code(), Some(130), "{signal}");
+        assert_eq!(place.names(), Vec::<String>::new(), "{signal}");
+    }
 }
 
 #[test]
