@@ -8,15 +8,18 @@
 //! **Planes are exact.** Corner and cell width are multiples of one quantum, a power of two chosen so
 //! that every plane has at most 24 bits in it: `corner + width * i` is never rounded, contracted or not.
 //!
-//! **Lists are conservative.** A ray's computed place differs from its true one by at most
-//! [`growth`]: 7 roundings in a crossing's t (subtraction 1, reciprocal 5, product 1, in units of
-//! 2⁻²⁴ of the largest distance involved), 5 in the entry point and its cell, 10 in the t of a triangle
-//! that is not seen edge-on, together under 32. Every cell is grown by that much before the exact
-//! triangle/box test, so the cell in which a ray is believed to be lists what the ray can meet there.
+//! **Lists are conservative.** A ray's computed place differs from its true one by at most [`growth`],
+//! 40 roundings of 2⁻²⁴ of the largest distance involved: 7 in a crossing's t (difference 1, reciprocal 5,
+//! product 1), 5 in the entry point and its cell, and for the triangle 10 across the ray (its sheared
+//! corners) and 18 along it (its t), as [`crate::reference`] has them. Every cell is grown by that much
+//! before the exact triangle/box test, so the cell in which a ray is believed to be lists what the ray can
+//! meet there. Needles and triangles seen edge-on, whose t moves by more than 18 roundings when their edge
+//! functions round, are beyond this bound: there the grid may pick the other of two triangles that f32
+//! cannot tell apart, a tie.
 
 mod overlap;
 
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 use crate::parallel::{for_chunks, for_ranges, map_ranges};
 use crate::shared::grid_walk::Grid;
@@ -39,16 +42,16 @@ pub enum GridError {
     /// A cell count of 0, or more cells than an index can name.
     #[error("a grid of {} x {} x {} cells cannot be built: each count must be 1 to 4096 and their product at most {MAX_CELLS}", .0[0], .0[1], .0[2])]
     Size([u32; 3]),
-    /// The lists are longer than an index can name.
+    /// The lists are longer than the executor can hold.
     #[error(
-        "a grid of {} x {} x {} cells would list {references} triangles, at most {} can be indexed: use fewer cells",
-        cells[0], cells[1], cells[2], u32::MAX
+        "the lists of a grid of {} x {} x {} cells would have more than {limit} entries, the most that fit one buffer here: use fewer cells",
+        cells[0], cells[1], cells[2]
     )]
     TooManyReferences {
         /// Cells along x, y and z.
         cells: [u32; 3],
-        /// Entries that the lists would have.
-        references: u64,
+        /// Most entries.
+        limit: u64,
     },
 }
 
@@ -87,7 +90,7 @@ pub struct GridStats {
 /// exceeds `reach`.
 #[must_use]
 pub fn growth(reach: f32) -> f32 {
-    32.0 * reach / (1 << 24) as f32
+    40.0 * reach.max(f32::MIN_POSITIVE * 1e9) / (1 << 24) as f32
 }
 
 /// Cells along each axis for `triangles` triangles in a box of these sides: nearly cubic cells, about
@@ -119,34 +122,58 @@ pub const CELLS_PER_TRIANGLE: f64 = 6.0;
 
 /// Builds the grid over `vertices` (nine floats a triangle, traced units).
 ///
-/// `reach` bounds every coordinate of corners and ray origins and the distances between them.
+/// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words`
+/// is what one buffer of the executor holds.
 ///
 /// # Errors
 /// Where the size asked for, or the lists, cannot be indexed.
-pub fn build(vertices: &[f32], size: GridSize, reach: f32) -> Result<GridData, GridError> {
+pub fn build(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
+    let most = most_words.min(u64::from(u32::MAX));
     let growth = growth(reach);
     let (min, max) = bounds(vertices);
     let triangles = (vertices.len() / 9) as u64;
     let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
     let GridSize::Cells(cells) = size else {
+        // Cells not much larger than their growth would list their neighbours' triangles as well.
+        let finest = extent.map(|e| (e / (8.0 * f64::from(growth))).clamp(1.0, 4096.0) as u32);
         let mut cells = automatic_cells(triangles, extent);
+        cells.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
+        let coarser = |cells: [u32; 3]| cells.map(|n| (n * 2 / 3).max(1));
+        while cell_count(cells) >= most && cells != [1; 3] {
+            cells = coarser(cells);
+        }
         loop {
             let grid = layout(min, max, cells, growth);
-            let (counts, references) = count(vertices, &grid, growth);
             // Triangles much larger than a cell would fill every list; a coarser grid is cheaper then.
-            if references <= 16 * triangles + 4096 || cells == [1; 3] {
-                return fill(vertices, grid, growth, counts, references);
+            if let Some(counts) = count(vertices, &grid, growth, most.min(16 * triangles + 4096)) {
+                return Ok(fill(vertices, grid, growth, counts));
             }
-            cells = cells.map(|n| (n * 2 / 3).max(1));
+            if cells == [1; 3] {
+                return Err(GridError::TooManyReferences { cells, limit: most });
+            }
+            cells = coarser(cells);
         }
     };
-    let product = cells.iter().map(|&n| u64::from(n)).product::<u64>();
-    if cells.iter().any(|&n| n == 0 || n > 4096) || product > MAX_CELLS {
+    check_cells(cells)?;
+    let grid = layout(min, max, cells, growth);
+    let counts = count(vertices, &grid, growth, most).ok_or(GridError::TooManyReferences { cells, limit: most })?;
+    Ok(fill(vertices, grid, growth, counts))
+}
+
+fn cell_count(cells: [u32; 3]) -> u64 {
+    cells.iter().map(|&n| u64::from(n)).product()
+}
+
+/// How many cells a grid of that size has.
+///
+/// # Errors
+/// Where it cannot be built.
+pub fn check_cells(cells: [u32; 3]) -> Result<u64, GridError> {
+    let count = cell_count(cells);
+    if cells.iter().any(|&n| n == 0 || n > 4096) || count > MAX_CELLS {
         return Err(GridError::Size(cells));
     }
-    let grid = layout(min, max, cells, growth);
-    let (counts, references) = count(vertices, &grid, growth);
-    fill(vertices, grid, growth, counts, references)
+    Ok(count)
 }
 
 /// Lower and upper corner; the unit box without triangles.
@@ -170,8 +197,8 @@ fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
         let margin = 2.0 * f64::from(growth);
         let (low, high) = (f64::from(min[a]) - margin, f64::from(max[a]) + margin);
         let count = f64::from(cells[a]);
-        // Two bits of headroom: rounding up each of the cells may move the last plane outwards.
-        let quantum = exp2(floor_log2(low.abs().max(high.abs())) - 22);
+        // A bit of headroom: rounding up each of the cells may move the last plane outwards.
+        let quantum = exp2(floor_log2(low.abs().max(high.abs())) - 21);
         let corner = (low / quantum).floor() * quantum;
         let width = (((high - corner) / count) / quantum).ceil().max(1.0) * quantum;
         grid.corner[a] = corner as f32;
@@ -181,12 +208,13 @@ fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
     grid
 }
 
-/// Triangles whose references are gathered before they are counted or listed: few enough that the cells
-/// they touch stay in a core's cache.
+/// Triangles whose references are gathered before they are counted or listed, and the most references:
+/// few enough that the cells they touch stay in a core's cache.
 const BATCH: usize = 512;
+const BATCH_REFERENCES: usize = 1 << 14;
 
-/// How many triangles each cell will list, and their sum.
-fn count(vertices: &[f32], grid: &Grid, growth: f32) -> (Vec<AtomicU32>, u64) {
+/// How many triangles each cell will list, or `None` once they are more than `limit` in all.
+fn count(vertices: &[f32], grid: &Grid, growth: f32, limit: u64) -> Option<Vec<AtomicU32>> {
     let cells = grid.cells.iter().map(|&n| n as usize).product::<usize>();
     let counts: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(cells + 1).collect();
     let references = AtomicU64::new(0);
@@ -194,43 +222,55 @@ fn count(vertices: &[f32], grid: &Grid, growth: f32) -> (Vec<AtomicU32>, u64) {
         for &(_, cell) in batch {
             counts[cell as usize].fetch_add(1, Ordering::Relaxed);
         }
-        references.fetch_add(batch.len() as u64, Ordering::Relaxed);
+        references.fetch_add(batch.len() as u64, Ordering::Relaxed) + (batch.len() as u64) <= limit
     });
-    (counts, references.into_inner())
+    (references.into_inner() <= limit).then_some(counts)
 }
 
-/// Calls `f` with every triangle and each cell that lists it, a batch at a time.
-fn for_references(vertices: &[f32], grid: &Grid, growth: f32, counts: &[AtomicU32], f: impl Fn(&[(u32, u32)]) + Sync) {
-    for_ranges(vertices.len() / 9, 16 * BATCH, |range| {
-        let mut batch = Vec::new();
-        for first in range.clone().step_by(BATCH) {
-            batch.clear();
-            for triangle in first..range.end.min(first + BATCH) {
-                let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * triangle..9 * triangle + 9]);
-                overlap.for_cells(|cell| batch.push((triangle as u32, grid.cell_index(cell))));
-            }
-            // An atomic addition waits for its cell to arrive from memory; loads before it overlap.
-            let touched = batch.iter().fold(0, |sum, &(_, cell)| sum ^ counts[cell as usize].load(Ordering::Relaxed));
-            std::hint::black_box(touched);
-            f(&batch);
+/// Calls `f` with every triangle and each cell that lists it, a batch at a time, until it says false.
+fn for_references(
+    vertices: &[f32],
+    grid: &Grid,
+    growth: f32,
+    counts: &[AtomicU32],
+    f: impl Fn(&[(u32, u32)]) -> bool + Sync,
+) {
+    let goes_on = AtomicBool::new(true);
+    let flush = |batch: &mut Vec<(u32, u32)>| {
+        // An atomic addition waits for its cell to arrive from memory; loads before it overlap.
+        let touched = batch.iter().fold(0, |sum, &(_, cell)| sum ^ counts[cell as usize].load(Ordering::Relaxed));
+        std::hint::black_box(touched);
+        if goes_on.load(Ordering::Relaxed) && !f(batch) {
+            goes_on.store(false, Ordering::Relaxed);
         }
+        batch.clear();
+    };
+    for_ranges(vertices.len() / 9, 16 * BATCH, |range| {
+        let mut batch = Vec::with_capacity(BATCH_REFERENCES);
+        for triangle in range.clone() {
+            if !goes_on.load(Ordering::Relaxed) {
+                return;
+            }
+            let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * triangle..9 * triangle + 9]);
+            overlap.for_cells(|cell| {
+                batch.push((triangle as u32, grid.cell_index(cell)));
+                if batch.len() == BATCH_REFERENCES {
+                    flush(&mut batch);
+                }
+            });
+            if (triangle - range.start) % BATCH == BATCH - 1 {
+                flush(&mut batch);
+            }
+        }
+        flush(&mut batch);
     });
 }
 
 /// Turns counts into starts, in place, and fills the lists.
-fn fill(
-    vertices: &[f32],
-    grid: Grid,
-    growth: f32,
-    counts: Vec<AtomicU32>,
-    references: u64,
-) -> Result<GridData, GridError> {
-    if references > u64::from(u32::MAX) {
-        return Err(GridError::TooManyReferences { cells: grid.cells.map(|n| n as u32), references });
-    }
-    let mut start = 0;
+fn fill(vertices: &[f32], grid: Grid, growth: f32, counts: Vec<AtomicU32>) -> GridData {
+    let mut references = 0;
     for count in &counts {
-        start += count.swap(start, Ordering::Relaxed);
+        references += count.swap(references, Ordering::Relaxed);
     }
     // Each list is filled in any order; its start moves to its end, which is the next one's start.
     let slots: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(references as usize).collect();
@@ -239,6 +279,7 @@ fn fill(
             let slot = counts[cell as usize].fetch_add(1, Ordering::Relaxed);
             slots[slot as usize].store(triangle, Ordering::Relaxed);
         }
+        true
     });
     let mut cells: Vec<u32> = counts.into_iter().map(AtomicU32::into_inner).collect();
     let mut items: Vec<u32> = slots.into_iter().map(AtomicU32::into_inner).collect();
@@ -246,7 +287,7 @@ fn fill(
     cells.copy_within(0..last, 1);
     cells[0] = 0;
     sort_lists(&cells, &mut items);
-    Ok(GridData { grid, cells, items, growth })
+    GridData { grid, cells, items, growth }
 }
 
 /// Sorts every list, so that the order of the fill does not show.
@@ -291,7 +332,8 @@ impl GridData {
     #[must_use]
     pub fn stats(&self, vertices: &[f32]) -> GridStats {
         let lengths = || self.cells.windows(2).map(|w| w[1] - w[0]);
-        let (_, exact) = count(vertices, &self.grid, 0.0);
+        let exact = count(vertices, &self.grid, 0.0, u64::MAX)
+            .map_or(0, |counts| counts.into_iter().map(|c| u64::from(c.into_inner())).sum());
         GridStats {
             cells: self.cells.len() as u64 - 1,
             empty: lengths().filter(|&n| n == 0).count() as u64,

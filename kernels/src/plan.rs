@@ -10,7 +10,7 @@ use raystep_scenes::{Light, Projection, Scene};
 
 use crate::buffer::{self, BUFFERS};
 use crate::features::Features;
-use crate::grid::GridError;
+use crate::grid::{self, GridError, GridSize};
 use crate::kernel::{KERNELS, Kernel};
 use crate::options::{Accelerator, Numerics, Options, RaySource};
 use crate::scene_data::{SceneData, traced_camera};
@@ -32,8 +32,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The CPU twins': memory is the only limit, images are kept below 2²⁸ pixels.
-    pub const CPU: Self = Self { image_side: 32_768, storage_bytes: 1 << 40, rays: 1 << 28 };
+    /// The CPU twins': memory is the only limit, images are kept to 2²⁶ pixels, some 6 GB of streams.
+    pub const CPU: Self = Self { image_side: 32_768, storage_bytes: 1 << 32, rays: 1 << 26 };
 }
 
 impl From<&wgpu::Limits> for Limits {
@@ -78,6 +78,11 @@ pub enum PlanError {
     /// More triangles than an id can name.
     #[error("the scene has {0} triangles, at most {max} can be traced", max = u32::MAX / 9)]
     TooManyTriangles(usize),
+    /// The scene is so small for its distance from the origin that f32 cannot tell its points apart.
+    #[error(
+        "the scene's points are not finite, or are a hundred million times farther from the origin than from each other: move the scene to the origin"
+    )]
+    Extent,
     /// The camera cannot make rays.
     #[error("the camera cannot make rays: {0}")]
     Camera(String),
@@ -99,6 +104,20 @@ pub enum PlanError {
         /// Triangles.
         triangles: usize,
     },
+    /// A texture whose texels do not match its size, or more texels than can be indexed.
+    #[error(
+        "texture {index} of {width}x{height} has {texels} texels; they must match, and all textures together have at most {MAX_TEXELS}"
+    )]
+    Texture {
+        /// Its place in the scene.
+        index: usize,
+        /// Texels a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Texels that it has.
+        texels: usize,
+    },
     /// The grid cannot be built.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -106,6 +125,9 @@ pub enum PlanError {
     #[error(transparent)]
     Shader(#[from] ShaderError),
 }
+
+/// Most texels of all textures: two words each must have a 32-bit index, and a row's product a sign.
+pub const MAX_TEXELS: u64 = 1 << 30;
 
 /// Something with a size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,7 +199,7 @@ impl Plan {
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
         let units = Units::of(&scene.bounds());
         let (width, height, rays) = image_size(options, limits)?;
-        check_scene(scene)?;
+        check_scene(scene, units)?;
         check_rays(options, units)?;
         let features = features(scene, options, units);
 
@@ -194,7 +216,13 @@ impl Plan {
                 check_buffer(name, triangles * bytes, limits)?;
             }
         }
-        let data = SceneData::build(scene, options, features, units, |name| bound.contains(name))?;
+        if let GridSize::Cells(cells) = options.grid
+            && bound.contains("grid_cells")
+        {
+            check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
+        }
+        let data =
+            SceneData::build(scene, options, features, units, limits.storage_bytes, |name| bound.contains(name))?;
 
         let streams = STREAMS
             .iter()
@@ -279,7 +307,18 @@ fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32, u64), Pla
     Ok((width as u32, height as u32, rays))
 }
 
-fn check_scene(scene: &Scene) -> Result<(), PlanError> {
+/// Farthest coordinate in traced units, where the scene's extent is 1 to 2. From 2²⁴ on, f32 does not see
+/// the scene's extent at all; up to here, t stays far below [`crate::shared::constants::INF`] even along an
+/// axis that a ray is nearly parallel to.
+const FARTHEST: f64 = (1u64 << 28) as f64;
+
+fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> {
+    let bounds = scene.bounds();
+    let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3().max_element() * units.scale();
+    if !scene.triangles.is_empty() && (farthest.is_nan() || farthest > FARTHEST) {
+        return Err(PlanError::Extent);
+    }
+
     let triangles = scene.triangles.len();
     if triangles > (u32::MAX / 9) as usize {
         return Err(PlanError::TooManyTriangles(triangles));
@@ -293,6 +332,15 @@ fn check_scene(scene: &Scene) -> Result<(), PlanError> {
     for (name, entries) in attributes {
         if let Some(entries) = entries.filter(|&n| n != triangles) {
             return Err(PlanError::Attribute { name, entries, triangles });
+        }
+    }
+    let mut all_texels = 0;
+    for (index, t) in scene.textures.iter().enumerate() {
+        let (width, height, texels) = (t.width, t.height, t.texels.len());
+        let size = u64::from(width) * u64::from(height);
+        all_texels += size.min(MAX_TEXELS + 1);
+        if size == 0 || size != texels as u64 || all_texels > MAX_TEXELS {
+            return Err(PlanError::Texture { index, width, height, texels });
         }
     }
     let out_of_range = scene.triangle_materials.iter().any(|&m| m as usize >= scene.materials.len());
@@ -314,7 +362,7 @@ fn check_rays(options: &Options, units: Units) -> Result<(), PlanError> {
                 return Err(PlanError::Camera("its field of view is not between 0 and 180 degrees".into()));
             }
             let c = traced_camera(camera, units, *width, *height);
-            let in_range = |v: &f32| v.is_finite() && v.abs() < 1e30;
+            let in_range = |v: &f32| v.is_finite() && f64::from(v.abs()) <= FARTHEST;
             if ![c.eye, c.right, c.up, c.forward].iter().flatten().all(in_range) {
                 return Err(PlanError::Camera("it is too far from the scene for its size, or not finite".into()));
             }
@@ -329,7 +377,7 @@ fn check_rays(options: &Options, units: Units) -> Result<(), PlanError> {
                 if ray.direction == [0.0; 3] {
                     return Err(PlanError::Ray { index, reason: "its direction is 0" });
                 }
-                if traced.iter().any(|v| !v.is_finite() || v.abs() > 1e30) {
+                if traced.iter().any(|v| v.is_nan() || f64::from(v.abs()) > FARTHEST) {
                     return Err(PlanError::Ray { index, reason: "its origin is too far from the scene for its size" });
                 }
             }

@@ -7,7 +7,7 @@
 //! * a sheared corner p = a − s·c, |s| ≤ 1, is off by at most (2|a| + 8|c|)·u ≤ 10u·r, r being the
 //!   corner's largest distance along an axis from the origin;
 //! * an edge function of corners q and r is off by at most |q|₁·10u·r_r + |r|₁·10u·r_q + 3u·(|qx·ry| +
-//!   |qy·rx|), where |·|₁ sums x and y;
+//!   |qy·rx|) + 2·10u·r_q·10u·r_r, and by what underflows; |·|₁ sums x and y;
 //! * t, a weighted mean of the corners' depths z, moves by Σ bound_i·|z_i − t| / |det| when the weights
 //!   move, twice that covers the higher orders, and by 18u·max|z| in its own arithmetic. Where the
 //!   bounds reach half the determinant, any t between the nearest and the farthest corner may come out.
@@ -26,6 +26,9 @@ use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::stream::{HIT_TRIANGLE, STATE_T, StreamData};
 
 const U: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// Four times f32's smallest normal number: what two products lose where they are flushed to 0.
+const UNDERFLOW: f64 = 4.0 * f32::MIN_POSITIVE as f64;
 
 /// What became of one ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -64,6 +67,8 @@ pub struct Report {
     pub same: u64,
     /// Rays with another result that f32 cannot exclude.
     pub ties: u64,
+    /// Those of the ties that hit nothing: every edge function that could decide was 0 or within its bound.
+    pub unresolved: u64,
     /// Rays that missed.
     pub missed: u64,
     /// Rays that hit where nothing is.
@@ -91,7 +96,10 @@ impl Report {
         self.largest_t_ulp = self.largest_t_ulp.max(t_ulp);
         match mistake.verdict {
             Verdict::Same => self.same += 1,
-            Verdict::Tie => self.ties += 1,
+            Verdict::Tie => {
+                self.ties += 1;
+                self.unresolved += u64::from(mistake.found.is_none());
+            }
             Verdict::Missed => self.missed += 1,
             Verdict::False => self.false_hits += 1,
             Verdict::Wrong => self.wrong += 1,
@@ -106,6 +114,7 @@ impl Report {
         self.rays += other.rays;
         self.same += other.same;
         self.ties += other.ties;
+        self.unresolved += other.unresolved;
         self.missed += other.missed;
         self.false_hits += other.false_hits;
         self.wrong += other.wrong;
@@ -281,7 +290,11 @@ impl<'a> Triangles<'a> {
         let edge = |q: usize, r: usize| {
             let (a, b) = (p[q][0] * p[r][1], p[q][1] * p[r][0]);
             let size = |c: usize| p[c][0].abs() + p[c][1].abs();
-            let bound = size(q) * reach[r] + size(r) * reach[q] + reach[q] * reach[r] + 3.0 * U * (a.abs() + b.abs());
+            let bound = size(q) * reach[r]
+                + size(r) * reach[q]
+                + 2.0 * reach[q] * reach[r]
+                + 3.0 * U * (a.abs() + b.abs())
+                + UNDERFLOW;
             Edge { value: a - b, bound }
         };
         let edges = [edge(1, 2), edge(2, 0), edge(0, 1)];

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use raystep_scenes::Scene;
 
 use crate::executor::PassResult;
-use crate::executor::cpu::CpuExecutor;
+use crate::executor::cpu::{CpuExecutor, OutOfMemory};
 use crate::executor::gpu::{Gpu, GpuError, GpuExecutor, MOST_PASSES};
 use crate::image::Image;
 use crate::kernel::Kernel;
@@ -16,7 +16,7 @@ use crate::scene_data::{SceneData, traced_ray};
 use crate::schedule::Cursor;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::state::{self, StateCounts};
-use crate::stream::{HIT_TRIANGLE, STATE_T, Stream, StreamData};
+use crate::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG, Stream, StreamData};
 use crate::units::exp2;
 
 /// Where passes run.
@@ -45,6 +45,9 @@ pub enum RenderError {
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The system has not enough memory for the twins' streams.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
     /// The caller's progress function asked to stop.
     #[error("cancelled after {passes} passes")]
     Cancelled {
@@ -113,6 +116,8 @@ pub struct Renderer {
     passes: Vec<Pass>,
     pass_bound: u64,
     unfinished: u64,
+    /// Passes were submitted whose results are not in `passes`: a caller dropped the future that waited.
+    is_ahead: bool,
 }
 
 /// Rays from outside, as streams, and the exponent of each one's t.
@@ -150,8 +155,8 @@ impl Renderer {
             Device::Gpu(gpu) => {
                 Executor::Gpu(Box::new(GpuExecutor::new(gpu.clone(), &plan, &data, options.timings).await?))
             }
-            Device::Cpu(clock) => Executor::Cpu(CpuExecutor::new(&plan, timer(clock))),
-            Device::CpuF64(clock) => Executor::CpuF64(CpuExecutor::new(&plan, timer(clock))),
+            Device::Cpu(clock) => Executor::Cpu(CpuExecutor::new(&plan, timer(clock))?),
+            Device::CpuF64(clock) => Executor::CpuF64(CpuExecutor::new(&plan, timer(clock))?),
         };
         let given = match &options.rays {
             RaySource::Given(rays) => Some(GivenRays::new(rays, &plan, &data)),
@@ -168,6 +173,7 @@ impl Renderer {
             passes: Vec::new(),
             pass_bound,
             unfinished: 0,
+            is_ahead: false,
         };
         renderer.restart();
         Ok(renderer)
@@ -183,6 +189,7 @@ impl Renderer {
         self.cursor = Cursor::start();
         self.passes.clear();
         self.unfinished = 0;
+        self.is_ahead = false;
         self.counts = StateCounts::default();
         let texels = self.plan.width * self.plan.height;
         match self.given.take() {
@@ -228,7 +235,7 @@ impl Renderer {
         let mut batch = most.min(8);
         while self.advance(batch).await? > 0 {
             batch = (batch * 2).min(most);
-            if progress(&self.progress()).is_break() {
+            if progress(&self.progress()).is_break() && self.next_kernel().is_some() {
                 return Err(RenderError::Cancelled { passes: self.passes.len() });
             }
         }
@@ -237,6 +244,16 @@ impl Renderer {
 
     /// Submits up to `most` passes and records those that the schedule asked for.
     async fn advance(&mut self, most: usize) -> Result<usize, RenderError> {
+        if self.is_ahead {
+            // The streams are past what was recorded. Passes are deterministic: run the recorded ones again.
+            let place = self.passes.len();
+            self.restart();
+            while self.passes.len() < place && self.submit(1).await? > 0 {}
+        }
+        self.submit(most).await
+    }
+
+    async fn submit(&mut self, most: usize) -> Result<usize, RenderError> {
         if self.passes.len() as u64 >= self.pass_bound && self.unfinished == 0 {
             // Only the paper's numerics can get here: a ray that wraps over a face of the grid.
             self.unfinished = self.undecided();
@@ -246,6 +263,7 @@ impl Renderer {
         if guess.is_empty() {
             return Ok(0);
         }
+        self.is_ahead = true;
         let results: Vec<PassResult> = match &mut self.executor {
             Executor::Gpu(e) => e.run(&guess).await?,
             Executor::Cpu(e) => vec![e.run(guess[0], &self.data)],
@@ -275,6 +293,7 @@ impl Renderer {
             });
             recorded += 1;
         }
+        self.is_ahead = false;
         Ok(recorded)
     }
 
@@ -376,11 +395,17 @@ impl Renderer {
     /// Replaces a stream's values; the next pass works on them. False where the plan left it out or the
     /// size differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
-        match &mut self.executor {
+        let is_written = match &mut self.executor {
             Executor::Gpu(e) => e.write(data),
             Executor::Cpu(e) => e.write(data),
             Executor::CpuF64(e) => e.write(data),
+        };
+        if is_written && data.stream == Stream::State {
+            // Which kernel is next follows from the counts.
+            self.counts = StateCounts::default();
+            data.layer(STATE_TAG).iter().for_each(|&tag| self.counts[(tag as usize).min(state::COUNT - 1)] += 1);
         }
+        is_written
     }
 
     /// The image so far, linear; alpha is 1 where a ray hit something.
@@ -434,7 +459,7 @@ impl GivenRays {
         };
         let mut streams = [Stream::RayOrigin, Stream::RayDirection, Stream::State].map(unwritten);
         let mut exponents = Vec::with_capacity(rays.len());
-        for (i, ray) in rays.iter().enumerate() {
+        for (i, ray) in rays.iter().take(texels).enumerate() {
             let (ray, exponent) = traced_ray(ray, data.units);
             for axis in 0..3 {
                 streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();

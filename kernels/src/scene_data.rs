@@ -113,6 +113,7 @@ impl SceneData {
         options: &Options,
         features: Features,
         units: Units,
+        storage_bytes: u64,
         wanted: impl Fn(&str) -> bool,
     ) -> Result<Self, GridError> {
         let mut data = Self { features, units, ..Self::default() };
@@ -125,7 +126,7 @@ impl SceneData {
         }
         if wanted("grid_cells") {
             let GridData { grid, cells, items, growth } =
-                grid::build(&data.vertices, options.grid, reach(&data.vertices, options, units))?;
+                grid::build(&data.vertices, options.grid, reach(&data.vertices, options, units), storage_bytes / 4)?;
             (data.grid, data.grid_cells, data.grid_items, data.grid_growth) = (grid, cells, items, growth);
         }
         if wanted("normals") {
@@ -252,7 +253,8 @@ fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Light> {
         };
         return vec![Light { position, kind: POINT, color: [1.0; 3], ..Light::default() }];
     }
-    let place = |p: &[f32; 3]| p.map(|v| units.to_traced(v));
+    // Farther than that, only a light's direction is left of it.
+    let place = |p: &[f32; 3]| p.map(|v| units.to_traced(v).clamp(-1e18, 1e18));
     let traced = |light: &SceneLight| match light {
         SceneLight::Point { position, color, .. } => {
             Light { position: place(position), kind: POINT, color: *color, ..Light::default() }

@@ -26,7 +26,7 @@ fn every_point_of_every_triangle_lies_in_a_cell_that_lists_it() {
     {
         let vertices = soup(300, size, extent);
         for cells in [GridSize::Auto, GridSize::Cells([1, 1, 1]), GridSize::Cells([13, 7, 29])] {
-            let built = build(&vertices, cells, 4.0).expect("a grid");
+            let built = build(&vertices, cells, 4.0, u64::MAX).expect("a grid");
             for (triangle, v) in vertices.chunks_exact(9).enumerate() {
                 for i in 0..=8 {
                     for j in 0..=8 - i {
@@ -51,7 +51,7 @@ fn every_point_of_every_triangle_lies_in_a_cell_that_lists_it() {
 #[test]
 fn lists_are_ascending_and_cells_that_a_triangle_does_not_touch_do_not_list_it() {
     let vertices = soup(500, 0.3, [1.0; 3]);
-    let built = build(&vertices, GridSize::Cells([20; 3]), 4.0).expect("a grid");
+    let built = build(&vertices, GridSize::Cells([20; 3]), 4.0, u64::MAX).expect("a grid");
     for cell in 0..built.cells.len() as u32 - 1 {
         assert!(built.list(cell).windows(2).all(|w| w[0] < w[1]));
     }
@@ -75,7 +75,7 @@ fn lists_are_ascending_and_cells_that_a_triangle_does_not_touch_do_not_list_it()
 #[test]
 fn growing_the_cells_adds_less_than_a_hundredth() {
     let vertices = soup(20_000, 0.02, [1.0; 3]);
-    let built = build(&vertices, GridSize::Auto, 4.0).expect("a grid");
+    let built = build(&vertices, GridSize::Auto, 4.0, u64::MAX).expect("a grid");
     let stats = built.stats(&vertices);
     assert!(stats.added_by_growth * 100 < stats.references, "{stats:?}");
     assert!(stats.added_by_growth > 0, "20,000 triangles must touch some grown face: {stats:?}");
@@ -84,9 +84,12 @@ fn growing_the_cells_adds_less_than_a_hundredth() {
 #[test]
 fn planes_are_exact() {
     for offset in [0.0f32, 1.0, -0.3, 1000.0] {
-        let vertices: Vec<f32> = soup(50, 0.1, [1.0; 3]).iter().map(|v| v + offset).collect();
-        for n in [1, 3, 20, 1000] {
-            let g = build(&vertices, GridSize::Cells([n, 1, 2]), 4.0 + offset.abs()).expect("a grid").grid;
+        let mut vertices: Vec<f32> = soup(50, 0.1, [0.8; 3]).iter().map(|v| v + offset).collect();
+        // Bounds just below a power of two leave the least room.
+        vertices.extend([0.99998, -0.99998, 0.99998].iter().cycle().take(9));
+        vertices.extend([-0.99998, 0.99998, -0.99998].iter().cycle().take(9));
+        for n in [1, 3, 20, 1001, 4011] {
+            let g = build(&vertices, GridSize::Cells([n, 1, 2]), 4.0 + offset.abs(), u64::MAX).expect("a grid").grid;
             for i in 0..=n {
                 let exact = f64::from(g.corner[0]) + f64::from(g.width[0]) * f64::from(i);
                 let plane = g.cell_plane::<f32>([i as i32, 0, 0]).x;
@@ -112,13 +115,32 @@ fn automatic_cells_suit_flat_and_single_shapes() {
 #[test]
 fn sizes_that_cannot_be_are_refused() {
     for cells in [[0, 1, 1], [5000, 1, 1], [4096, 4096, 4096]] {
-        assert_eq!(build(&[0.0; 9], GridSize::Cells(cells), 1.0), Err(GridError::Size(cells)));
+        assert_eq!(build(&[0.0; 9], GridSize::Cells(cells), 1.0, u64::MAX), Err(GridError::Size(cells)));
     }
 }
 
 #[test]
 fn ten_thousand_triangles_that_fill_the_scene_get_a_grid_that_fits_memory() {
     let vertices = soup(10_000, 1.0, [1.0; 3]);
-    let built = build(&vertices, GridSize::Auto, 4.0).expect("a grid");
+    let built = build(&vertices, GridSize::Auto, 4.0, u64::MAX).expect("a grid");
     assert!(built.items.len() <= 16 * 10_000 + 4096, "{}", built.items.len());
+}
+
+/// Triangles that overlap every cell would take triangles times cells steps to count.
+#[test]
+fn a_hundred_thousand_triangles_that_fill_the_scene_are_given_up_on_early() {
+    let vertices = soup(100_000, 1.0, [1.0; 3]);
+    let built = build(&vertices, GridSize::Auto, 4.0, u64::MAX).expect("a grid");
+    assert!(built.items.len() <= 16 * 100_000 + 4096, "{}", built.items.len());
+    let (cells, limit) = ([100; 3], 10_000_000);
+    let huge = build(&vertices, GridSize::Cells(cells), 4.0, limit);
+    assert_eq!(huge, Err(GridError::TooManyReferences { cells, limit }));
+}
+
+/// Where f32 cannot tell one end of the scene from the other, a cell lists everything, and there is one.
+#[test]
+fn origins_so_far_away_that_cells_mean_nothing_get_one_cell() {
+    let vertices = soup(1000, 0.1, [1.0; 3]);
+    let built = build(&vertices, GridSize::Auto, 1e9, u64::MAX).expect("a grid");
+    assert_eq!((built.grid.cells, built.items.len()), ([1; 3], 1000));
 }

@@ -15,7 +15,7 @@ fn main() {
         let mut built = None;
         for _ in 0..5 {
             let start = Instant::now();
-            built = Some(grid::build(vertices, GridSize::Auto, 4.0).expect("a grid"));
+            built = Some(grid::build(vertices, GridSize::Auto, 4.0, u64::MAX).expect("a grid"));
             times.push(start.elapsed().as_secs_f64());
         }
         times.sort_by(f64::total_cmp);

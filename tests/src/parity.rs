@@ -1,12 +1,13 @@
 //! One-step parity: the twin starts from the GPU's streams before a pass, and both must agree after it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
 use raystep_kernels::reference::{Possible, possible};
 use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::state::Tag;
 use raystep_kernels::{Device, Gpu, Kernel, Limits, Options, Pass, Plan, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
 
@@ -153,6 +154,10 @@ pub struct Parity {
     pub undecided: u64,
     /// Kernels that were compared on at least one ray.
     pub kernels: Vec<Kernel>,
+    /// Rays that passes worked on, summed.
+    pub rays: u64,
+    /// Every way from a state to the next that a ray was seen to take.
+    pub transitions: BTreeSet<(Tag, Kernel, Tag)>,
     /// What differs by more, at most 20 a kernel.
     pub breaches: Vec<Breach>,
 }
@@ -173,7 +178,7 @@ pub fn compare_with(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: im
         change(&mut plan);
         let mut renderer = Renderer::from_plan(plan, data, options, &device).await.expect("a renderer");
         let streams = streams_of(renderer.plan());
-        let mut twin = CpuExecutor::<f32>::new(renderer.plan(), None);
+        let mut twin = CpuExecutor::<f32>::new(renderer.plan(), None).expect("memory");
         let mut found = Parity::default();
 
         // What no kernel writes keeps the poison on both sides and shows where it should not.
@@ -207,6 +212,14 @@ pub fn compare_with(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: im
 }
 
 fn record(found: &mut Parity, pass: &Pass, rules: &Undecided<'_>, after: &[(StreamData, StreamData)]) {
+    found.rays += u64::from(pass.rays_in);
+    let tags = after.iter().find(|(s, _)| s.stream == Stream::State).map(|(s, _)| s.layer(0));
+    for (ray, &tag) in tags.unwrap_or_default().iter().enumerate() {
+        let before = rules.component(Stream::State, 0, ray);
+        if pass.kernel.info().active.contains(&before) {
+            found.transitions.insert((before, pass.kernel, tag));
+        }
+    }
     // A ray that goes another way differs in several components: it is judged once, as a whole.
     let mut parted = BTreeMap::new();
     for (on_gpu, on_cpu) in after {

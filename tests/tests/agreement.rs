@@ -53,28 +53,23 @@ fn every_combination_ends_in_the_same_hits() {
             }
             by_device.extend(first);
         }
-        // Across executors: the same bits, or both right within the bounds.
+        // Across executors: the same bits, or both right but for ties.
+        if scene.triangles.len() <= 2000 {
+            for (name, device) in devices() {
+                let mut options = options(&scene, 128, 128);
+                options.shade = false;
+                let report = check(&traced(&scene, &options, &device));
+                if report.errors() > 0 {
+                    failures.push(format!("{file} {name}: {report}"));
+                }
+            }
+        }
         let [(_, gpu), (_, cpu)] = &by_device[..] else { panic!("two devices") };
         let differ = gpu.1.iter().zip(&cpu.1).filter(|(a, b)| a != b).count();
         let largest = gpu.1.iter().zip(&cpu.1).map(|(&a, &b)| ulp(a, b)).max().unwrap_or(0);
         println!("{file}: t differs between gpu and cpu on {differ} of {} rays, by {largest} ulp at most", gpu.1.len());
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-}
-
-/// The executors' difference is bounded by f64: both may only differ where f32 cannot tell.
-#[test]
-fn gpu_and_cpu_differ_only_in_ties() {
-    for file in ["cornell-box.gltf", "primitives.gltf", "instances.gltf", "flat.gltf"] {
-        let scene = scene(file);
-        for (name, device) in devices() {
-            let mut options = options(&scene, 128, 128);
-            options.shade = false;
-            let report = check(&traced(&scene, &options, &device));
-            println!("{file} {name}: {report}");
-            assert_eq!(report.errors(), 0, "{file} {name}: {report}\n{:?}", report.mistakes);
-        }
-    }
 }
 
 /// The streams themselves, and the passes, are the same for both executors, pass by pass.

@@ -124,3 +124,47 @@ fn a_run_can_be_cancelled_and_taken_up_again() {
         assert_eq!(resumed, renderer.image().await.expect("an image"));
     });
 }
+
+/// A caller that loses interest while the GPU works must not leave the renderer unusable, or ahead of itself.
+#[test]
+fn a_dropped_future_leaves_the_renderer_as_it_was() {
+    let scene = scene("cornell-box.gltf");
+    let gpu = gpu();
+    let options = options(&scene, 64, 64);
+    let expected = block_on(Some(&gpu), async {
+        let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+        (
+            renderer.passes().iter().map(|p| (p.kernel, p.counts)).collect::<Vec<_>>(),
+            renderer.image().await.expect("an image"),
+        )
+    });
+    let mut renderer =
+        block_on(Some(&gpu), Renderer::new(&scene, &options, &Device::Gpu(gpu.clone()))).expect("a renderer");
+    for _ in 0..3 {
+        block_on(Some(&gpu), renderer.step()).expect("a pass");
+        let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+        let mut run = Box::pin(renderer.run(|_| ControlFlow::Continue(())));
+        assert!(run.as_mut().poll(&mut context).is_pending());
+        drop(run);
+    }
+    block_on(Some(&gpu), renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
+    let passes: Vec<_> = renderer.passes().iter().map(|p| (p.kernel, p.counts)).collect();
+    let image = block_on(Some(&gpu), renderer.image()).expect("an image");
+    assert_eq!((passes, image), expected);
+}
+
+/// f32 cannot tell the points of such scenes apart; an infinite plane of the grid would lose every ray silently.
+#[test]
+fn a_scene_too_small_for_its_place_is_refused() {
+    let mut scene = scene("single-triangle.gltf");
+    scene.triangles[0] = [[1e30, 0.0, 0.0], [1e30, 1e-10, 0.0], [1e30, 0.0, 1e-10]];
+    let error = Plan::new(&scene, &options(&scene, 8, 8), &Limits::CPU).map(|_| ()).expect_err("too far out");
+    assert!(matches!(error, PlanError::Extent), "{error}");
+    for scale in [1e-38, 1e-20, 1e20, 1e38] {
+        let mut scene = raystep_tests::scene("single-triangle.gltf");
+        scene.triangles[0] = scene.triangles[0].map(|p| p.map(|v| (f64::from(v) * scale) as f32));
+        scene.cameras.clear();
+        assert!(Plan::new(&scene, &options(&scene, 8, 8), &Limits::CPU).is_ok(), "{scale:e}");
+    }
+}

@@ -3,7 +3,7 @@
 use crate::executor::PassResult;
 use crate::kernel::Kernel;
 use crate::parallel::{for_chunks, map_ranges};
-use crate::plan::Plan;
+use crate::plan::{Bytes, Plan};
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
 use crate::state::{self, StateCounts};
@@ -74,23 +74,36 @@ pub struct CpuExecutor<R: Real> {
     clock: Option<fn() -> u64>,
 }
 
+/// The streams do not fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the streams need {} of memory, and the system refused them: use a smaller image", Bytes(*bytes))]
+pub struct OutOfMemory {
+    /// What they need.
+    pub bytes: u64,
+}
+
 /// Rays a task: enough work to be worth a hand-over, few enough to balance.
 const RAYS_PER_TASK: usize = 4096;
 
 impl<R: Real> CpuExecutor<R> {
     /// Takes the memory for the plan's streams; `clock`, in nanoseconds, times passes if there is one.
-    #[must_use]
-    pub fn new(plan: &Plan, clock: Option<fn() -> u64>) -> Self {
+    ///
+    /// # Errors
+    /// Where the system has not that much memory.
+    pub fn new(plan: &Plan, clock: Option<fn() -> u64>) -> Result<Self, OutOfMemory> {
         let mut layout = Layout { first: [None; STREAMS.len()], stride: 0 };
         for stream in &plan.streams {
             layout.first[stream.what as usize] = Some(layout.stride);
             layout.stride += stream.what.layers();
         }
         let rays = plan.width as usize * plan.height as usize;
-        let texels = vec![R::Bits::default(); rays * layout.stride];
+        let (count, mut texels) = (rays * layout.stride, Vec::new());
+        let bytes = (count * size_of::<R::Bits>()) as u64;
+        texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
+        texels.resize(count, R::Bits::default());
         let mut executor = Self { width: plan.width, height: plan.height, layout, texels, clock };
         executor.clear();
-        executor
+        Ok(executor)
     }
 
     /// Every stream to its unwritten value.

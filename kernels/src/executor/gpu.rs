@@ -65,10 +65,10 @@ impl GpuExecutor {
         let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
         let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?);
         let timers = gpu.timestamp_period_ns.filter(|_| timed).map(|period_ns| Timers::new(device, period_ns));
-        gpu.pop_scopes(scopes).await?;
         let executor =
             Self { gpu, width: plan.width, height: plan.height, streams, buffers, pipelines, counting, timers };
         executor.clear();
+        executor.gpu.pop_scopes(scopes).await?;
         Ok(executor)
     }
 
@@ -103,11 +103,32 @@ impl GpuExecutor {
 
     /// Every stream to its unwritten value.
     pub fn clear(&self) {
-        for (stream, _) in &self.streams {
-            let rays = self.width as usize * self.height as usize;
-            let bits = stream.info().unwritten.iter().flat_map(|&bits| std::iter::repeat_n(bits, rays)).collect();
-            self.write(&StreamData { stream: *stream, width: self.width, height: self.height, bits });
+        // Some rows at a time: a stream may be larger than what one would stage for it at once.
+        let rows = ((1 << 20) / self.width).clamp(1, self.height);
+        for (stream, texture) in &self.streams {
+            for (layer, &bits) in stream.info().unwritten.iter().enumerate() {
+                let texels = vec![bits; (rows * self.width) as usize];
+                for first in (0..self.height).step_by(rows as usize) {
+                    let height = rows.min(self.height - first);
+                    let origin = wgpu::Origin3d { x: 0, y: first, z: layer as u32 };
+                    let size = wgpu::Extent3d { width: self.width, height, depth_or_array_layers: 1 };
+                    self.upload(texture, origin, size, &texels[..(height * self.width) as usize]);
+                }
+            }
         }
+    }
+
+    fn upload(&self, texture: &wgpu::Texture, origin: wgpu::Origin3d, size: wgpu::Extent3d, texels: &[u32]) {
+        self.gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() },
+            bytemuck::cast_slice(texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * size.width),
+                rows_per_image: Some(size.height),
+            },
+            size,
+        );
     }
 
     /// Replaces a stream. False where the plan left it out or the size differs.
@@ -118,16 +139,8 @@ impl GpuExecutor {
         if (data.width, data.height) != (self.width, self.height) || data.bits.len() != texels {
             return false;
         }
-        self.gpu.queue.write_texture(
-            texture.as_image_copy(),
-            bytemuck::cast_slice(&data.bits),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * self.width),
-                rows_per_image: Some(self.height),
-            },
-            wgpu::Extent3d { width: self.width, height: self.height, depth_or_array_layers: layers },
-        );
+        let size = wgpu::Extent3d { width: self.width, height: self.height, depth_or_array_layers: layers };
+        self.upload(texture, wgpu::Origin3d::ZERO, size, &data.bits);
         true
     }
 
@@ -139,6 +152,9 @@ impl GpuExecutor {
         self.gpu.health()?;
         let passes = &passes[..passes.len().min(MOST_PASSES)];
         let count = passes.len() as u64;
+        if passes.is_empty() {
+            return Ok(Vec::new());
+        }
         let scopes = self.gpu.push_scopes();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.counting.slots, 0, Some(count * COUNT_SLOT_BYTES));

@@ -7,7 +7,7 @@ use futures_channel::oneshot;
 
 use super::gpu::{Gpu, GpuError};
 
-/// Bytes on their way.
+/// Bytes on their way. Dropped before they arrive, it gives the buffer back.
 pub(crate) struct Readback {
     gpu: Arc<Gpu>,
     buffer: wgpu::Buffer,
@@ -26,8 +26,8 @@ impl Readback {
     }
 
     /// Waits for the bytes, hands them to `read` and unmaps the buffer.
-    pub(crate) async fn finish<T>(self, bytes: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
-        let problem = match self.mapped.await {
+    pub(crate) async fn finish<T>(mut self, bytes: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
+        let problem = match (&mut self.mapped).await {
             Ok(Ok(())) => None,
             Ok(Err(e)) => Some(e.to_string()),
             Err(_) => Some("the device dropped the request".into()),
@@ -44,7 +44,13 @@ impl Readback {
             let view = self.buffer.get_mapped_range(0..bytes).map_err(|e| GpuError::Readback(e.to_string()))?;
             read(&view)
         };
-        self.buffer.unmap();
         Ok(value)
+    }
+}
+
+impl Drop for Readback {
+    fn drop(&mut self) {
+        // Ends the mapping, or cancels it where it is still pending: the buffer can be copied to again.
+        self.buffer.unmap();
     }
 }

@@ -234,11 +234,11 @@ fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (
     let [o, d] = [before.origin, before.direction].map(Vec3::<f32>::from_f32);
     let candidate = hit_triangle::<f32>(data.features.robust, o, d, data.corners(triangle));
     let accepted = after.triangle == Some(triangle) && after.t != before.t || before.triangle != after.triangle;
-    let test = describe_test(triangle, &candidate, accepted, before);
+    let test = describe_test(triangle, &candidate, accepted, data.features.robust, before);
     (tested, if next.is_empty() { test } else { format!("{test}; {next}") })
 }
 
-fn describe_test(triangle: u32, c: &Candidate<f32>, accepted: bool, before: &RayState) -> String {
+fn describe_test(triangle: u32, c: &Candidate<f32>, accepted: bool, is_robust: bool, before: &RayState) -> String {
     let w = 1.0 - c.u - c.v;
     let t = c.t;
     if c.is_hit && accepted {
@@ -250,6 +250,8 @@ fn describe_test(triangle: u32, c: &Candidate<f32>, accepted: bool, before: &Ray
                 format!("triangle {triangle}: tested again, the same hit at t {nearest}")
             }
             Some(nearest) if t >= nearest => format!("triangle {triangle}: hit at t {t}, not nearer than {nearest}"),
+            // Worked out again here, on the CPU: the device's own rounding decided.
+            _ if is_robust => format!("triangle {triangle}: missed by less than a rounding"),
             _ => format!("triangle {triangle}: hit at t {t}, but outside of this cell"),
         };
     }

@@ -211,22 +211,24 @@ impl Gpu {
 
     /// Starts catching errors of the calls that follow, until [`pop_scopes`](Self::pop_scopes).
     pub(super) fn push_scopes(&self) -> [wgpu::ErrorScopeGuard; 2] {
-        [
-            self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory),
-            self.device.push_error_scope(wgpu::ErrorFilter::Validation),
-        ]
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        // In the order in which they must be popped, and are where an error on the way drops them.
+        [validation, memory]
     }
 
     /// Ends catching; resolves to the first error caught.
     pub(super) fn pop_scopes(
         &self,
-        [memory, validation]: [wgpu::ErrorScopeGuard; 2],
+        [validation, memory]: [wgpu::ErrorScopeGuard; 2],
     ) -> impl Future<Output = Result<(), GpuError>> + use<> {
         // Popped now, in reverse order; awaited later.
         let (validation, memory) = (validation.pop(), memory.pop());
         let trouble = self.trouble.clone();
         async move {
-            let caught = validation.await.or(memory.await);
+            // What does not fit is the cause of the calls that are refused after it.
+            let (validation, memory) = (validation.await, memory.await);
+            let caught = memory.or(validation);
             if let Some(error) = &*trouble.lock().unwrap_or_else(PoisonError::into_inner) {
                 return Err(error.clone());
             }
