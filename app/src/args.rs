@@ -52,7 +52,8 @@ pub(crate) struct RunArgs {
     /// in turn (second)
     #[arg(long, default_value = "second", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
     pub(crate) schedule: ScheduleKind,
-    /// Rules for planes, steps and hits: no wrong hits but ties (robust), or the paper's, a baseline
+    /// Rules for planes, steps and hits: no wrong hits but ties (robust), or the paper's, a baseline that
+    /// wants the eye inside of the grid (else all rays miss)
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
     pub(crate) numerics: Numerics,
     /// Cells of the grid: as many along each axis, or along x, y and z
@@ -106,6 +107,21 @@ where
     PossibleValuesParser::new(all.iter().map(|&v| name(v)).collect::<Vec<_>>()).try_map(|value| value.parse::<T>())
 }
 
+/// Most pixels each way, on any device.
+const MOST_PIXELS: u32 = 32_768;
+/// Most cells of a grid along an axis.
+const MOST_CELLS: u32 = 4096;
+
+/// A whole number from 1; where it is out of range, an error that says the range. None where it is no number.
+fn whole_number(text: &str, most: u32, of: &str) -> Option<Result<u32, String>> {
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    let number = text.parse().ok().filter(|n| (1..=most).contains(n));
+    Some(number.ok_or_else(|| format!("1 to {most} {of} are wanted")))
+}
+
 /// `--size`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size {
@@ -121,12 +137,8 @@ impl FromStr for Size {
     fn from_str(value: &str) -> Result<Self, String> {
         let wrong = || "two whole numbers with an x between them are wanted, such as 640x480".to_owned();
         let (width, height) = value.split_once(['x', 'X']).ok_or_else(wrong)?;
-        let side = |text: &str| text.parse::<u32>().map_err(|_| wrong());
-        let (width, height) = (side(width)?, side(height)?);
-        if width == 0 || height == 0 {
-            return Err("an image has at least one pixel each way".into());
-        }
-        Ok(Self { width, height })
+        let side = |text| whole_number(text, MOST_PIXELS, "pixels each way").unwrap_or_else(|| Err(wrong()));
+        Ok(Self { width: side(width)?, height: side(height)? })
     }
 }
 
@@ -154,7 +166,7 @@ fn parse_grid(value: &str) -> Result<GridSize, String> {
     }
     let cells = value
         .split(',')
-        .map(|part| part.parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(wrong))
+        .map(|part| whole_number(part, MOST_CELLS, "cells along an axis").unwrap_or_else(|| Err(wrong())))
         .collect::<Result<Vec<_>, _>>()?;
     match cells[..] {
         [n] => Ok(GridSize::Cells([n; 3])),

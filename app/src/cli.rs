@@ -1,11 +1,12 @@
 //! The command line as a whole; each subcommand's own options are in its file.
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::commands::{completions, dump, info, plan, render, scene, trace};
+use crate::commands::{completions, dump, extension, info, plan, render, scene, trace};
 use crate::error::Error;
 
 /// Trace rays as a stream program, step by step, with every stream in the open
@@ -54,15 +55,28 @@ pub(crate) enum Request {
 
 /// Reads the command line.
 pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
-    match Cli::try_parse_from(arguments) {
+    let arguments: Vec<_> = arguments.into_iter().collect();
+    match Cli::try_parse_from(&arguments) {
         Ok(Cli { command: Some(command) }) => Ok(Request::Run(command)),
         Ok(Cli { command: None }) => Ok(Request::Show(Cli::command().render_help().to_string())),
         Err(error) if !error.use_stderr() => Ok(Request::Show(error.render().to_string())),
         Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Err(Error::usage("what to do is missing (see --help)"))
         }
+        Err(error) if error.kind() == ErrorKind::InvalidSubcommand && arguments.get(1).is_some_and(is_scene) => {
+            let scene = arguments[1].to_string_lossy();
+            let quote = if scene.contains(char::is_whitespace) { "'" } else { "" };
+            Err(Error::usage(format!(
+                "'{scene}' is no subcommand; did you mean: raystep render {quote}{scene}{quote} -o OUT.png (see --help)"
+            )))
+        }
         Err(error) => Err(Error::usage(one_line(&error.render().to_string()))),
     }
+}
+
+/// Whether an argument looks like a scene's file.
+fn is_scene(argument: &OsString) -> bool {
+    matches!(extension(Path::new(argument)).as_str(), "gltf" | "glb")
 }
 
 /// clap's message in one line: without the usage and the pointer to help, which are the same every time.

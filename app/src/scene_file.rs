@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use raystep_scenes::{Camera, LoadOptions, Projection, Resolver, Scene, load};
 
-use crate::args::{SceneArgs, ViewArgs};
+use crate::args::{SceneArgs, Vector, ViewArgs};
 use crate::error::Error;
 use crate::output::{folder_of, reason};
 
@@ -93,23 +93,37 @@ impl Resolver for Beside {
     }
 }
 
-/// The camera that the options ask for.
-pub(crate) fn camera(args: &ViewArgs, scene: &Scene) -> Result<Camera, Error> {
+/// What is up of the directions that can be: `wanted`, unless one looks along it.
+fn usable_up(wanted: DVec3, forward: DVec3) -> DVec3 {
+    // As `Camera::look_at` decides.
+    let is_usable = |up: &DVec3| forward.cross(*up).length() > 1e-6;
+    [wanted, DVec3::Y, DVec3::Z].into_iter().find(is_usable).unwrap_or(wanted)
+}
+
+/// The camera that the options ask for, and a note where it is not quite that.
+pub(crate) fn camera(args: &ViewArgs, scene: &Scene) -> Result<(Camera, Option<String>), Error> {
     if let (Some(eye), Some(target)) = (args.eye, args.look_at) {
         let fov = args.fov.unwrap_or(DEFAULT_FOV_DEG);
         if !(fov > 0.0 && fov < 180.0) {
             return Err(Error::usage(format!("--fov {fov}: an angle between 0 and 180 degrees is wanted")));
         }
-        let up = args.up.map_or(DVec3::Y, |v| DVec3::from(v.0));
+        let Vector([x, y, z]) = args.up.unwrap_or(Vector([0.0, 1.0, 0.0]));
+        let Some(up) = DVec3::new(x, y, z).try_normalize() else {
+            return Err(Error::usage(format!("--up {x},{y},{z}: a direction is wanted, and this one has no length")));
+        };
         let projection = Projection::Perspective { vertical_fov: fov.to_radians() };
-        return Camera::look_at(DVec3::from(eye.0), DVec3::from(target.0), up, projection)
-            .ok_or_else(|| Error::usage("--look-at is the same point as --eye: name one that it can look at"));
+        let camera = Camera::look_at(DVec3::from(eye.0), DVec3::from(target.0), up, projection)
+            .ok_or_else(|| Error::usage("--look-at is the same point as --eye: name one that it can look at"))?;
+        let taken = usable_up(up, camera.forward);
+        let note = || format!("the view is parallel to up ({x},{y},{z}): {taken} is taken as up; --up names another");
+        let note = (taken != up).then(note);
+        return Ok((camera, note));
     }
     match (args.camera, scene.cameras.as_slice()) {
-        (None, []) => Ok(Camera::framing(&scene.bounds())),
+        (None, []) => Ok((Camera::framing(&scene.bounds()), None)),
         (index, cameras) => {
             let index = index.unwrap_or(0);
-            cameras.get(index).cloned().ok_or_else(|| {
+            cameras.get(index).cloned().map(|camera| (camera, None)).ok_or_else(|| {
                 let count = cameras.len();
                 Error::usage(match count {
                     0 => {

@@ -7,7 +7,7 @@ use raystep_kernels::export::csv::{RunContext, cpu_threads, gpu_threads};
 use raystep_kernels::export::json::RunOptions;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Options, RaySource, Renderer};
+use raystep_kernels::{GridSize, Options, RaySource, Renderer};
 use raystep_scenes::Scene;
 
 use crate::args::{RunArgs, SceneArgs, ViewArgs};
@@ -38,6 +38,8 @@ impl Stopwatch {
 
 /// A run that has been planned.
 pub(crate) struct Session {
+    /// The scene's file as the user wrote it.
+    pub(crate) scene_path: PathBuf,
     /// The scene as it was read.
     pub(crate) scene: Scene,
     /// The files that it was read from.
@@ -65,11 +67,15 @@ impl Session {
     ) -> Result<Self, Error> {
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
+        let scene_path = scene.scene.clone();
         let SceneFile { scene, inputs } = scene_file::read(scene)?;
         for note in &scene.notes {
             progress.say(format_args!("note: {}", note.0));
         }
-        let camera = scene_file::camera(view, &scene)?;
+        let (camera, note) = scene_file::camera(view, &scene)?;
+        if let Some(note) = note {
+            progress.say(format_args!("note: {note}"));
+        }
         watch.lap("load");
         progress.stage("looking for a device");
         let chosen = device::choose(&run.device)?;
@@ -87,21 +93,41 @@ impl Session {
         progress.stage("planning and building the grid");
         let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
         watch.lap("plan_and_grid");
-        Ok(Self { scene, inputs, options, chosen, plan, data, watch })
+        if misses_all(&scene, &options, &plan) {
+            progress.say(
+                "note: the paper's rules do not handle an eye outside of the grid: its rays miss everything; \
+                 put the eye inside, or use --numerics robust",
+            );
+        }
+        Ok(Self { scene_path, scene, inputs, options, chosen, plan, data, watch })
     }
 
     /// Compiles, allocates and uploads.
     pub(crate) fn start(self, progress: &Progress) -> Result<Running, Error> {
-        let Self { scene, options, chosen, plan, data, mut watch, .. } = self;
+        let Self { scene_path, scene, options, chosen, plan, data, mut watch, .. } = self;
         progress.stage("compiling kernels");
         let renderer = chosen.wait(Renderer::from_plan(plan, data, &options, &chosen.device))?;
         watch.lap("compile_and_upload");
-        Ok(Running { scene, options, chosen, renderer, watch })
+        Ok(Running { run_id: run_id(), scene_path, scene, options, chosen, renderer, watch })
     }
+}
+
+/// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
+fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
+    let RaySource::Camera { camera, .. } = &options.rays else { return false };
+    let (bounds, eye) = (scene.bounds(), camera.eye);
+    // --keep-all keeps the code for clipping where the eye is inside too.
+    let is_inside = eye.cmpgt(bounds.min.as_dvec3()).all() && eye.cmplt(bounds.max.as_dvec3()).all();
+    let features = &plan.features;
+    features.grid && features.clip && !features.robust && !(options.keep_all && is_inside)
 }
 
 /// A run between two passes.
 pub(crate) struct Running {
+    /// Differs from every other run's.
+    pub(crate) run_id: String,
+    /// The scene's file as the user wrote it.
+    pub(crate) scene_path: PathBuf,
     /// The scene as it was read.
     pub(crate) scene: Scene,
     /// What was asked for.
@@ -119,11 +145,14 @@ impl Running {
     pub(crate) fn run_options(&self) -> RunOptions {
         let (options, plan) = (&self.options, self.renderer.plan());
         RunOptions {
+            scene_path: self.scene_path.to_string_lossy().into_owned(),
             accelerator: options.accelerator.name(),
             schedule: options.schedule.name(),
             numerics: options.numerics.name(),
             width_px: plan.width,
             height_px: plan.height,
+            grid: grid_text(options.grid),
+            counters: options.counters,
             keep_all: options.keep_all,
         }
     }
@@ -133,7 +162,7 @@ impl Running {
         let (options, plan) = (&self.options, self.renderer.plan());
         let threads = if self.chosen.gpu().is_some() { gpu_threads } else { cpu_threads };
         RunContext {
-            run_id: run_id(),
+            run_id: self.run_id.clone(),
             scene: self.scene.name.clone(),
             accelerator: options.accelerator.name(),
             schedule: options.schedule.name(),
@@ -146,6 +175,14 @@ impl Running {
             threads_launched: threads(plan.width, plan.height),
             timer: self.chosen.timer().filter(|_| options.timings),
         }
+    }
+}
+
+/// As `--grid` reads it.
+fn grid_text(size: GridSize) -> String {
+    match size {
+        GridSize::Auto => "auto".into(),
+        GridSize::Cells([x, y, z]) => format!("{x},{y},{z}"),
     }
 }
 

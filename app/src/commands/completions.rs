@@ -11,6 +11,7 @@ use crate::terminal::print;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
+  mkdir -p ~/.local/share/bash-completion/completions ~/.config/fish/completions
   raystep completions bash > ~/.local/share/bash-completion/completions/raystep
   raystep completions fish > ~/.config/fish/completions/raystep.fish")]
 pub(crate) struct CompletionsArgs {

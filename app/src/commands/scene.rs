@@ -28,7 +28,10 @@ pub(crate) enum SceneCommand {
 
 /// Turn a Wavefront OBJ or a Stanford PLY into a GLB
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "Examples:\n  raystep scene convert bunny.ply -o bunny.glb")]
+#[command(after_help = "\
+Examples:
+  printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n' > triangle.obj
+  raystep scene convert triangle.obj -o triangle.glb")]
 pub(crate) struct ConvertArgs {
     /// The file: .obj or .ply
     input: PathBuf,
@@ -71,7 +74,7 @@ impl Subcommand for SceneCommand {
             .about("Generate a scene, or convert one, into a GLB")
             .after_help(
                 "Examples:\n  raystep scene list\n  raystep scene soup --triangles 100000 --seed 7 -o soup.glb\n  \
-                 raystep scene convert bunny.ply -o bunny.glb",
+                 raystep render soup.glb -o soup.png",
             )
             .subcommand_required(true)
             .subcommand(Command::new("list").about("List what can be generated, with parameters and their ranges"))

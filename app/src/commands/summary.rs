@@ -14,6 +14,7 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
     Summary {
         schema_version: json::SCHEMA_VERSION,
         raystep_version: env!("CARGO_PKG_VERSION"),
+        run_id: running.run_id.clone(),
         scene: running.scene.name.clone(),
         notes: running.scene.notes.iter().map(|n| n.0.clone()).collect(),
         device: running.chosen.kind(),
@@ -22,6 +23,7 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
         options: running.run_options(),
         triangles: plan.triangles,
         grid: GridSummary::of(renderer.data()),
+        scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
         passes: renderer.passes().len(),
         kernels: json::kernels(renderer.passes()),
         rays: plan.rays,

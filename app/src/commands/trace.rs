@@ -15,7 +15,10 @@ use crate::terminal::{Progress, print};
 /// Follow one ray through every pass, with what was decided and why
 ///
 /// A row for every pass that worked on the ray, from the executor's own streams: kernel, state, cell, tmax,
-/// item, triangle tested, hit, and the reason in words.
+/// item, triangle tested, hit, and the reason in words. A row shows the cell as it was before the pass, and
+/// tmax, item, t and hit as they were after it. t counts multiples of the ray's direction; a camera's direction
+/// has length 1 along the view axis, so there t is depth. Values are in the streams' units: the footer gives
+/// the factors.
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("which").required(true).args(["pixel", "ray"]), after_help = "\
 Examples:

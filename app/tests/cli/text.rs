@@ -15,7 +15,8 @@ fn help_has_examples_everywhere_and_no_argument_is_help() {
     for name in ["render", "trace", "dump", "plan", "info", "scene", "completions"] {
         assert!(top.contains(&format!("  {name} ")), "{name} is not listed");
         let help = place.ok(&[name, "--help"]).stdout;
-        assert!(help.contains("Examples:\n  raystep "), "{name} --help has no example");
+        let examples = help.split_once("Examples:\n").map(|(_, examples)| examples);
+        assert!(examples.is_some_and(|e| e.contains("  raystep ")), "{name} --help has no example");
     }
     assert!(place.ok(&[]).stdout.contains("Usage: raystep"));
     for later in ["inspect", "bench", "report", "stability", "bvh", "compact", "fused"] {
@@ -73,6 +74,63 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert_eq!(reader.records().filter(|r| r.as_ref().is_ok_and(|r| r.len() == 17)).count(), rows.len());
     let table = place.ok(&[&trace[..], &common[..]].concat()).stdout;
     assert!(table.starts_with("pass ") && table.contains("TRAV_SETUP"), "{table}");
+}
+
+#[test]
+fn the_papers_rules_say_that_they_want_the_eye_inside() {
+    let place = Place::new();
+    let render = ["render", &cornell_box(), "-o", "a.png", "--size", "8x8", "--device", "cpu", "--numerics", "paper"];
+    let said = |more: &[&str]| place.ok(&[&render[..], more].concat()).stderr.contains("note: the paper's rules");
+    let eye = |eye| ["--eye", eye, "--look-at", "0,0,-0.5"];
+    assert!(said(&eye("0,0,9")));
+    assert!(!said(&eye("0,0,2")), "the eye is inside");
+    assert!(!said(&[&eye("0,0,2")[..], &["--keep-all"]].concat()), "the eye is inside");
+    assert!(!said(&[&eye("0,0,9")[..], &["--accelerator", "none"]].concat()), "there is no grid");
+}
+
+#[test]
+fn a_view_along_up_says_which_up_is_taken() {
+    let place = Place::new();
+    let said = |more: &[&str]| {
+        let plan = ["plan", &cornell_box(), "--size", "8x8", "--device", "cpu"];
+        let stderr = place.ok(&[&plan[..], more].concat()).stderr;
+        stderr.lines().filter(|l| l.contains("parallel to up")).map(str::to_owned).collect::<Vec<_>>().join("\n")
+    };
+    let down = ["--eye", "0,0.5,0", "--look-at", "0,0,0"];
+    let ahead = ["--eye", "0,0,2", "--look-at", "0,0,0"];
+    assert!(said(&down).contains("up (0,1,0): [0, 0, 1] is taken"), "{}", said(&down));
+    assert!(said(&[&ahead[..], &["--up", "0,0,-3"]].concat()).contains("up (0,0,-3): [0, 1, 0] is taken"));
+    assert_eq!(said(&ahead), "");
+    assert_eq!(said(&[&down[..], &["--up", "0,0,5"]].concat()), "");
+}
+
+#[test]
+fn help_examples_name_files_that_are_there_or_made_by_a_line_before() {
+    let place = Place::new();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(scene(""), place.path("scenes")).expect("a link");
+    for command in [&["scene"][..], &["scene", "convert"], &["completions"]] {
+        let help = place.ok(&[command, &["--help"]].concat()).stdout;
+        let (_, examples) = help.split_once("Examples:\n").expect("examples");
+        if !cfg!(unix) {
+            continue;
+        }
+        for line in examples.lines() {
+            let line = line.replacen("  raystep", concat!("'", env!("CARGO_BIN_EXE_raystep"), "'"), 1);
+            let mut shell = std::process::Command::new("sh");
+            let home = place.path("");
+            let result = outcome(shell.args(["-c", &line]).env("HOME", &home).current_dir(&home));
+            assert_eq!(result.code, Some(0), "{line}: {result:?}");
+        }
+    }
+}
+
+#[test]
+fn trace_help_says_when_and_in_which_units_values_are() {
+    let help = Place::new().ok(&["trace", "--help"]).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    for words in ["the cell as it was before the pass", "tmax, item, t and hit as they were after it", "t is depth"] {
+        assert!(help.contains(words), "{words}: {help}");
+    }
 }
 
 #[test]

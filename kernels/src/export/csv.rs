@@ -10,7 +10,8 @@
 //! | `pass_index` | place in the run, from 0 |
 //! | `iteration` | turn of the walk's loop, from 1; 0 before the loop |
 //! | `kernel` | the kernel that ran |
-//! | `gpu_begin_ns`, `gpu_duration_ns` | on the clock that `timer_source` names; its zero is arbitrary |
+//! | `gpu_begin_ns` | since the run's first timed pass began, on the clock that `timer_source` names |
+//! | `gpu_duration_ns` | on the same clock |
 //! | `cpu_encode_ns` | host time to record the pass |
 //! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
 //! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stays for the next pass |
@@ -152,6 +153,8 @@ pub fn rays_out(pass: &Pass) -> u32 {
 /// Writes `passes.csv`.
 pub struct PassesCsv<W: Write> {
     writer: ::csv::Writer<W>,
+    /// Run and repetition of the rows so far, and when their first timed pass began.
+    began: Option<(String, u32, u64)>,
 }
 
 impl<W: Write> PassesCsv<W> {
@@ -163,10 +166,21 @@ impl<W: Write> PassesCsv<W> {
         let mut writer =
             ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).has_headers(false).from_writer(out);
         writer.write_record(COLUMNS)?;
-        Ok(Self { writer })
+        Ok(Self { writer, began: None })
     }
 
-    /// Writes a pass. `work` is known where counters were asked for.
+    /// When the run began, on its clock: with `begin_ns` where this is its first timed pass.
+    fn run_began_ns(&mut self, run: &RunContext, begin_ns: u64) -> u64 {
+        match &self.began {
+            Some((run_id, repeat, began)) if *run_id == run.run_id && *repeat == run.repeat => *began,
+            _ => {
+                self.began = Some((run.run_id.clone(), run.repeat, begin_ns));
+                begin_ns
+            }
+        }
+    }
+
+    /// Writes a pass; those of a run in their order. `work` is known where counters were asked for.
     ///
     /// # Errors
     /// Where the output fails.
@@ -174,6 +188,7 @@ impl<W: Write> PassesCsv<W> {
         fn known(value: Option<impl ToString>) -> String {
             value.map(|v| v.to_string()).unwrap_or_default()
         }
+        let since_start_ns = pass.begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
         let row: [String; COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),
             run.run_id.clone(),
@@ -189,7 +204,7 @@ impl<W: Write> PassesCsv<W> {
             pass.index.to_string(),
             pass.iteration.to_string(),
             pass.kernel.name().into(),
-            known(pass.begin_ns),
+            known(since_start_ns),
             known(pass.duration_ns),
             String::new(),
             pass.rays_in.to_string(),
@@ -284,7 +299,7 @@ mod tests {
         let work = PassWork { cells_visited: 10, triangles_tested: 11 };
         let row = rows(Some(Timer::GpuTimestamp { resolution_ns: 0.5 }), Some(1200), Some(work));
         let expected = [
-            ("gpu_begin_ns", "1200"),
+            ("gpu_begin_ns", "0"),
             ("gpu_duration_ns", "1200"),
             ("cells_visited", "10"),
             ("triangles_tested", "11"),
@@ -297,5 +312,28 @@ mod tests {
         }
         let row = rows(Some(Timer::CpuClock { resolution_ns: None }), None, None);
         assert_eq!((value(&row, "gpu_duration_ns"), value(&row, "valid")), ("", "false"));
+    }
+
+    #[test]
+    fn each_run_and_repetition_begins_at_0() {
+        let mut file = Vec::new();
+        let mut csv = PassesCsv::new(&mut file).expect("memory");
+        let clock = Some(Timer::GpuTimestamp { resolution_ns: 1.0 });
+        let again = RunContext { repeat: 1, ..run(clock) };
+        let other = RunContext { run_id: "2".into(), ..again.clone() };
+        for (run, begin_ns) in [
+            (&run(clock), [None, Some(1 << 60), Some((1 << 60) + 7)]),
+            (&again, [Some(5), None, Some(6)]),
+            (&other, [Some(9), Some(9), Some(11)]),
+        ] {
+            for begin_ns in begin_ns {
+                csv.write(run, &Pass { begin_ns, ..pass(begin_ns) }, None).expect("memory");
+            }
+        }
+        csv.finish().expect("memory");
+        let mut reader = ::csv::Reader::from_reader(file.as_slice());
+        let column = COLUMNS.iter().position(|&c| c == "gpu_begin_ns").expect("a column");
+        let begins: Vec<_> = reader.records().map(|r| r.expect("a row")[column].to_owned()).collect();
+        assert_eq!(begins, ["", "0", "7", "0", "", "1", "0", "0", "2"]);
     }
 }

@@ -20,6 +20,8 @@ pub struct Summary {
     pub schema_version: u32,
     /// raystep's version.
     pub raystep_version: &'static str,
+    /// The same as in the run's `passes.csv`.
+    pub run_id: String,
     /// The scene's name.
     pub scene: String,
     /// What reading the scene had to say.
@@ -36,6 +38,8 @@ pub struct Summary {
     pub triangles: u64,
     /// The grid; `null` without one.
     pub grid: Option<GridSummary>,
+    /// Multiply lengths and t of the streams by this for scene units.
+    pub scene_units_per_stream_unit: f64,
     /// Passes in all.
     pub passes: usize,
     /// Passes, and rays worked on, of each kernel.
@@ -92,6 +96,8 @@ impl From<&wgpu::AdapterInfo> for AdapterInfo {
 /// The options that decide a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunOptions {
+    /// The scene's file as the user wrote it.
+    pub scene_path: String,
     /// `--accelerator`
     pub accelerator: &'static str,
     /// `--schedule`
@@ -102,6 +108,10 @@ pub struct RunOptions {
     pub width_px: u32,
     /// Rows.
     pub height_px: u32,
+    /// `--grid`: `auto`, or the cells asked for along x, y and z.
+    pub grid: String,
+    /// `--counters`
+    pub counters: bool,
     /// `--keep-all`
     pub keep_all: bool,
 }
