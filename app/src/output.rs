@@ -174,6 +174,11 @@ impl TargetFolder {
         Ok(Self { path: path.to_owned(), staging, exists })
     }
 
+    /// Where its files are until all are there: on the file system that will hold them.
+    pub(crate) fn place(&self) -> &Path {
+        self.staging.inner.path()
+    }
+
     /// Refuses where one of its own names, by `is_ours`, is that of a file that was read.
     pub(crate) fn refuse_inputs(&self, inputs: &[PathBuf], is_ours: impl Fn(&str) -> bool) -> Result<(), Error> {
         let Ok(folder) = fs::canonicalize(&self.path) else { return Ok(()) };
@@ -188,7 +193,7 @@ impl TargetFolder {
         name: &str,
         fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<(), Error> {
-        let path = self.staging.inner.path().join(name);
+        let path = self.place().join(name);
         let written = create_inside(|| File::create_new(path)).and_then(|file| {
             let mut out = BufWriter::new(file);
             fill(&mut out)?;
@@ -197,8 +202,8 @@ impl TargetFolder {
         written.map_err(|e| Error::failed(format!("cannot write {}: {}", self.path.join(name).display(), reason(&e))))
     }
 
-    /// Gives the folder its name.
-    pub(crate) fn finish(self) -> Result<(), Error> {
+    /// Gives the folder its name. Of files that were in it before, those in `stale` go.
+    pub(crate) fn finish(self, stale: &[String]) -> Result<(), Error> {
         let Self { path, staging, exists } = self;
         staging
             .finish(|staging| {
@@ -207,6 +212,12 @@ impl TargetFolder {
                     // It is no longer there to be removed.
                     let _ = staging.keep();
                     return Ok(());
+                }
+                for name in stale {
+                    match fs::remove_file(path.join(name)) {
+                        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                        _ => {}
+                    }
                 }
                 for file in fs::read_dir(staging.path())? {
                     let file = file?;

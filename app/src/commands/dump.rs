@@ -1,7 +1,7 @@
 //! `raystep dump`
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::output::TargetFolder;
+use crate::scene_file::read_file;
 use crate::session::{Running, Session};
 use crate::terminal::Progress;
 
@@ -43,7 +44,8 @@ pub(crate) struct DumpArgs {
     /// NumPy arrays, OpenEXR images (a channel a layer), or both
     #[arg(long, value_enum, default_value_t = Format::Npy)]
     format: Format,
-    /// Replace files of the same names in a folder that is not empty
+    /// Replace the dump in a folder that is not empty: the files that its index.json lists go, others stay.
+    /// Also try where the file system may be too full
     #[arg(long)]
     force: bool,
     /// Count cells visited and triangles tested
@@ -132,7 +134,7 @@ pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
     let folder = TargetFolder::new(&args.output, args.force)?;
     match fill(args, &folder) {
         Ok(text) => {
-            folder.finish()?;
+            folder.finish(&listed(&args.output))?;
             Progress::new(args.quiet.quiet).say(text);
             Ok(())
         }
@@ -176,6 +178,10 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let files = streams.len() * passes.len() * if args.format == Format::Both { 2 } else { 1 };
     let about = if args.format == Format::Npy { "" } else { " at most, as EXR is compressed" };
     progress.say(format_args!("writing {}, {}{about}, to {}", count(files), Bytes(bytes), args.output.display()));
+    if !args.force {
+        // Where the system does not say, writing will tell.
+        fs4::available_space(folder.place()).map_or(Ok(()), |free| must_fit(bytes, free, &args.output))?;
+    }
 
     let mut index = index(&running, &streams);
     if args.pass == Which::All {
@@ -197,9 +203,33 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     Ok(format!("wrote {} and index.json to {}", count(files), args.output.display()))
 }
 
+/// Refuses what is larger than the space that is left.
+fn must_fit(bytes: u64, free: u64, output: &Path) -> Result<(), Error> {
+    if bytes <= free {
+        return Ok(());
+    }
+    Err(Error::failed(format!(
+        "{} does not fit at {}: {} are free there; name fewer streams or another folder, or use --force to try",
+        Bytes(bytes),
+        output.display(),
+        Bytes(free)
+    )))
+}
+
 /// Whether a dump may write a file of this name.
 fn is_ours(name: &str) -> bool {
     name == INDEX || (name.starts_with("pass-") && (name.ends_with(".npy") || name.ends_with(".exr")))
+}
+
+/// The dump's files that the index in a folder lists, if there is one: plain names only.
+fn listed(folder: &Path) -> Vec<String> {
+    const MOST_BYTES: u64 = 1 << 30;
+    let index = read_file(&folder.join(INDEX), MOST_BYTES).ok();
+    let index = index.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
+    let passes = index.as_ref().and_then(|index| index["passes"].as_array());
+    let files = passes.into_iter().flatten().filter_map(|pass| pass["files"].as_array()).flatten();
+    let is_plain = |name: &str| is_ours(name) && !name.contains(['/', '\\']);
+    files.filter_map(|name| name.as_str()).filter(|name| is_plain(name)).map(str::to_owned).collect()
 }
 
 fn count(files: usize) -> String {
@@ -300,5 +330,24 @@ fn io_error(error: exr::ExrError) -> std::io::Error {
     match error {
         exr::ExrError::Io(error) => error,
         other => std::io::Error::other(other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_both_numbers() {
+        assert!(must_fit(4096, 4096, Path::new("out")).is_ok());
+        let error = must_fit(3 << 30, 5 << 20, Path::new("out")).map_err(|e| e.to_string());
+        let expected = format!("error: {} does not fit at out: {} are free there", Bytes(3 << 30), Bytes(5 << 20));
+        assert!(error.as_ref().is_err_and(|e| e.starts_with(&expected)), "{error:?}");
+    }
+
+    #[test]
+    fn space_is_known_here() {
+        let free = fs4::available_space(std::env::temp_dir()).expect("a file system");
+        assert!(free > 0);
     }
 }

@@ -115,9 +115,15 @@ fn passes_csv_reads_strictly_and_adds_up() {
         assert_eq!(&row[column("cpu_encode_ns")], "", "unknown is empty");
         assert_eq!(&row[column("threads_launched")], "768");
     }
+    assert_eq!(&rows[0][column("gpu_begin_ns")], "0", "the first pass is the run's beginning");
     assert_eq!((&rows[0][column("rays_in")], &rows[0][column("rays_out")]), ("768", "768"));
     let run: Value = serde_json::from_slice(&json).expect("JSON");
     assert_eq!(run["passes"], rows.len());
+    assert_eq!(run["run_id"], rows[0][column("run_id")]);
+    assert_eq!(run["scene_units_per_stream_unit"], 4.0);
+    let options = &run["options"];
+    assert_eq!((&options["grid"], &options["counters"]), (&"auto".into(), &true.into()));
+    assert_eq!(options["scene_path"], cornell_box());
     assert_eq!(run["counters"]["triangles_tested"], sum("triangles_tested"));
     assert_eq!(run["counters"]["cells_visited"], sum("cells_visited"));
     assert!(run["kernels"]["intersect"]["duration_ns"].is_u64());
@@ -175,6 +181,8 @@ fn dump_writes_streams_and_an_index_that_names_them() {
         "both",
         "--size",
         "20x10",
+        "--grid",
+        "4,3,2",
         "--device",
         "cpu",
     ]);
@@ -183,6 +191,8 @@ fn dump_writes_streams_and_an_index_that_names_them() {
     let passes = index["passes"].as_array().expect("passes");
     let last = passes.last().expect("a pass");
     assert_eq!(index["scene_units_per_stream_unit"], 4.0);
+    assert_eq!((&index["options"]["grid"], &index["options"]["counters"]), (&"4,3,2".into(), &false.into()));
+    assert_eq!(index["options"]["scene_path"], cornell_box());
     assert_eq!(last["kernel"], "traverse_grid", "nothing that is dumped needs shading");
     let names: Vec<_> = last["files"].as_array().expect("files").iter().map(|f| f.as_str().expect("a name")).collect();
     let stem = format!("pass-{:06}", passes.len() - 1);
@@ -239,9 +249,18 @@ fn dump_leaves_a_folder_with_files_alone_unless_forced() {
     place.ok(&dump);
     std::fs::write(place.path("out/mine.txt"), "mine").expect("a file");
     place.fails(1, "out is not empty", &dump);
-    place.ok(&[&dump[..], &["--force"]].concat());
-    assert_eq!(place.read("out/mine.txt"), b"mine");
-    assert_eq!(std::fs::read_dir(place.path("out")).expect("the folder").count(), 3);
+    // What an index should not list is left alone.
+    std::fs::write(place.path("pass-0.npy"), "mine").expect("a file");
+    let mut index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
+    let files = index["passes"][0]["files"].as_array_mut().expect("files");
+    files.extend(["../pass-0.npy", "mine.txt"].map(Value::from));
+    std::fs::write(place.path("out/index.json"), index.to_string()).expect("a file");
+    place.ok(&[&dump[..], &["--force", "--pass", "3"]].concat());
+    assert_eq!((place.read("out/mine.txt"), place.read("pass-0.npy")), (b"mine".to_vec(), b"mine".to_vec()));
+    let entries = std::fs::read_dir(place.path("out")).expect("the folder");
+    let names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    let names: Vec<_> = names.iter().map(String::as_str).collect();
+    assert_eq!(sorted(&names), ["index.json", "mine.txt", "pass-000003.hit.npy"], "the first dump's files are gone");
 }
 
 #[test]
