@@ -59,6 +59,7 @@ pub mod state;
 pub mod stream;
 pub mod traverse_grid;
 pub mod units;
+mod vec64;
 
 pub use executor::gpu::{AdapterChoice, AdapterSummary, Gpu, GpuError, adapters};
 pub use grid::GridSize;

@@ -24,6 +24,7 @@ use crate::parallel::map_ranges;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::stream::{HIT_TRIANGLE, STATE_T, StreamData};
+use crate::vec64::{cross, dot, sub};
 
 const U: f64 = 1.0 / (1u64 << 24) as f64;
 
@@ -346,18 +347,6 @@ fn largest_axis(d: [f64; 3]) -> usize {
     } else {
         2
     }
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn length(a: [f64; 3]) -> f64 {

@@ -1,5 +1,7 @@
 //! A run that a program drives: one pass at a time or to the end, with every stream in the open.
 
+mod given;
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -12,12 +14,13 @@ use crate::image::Image;
 use crate::kernel::Kernel;
 use crate::options::{Options, RaySource};
 use crate::plan::{Limits, Plan, PlanError};
-use crate::scene_data::{SceneData, traced_ray};
+use crate::scene_data::SceneData;
 use crate::schedule::Cursor;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::state::{self, StateCounts};
 use crate::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG, Stream, StreamData};
 use crate::units::exp2;
+use given::GivenRays;
 
 /// Where passes run.
 #[derive(Clone)]
@@ -118,12 +121,6 @@ pub struct Renderer {
     unfinished: u64,
     /// Passes were submitted whose results are not in `passes`: a caller dropped the future that waited.
     is_ahead: bool,
-}
-
-/// Rays from outside, as streams, and the exponent of each one's t.
-struct GivenRays {
-    streams: [StreamData; 3],
-    exponents: Vec<i32>,
 }
 
 impl Renderer {
@@ -445,29 +442,5 @@ impl Renderer {
             })
         };
         Ok((0..self.plan.rays as usize).map(hit_of).collect())
-    }
-}
-
-impl GivenRays {
-    fn new(rays: &[crate::options::Ray], plan: &Plan, data: &SceneData) -> Self {
-        let texels = plan.width as usize * plan.height as usize;
-        let unwritten = |stream: Stream| StreamData {
-            stream,
-            width: plan.width,
-            height: plan.height,
-            bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
-        };
-        let mut streams = [Stream::RayOrigin, Stream::RayDirection, Stream::State].map(unwritten);
-        let mut exponents = Vec::with_capacity(rays.len());
-        for (i, ray) in rays.iter().take(texels).enumerate() {
-            let (ray, exponent) = traced_ray(ray, data.units);
-            for axis in 0..3 {
-                streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();
-                streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
-            }
-            streams[2].bits[i] = state::TRAV_SETUP;
-            exponents.push(exponent);
-        }
-        Self { streams, exponents }
     }
 }

@@ -2,6 +2,7 @@
 //! part is worked out once. In f64, whose rounding is far below what the cells are grown by.
 
 use crate::shared::grid_walk::Grid;
+use crate::vec64::{cross, dot, sub};
 
 /// A triangle prepared against boxes of one size.
 pub(super) struct Overlap {
@@ -81,16 +82,4 @@ impl Overlap {
     fn covers(&self, axis: usize, ci: f64, cj: f64) -> bool {
         self.edges[axis].iter().all(|&[ni, nj, offset]| ni * ci + nj * cj + offset >= 0.0)
     }
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -1,0 +1,192 @@
+//! What cannot be planned: images, scenes and rays that do not fit, with the numbers.
+
+use raystep_scenes::{Projection, Scene};
+
+use super::{Bytes, Limits};
+use crate::grid::GridError;
+use crate::options::{Options, RaySource};
+use crate::scene_data::traced_camera;
+use crate::shader::ShaderError;
+use crate::units::Units;
+
+/// A run that cannot be planned.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The image has no pixels, or more than fit.
+    #[error(
+        "an image of {width}x{height} pixels cannot be traced here: each side must be 1 to {side}, and their product at most {rays}"
+    )]
+    ImageSize {
+        /// Pixels a row.
+        width: u64,
+        /// Rows.
+        height: u64,
+        /// Largest side.
+        side: u32,
+        /// Most pixels.
+        rays: u64,
+    },
+    /// A buffer is larger than the adapter binds.
+    #[error("{name} needs {} in one buffer, the adapter binds at most {}: {} too many", Bytes(*bytes), Bytes(*limit), Bytes(bytes - limit))]
+    BufferSize {
+        /// The buffer.
+        name: &'static str,
+        /// Its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// More triangles than an id can name.
+    #[error("the scene has {0} triangles, at most {max} can be traced", max = u32::MAX / 9)]
+    TooManyTriangles(usize),
+    /// The scene is so small for its distance from the origin that f32 cannot tell its points apart.
+    #[error(
+        "the scene's points are not finite, or are a hundred million times farther from the origin than from each other: move the scene to the origin"
+    )]
+    Extent,
+    /// The camera cannot make rays.
+    #[error("the camera cannot make rays: {0}")]
+    Camera(String),
+    /// A ray that was given cannot be traced.
+    #[error("ray {index} cannot be traced: {reason}")]
+    Ray {
+        /// Its place in the list.
+        index: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// An attribute of the scene has the wrong number of entries.
+    #[error("the scene has {triangles} triangles, but {entries} entries of {name}")]
+    Attribute {
+        /// The attribute.
+        name: &'static str,
+        /// Its entries.
+        entries: usize,
+        /// Triangles.
+        triangles: usize,
+    },
+    /// A texture whose texels do not match its size, or more texels than can be indexed.
+    #[error(
+        "texture {index} of {width}x{height} has {texels} texels; they must match, and all textures together have at most {MAX_TEXELS}"
+    )]
+    Texture {
+        /// Its place in the scene.
+        index: usize,
+        /// Texels a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Texels that it has.
+        texels: usize,
+    },
+    /// The grid cannot be built.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// A kernel of ours is wrong.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+}
+
+/// Most texels of all textures: two words each must have a 32-bit index, and a row's product a sign.
+pub const MAX_TEXELS: u64 = 1 << 30;
+
+pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32, u64), PlanError> {
+    let (width, height, rays) = match &options.rays {
+        RaySource::Camera { width, height, .. } => {
+            (u64::from(*width), u64::from(*height), u64::from(*width) * u64::from(*height))
+        }
+        RaySource::Given(rays) => {
+            let width = (rays.len() as u64).clamp(1, 4096.min(u64::from(limits.image_side)));
+            (width, (rays.len() as u64).div_ceil(width).max(1), rays.len() as u64)
+        }
+    };
+    let side = u64::from(limits.image_side);
+    if width == 0 || height == 0 || width > side || height > side || width * height > limits.rays {
+        return Err(PlanError::ImageSize { width, height, side: limits.image_side, rays: limits.rays });
+    }
+    Ok((width as u32, height as u32, rays))
+}
+
+/// Farthest coordinate in traced units, where the scene's extent is 1 to 2. From 2²⁴ on, f32 does not see
+/// the scene's extent at all; up to here, t stays far below [`crate::shared::constants::INF`] even along an
+/// axis that a ray is nearly parallel to.
+const FARTHEST: f64 = (1u64 << 28) as f64;
+
+pub(super) fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> {
+    let bounds = scene.bounds();
+    let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3().max_element() * units.scale();
+    if !scene.triangles.is_empty() && (farthest.is_nan() || farthest > FARTHEST) {
+        return Err(PlanError::Extent);
+    }
+
+    let triangles = scene.triangles.len();
+    if triangles > (u32::MAX / 9) as usize {
+        return Err(PlanError::TooManyTriangles(triangles));
+    }
+    let attributes = [
+        ("normals", scene.normals.as_ref().map(Vec::len)),
+        ("texcoords", scene.texcoords.as_ref().map(Vec::len)),
+        ("colors", scene.colors.as_ref().map(Vec::len)),
+        ("triangle_materials", Some(scene.triangle_materials.len())),
+    ];
+    for (name, entries) in attributes {
+        if let Some(entries) = entries.filter(|&n| n != triangles) {
+            return Err(PlanError::Attribute { name, entries, triangles });
+        }
+    }
+    let mut all_texels = 0;
+    for (index, t) in scene.textures.iter().enumerate() {
+        let (width, height, texels) = (t.width, t.height, t.texels.len());
+        let size = u64::from(width) * u64::from(height);
+        all_texels += size.min(MAX_TEXELS + 1);
+        if size == 0 || size != texels as u64 || all_texels > MAX_TEXELS {
+            return Err(PlanError::Texture { index, width, height, texels });
+        }
+    }
+    let out_of_range = scene.triangle_materials.iter().any(|&m| m as usize >= scene.materials.len());
+    let missing = scene.materials.iter().filter_map(|m| m.texture).any(|t| t as usize >= scene.textures.len());
+    if scene.materials.is_empty() || out_of_range || missing {
+        return Err(PlanError::Attribute { name: "materials", entries: scene.materials.len(), triangles });
+    }
+    Ok(())
+}
+
+pub(super) fn check_rays(options: &Options, units: Units) -> Result<(), PlanError> {
+    match &options.rays {
+        RaySource::Camera { camera, width, height } => {
+            let positive = match camera.projection {
+                Projection::Perspective { vertical_fov } => vertical_fov > 0.0 && vertical_fov < std::f64::consts::PI,
+                Projection::Orthographic { half_height } => half_height > 0.0,
+            };
+            if !positive {
+                return Err(PlanError::Camera("its field of view is not between 0 and 180 degrees".into()));
+            }
+            let c = traced_camera(camera, units, *width, *height);
+            let in_range = |v: &f32| v.is_finite() && f64::from(v.abs()) <= FARTHEST;
+            if ![c.eye, c.right, c.up, c.forward].iter().flatten().all(in_range) {
+                return Err(PlanError::Camera("it is too far from the scene for its size, or not finite".into()));
+            }
+            Ok(())
+        }
+        RaySource::Given(rays) => {
+            for (index, ray) in rays.iter().enumerate() {
+                let traced = ray.origin.map(|v| units.to_traced(v));
+                if ray.direction.iter().chain(&ray.origin).any(|v| !v.is_finite()) {
+                    return Err(PlanError::Ray { index, reason: "a component is not finite" });
+                }
+                if ray.direction == [0.0; 3] {
+                    return Err(PlanError::Ray { index, reason: "its direction is 0" });
+                }
+                if traced.iter().any(|v| v.is_nan() || f64::from(v.abs()) > FARTHEST) {
+                    return Err(PlanError::Ray { index, reason: "its origin is too far from the scene for its size" });
+                }
+            }
+            Ok(())
+        }
+    }
+}
+
+pub(super) fn check_buffer(name: &'static str, bytes: u64, limits: &Limits) -> Result<(), PlanError> {
+    let limit = limits.storage_bytes;
+    if bytes > limit { Err(PlanError::BufferSize { name, bytes, limit }) } else { Ok(()) }
+}

@@ -1,0 +1,113 @@
+//! Which options of the kernels a run needs, and why it does without the rest.
+
+use raystep_scenes::{Light, Projection, Scene};
+
+use super::{Because, LeftOut, Plan};
+use crate::buffer::BUFFERS;
+use crate::features::Features;
+use crate::kernel::{KERNELS, Kernel};
+use crate::options::{Accelerator, Numerics, Options, RaySource};
+use crate::scene_data::traced_camera;
+use crate::stream::{STREAMS, Stream};
+use crate::units::Units;
+
+/// Decides every option of the kernels.
+pub(super) fn features(scene: &Scene, options: &Options, units: Units) -> Features {
+    let keep = options.keep_all;
+    let inside = match &options.rays {
+        RaySource::Camera { camera, width, height } => {
+            let c = traced_camera(camera, units, *width, *height);
+            let spread = match camera.projection {
+                Projection::Perspective { .. } => [0.0; 3],
+                Projection::Orthographic { .. } => [0, 1, 2].map(|a| c.right[a].abs() + c.up[a].abs()),
+            };
+            let bounds = scene.bounds();
+            let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
+            !bounds.is_empty()
+                && (0..3).all(|a| {
+                    c.eye[a] - spread[a] > units.to_traced(min[a]) && c.eye[a] + spread[a] < units.to_traced(max[a])
+                })
+        }
+        RaySource::Given(_) => false,
+    };
+    let any_light = |f: fn(&Light) -> bool| keep || scene.lights.iter().any(f);
+    let any_material = |f: fn(&raystep_scenes::Material) -> bool| keep || scene.materials.iter().any(f);
+    Features {
+        robust: options.numerics == Numerics::Robust,
+        grid: options.accelerator == Accelerator::Grid,
+        clip: keep || !inside,
+        perspective: match &options.rays {
+            RaySource::Camera { camera, .. } => matches!(camera.projection, Projection::Perspective { .. }),
+            RaySource::Given(_) => true,
+        },
+        counters: options.counters,
+        normals: keep || scene.normals.is_some(),
+        textures: (keep || scene.texcoords.is_some()) && any_material(|m| m.texture.is_some()),
+        vertex_colors: keep || scene.colors.is_some(),
+        many_materials: keep || scene.materials.len() > 1,
+        emissive: any_material(|m| m.emissive != [0.0; 3]),
+        double_sided: any_material(|m| m.double_sided),
+        many_lights: keep || scene.lights.len() > 1,
+        directional_lights: any_light(|l| matches!(l, Light::Directional { .. })),
+        spot_lights: any_light(|l| matches!(l, Light::Spot { .. })),
+    }
+}
+
+/// Everything that the tables have and the plan has not.
+pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
+    use Because::{Options as O, Scene as S, View as V};
+    let mut all = Vec::new();
+    let mut add =
+        |what: String, (because, reason): (Because, &'static str)| all.push(LeftOut { what, because, reason });
+    let no_grid = (O, "--accelerator none");
+    let no_shade = (V, "the result wanted is the hits, not the image");
+    for k in KERNELS.iter().filter(|k| plan.variant(k.kernel).is_none()) {
+        let why = match k.kernel {
+            Kernel::Generate => (V, "the rays are given"),
+            Kernel::TraverseGrid => no_grid,
+            _ => no_shade,
+        };
+        add(format!("kernel {}", k.name), why);
+    }
+    for s in STREAMS.iter().filter(|s| !plan.has_stream(s.stream)) {
+        let why = match s.stream {
+            Stream::Counters => (O, "counters are not asked for"),
+            Stream::Color => no_shade,
+            _ => no_grid,
+        };
+        add(format!("stream {}", s.name), why);
+    }
+    for b in BUFFERS.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
+        let why = match b.name {
+            "camera" => (V, "the rays are given"),
+            "scene" => (O, "the grid's lists have their own ends"),
+            "grid" | "grid_cells" | "grid_items" => no_grid,
+            _ if !options.shade => no_shade,
+            "normals" => (S, "no vertex normals: shading is flat"),
+            "vertices" => (S, "every triangle has vertex normals"),
+            "texcoords" | "textures" | "texels" => (S, "no base colour texture"),
+            "vertex_colors" => (S, "no vertex colours"),
+            "triangle_materials" => (S, "one material"),
+            _ => (S, "nothing refers to it"),
+        };
+        add(format!("buffer {}", b.name), why);
+    }
+    let f = &plan.features;
+    if f.grid && f.robust && !f.clip {
+        add("code that clips rays to the grid".into(), (S, "the camera is inside the grid"));
+    }
+    if options.shade {
+        let one = if scene.lights.is_empty() { "no light: one headlight" } else { "one light" };
+        let code = [
+            (f.many_lights, "code for more than one light", one),
+            (f.directional_lights, "code for directional lights", "no directional light"),
+            (f.spot_lights, "code for spot lights", "no spot light"),
+            (f.emissive, "code for emitted light", "no emissive material"),
+            (f.double_sided, "code for double-sided materials", "no double-sided material"),
+        ];
+        for (_, what, reason) in code.into_iter().filter(|(kept, ..)| !kept) {
+            add(what.into(), (S, reason));
+        }
+    }
+    all
+}

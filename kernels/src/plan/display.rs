@@ -1,0 +1,75 @@
+//! The plan as `raystep plan` prints it.
+
+use std::fmt;
+
+use super::{Because, Plan};
+use crate::buffer;
+use crate::shader::Resource;
+use crate::state;
+
+/// A byte count as people read it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bytes(pub u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let units = [(1u64 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB")];
+        match units.iter().find(|(size, _)| self.0 >= *size) {
+            Some((size, name)) => write!(f, "{:.1} {name}", self.0 as f64 / *size as f64),
+            None => write!(f, "{} bytes", self.0),
+        }
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} x {} texels, {} rays, {} triangles", self.width, self.height, self.rays, self.triangles)?;
+        writeln!(f, "\nkernels")?;
+        for variant in &self.variants {
+            let info = variant.kernel.info();
+            let states: Vec<_> = info.active.iter().map(|&t| state::name(t)).collect();
+            writeln!(f, "  {:<14} {} (rays in {})", info.name, info.summary, states.join(", "))?;
+            for binding in &variant.bindings {
+                let access = match (binding.reads, binding.writes) {
+                    (true, true) => "updates",
+                    (false, true) => "writes ",
+                    _ => "reads  ",
+                };
+                let kind = match binding.resource {
+                    Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
+                    Resource::Uniform => "uniform",
+                    Resource::Storage => "buffer",
+                };
+                writeln!(f, "    {access} {kind:<7} {}", binding.name)?;
+            }
+        }
+        writeln!(f, "\nstreams")?;
+        for s in &self.streams {
+            let info = s.what.info();
+            writeln!(
+                f,
+                "  {:<18} {:>10}  {}  [{}]",
+                info.name,
+                Bytes(s.bytes).to_string(),
+                info.layers.join(" "),
+                info.unit
+            )?;
+        }
+        writeln!(f, "\nbuffers")?;
+        for b in &self.buffers {
+            let element = buffer::info(b.what).map_or("rays per state, one slot a pass", |i| i.element);
+            writeln!(f, "  {:<18} {:>10}  {element}", b.what, Bytes(b.bytes).to_string())?;
+        }
+        writeln!(f, "  {:<18} {:>10}", "in all", Bytes(self.bytes()).to_string())?;
+        writeln!(f, "\nleft out")?;
+        for item in &self.left_out {
+            let because = match item.because {
+                Because::Scene => "scene",
+                Because::Options => "options",
+                Because::View => "view",
+            };
+            writeln!(f, "  {:<34} by {because:<8} {}", item.what, item.reason)?;
+        }
+        Ok(())
+    }
+}

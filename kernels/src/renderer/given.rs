@@ -1,0 +1,37 @@
+//! Rays from outside: what `generate` would have written.
+
+use crate::options::Ray;
+use crate::plan::Plan;
+use crate::scene_data::{SceneData, traced_ray};
+use crate::state;
+use crate::stream::{Stream, StreamData};
+
+/// Rays from outside, as streams, and the exponent of each one's t.
+pub(super) struct GivenRays {
+    pub(super) streams: [StreamData; 3],
+    pub(super) exponents: Vec<i32>,
+}
+
+impl GivenRays {
+    pub(super) fn new(rays: &[Ray], plan: &Plan, data: &SceneData) -> Self {
+        let texels = plan.width as usize * plan.height as usize;
+        let unwritten = |stream: Stream| StreamData {
+            stream,
+            width: plan.width,
+            height: plan.height,
+            bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
+        };
+        let mut streams = [Stream::RayOrigin, Stream::RayDirection, Stream::State].map(unwritten);
+        let mut exponents = Vec::with_capacity(rays.len());
+        for (i, ray) in rays.iter().take(texels).enumerate() {
+            let (ray, exponent) = traced_ray(ray, data.units);
+            for axis in 0..3 {
+                streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();
+                streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
+            }
+            streams[2].bits[i] = state::TRAV_SETUP;
+            exponents.push(exponent);
+        }
+        Self { streams, exponents }
+    }
+}
