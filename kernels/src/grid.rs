@@ -210,7 +210,7 @@ fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
 
 /// Triangles whose references are gathered before they are counted or listed, and the most references:
 /// few enough that the cells they touch stay in a core's cache.
-const BATCH: usize = 512;
+const BATCH: usize = 256;
 const BATCH_REFERENCES: usize = 1 << 14;
 
 /// How many triangles each cell will list, or `None` once they are more than `limit` in all.

@@ -30,9 +30,10 @@ impl Overlap {
         for a in 0..3 {
             let min = p[0][a].min(p[1][a]).min(p[2][a]) - growth;
             let max = p[0][a].max(p[1][a]).max(p[2][a]) + growth;
-            // `as` saturates, so a cell far outside is clamped, not wrapped.
-            low[a] = (((min - corner[a]) / width[a]).floor() as i32).clamp(0, grid.cells[a] - 1);
-            high[a] = (((max - corner[a]) / width[a]).floor() as i32).clamp(0, grid.cells[a] - 1);
+            // `as` saturates, so a cell far outside is clamped, not wrapped; it truncates, which is floor where
+            // it matters, and no call on processors that have no instruction for that.
+            low[a] = (((min - corner[a]) / width[a]) as i32).clamp(0, grid.cells[a] - 1);
+            high[a] = (((max - corner[a]) / width[a]) as i32).clamp(0, grid.cells[a] - 1);
         }
         let half = width.map(|w| w * 0.5 + growth);
         let edge = [sub(p[1], p[0]), sub(p[2], p[1]), sub(p[0], p[2])];
