@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, ScheduleKind};
 
 /// Which file.
 #[derive(Args, Debug)]
@@ -24,6 +24,14 @@ pub(crate) struct ViewArgs {
     /// Pixels a row and rows
     #[arg(long, value_name = "WxH", default_value = "512x512")]
     pub(crate) size: Size,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+}
+
+/// What is seen.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Scene and view")]
+pub(crate) struct CameraArgs {
     /// One of the scene's cameras, counted from 0 [default: 0, or one that frames the scene]
     #[arg(long, value_name = "N", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
     pub(crate) camera: Option<usize>,
@@ -52,6 +60,16 @@ pub(crate) struct RunArgs {
     /// in turn (second)
     #[arg(long, default_value = "second", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
     pub(crate) schedule: ScheduleKind,
+    #[command(flatten)]
+    pub(crate) tuning: TuningArgs,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+/// What else decides how rays are traced: all but the two choices that 'bench' makes itself.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Tracing")]
+pub(crate) struct TuningArgs {
     /// Rules for planes, steps and hits: no wrong hits but ties (robust), or the paper's, a baseline that
     /// wants the eye inside of the grid (else all rays miss)
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
@@ -62,8 +80,13 @@ pub(crate) struct RunArgs {
     /// Leave nothing out of the plan, to see what leaving out saves
     #[arg(long)]
     pub(crate) keep_all: bool,
-    #[command(flatten)]
-    pub(crate) device: DeviceArgs,
+}
+
+impl TuningArgs {
+    /// A run's options, with the default accelerator and schedule.
+    pub(crate) fn options(&self, rays: RaySource) -> Options {
+        Options { numerics: self.numerics, grid: self.grid, keep_all: self.keep_all, ..Options::new(rays) }
+    }
 }
 
 /// Where passes run.
@@ -100,7 +123,7 @@ pub(crate) struct QuietArgs {
 }
 
 /// A parser that knows every value's name, for help and completions.
-fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
+pub(crate) fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err = raystep_kernels::options::ParseOptionError> + Copy + Send + Sync + 'static,
 {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use raystep_scenes::{Camera, LoadOptions, Projection, Resolver, Scene, load};
 
-use crate::args::{SceneArgs, Vector, ViewArgs};
+use crate::args::{CameraArgs, SceneArgs, Vector};
 use crate::error::Error;
 use crate::output::{folder_of, reason};
 
@@ -101,7 +101,7 @@ fn usable_up(wanted: DVec3, forward: DVec3) -> DVec3 {
 }
 
 /// The camera that the options ask for, and a note where it is not quite that.
-pub(crate) fn camera(args: &ViewArgs, scene: &Scene) -> Result<(Camera, Option<String>), Error> {
+pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option<String>), Error> {
     if let (Some(eye), Some(target)) = (args.eye, args.look_at) {
         let fov = args.fov.unwrap_or(DEFAULT_FOV_DEG);
         if !(fov > 0.0 && fov < 180.0) {

@@ -72,7 +72,7 @@ impl Session {
         for note in &scene.notes {
             progress.say(format_args!("note: {}", note.0));
         }
-        let (camera, note) = scene_file::camera(view, &scene)?;
+        let (camera, note) = scene_file::camera(&view.camera, &scene)?;
         if let Some(note) = note {
             progress.say(format_args!("note: {note}"));
         }
@@ -81,14 +81,7 @@ impl Session {
         let chosen = device::choose(&run.device)?;
         watch.lap("device");
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
-        let mut options = Options {
-            accelerator: run.accelerator,
-            schedule: run.schedule,
-            numerics: run.numerics,
-            grid: run.grid,
-            keep_all: run.keep_all,
-            ..Options::new(rays)
-        };
+        let mut options = Options { accelerator: run.accelerator, schedule: run.schedule, ..run.tuning.options(rays) };
         adjust(&mut options);
         progress.stage("planning and building the grid");
         let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
