@@ -11,6 +11,7 @@
 //! | [`json`] | JSON | the run's summary |
 //! | [`plan`] | JSON | what a run needs and leaves out |
 //! | [`trace`] | table, CSV, JSON | one ray's life, pass by pass |
+//! | [`trace_events`] | JSON | a run as Chrome trace events, for Perfetto |
 
 pub mod csv;
 pub mod exr;
@@ -18,3 +19,4 @@ pub mod json;
 pub mod npy;
 pub mod plan;
 pub mod trace;
+pub mod trace_events;

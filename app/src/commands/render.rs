@@ -8,6 +8,7 @@ use clap::Args;
 use image::ImageEncoder as _;
 use raystep_kernels::export::csv::{PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
+use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
 use raystep_kernels::reference::{Report, check_rays};
 use raystep_kernels::{Image, Numerics, RayHit, Stream};
@@ -33,7 +34,8 @@ Examples:
   raystep render scenes/teapot.glb -o teapot.exr --size 1920x1080 --device cpu
   raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
   raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
-  raystep render scenes/cornell-box.gltf -o box.png --passes-csv passes.csv --summary-json run.json")]
+  raystep render scenes/cornell-box.gltf -o box.png --passes-csv passes.csv --summary-json run.json
+  raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   (open it at ui.perfetto.dev)")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -43,6 +45,9 @@ pub(crate) struct RenderArgs {
     /// Time every pass, and write one row a pass
     #[arg(long, value_name = "F")]
     passes_csv: Option<PathBuf>,
+    /// Time every pass, and write a trace that Perfetto opens: passes as slices, rays in each state as counters
+    #[arg(long, value_name = "F")]
+    trace_json: Option<PathBuf>,
     /// Write what the run did
     #[arg(long, value_name = "F")]
     summary_json: Option<PathBuf>,
@@ -77,16 +82,20 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     };
     let target = Target::new(&args.output)?;
     let optional = |path: &Option<PathBuf>| path.as_deref().map(Target::new).transpose();
-    let (passes_target, summary_target) = (optional(&args.passes_csv)?, optional(&args.summary_json)?);
-    let targets = [Some(&target), passes_target.as_ref(), summary_target.as_ref()];
+    let (passes_target, trace_target) = (optional(&args.passes_csv)?, optional(&args.trace_json)?);
+    let summary_target = optional(&args.summary_json)?;
+    let targets = [Some(&target), passes_target.as_ref(), trace_target.as_ref(), summary_target.as_ref()];
     refuse_doubles(&targets)?;
 
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.counters = args.counters;
-        options.timings = args.passes_csv.is_some();
+        options.timings = args.passes_csv.is_some() || args.trace_json.is_some();
     })?;
     refuse_inputs(&targets, &session.inputs)?;
+    if session.options.timings && session.chosen.timer().is_none() {
+        progress.say("note: this adapter has no timestamps: the passes' times are unknown");
+    }
     let mut running = session.start(&progress)?;
     let work = trace(&mut running, args.counters && args.passes_csv.is_some(), &progress)?;
     running.watch.lap("trace");
@@ -102,6 +111,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     let mut files = vec![(target, encode(format, &image, &hits, &running, &args.output)?)];
     if let Some(target) = passes_target {
         files.push((target, passes_csv(&running, work.as_deref())?));
+    }
+    if let Some(target) = trace_target {
+        let events = trace_events(&running.run_context(), running.renderer.passes());
+        files.push((target, super::json_text(&events)?.into_bytes()));
     }
     running.watch.lap("encode");
     let summary = summary::of(&running, json::hit_count(&hits), counters, report.as_ref());

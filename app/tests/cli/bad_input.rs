@@ -44,6 +44,7 @@ fn wrong_usage_is_code_2() {
         ("has no length", &["render", &file, "-o", "a.png", "--eye", "0,0,1", "--look-at", "0,0,0", "--up", "0,0,0"]),
         ("--device cpu uses none", &["render", &file, "-o", "a.png", "--device", "cpu", "--adapter", "x"]),
         ("two outputs", &["render", &file, "-o", "a.png", "--passes-csv", "./a.png"]),
+        ("two outputs", &["render", &file, "-o", "a.png", "--passes-csv", "t", "--trace-json", "t"]),
         ("0,0 to 511,511", &["trace", &file, "--pixel", "512,0"]),
         ("0,0 to 7,7", &["trace", &file, "--pixel", "0,8", "--size", "8x8"]),
         ("--pixel", &["trace", &file]),

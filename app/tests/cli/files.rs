@@ -133,6 +133,38 @@ fn passes_csv_reads_strictly_and_adds_up() {
 }
 
 #[test]
+fn trace_json_loads_as_trace_events_and_adds_up() {
+    let place = Place::new();
+    for device in ["cpu", "gpu"] {
+        let files = ["-o", "a.png", "--trace-json", "trace.json", "--passes-csv", "passes.csv"];
+        place.ok(&[&["render", &cornell_box(), "--size", "24x16", "--device", device], &files[..]].concat());
+        let trace: Value = serde_json::from_slice(&place.read("trace.json")).expect("JSON");
+        let events = trace["traceEvents"].as_array().expect("events");
+        let slices =
+            |category: &str| events.iter().filter(|e| e["cat"] == category && e["ph"] == "X").collect::<Vec<_>>();
+        let sum = |slices: &[&Value]| slices.iter().map(|e| e["dur"].as_f64().expect("a length")).sum::<f64>();
+        let about = |name: &str| trace["otherData"][name].as_f64().expect("a number");
+        let bytes = place.read("passes.csv");
+        let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(bytes.as_slice());
+        let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+        assert_eq!(slices("pass").len(), rows.len(), "{device}: every pass has its time");
+        for (slice, row) in slices("pass").iter().zip(&rows) {
+            assert_eq!(
+                (&slice["name"], &slice["args"]["rays_in"]),
+                (&row[13].into(), &row[17].parse::<u64>().expect("rays").into())
+            );
+            let begin_ns: f64 = row[14].parse().expect("a time");
+            assert!((slice["ts"].as_f64().expect("a time") * 1000.0 - begin_ns).abs() < 0.01);
+        }
+        let whole = sum(&slices("pass")) + sum(&slices("gap")) - about("overlaps_us");
+        assert!((whole - about("whole_us")).abs() < 1e-3 && whole > 0.0, "{device}: {whole} {}", about("whole_us"));
+        // Every ray ends DONE, and the last word of its counter says so.
+        let done = events.iter().rfind(|e| e["ph"] == "C" && e["name"] == "rays in DONE").expect("a counter");
+        assert_eq!(done["args"]["rays"], 24 * 16);
+    }
+}
+
+#[test]
 fn without_timers_the_time_is_null() {
     let place = Place::new();
     place.ok(&[

@@ -1,0 +1,329 @@
+//! A run's passes as Chrome trace events, which Perfetto and `chrome://tracing` open.
+//!
+//! Google, "Trace Event Format", 2016: complete events (`ph` X) on one thread are the passes, on a second the
+//! gaps between them; counter events (C) are the rays in each state after a pass; metadata events (M) name
+//! them all. `ts` and `dur` are microseconds from the beginning of the first pass.
+//!
+//! A pass without a valid time is left out, and so is one that begins before the one before it: its time lies
+//! in the gap, and `passes_without_times` counts it. On a device that overlaps passes, what two of them share
+//! is no gap but an overlap, so that always
+//!
+//! `whole_us` = `passes_us` + `gaps_us` − `overlaps_us`.
+//!
+//! In a gap the device counts rays and copies the counts, waits for the host, or runs passes that were
+//! submitted ahead for rays that are no longer there.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::csv::{RunContext, rays_out};
+use crate::renderer::Pass;
+use crate::state::{self, COUNT, StateCounts};
+
+/// One run is one process.
+const PROCESS: u32 = 1;
+/// The track of passes.
+const PASSES: u32 = 1;
+/// The track of gaps.
+const GAPS: u32 = 2;
+
+/// The file: what Perfetto reads and, in `otherData`, what it leaves alone.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct TraceEvents {
+    /// In order of time.
+    pub trace_events: Vec<Event>,
+    /// Times are shown to the nanosecond.
+    pub display_time_unit: &'static str,
+    /// What was run, and the sums.
+    pub other_data: About,
+}
+
+/// What a trace is of, and what its slices add up to.
+#[derive(Clone, Debug, Serialize)]
+pub struct About {
+    /// raystep's version.
+    pub raystep_version: &'static str,
+    /// As in `passes.csv`.
+    pub run_id: String,
+    /// As in `passes.csv`.
+    pub scene: String,
+    /// As in `passes.csv`.
+    pub accelerator: &'static str,
+    /// As in `passes.csv`.
+    pub schedule: &'static str,
+    /// As in `passes.csv`.
+    pub numerics: &'static str,
+    /// As in `passes.csv`.
+    pub device: String,
+    /// Texels a row.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// The clock, as in `passes.csv`; `null` where passes were not timed.
+    pub timer_source: Option<&'static str>,
+    /// From the beginning of the first pass to the end of the last.
+    pub whole_us: f64,
+    /// Sum of the passes.
+    pub passes_us: f64,
+    /// Sum of the gaps between passes.
+    pub gaps_us: f64,
+    /// Sum of what passes share with those before them.
+    pub overlaps_us: f64,
+    /// Passes that are left out, as their times are unknown or not valid.
+    pub passes_without_times: usize,
+}
+
+/// One event.
+#[derive(Clone, Debug, Serialize)]
+pub struct Event {
+    /// What is shown.
+    pub name: String,
+    /// `pass`, `gap`, `rays` or `__metadata`.
+    pub cat: &'static str,
+    /// `X`, `C` or `M`.
+    pub ph: char,
+    /// Begin, microseconds.
+    pub ts: f64,
+    /// Length, microseconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dur: Option<f64>,
+    /// Process.
+    pub pid: u32,
+    /// Thread.
+    pub tid: u32,
+    /// Details.
+    pub args: BTreeMap<&'static str, serde_json::Value>,
+}
+
+/// Sums of a run's times, nanoseconds: `whole = passes + gaps - overlaps`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Sums {
+    passes: u64,
+    gaps: u64,
+    overlaps: u64,
+}
+
+/// A run's passes, in their order.
+#[must_use]
+pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
+    let timed = timed(passes);
+    let name = format!("raystep: {}, {} {}, {}", run.scene, run.accelerator, run.schedule, run.device);
+    let mut events = vec![
+        named("process_name", PASSES, name),
+        named("thread_name", PASSES, "passes".into()),
+        named("thread_name", GAPS, "between passes".into()),
+    ];
+    let start = timed.first().map_or(0, |&(_, begin, _)| begin);
+    let (mut sums, mut latest_end) = (Sums::default(), start);
+    let mut shown: StateCounts = [0; COUNT];
+    for &(pass, begin, duration) in &timed {
+        let (begin, end) = (begin - start, begin - start + duration);
+        let latest = latest_end - start;
+        if begin > latest {
+            events.push(slice("gap".into(), "gap", GAPS, latest, begin - latest, BTreeMap::new()));
+            sums.gaps += begin - latest;
+        }
+        sums.overlaps += latest.min(end).saturating_sub(begin);
+        sums.passes += duration;
+        latest_end = start + latest.max(end);
+        let args = [
+            ("pass", pass.index.into()),
+            ("iteration", pass.iteration.into()),
+            ("rays_in", pass.rays_in.into()),
+            ("rays_out", rays_out(pass).into()),
+        ];
+        events.push(slice(pass.kernel.name().into(), "pass", PASSES, begin, duration, args.into()));
+        for (tag, &rays) in pass.counts.iter().enumerate() {
+            // A counter keeps its value until the next event.
+            if rays != std::mem::replace(&mut shown[tag], rays) {
+                let args = BTreeMap::from([("rays", rays.into())]);
+                let name = format!("rays in {}", state::name(tag as u32));
+                events.push(Event { ph: 'C', dur: None, ..slice(name, "rays", PASSES, end, 0, args) });
+            }
+        }
+    }
+    TraceEvents {
+        trace_events: events,
+        display_time_unit: "ns",
+        other_data: About {
+            raystep_version: env!("CARGO_PKG_VERSION"),
+            run_id: run.run_id.clone(),
+            scene: run.scene.clone(),
+            accelerator: run.accelerator,
+            schedule: run.schedule,
+            numerics: run.numerics,
+            device: run.device.clone(),
+            width_px: run.width_px,
+            height_px: run.height_px,
+            timer_source: run.timer.map(super::csv::Timer::name),
+            whole_us: us(latest_end - start),
+            passes_us: us(sums.passes),
+            gaps_us: us(sums.gaps),
+            overlaps_us: us(sums.overlaps),
+            passes_without_times: passes.len() - timed.len(),
+        },
+    }
+}
+
+/// The passes with times that can be, their begin and duration.
+fn timed(passes: &[Pass]) -> Vec<(&Pass, u64, u64)> {
+    let mut before = 0;
+    let valid = passes.iter().filter_map(|pass| {
+        let (begin, duration) = pass.begin_ns.zip(pass.duration_ns)?;
+        begin.checked_add(duration).filter(|_| begin >= before)?;
+        before = begin;
+        Some((pass, begin, duration))
+    });
+    valid.collect()
+}
+
+fn us(ns: u64) -> f64 {
+    ns as f64 / 1000.0
+}
+
+fn slice(
+    name: String,
+    cat: &'static str,
+    tid: u32,
+    begin_ns: u64,
+    duration_ns: u64,
+    args: BTreeMap<&'static str, serde_json::Value>,
+) -> Event {
+    Event { name, cat, ph: 'X', ts: us(begin_ns), dur: Some(us(duration_ns)), pid: PROCESS, tid, args }
+}
+
+fn named(what: &str, tid: u32, name: String) -> Event {
+    let args = BTreeMap::from([("name", name.into())]);
+    Event { ph: 'M', dur: None, ..slice(what.into(), "__metadata", tid, 0, 0, args) }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use super::*;
+    use crate::kernel::Kernel;
+
+    fn pass(index: usize, time: Option<(u64, u64)>, shaded: u32) -> Pass {
+        let mut counts = [0; COUNT];
+        counts[state::SHADE as usize] = shaded;
+        counts[state::TRAV as usize] = 10 - shaded;
+        Pass {
+            index,
+            iteration: 1,
+            kernel: Kernel::Intersect,
+            rays_in: 10,
+            counts,
+            begin_ns: time.map(|(begin, _)| begin),
+            duration_ns: time.map(|(_, duration)| duration),
+        }
+    }
+
+    fn file(times: &[Option<(u64, u64)>]) -> Value {
+        let run = RunContext {
+            run_id: "1".into(),
+            scene: "a \"b\"".into(),
+            accelerator: "grid",
+            schedule: "second",
+            numerics: "robust",
+            device: "cpu".into(),
+            width_px: 5,
+            height_px: 2,
+            repeat: 0,
+            is_warmup: false,
+            threads_launched: 64,
+            timer: Some(super::super::csv::Timer::GpuTimestamp { resolution_ns: 1.0 }),
+        };
+        let passes: Vec<_> = times.iter().enumerate().map(|(i, &time)| pass(i, time, i as u32 / 2)).collect();
+        let text = serde_json::to_string(&trace_events(&run, &passes)).expect("JSON");
+        let file: Value = serde_json::from_str(&text).expect("JSON");
+        for event in file["traceEvents"].as_array().expect("events") {
+            check(event);
+        }
+        file
+    }
+
+    /// What the format's document asks of each kind of event.
+    fn check(event: &Value) {
+        let names: Vec<_> = event.as_object().expect("an object").keys().map(String::as_str).collect();
+        let is_complete = event["ph"] == "X";
+        let all = ["args", "cat", "dur", "name", "ph", "pid", "tid", "ts"];
+        assert_eq!(names, all.into_iter().filter(|&n| is_complete || n != "dur").collect::<Vec<_>>(), "{event}");
+        assert!(event["ts"].as_f64().is_some_and(|ts| ts >= 0.0), "{event}");
+        assert_eq!(event["pid"], 1);
+        match event["ph"].as_str() {
+            Some("X") => assert!(event["dur"].as_f64().is_some_and(|dur| dur >= 0.0)),
+            Some("C") => assert!(event["args"].as_object().is_some_and(|a| a.values().all(Value::is_u64))),
+            Some("M") => assert!(event["args"]["name"].is_string()),
+            _ => panic!("{event}"),
+        }
+    }
+
+    fn sum(file: &Value, category: &str) -> f64 {
+        let events = file["traceEvents"].as_array().expect("events");
+        events.iter().filter(|e| e["cat"] == category).filter_map(|e| e["dur"].as_f64()).sum()
+    }
+
+    fn adds_up(file: &Value) {
+        let about = |name: &str| file["otherData"][name].as_f64().expect(name);
+        assert_eq!(sum(file, "pass"), about("passes_us"));
+        assert_eq!(sum(file, "gap"), about("gaps_us"));
+        let whole = about("passes_us") + about("gaps_us") - about("overlaps_us");
+        assert!((whole - about("whole_us")).abs() < 1e-9, "{file}");
+    }
+
+    #[test]
+    fn passes_and_gaps_add_up_to_the_whole() {
+        let late = 1 << 60;
+        let file = file(&[Some((late, 500)), Some((late + 700, 250)), Some((late + 950, 0)), Some((late + 2000, 3))]);
+        adds_up(&file);
+        let about = &file["otherData"];
+        assert_eq!((&about["whole_us"], &about["gaps_us"]), (&2.003.into(), &1.25.into()));
+        assert_eq!((&about["overlaps_us"], &about["passes_without_times"]), (&0.0.into(), &0.into()));
+        let events = file["traceEvents"].as_array().expect("events");
+        let second = events.iter().find(|e| e["args"]["pass"] == 1).expect("the second pass");
+        assert_eq!((&second["ts"], &second["dur"]), (&0.7.into(), &0.25.into()));
+        assert_eq!((&second["name"], &second["args"]["rays_in"]), (&"intersect".into(), &10.into()));
+        assert_eq!((&second["args"]["iteration"], &second["args"]["rays_out"]), (&1.into(), &10.into()));
+    }
+
+    #[test]
+    fn a_counter_says_when_it_changes() {
+        let file = file(&[Some((0, 10)), Some((20, 10)), Some((40, 10)), Some((60, 10))]);
+        let counters: Vec<_> =
+            file["traceEvents"].as_array().expect("events").iter().filter(|e| e["ph"] == "C").collect();
+        let rows: Vec<_> = counters
+            .iter()
+            .map(|e| {
+                (e["name"].as_str().expect("a name"), e["ts"].as_f64().expect("a time"), e["args"]["rays"].as_u64())
+            })
+            .collect();
+        let expected =
+            [("rays in TRAV", 0.01, Some(10)), ("rays in TRAV", 0.05, Some(9)), ("rays in SHADE", 0.05, Some(1))];
+        assert_eq!(rows, expected);
+    }
+
+    #[test]
+    fn overlaps_and_missing_times_are_said() {
+        let overlapping = file(&[Some((100, 100)), Some((150, 20)), Some((190, 60)), Some((240, 10)), Some((260, 5))]);
+        adds_up(&overlapping);
+        let about = &overlapping["otherData"];
+        assert_eq!((&about["whole_us"], &about["gaps_us"]), (&0.165.into(), &0.01.into()));
+        // 20 within the first, 10 of the third with the first, 10 of the fourth with the third.
+        assert_eq!(about["overlaps_us"], 0.04);
+
+        let holes = file(&[Some((100, 10)), None, Some((50, 10)), Some((u64::MAX, 10)), Some((120, 10))]);
+        adds_up(&holes);
+        let about = &holes["otherData"];
+        assert_eq!((&about["passes_without_times"], &about["whole_us"]), (&3.into(), &0.03.into()));
+
+        let none = file(&[None, None]);
+        adds_up(&none);
+        assert_eq!(
+            (&none["otherData"]["whole_us"], none["traceEvents"].as_array().map(Vec::len)),
+            (&0.0.into(), Some(3))
+        );
+    }
+}
