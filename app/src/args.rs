@@ -125,7 +125,7 @@ pub(crate) struct QuietArgs {
 /// A parser that knows every value's name, for help and completions.
 pub(crate) fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
 where
-    T: FromStr<Err = raystep_kernels::options::ParseOptionError> + Copy + Send + Sync + 'static,
+    T: FromStr<Err: std::error::Error + Send + Sync> + Copy + Send + Sync + 'static,
 {
     PossibleValuesParser::new(all.iter().map(|&v| name(v)).collect::<Vec<_>>()).try_map(|value| value.parse::<T>())
 }
@@ -143,6 +143,12 @@ fn whole_number(text: &str, most: u32, of: &str) -> Option<Result<u32, String>> 
     }
     let number = text.parse().ok().filter(|n| (1..=most).contains(n));
     Some(number.ok_or_else(|| format!("1 to {most} {of} are wanted")))
+}
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
 }
 
 /// `--size`
@@ -179,6 +185,14 @@ impl FromStr for Vector {
             .map(|part| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong))
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Self(numbers.try_into().map_err(|_| wrong())?))
+    }
+}
+
+/// As `--grid` reads it.
+pub(crate) fn grid_text(size: GridSize) -> String {
+    match size {
+        GridSize::Auto => "auto".into(),
+        GridSize::Cells([x, y, z]) => format!("{x},{y},{z}"),
     }
 }
 

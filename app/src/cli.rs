@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::commands::{completions, dump, extension, info, plan, render, scene, trace};
+use crate::commands::{bench, completions, dump, extension, info, plan, render, scene, trace};
 use crate::error::Error;
 
 /// Trace rays as a stream program, step by step, with every stream in the open
@@ -25,6 +25,7 @@ Examples:
   raystep plan scenes/cornell-box.gltf
   raystep trace scenes/cornell-box.gltf --pixel 256,256
   raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
+  raystep bench scenes/cornell-box.gltf --accelerators grid,none -o bench
   raystep info
 'raystep COMMAND --help' says more about each."
 )]
@@ -38,6 +39,7 @@ pub(crate) enum Command {
     Render(Box<render::RenderArgs>),
     Trace(Box<trace::TraceArgs>),
     Dump(Box<dump::DumpArgs>),
+    Bench(Box<bench::BenchArgs>),
     Plan(Box<plan::PlanArgs>),
     Info(info::InfoArgs),
     #[command(subcommand)]

@@ -1,5 +1,6 @@
 //! The subcommands, one file each, and what several of them need.
 
+pub(crate) mod bench;
 pub(crate) mod completions;
 pub(crate) mod dump;
 pub(crate) mod info;

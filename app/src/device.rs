@@ -51,6 +51,15 @@ impl Chosen {
         }
     }
 
+    /// Waits until the device has done everything that it was given, uploads included.
+    pub(crate) fn settle(&self) {
+        if let Some(gpu) = self.gpu() {
+            gpu.queue.submit([]);
+            // A lost device is said by whatever uses it next.
+            let _ = gpu.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None });
+        }
+    }
+
     /// Waits for a future of the library.
     pub(crate) fn wait<T>(&self, future: impl Future<Output = Result<T, RenderError>>) -> Result<T, Error> {
         Ok(block_on(self.gpu(), future)?)

@@ -29,6 +29,11 @@ impl Error {
         Self::new(message, USAGE)
     }
 
+    /// What is wrong, as part of another line.
+    pub(crate) fn message(&self) -> &str {
+        &self.message
+    }
+
     fn new(message: impl fmt::Display, code: u8) -> Self {
         // A file's name or a driver's message may hold line feeds.
         let message = message.to_string().split(['\n', '\r']).map(str::trim).collect::<Vec<_>>().join(" ");

@@ -48,6 +48,7 @@ fn run() -> Result<(), Error> {
             Command::Render(args) => commands::render::run(&args),
             Command::Trace(args) => commands::trace::run(&args),
             Command::Dump(args) => commands::dump::run(&args),
+            Command::Bench(args) => commands::bench::run(&args),
             Command::Plan(args) => commands::plan::run(&args),
             Command::Info(args) => commands::info::run(&args),
             Command::Scene(command) => commands::scene::run(&command),

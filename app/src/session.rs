@@ -7,10 +7,10 @@ use raystep_kernels::export::csv::{RunContext, cpu_threads, gpu_threads};
 use raystep_kernels::export::json::RunOptions;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{GridSize, Options, RaySource, Renderer};
+use raystep_kernels::{Options, RaySource, Renderer};
 use raystep_scenes::Scene;
 
-use crate::args::{RunArgs, SceneArgs, ViewArgs};
+use crate::args::{RunArgs, SceneArgs, ViewArgs, grid_text};
 use crate::device::{self, Chosen};
 use crate::error::Error;
 use crate::scene_file::{self, SceneFile};
@@ -87,10 +87,7 @@ impl Session {
         let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
         watch.lap("plan_and_grid");
         if misses_all(&scene, &options, &plan) {
-            progress.say(
-                "note: the paper's rules do not handle an eye outside of the grid: its rays miss everything; \
-                 put the eye inside, or use --numerics robust",
-            );
+            progress.say(format_args!("note: {MISSES_ALL}"));
         }
         Ok(Self { scene_path, scene, inputs, options, chosen, plan, data, watch })
     }
@@ -105,8 +102,12 @@ impl Session {
     }
 }
 
+/// What a user should know where the paper's rules miss everything.
+pub(crate) const MISSES_ALL: &str = "the paper's rules do not handle an eye outside of the grid: its rays miss \
+                                     everything; put the eye inside, or use --numerics robust";
+
 /// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
-fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
+pub(crate) fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
     let RaySource::Camera { camera, .. } = &options.rays else { return false };
     let (bounds, eye) = (scene.bounds(), camera.eye);
     // --keep-all keeps the code for clipping where the eye is inside too.
@@ -152,35 +153,37 @@ impl Running {
 
     /// What all rows of `passes.csv` have in common.
     pub(crate) fn run_context(&self) -> RunContext {
-        let (options, plan) = (&self.options, self.renderer.plan());
-        let threads = if self.chosen.gpu().is_some() { gpu_threads } else { cpu_threads };
-        RunContext {
-            run_id: self.run_id.clone(),
-            scene: self.scene.name.clone(),
-            accelerator: options.accelerator.name(),
-            schedule: options.schedule.name(),
-            numerics: options.numerics.name(),
-            device: self.chosen.name(),
-            width_px: plan.width,
-            height_px: plan.height,
-            repeat: 0,
-            is_warmup: false,
-            threads_launched: threads(plan.width, plan.height),
-            timer: self.chosen.timer().filter(|_| options.timings),
-        }
+        run_context(self.run_id.clone(), &self.scene, &self.options, &self.chosen, self.renderer.plan())
     }
 }
 
-/// As `--grid` reads it.
-fn grid_text(size: GridSize) -> String {
-    match size {
-        GridSize::Auto => "auto".into(),
-        GridSize::Cells([x, y, z]) => format!("{x},{y},{z}"),
+/// What all rows of a run in `passes.csv` have in common.
+pub(crate) fn run_context(
+    run_id: String,
+    scene: &Scene,
+    options: &Options,
+    chosen: &Chosen,
+    plan: &Plan,
+) -> RunContext {
+    let threads = if chosen.gpu().is_some() { gpu_threads } else { cpu_threads };
+    RunContext {
+        run_id,
+        scene: scene.name.clone(),
+        accelerator: options.accelerator.name(),
+        schedule: options.schedule.name(),
+        numerics: options.numerics.name(),
+        device: chosen.name(),
+        width_px: plan.width,
+        height_px: plan.height,
+        repeat: 0,
+        is_warmup: false,
+        threads_launched: threads(plan.width, plan.height),
+        timer: chosen.timer().filter(|_| options.timings),
     }
 }
 
 /// Differs from every other run's: the time of day and the process.
-fn run_id() -> String {
+pub(crate) fn run_id() -> String {
     let since_1970 = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     format!("{:x}-{:x}", since_1970.as_nanos(), std::process::id())
 }

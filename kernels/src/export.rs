@@ -8,7 +8,7 @@
 //! | [`npy`] | NumPy `.npy` | one stream, bit for bit, (layer, row, column) |
 //! | [`exr`] | OpenEXR | the image with what each ray hit beside it; or one stream, a channel a layer |
 //! | [`csv`] | `passes.csv` | one row a pass |
-//! | [`bench`] | `summary.csv` | one row a configuration of a benchmark |
+//! | [`mod@bench`] | `summary.csv` | one row a configuration of a benchmark |
 //! | [`json`] | JSON | the run's summary |
 //! | [`plan`] | JSON | what a run needs and leaves out |
 //! | [`trace`] | table, CSV, JSON | one ray's life, pass by pass |

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
 //! | `run_id` | the configuration's own, the same in its rows of `passes.csv` |
-//! | `scene`, `scene_hash`, `triangles` | name, [`Hash`] of the files that it was read from, size |
+//! | `scene`, `scene_hash`, `triangles` | name, [`struct@Hash`] of the files that it was read from, size |
 //! | `accelerator` … `tuning` | how it was traced; `tuning` has the other options that decide a run's speed |
 //! | `rays_kind` … `height_px` | which rays, on what, and of how large an image |
 //! | `rays` | traced a run: a pixel without a hit sends no bounce or shadow ray |
@@ -21,7 +21,7 @@
 //! | `useful_steps_per_thread` | rays worked on by threads launched, over all passes |
 //! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells visited, triangles tested, tests of a triangle that the ray had met before; counted in a run of its own, where the schedule can count |
 //! | `bytes_per_triangle` | of the acceleration structure |
-//! | `hits`, `hits_hash` | rays that hit something, and a [`Hash`] of what each hit: equal hashes are equal bits |
+//! | `hits`, `hits_hash` | rays that hit something, and a [`struct@Hash`] of what each hit: equal hashes are equal bits |
 //! | `baseline_ratio` | median now by the baseline's: above 1 is slower |
 //!
 //! Percentiles are those of the sorted times with linear interpolation between neighbours (Hyndman and Fan,

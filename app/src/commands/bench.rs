@@ -1,0 +1,215 @@
+//! `raystep bench`
+
+mod baseline;
+mod input;
+mod measure;
+mod output;
+mod table;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use raystep_kernels::export::bench::SummaryRow;
+use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
+
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, TuningArgs, grid_text, named};
+use crate::device;
+use crate::error::Error;
+use crate::output::TargetFolder;
+use crate::terminal::{Progress, print};
+use baseline::Baseline;
+use input::{Input, Viewed};
+use measure::{Bench, Group};
+
+/// Measure how fast rays are traced
+///
+/// Every scene at every size with every kind of rays is a group; in it, every accelerator with every schedule
+/// is measured in turn, run 1 of each, run 2 of each, and so on, so that what drifts hits all alike. Building
+/// and compiling are timed apart. DIR/summary.csv has a row a configuration: n, median, 5th and 95th percentile
+/// of the device's time of a run, rays a second, and the counts behind it; DIR/passes.csv has the passes of one
+/// more run of each; DIR/run.json says on what and with which options. Shading is left out.
+///
+/// Rays: primary, from the camera; bounce, one from each primary hit, cosine-weighted about the normal; shadow,
+/// from each primary hit to a light, or where the scene has none to the middle of the top of its box; random,
+/// from anywhere in the scene's box in any direction. They are the same in every run.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep bench scenes/cornell-box.gltf -o bench
+  raystep bench scenes/cornell-box.gltf scenes/teapot.glb --accelerators grid,none -o bench
+  raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow,random -o bench
+  raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after")]
+pub(crate) struct BenchArgs {
+    /// The scenes: glTF 2.0, .gltf or .glb
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+    /// What keeps a ray from testing every triangle
+    #[arg(long, value_name = "A,B…", value_delimiter = ',', default_value = Accelerator::default().name(),
+          value_parser = named(Accelerator::ALL, Accelerator::name), help_heading = "What is measured")]
+    accelerators: Vec<Accelerator>,
+    /// In which order kernels run
+    #[arg(long, value_name = "S,T…", value_delimiter = ',', default_value = ScheduleKind::default().name(),
+          value_parser = named(ScheduleKind::ALL, ScheduleKind::name), help_heading = "What is measured")]
+    schedules: Vec<ScheduleKind>,
+    /// Pixels a row and rows
+    #[arg(
+        long,
+        value_name = "WxH…",
+        value_delimiter = ',',
+        default_value = "512x512",
+        help_heading = "What is measured"
+    )]
+    sizes: Vec<Size>,
+    /// Which rays
+    #[arg(long, value_name = "KIND…", value_delimiter = ',', default_value = RayKind::default().name(),
+          value_parser = named(RayKind::ALL, RayKind::name), help_heading = "What is measured")]
+    rays: Vec<RayKind>,
+    /// Runs that count
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=MOST_RUNS),
+          help_heading = "What is measured")]
+    repeats: u32,
+    /// Runs before them that do not
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=MOST_RUNS),
+          help_heading = "What is measured")]
+    warmups: u32,
+    /// The folder of an earlier benchmark: give the times now by the times then
+    #[arg(long, value_name = "DIR")]
+    baseline: Option<PathBuf>,
+    /// The folder to write: new, or empty
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Replace the benchmark in a folder that is not empty; other files stay
+    #[arg(long)]
+    force: bool,
+    /// Which scene of files that hold several, counted from 0 [default: each file's own]
+    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    scene_index: Option<usize>,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    tuning: TuningArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+}
+
+/// Most runs of a configuration.
+const MOST_RUNS: i64 = 100_000;
+
+pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
+    let folder = TargetFolder::new(&args.output, args.force)?;
+    let filled = output::refuse_others(&args.output).and_then(|()| fill(args, &folder));
+    match filled {
+        Ok(table) => {
+            folder.finish(&[])?;
+            if args.quiet.quiet { Ok(()) } else { print(&table) }
+        }
+        Err(error) => {
+            folder.abandon();
+            Err(error)
+        }
+    }
+}
+
+/// Measures and writes every file; the table of what was measured.
+fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
+    let progress = Progress::new(args.quiet.quiet);
+    // What can be wrong is looked at before anything takes its time.
+    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
+    progress.stage("reading scenes");
+    let inputs = read_scenes(args, folder, &progress)?;
+    progress.stage("looking for a device");
+    let chosen = device::choose(&args.device)?;
+
+    let mut bench = Bench::new(args, &chosen, &progress);
+    if chosen.timer().is_none() {
+        bench.note("this adapter has no timestamps: times are the wall clock's, waiting for the device included");
+    }
+    let ways = ways(args, &mut bench);
+    for input in &inputs {
+        for &size in &distinct(&args.sizes) {
+            let mut viewed = Viewed::new(input, size, &args.tuning);
+            for &kind in &distinct(&args.rays) {
+                let name = format!("{} {size} {kind}", input.scene.name);
+                progress.stage(&format!("{name}: making rays"));
+                match viewed.rays(kind, &chosen) {
+                    Ok(Some(rays)) => bench.group(Group { name, input, size, kind }, rays, &ways)?,
+                    Ok(None) => bench.skip(format!("{name}: no pixel has such a ray")),
+                    Err(error) => bench.failed(&name, error)?,
+                }
+            }
+        }
+    }
+    let mut measured = bench.finish()?;
+    if let Some(baseline) = &baseline {
+        for note in baseline.compare(&mut measured.rows) {
+            progress.say(format_args!("note: {note}"));
+            measured.notes.push(note);
+        }
+    }
+    progress.stage("writing");
+    output::write(args, folder, &chosen, &inputs, &measured)?;
+    progress.finish();
+    progress.say(format_args!("wrote {} to {}", output::NAMES.join(", "), args.output.display()));
+    Ok(table::text(&measured.rows))
+}
+
+/// Reads every scene once, and refuses to write over any.
+fn read_scenes(args: &BenchArgs, folder: &TargetFolder, progress: &Progress) -> Result<Vec<Input>, Error> {
+    let mut inputs = Vec::new();
+    for path in &distinct(&args.scenes) {
+        let input = Input::read(path, args, progress)?;
+        folder.refuse_inputs(&input.files, |name| output::NAMES.contains(&name))?;
+        inputs.push(input);
+    }
+    Ok(inputs)
+}
+
+/// Accelerators with schedules; a note for each that would measure nothing new.
+fn ways(args: &BenchArgs, bench: &mut Bench) -> Vec<(Accelerator, ScheduleKind)> {
+    let (accelerators, schedules) = (distinct(&args.accelerators), distinct(&args.schedules));
+    let mut ways = Vec::new();
+    for &accelerator in &accelerators {
+        for &schedule in &schedules {
+            // Without cells to walk through there are no turns to take.
+            let is_first_again = accelerator == Accelerator::None && schedule == ScheduleKind::Second;
+            if is_first_again && schedules.contains(&ScheduleKind::First) {
+                bench.skip(format!(
+                    "accelerator {accelerator} with schedule {schedule}: it runs the same passes as with first"
+                ));
+            } else {
+                ways.push((accelerator, schedule));
+            }
+        }
+    }
+    ways
+}
+
+/// What sets two runs with the same accelerator, schedule and numerics apart.
+fn tuning_text(tuning: &TuningArgs) -> String {
+    format!("grid={}{}", grid_text(tuning.grid), if tuning.keep_all { " keep_all" } else { "" })
+}
+
+/// Each value once, in the order of their first mention.
+fn distinct<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
+    let mut distinct: Vec<T> = Vec::new();
+    for value in values {
+        if !distinct.contains(value) {
+            distinct.push(value.clone());
+        }
+    }
+    distinct
+}
+
+/// What was measured, with what is worth saying of it.
+struct Measured {
+    /// Tells this benchmark from others.
+    run_id: String,
+    /// One a configuration, those of a group together.
+    rows: Vec<SummaryRow>,
+    /// The passes and the kernels of each row's configuration.
+    details: Vec<measure::Details>,
+    /// Everything that was said.
+    notes: Vec<String>,
+}

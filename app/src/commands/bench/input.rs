@@ -1,0 +1,99 @@
+//! Scenes to measure, and the rays that are traced in them.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use raystep_kernels::export::bench::Hash;
+use raystep_kernels::ray_kinds::{PrimaryHits, random};
+use raystep_kernels::{Options, RayHit, RayKind, RaySource, Renderer};
+use raystep_scenes::{Camera, LoadOptions, Scene};
+
+use super::BenchArgs;
+use crate::args::{SceneArgs, Size, TuningArgs};
+use crate::device::Chosen;
+use crate::error::Error;
+use crate::scene_file::{self, SceneFile, read_file};
+use crate::terminal::Progress;
+
+/// What random rays begin with: the same in every run of every version.
+pub(super) const SEED: u32 = 1;
+
+/// A scene and its view.
+pub(super) struct Input {
+    /// As the user wrote it.
+    pub(super) path: PathBuf,
+    /// The scene.
+    pub(super) scene: Scene,
+    /// What is seen.
+    pub(super) camera: Camera,
+    /// Of all files that it was read from.
+    pub(super) hash: Hash,
+    /// Their canonical names.
+    pub(super) files: Vec<PathBuf>,
+}
+
+impl Input {
+    /// Reads a scene, says its notes.
+    pub(super) fn read(path: &Path, args: &BenchArgs, progress: &Progress) -> Result<Self, Error> {
+        let file = SceneArgs { scene: path.to_owned(), scene_index: args.scene_index };
+        let SceneFile { scene, inputs: files } = scene_file::read(&file)?;
+        let mut hash = Hash::default();
+        for file in &files {
+            let bytes = read_file(file, LoadOptions::default().max_bytes);
+            hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", file.display())))?);
+        }
+        let (camera, note) = scene_file::camera(&args.camera, &scene)?;
+        for note in scene.notes.iter().map(|n| &n.0).chain(&note) {
+            progress.say(format_args!("note: {}: {note}", scene.name));
+        }
+        Ok(Self { path: path.to_owned(), scene, camera, hash, files })
+    }
+}
+
+/// A scene at one size.
+pub(super) struct Viewed<'a> {
+    input: &'a Input,
+    size: Size,
+    tuning: &'a TuningArgs,
+    /// What primary rays hit, once somebody needs it.
+    hits: Option<Vec<Option<RayHit>>>,
+}
+
+impl<'a> Viewed<'a> {
+    pub(super) fn new(input: &'a Input, size: Size, tuning: &'a TuningArgs) -> Self {
+        Self { input, size, tuning, hits: None }
+    }
+
+    /// Rays of a kind; `None` where there is not a single one.
+    pub(super) fn rays(&mut self, kind: RayKind, chosen: &Chosen) -> Result<Option<RaySource>, Error> {
+        let (Input { scene, camera, .. }, Size { width, height }) = (self.input, self.size);
+        let rays = match kind {
+            RayKind::Primary => return Ok(Some(self.primary())),
+            RayKind::Random => random(&scene.bounds(), width as usize * height as usize, SEED),
+            RayKind::Bounce | RayKind::Shadow => {
+                let hits = match self.hits.take() {
+                    Some(hits) => hits,
+                    None => self.trace(chosen)?,
+                };
+                let hits = self.hits.insert(hits);
+                let hits = PrimaryHits { scene, camera, hits };
+                if kind == RayKind::Bounce { hits.bounce(SEED) } else { hits.shadow(SEED) }
+            }
+        };
+        Ok((!rays.is_empty()).then_some(RaySource::Given(rays)))
+    }
+
+    fn primary(&self) -> RaySource {
+        let Size { width, height } = self.size;
+        RaySource::Camera { camera: self.input.camera.clone(), width, height }
+    }
+
+    /// Which structure finds the hits does not matter, and the rules are always the robust ones: what is
+    /// measured with other rules is measured with the same rays.
+    fn trace(&self, chosen: &Chosen) -> Result<Vec<Option<RayHit>>, Error> {
+        let options = Options { shade: false, grid: self.tuning.grid, ..Options::new(self.primary()) };
+        let mut renderer = chosen.wait(Renderer::new(&self.input.scene, &options, &chosen.device))?;
+        chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
+        chosen.wait(renderer.hits())
+    }
+}

@@ -1,0 +1,161 @@
+//! The files of a benchmark.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::Path;
+
+use raystep_kernels::export::bench::{PERCENTILES, SCHEMA_VERSION, write_summary};
+use raystep_kernels::export::csv::{PassesCsv, Timer};
+use raystep_kernels::export::json::AdapterInfo;
+use serde::Serialize;
+
+use super::input::{Input, SEED};
+use super::{BenchArgs, Measured, tuning_text};
+use crate::args::grid_text;
+use crate::device::Chosen;
+use crate::error::Error;
+use crate::output::TargetFolder;
+use crate::scene_file::read_file;
+
+/// One row a configuration.
+pub(super) const SUMMARY: &str = "summary.csv";
+/// One row a pass.
+const PASSES: &str = "passes.csv";
+/// On what, with which options.
+const RUN: &str = "run.json";
+/// All of them.
+pub(super) const NAMES: [&str; 3] = [PASSES, SUMMARY, RUN];
+
+/// What `run.json` begins with, by which the folder is known.
+const KIND: &str = "raystep bench";
+
+#[derive(Serialize)]
+struct About<'a> {
+    kind: &'static str,
+    schema_version: u32,
+    raystep_version: &'static str,
+    run_id: &'a str,
+    command_line: Vec<String>,
+    device: &'static str,
+    device_reason: &'a str,
+    adapter: Option<AdapterInfo>,
+    timer_source: Option<&'static str>,
+    /// Nanoseconds a tick of the adapter's timestamps; `null` where another clock is used.
+    timestamp_period_ns: Option<f64>,
+    options: AboutOptions,
+    /// How they are defined.
+    percentiles: &'static str,
+    scenes: Vec<AboutScene>,
+    configurations: Vec<AboutConfiguration<'a>>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct AboutOptions {
+    accelerators: Vec<&'static str>,
+    schedules: Vec<&'static str>,
+    numerics: &'static str,
+    sizes: Vec<String>,
+    rays: Vec<&'static str>,
+    repeats: u32,
+    warmups: u32,
+    grid: String,
+    keep_all: bool,
+    tuning: String,
+    seed: u32,
+    baseline: Option<String>,
+}
+
+#[derive(Serialize)]
+struct AboutScene {
+    name: String,
+    path: String,
+    files: usize,
+    hash: String,
+    triangles: usize,
+}
+
+#[derive(Serialize)]
+struct AboutConfiguration<'a> {
+    run_id: &'a str,
+    /// Hashes of the composed WGSL, by kernel.
+    shaders: &'a BTreeMap<&'static str, String>,
+}
+
+/// Refuses a folder whose files of our names are not a benchmark's.
+pub(super) fn refuse_others(folder: &Path) -> Result<(), Error> {
+    const MOST_BYTES: u64 = 1 << 30;
+    let Some(name) = NAMES.iter().find(|name| folder.join(name).exists()) else { return Ok(()) };
+    let about = read_file(&folder.join(RUN), MOST_BYTES).ok();
+    let about = about.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
+    if about.is_some_and(|about| about["kind"] == KIND) {
+        return Ok(());
+    }
+    let at = folder.display();
+    Err(Error::failed(format!("{at} has a {name} that is no benchmark's: name another folder")))
+}
+
+/// Writes every file.
+pub(super) fn write(
+    args: &BenchArgs,
+    folder: &TargetFolder,
+    chosen: &Chosen,
+    inputs: &[Input],
+    measured: &Measured,
+) -> Result<(), Error> {
+    folder.write(PASSES, |out| {
+        let mut csv = PassesCsv::new(out)?;
+        for run in &measured.details {
+            run.passes.iter().try_for_each(|pass| csv.write(&run.context, pass, None))?;
+        }
+        csv.finish()
+    })?;
+    folder.write(SUMMARY, |out| write_summary(out, &measured.rows))?;
+    let text = crate::commands::json_text(&about(args, chosen, inputs, measured))?;
+    folder.write(RUN, |out| out.write_all(text.as_bytes()))
+}
+
+fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &'a Measured) -> About<'a> {
+    let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    let timer = chosen.timer();
+    let scene = |input: &Input| AboutScene {
+        name: input.scene.name.clone(),
+        path: input.path.to_string_lossy().into_owned(),
+        files: input.files.len(),
+        hash: input.hash.to_string(),
+        triangles: input.scene.triangles.len(),
+    };
+    let configurations = measured.details.iter();
+    About {
+        kind: KIND,
+        schema_version: SCHEMA_VERSION,
+        raystep_version: env!("CARGO_PKG_VERSION"),
+        run_id: &measured.run_id,
+        command_line: std::iter::once("raystep".to_owned()).chain(command_line).collect(),
+        device: chosen.kind(),
+        device_reason: &chosen.reason,
+        adapter: chosen.gpu().map(|gpu| AdapterInfo::from(&gpu.info)),
+        timer_source: timer.map(Timer::name),
+        timestamp_period_ns: chosen.gpu().and_then(|gpu| gpu.timestamp_period_ns),
+        options: AboutOptions {
+            accelerators: args.accelerators.iter().map(|a| a.name()).collect(),
+            schedules: args.schedules.iter().map(|s| s.name()).collect(),
+            numerics: args.tuning.numerics.name(),
+            sizes: args.sizes.iter().map(ToString::to_string).collect(),
+            rays: args.rays.iter().map(|k| k.name()).collect(),
+            repeats: args.repeats,
+            warmups: args.warmups,
+            grid: grid_text(args.tuning.grid),
+            keep_all: args.tuning.keep_all,
+            tuning: tuning_text(&args.tuning),
+            seed: SEED,
+            baseline: args.baseline.as_ref().map(|path| path.to_string_lossy().into_owned()),
+        },
+        percentiles: PERCENTILES,
+        scenes: inputs.iter().map(scene).collect(),
+        configurations: configurations
+            .map(|run| AboutConfiguration { run_id: &run.context.run_id, shaders: &run.shaders })
+            .collect(),
+        notes: &measured.notes,
+    }
+}

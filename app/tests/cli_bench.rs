@@ -1,0 +1,325 @@
+//! `raystep bench`, from the built binary: its files read back by strict readers.
+
+#[path = "cli/common.rs"]
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use common::{Place, scene};
+use serde_json::Value;
+
+type Row = BTreeMap<String, String>;
+
+fn cornell_box() -> String {
+    scene("cornell-box.gltf").display().to_string()
+}
+
+/// A small benchmark on the CPU, and more arguments.
+fn bench<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&["bench", scene, "--sizes", "16x12", "--device", "cpu", "--repeats", "3", "--warmups", "1"], more].concat()
+}
+
+/// Rows by column, every row with as many fields as there are columns.
+fn rows(file: &[u8]) -> (Vec<String>, Vec<Row>) {
+    let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(file);
+    let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| names.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    let rows = reader.records().map(|r| row(r.expect("as many fields as names"))).collect();
+    (names, rows)
+}
+
+fn number(row: &Row, name: &str) -> f64 {
+    row[name].parse().unwrap_or_else(|_| panic!("{name} is {:?}", row[name]))
+}
+
+fn is_near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+#[test]
+fn every_configuration_has_its_row_and_the_files_agree() {
+    let place = Place::new();
+    let (teapot, file) = (scene("teapot.glb").display().to_string(), cornell_box());
+    let what = ["--accelerators", "grid,none", "--schedules", "first,second", "--rays", "primary,bounce,shadow,random"];
+    let outcome = place.ok(&bench(&file, &[&[teapot.as_str(), "-o", "out"], &what[..]].concat()));
+    assert_eq!(outcome.stderr.matches("left out: accelerator none with schedule second").count(), 1, "{outcome:?}");
+
+    let (names, summary) = rows(&place.read("out/summary.csv"));
+    assert_eq!(
+        names.join(","),
+        "schema_version,run_id,scene,scene_hash,triangles,accelerator,schedule,numerics,tuning,rays_kind,device,\
+         width_px,height_px,rays,build_s,compile_s,n,invalid,median_device_ns,p05_device_ns,p95_device_ns,\
+         median_wall_ns,timer_source,rays_per_s,passes,useful_steps_per_thread,cells_per_ray,tests_per_ray,\
+         repeated_per_ray,bytes_per_triangle,hits,hits_hash,baseline_ratio"
+    );
+    let groups: Vec<_> = summary.chunks(3).collect();
+    let expected: Vec<_> = ["cornell-box", "teapot"]
+        .iter()
+        .flat_map(|scene| ["primary", "bounce", "shadow", "random"].map(|kind| (*scene, kind)))
+        .collect();
+    assert_eq!(groups.len(), expected.len());
+    for (group, (scene, kind)) in groups.iter().zip(expected) {
+        let ways = [("grid", "first"), ("grid", "second"), ("none", "first")];
+        for (row, way) in group.iter().zip(ways) {
+            assert_eq!((row["accelerator"].as_str(), row["schedule"].as_str()), way);
+            assert_eq!((row["scene"].as_str(), row["rays_kind"].as_str()), (scene, kind));
+            assert_eq!((row["width_px"].as_str(), row["height_px"].as_str()), ("16", "12"));
+            assert_eq!((row["numerics"].as_str(), row["tuning"].as_str()), ("robust", "grid=auto"));
+            assert_eq!((row["n"].as_str(), row["invalid"].as_str(), row["device"].as_str()), ("3", "0", "cpu"));
+            assert_eq!((row["timer_source"].as_str(), row["baseline_ratio"].as_str()), ("cpu_clock", ""));
+            let [p05, median, p95] = ["p05", "median", "p95"].map(|p| number(row, &format!("{p}_device_ns")));
+            assert!(0.0 < p05 && p05 <= median && median <= p95, "{row:?}");
+            assert!(median <= number(row, "median_wall_ns"), "passes take no longer than the run: {row:?}");
+            assert!(is_near(number(row, "rays_per_s"), number(row, "rays") / median * 1e9), "{row:?}");
+            assert!(number(row, "build_s") > 0.0 && number(row, "compile_s") > 0.0);
+            let bytes = number(row, "bytes_per_triangle");
+            assert_eq!(bytes == 0.0, way.0 == "none", "{row:?}");
+            // The same rays, and of them the same hits, whatever traced them.
+            for name in ["rays", "hits", "hits_hash", "scene_hash", "triangles"] {
+                assert_eq!(row[name], group[0][name], "{name}");
+            }
+        }
+        let none = &group[2];
+        if kind != "shadow" {
+            // Without an accelerator every ray tests every triangle, and visits nothing.
+            assert_eq!(
+                (number(none, "tests_per_ray"), &none["cells_per_ray"]),
+                (number(none, "triangles"), &"0.0".into())
+            );
+        }
+        assert!(number(&group[0], "cells_per_ray") > 1.0);
+        assert!(number(&group[0], "repeated_per_ray") < number(&group[0], "tests_per_ray"));
+        if kind == "primary" || kind == "random" {
+            assert_eq!(none["rays"], "192", "a ray a pixel");
+        }
+    }
+    for first in [0, 4] {
+        assert_eq!(groups[first + 1][0]["rays"], groups[first][0]["hits"], "a bounce for every primary hit");
+    }
+    assert!(
+        number(&groups[6][0], "rays") < number(&groups[5][0], "rays"),
+        "some of the teapot faces away from its light"
+    );
+    let hashes: BTreeSet<_> = groups.iter().map(|group| &group[0]["hits_hash"]).collect();
+    assert_eq!(hashes.len(), groups.len(), "every kind of rays hits something else");
+    assert!(number(&groups[4][0], "hits") < 192.0, "the teapot does not fill the image");
+
+    passes_agree(&place, &summary);
+    let run: Value = serde_json::from_slice(&place.read("out/run.json")).expect("JSON");
+    assert_eq!((&run["kind"], &run["schema_version"]), (&"raystep bench".into(), &1.into()));
+    assert_eq!(run["command_line"][1], "bench");
+    assert_eq!((&run["options"]["repeats"], &run["options"]["warmups"]), (&3.into(), &1.into()));
+    assert_eq!(run["options"]["sizes"][0], "16x12");
+    assert!(run["adapter"].is_null() && run["timer_source"] == "cpu_clock" && run["timestamp_period_ns"].is_null());
+    let configurations = run["configurations"].as_array().expect("configurations");
+    let ids: Vec<_> = configurations.iter().map(|c| c["run_id"].as_str().expect("an id")).collect();
+    assert_eq!(ids, summary.iter().map(|row| row["run_id"].as_str()).collect::<Vec<_>>());
+    assert!(configurations[0]["shaders"]["intersect"].as_str().is_some_and(|hash| hash.len() == 16));
+    assert_ne!(configurations[0]["shaders"]["intersect"], configurations[2]["shaders"]["intersect"]);
+    // FNV-1a of the one file that the box is in.
+    let fnv = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    let bytes = std::fs::read(cornell_box()).expect("the box");
+    let hash = format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, fnv));
+    assert_eq!((&run["scenes"][0]["hash"], summary[0]["scene_hash"].as_str()), (&hash.as_str().into(), hash.as_str()));
+
+    let titles =
+        ["cornell-box (26 triangles), 16x12: 192 primary rays", "teapot (994 triangles), 16x12: 192 random rays"];
+    for title in titles {
+        assert!(outcome.stdout.contains(title), "{outcome:?}");
+    }
+    let lines: BTreeSet<usize> =
+        outcome.stdout.lines().filter(|l| l.starts_with("  ")).map(|l| l.chars().count()).collect();
+    assert_eq!(lines.len(), 1, "every line ends below the others: {}", outcome.stdout);
+    assert_eq!(place.names(), ["out"]);
+}
+
+/// `passes.csv` has one run of each configuration, which `summary.csv` sums up.
+fn passes_agree(place: &Place, summary: &[Row]) {
+    let (_, passes) = rows(&place.read("out/passes.csv"));
+    let mut of: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+    for pass in &passes {
+        of.entry(&pass["run_id"]).or_default().push(pass);
+    }
+    assert_eq!(of.len(), summary.len());
+    for row in summary {
+        let passes = &of[row["run_id"].as_str()];
+        assert_eq!(passes.len().to_string(), row["passes"]);
+        let sum = |name: &str| passes.iter().map(|pass| number(pass, name)).sum::<f64>();
+        assert!(is_near(number(row, "useful_steps_per_thread"), sum("rays_in") / sum("threads_launched")), "{row:?}");
+        for (i, pass) in passes.iter().enumerate() {
+            assert_eq!((pass["pass_index"].as_str(), pass["valid"].as_str()), (i.to_string().as_str(), "true"));
+            assert_eq!((pass["repeat"].as_str(), pass["is_warmup"].as_str()), ("3", "false"));
+            assert_eq!((&pass["accelerator"], &pass["schedule"]), (&row["accelerator"], &row["schedule"]));
+        }
+        assert_eq!(passes[0]["gpu_begin_ns"], "0", "each run begins at 0");
+    }
+}
+
+#[test]
+fn a_baseline_gives_ratios_and_says_what_has_none() {
+    let place = Place::new();
+    let file = cornell_box();
+    place.ok(&bench(&file, &["--accelerators", "grid,none", "--schedules", "second", "-o", "before"]));
+    // As if it had been another time, machine and scene, and one thing more.
+    let text = String::from_utf8(place.read("before/summary.csv")).expect("UTF-8");
+    let (names, before) = rows(text.as_bytes());
+    let mut edited = csv::Writer::from_writer(Vec::new());
+    edited.write_record(&names).expect("memory");
+    for row in &before {
+        let value = |name: &String| match name.as_str() {
+            "median_device_ns" => "1000.0".into(),
+            "device" => "a faster one".into(),
+            "scene_hash" => "0".into(),
+            _ => row[name].clone(),
+        };
+        edited.write_record(names.iter().map(value)).expect("memory");
+    }
+    std::fs::write(place.path("before/summary.csv"), edited.into_inner().expect("memory")).expect("a file");
+
+    let now =
+        bench(&file, &["--accelerators", "grid", "--schedules", "second,first", "--baseline", "before", "-o", "now"]);
+    let outcome = place.ok(&now);
+    let (_, rows) = rows(&place.read("now/summary.csv"));
+    let [second, first] = &rows[..] else { panic!("two rows are wanted: {rows:?}") };
+    assert!(is_near(number(second, "baseline_ratio"), number(second, "median_device_ns") / 1000.0), "{second:?}");
+    assert_eq!(first["baseline_ratio"], "");
+    for note in [
+        "note: before has no match for cornell-box 16x12 primary, grid first robust grid=auto",
+        "note: before also has cornell-box 16x12 primary, none second robust grid=auto, which was not measured now",
+        "note: before was measured on a faster one, and this is cpu",
+        "note: cornell-box has changed since before was measured",
+    ] {
+        assert_eq!(outcome.stderr.matches(note).count(), 1, "{note}: {outcome:?}");
+    }
+    assert!(outcome.stdout.contains("to baseline"), "{outcome:?}");
+    let cell = format!("  {:.2}\n", number(second, "baseline_ratio"));
+    assert!(outcome.stdout.contains(&cell), "{cell:?} in {outcome:?}");
+    let run: Value = serde_json::from_slice(&place.read("now/run.json")).expect("JSON");
+    assert_eq!(run["options"]["baseline"], "before");
+    assert_eq!(run["notes"].as_array().map(Vec::len), Some(4));
+}
+
+#[test]
+fn a_folder_is_replaced_only_where_a_benchmark_wrote_it() {
+    let place = Place::new();
+    let file = cornell_box();
+    let bench = bench(&file, &["-o", "out"]);
+    let outcome = place.ok(&[&bench[..], &["--quiet"]].concat());
+    assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+    let first = place.read("out/summary.csv");
+    place.fails(1, "out is not empty", &bench);
+    std::fs::write(place.path("out/mine.txt"), "mine").expect("a file");
+    let again = place.ok(&[&bench[..], &["--force", "--baseline", "out"]].concat());
+    assert!(again.stdout.contains("to baseline"), "the old one is read before it is replaced: {again:?}");
+    assert_ne!(place.read("out/summary.csv"), first);
+    assert_eq!(place.read("out/mine.txt"), b"mine");
+    let names = std::fs::read_dir(place.path("out")).expect("the folder").map(|e| e.expect("an entry").file_name());
+    let names: BTreeSet<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
+    assert_eq!(names.into_iter().collect::<Vec<_>>(), ["mine.txt", "passes.csv", "run.json", "summary.csv"]);
+
+    std::fs::copy(cornell_box(), place.path("out/passes.csv")).expect("a copy");
+    let itself = ["bench", "out/passes.csv", "-o", "out", "--force", "--device", "cpu", "--sizes", "8x8"];
+    place.fails(2, "out/passes.csv would be replaced, and the scene is read from it", &itself);
+
+    std::fs::write(place.path("out/run.json"), "{}").expect("a file");
+    place.fails(1, "that is no benchmark's", &[&bench[..], &["--force"]].concat());
+    assert_eq!(place.read("out/run.json"), b"{}");
+}
+
+#[test]
+fn what_cannot_be_measured_is_left_out_and_said() {
+    let place = Place::new();
+    let file = cornell_box();
+    let sizes = ["bench", &file, "--sizes", "8x8,32768x32768,8x8", "--device", "cpu", "--repeats", "1", "-o", "out"];
+    let outcome = place.ok(&sizes);
+    assert!(outcome.stderr.contains("note: left out: cornell-box 32768x32768 primary, grid"), "{outcome:?}");
+    let (_, measured) = rows(&place.read("out/summary.csv"));
+    assert_eq!(measured.len(), 1, "twice the same is once");
+    let empty = scene("empty.gltf").display().to_string();
+    place.fails(1, "no pixel has a ray", &bench(&empty, &["--rays", "bounce,shadow", "-o", "none"]));
+    let outcome = place.ok(&bench(&empty, &["--rays", "bounce,random", "-o", "empty"]));
+    assert!(outcome.stderr.contains("left out: empty 16x12 bounce: no pixel has such a ray"), "{outcome:?}");
+    let (_, measured) = rows(&place.read("empty/summary.csv"));
+    assert_eq!(
+        (measured.len(), measured[0]["bytes_per_triangle"].as_str(), &measured[0]["hits"]),
+        (1, "", &"0".into())
+    );
+}
+
+#[test]
+fn a_gpu_is_timed_by_its_own_clock_and_hits_the_same() {
+    let place = Place::new();
+    let file = cornell_box();
+    let what = ["--accelerators", "grid,none", "--schedules", "second", "--rays", "primary,bounce"];
+    for device in ["cpu", "gpu"] {
+        let common = ["bench", &file, "--sizes", "24x16", "--repeats", "2", "--device", device, "-o", device];
+        place.ok(&[&common[..], &what[..]].concat());
+    }
+    let run: Value = serde_json::from_slice(&place.read("gpu/run.json")).expect("JSON");
+    println!("{}", run["adapter"]);
+    let (_, gpu) = rows(&place.read("gpu/summary.csv"));
+    let (_, cpu) = rows(&place.read("cpu/summary.csv"));
+    assert_eq!((gpu.len(), cpu.len()), (4, 4));
+    for (gpu, cpu) in gpu.iter().zip(&cpu) {
+        let has_clock = run["timestamp_period_ns"].is_f64();
+        assert_eq!(gpu["timer_source"], if has_clock { "gpu_timestamp" } else { "" });
+        assert_eq!(gpu["median_device_ns"].is_empty(), !has_clock);
+        assert_eq!((gpu["n"].as_str(), run["adapter"]["name"] == gpu["device"].as_str()), ("2", true));
+        // Which pixels have a bounce is decided by hits alone.
+        assert_eq!((&gpu["rays"], &gpu["hits"]), (&cpu["rays"], &cpu["hits"]));
+    }
+    assert_eq!(gpu[0]["hits_hash"], gpu[1]["hits_hash"]);
+    assert_eq!(gpu[2]["hits_hash"], gpu[3]["hits_hash"]);
+}
+
+#[test]
+fn wrong_usage_and_unreadable_baselines_are_one_line() {
+    let place = Place::new();
+    let file = cornell_box();
+    let cases: &[(i32, &str, &[&str])] = &[
+        (2, "--output", &["bench", &file]),
+        (2, "<SCENE>", &["bench", "-o", "out"]),
+        (2, "primary, bounce, shadow, random", &["bench", &file, "-o", "out", "--rays", "primary,glossy"]),
+        (2, "640x480", &["bench", &file, "-o", "out", "--sizes", "8x8,8"]),
+        (2, "first, second", &["bench", &file, "-o", "out", "--schedules", "third"]),
+        (2, "grid", &["bench", &file, "-o", "out", "--accelerators", ""]),
+        (2, "1..=100000", &["bench", &file, "-o", "out", "--repeats", "0"]),
+        (2, "0..=100000", &["bench", &file, "-o", "out", "--warmups=-1"]),
+        (2, "has 1, counted from 0", &["bench", &file, "-o", "out", "--camera", "1"]),
+        (1, "nothing.glb: No such file", &["bench", &file, "nothing.glb", "-o", "out"]),
+        (
+            1,
+            "each side must be 1 to",
+            &["bench", &file, "-o", "out", "--sizes", "32768x32768", "--device", "cpu", "--quiet"],
+        ),
+        (1, "there is no folder nowhere", &["bench", &file, "-o", "nowhere/out"]),
+        (1, "a folder that 'raystep bench' wrote is wanted", &["bench", &file, "-o", "out", "--baseline", "old"]),
+        (1, "it is no summary of a benchmark", &["bench", &file, "-o", "out", "--baseline", "bad"]),
+    ];
+    std::fs::create_dir(place.path("bad")).expect("a folder");
+    std::fs::write(place.path("bad/summary.csv"), "a,b\n1\n").expect("a file");
+    for (code, wanted, arguments) in cases {
+        place.fails(*code, wanted, arguments);
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_benchmark_leaves_nothing_behind() {
+    let place = Place::new();
+    let file = cornell_box();
+    let arguments =
+        ["bench", &file, "--sizes", "16x12", "--device", "cpu", "--repeats", "100000", "--quiet", "-o", "out"];
+    let arguments = arguments.map(std::ffi::OsStr::new);
+    let mut child = place.command(&arguments).spawn().expect("the binary starts");
+    let begun = std::time::Instant::now();
+    while place.names().is_empty() && begun.elapsed().as_secs() < 20 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert!(place.names().iter().all(|n| n.starts_with(".raystep-")), "{:?}", place.names());
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.is_ok_and(|status| status.success()));
+    assert_eq!(child.wait().expect("an end").code(), Some(130));
+    assert_eq!(place.names(), Vec::<String>::new());
+}
