@@ -4,11 +4,14 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use raystep_kernels::buffer;
 use raystep_kernels::export::bench::{Hash, SCHEMA_VERSION, Spread, SummaryRow, useful_steps_per_thread};
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Accelerator, Numerics, Options, Pass, RayKind, RaySource, Renderer, ScheduleKind, Stream};
+use raystep_kernels::{
+    Accelerator, Numerics, Options, Pass, RayKind, RaySource, RenderError, Renderer, ScheduleKind, Stream,
+};
 
 use super::input::Input;
 use super::{BenchArgs, Measured, tuning_text};
@@ -48,7 +51,7 @@ struct Ready {
     group: String,
     is_any_hit: bool,
     row: SummaryRow,
-    context: RunContext,
+    details: Details,
     renderer: Renderer,
     bytes: u64,
     device_ns: Vec<u64>,
@@ -107,7 +110,7 @@ impl<'a> Bench<'a> {
         for &(accelerator, schedule) in ways {
             let what = format!("{}, {accelerator} {schedule}", group.name);
             (options.accelerator, options.schedule) = (accelerator, schedule);
-            match self.build(&group, &options, &what) {
+            match self.build(&group, &mut options, &what) {
                 Ok(ready) => of_group.push(ready),
                 Err(error) => self.failed(&what, error)?,
             }
@@ -129,12 +132,15 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Plans, builds, compiles and uploads, each with its time; counts with a copy that counts.
-    fn build(&mut self, group: &Group<'_>, options: &Options, what: &str) -> Result<Ready, Error> {
+    /// Plans, builds, compiles and uploads, each with its time. What counters and timers of passes cost is
+    /// kept out of the runs that count: each has a renderer of its own, which is gone before the next is made.
+    fn build(&mut self, group: &Group<'_>, options: &mut Options, what: &str) -> Result<Ready, Error> {
         let (input, chosen) = (group.input, self.chosen);
         self.progress.stage(&format!("{what}: counting"));
+        (options.counters, options.timings) = (true, false);
         let counts = self.count(group, options);
         self.progress.stage(&format!("{what}: building"));
+        (options.counters, options.timings) = (false, true);
         let start = Instant::now();
         let (plan, data) = Plan::new(&input.scene, options, &chosen.limits())?;
         let build_s = start.elapsed().as_secs_f64();
@@ -143,12 +149,13 @@ impl<'a> Bench<'a> {
         }
         let run_id = format!("{}-{}", self.measured.run_id, self.configurations);
         self.configurations += 1;
+        self.progress.stage(&format!("{what}: compiling kernels and timing passes"));
         let context = run_context(run_id.clone(), &input.scene, options, chosen, &plan);
-        self.progress.stage(&format!("{what}: compiling kernels"));
-        let start = Instant::now();
+        let context = RunContext { repeat: self.args.repeats, ..context };
+        let compiling = Renderer::from_plan(plan.clone(), data.clone(), options, &chosen.device);
+        let (details, compile_s) = self.time_passes(context, compiling)?;
+        options.timings = times_every_pass(chosen);
         let renderer = chosen.wait(Renderer::from_plan(plan, data, options, &chosen.device))?;
-        chosen.settle();
-        let compile_s = start.elapsed().as_secs_f64();
 
         let plan = renderer.plan();
         let per_ray = |count: fn(&CounterSums) -> u64| {
@@ -171,28 +178,47 @@ impl<'a> Bench<'a> {
             rays: plan.rays,
             build_s,
             compile_s,
-            timer_source: context.timer.map(|timer: Timer| timer.name().into()),
+            timer_source: details.context.timer.map(|timer: Timer| timer.name().into()),
             cells_per_ray: per_ray(|sums| sums.cells_visited),
             tests_per_ray: per_ray(|sums| sums.triangles_tested),
             repeated_per_ray: per_ray(|sums| sums.repeated_tests),
             bytes_per_triangle: structure_bytes(plan),
+            passes: details.passes.len(),
+            useful_steps_per_thread: useful_steps_per_thread(&details.passes, |_| details.context.threads_launched),
             ..SummaryRow::default()
         };
         let bytes = plan.bytes();
         let is_any_hit = may_end_at_any_hit(group.kind, options.numerics);
         let (device_ns, wall_ns) = (Vec::new(), Vec::new());
-        Ok(Ready { group: group.name.clone(), is_any_hit, row, context, renderer, bytes, device_ns, wall_ns })
+        Ok(Ready { group: group.name.clone(), is_any_hit, row, details, renderer, bytes, device_ns, wall_ns })
+    }
+
+    /// The passes of a run whose every pass is timed, after one that warms up, and the seconds until it could
+    /// start: it is the first to compile this configuration's kernels.
+    fn time_passes(
+        &self,
+        context: RunContext,
+        compiling: impl Future<Output = Result<Renderer, RenderError>>,
+    ) -> Result<(Details, f64), Error> {
+        let start = Instant::now();
+        let mut renderer = self.chosen.wait(compiling)?;
+        self.chosen.settle();
+        let compile_s = start.elapsed().as_secs_f64();
+        self.run(&mut renderer)?;
+        self.run(&mut renderer)?;
+        let shaders = renderer.plan().variants.iter();
+        let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();
+        Ok((Details { context, passes: renderer.passes().to_vec(), shaders }, compile_s))
     }
 
     /// What a run with counters counts; `None` where this way of tracing cannot count.
     fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
         let (scene, chosen) = (&group.input.scene, self.chosen);
-        let options = Options { counters: true, timings: false, ..options.clone() };
-        let (plan, data) = Plan::new(scene, &options, &chosen.limits()).ok()?;
+        let (plan, data) = Plan::new(scene, options, &chosen.limits()).ok()?;
         if !plan.has_stream(Stream::Counters) {
             return None;
         }
-        let mut renderer = chosen.wait(Renderer::from_plan(plan, data, &options, &chosen.device)).ok()?;
+        let mut renderer = chosen.wait(Renderer::from_plan(plan, data, options, &chosen.device)).ok()?;
         chosen.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
         CounterSums::of(&chosen.wait(renderer.values(Stream::Counters)).ok()?)
     }
@@ -201,9 +227,7 @@ impl<'a> Bench<'a> {
     fn measure(&mut self) -> Result<(), Error> {
         let mut batch = std::mem::take(&mut self.batch);
         let (warmups, repeats) = (self.args.warmups, self.args.repeats);
-        // One more run of each for its passes.
-        let runs = u64::from(warmups) + u64::from(repeats) + 1;
-        let of = runs * batch.len() as u64;
+        let of = (u64::from(warmups) + u64::from(repeats)) * batch.len() as u64;
         let mut done = 0;
         for run in 0..warmups + repeats {
             for ready in &mut batch {
@@ -211,7 +235,7 @@ impl<'a> Bench<'a> {
                 let (wall_ns, device_ns) = self.run(&mut ready.renderer)?;
                 if run >= warmups {
                     // Where the device has no clock, the wall clock's times count.
-                    if device_ns.is_some() || ready.context.timer.is_none() {
+                    if device_ns.is_some() || ready.details.context.timer.is_none() {
                         ready.wall_ns.push(wall_ns);
                         ready.device_ns.extend(device_ns);
                     } else {
@@ -221,13 +245,7 @@ impl<'a> Bench<'a> {
                 done += 1;
             }
         }
-        for mut ready in batch {
-            self.progress.part("measuring", done, of);
-            self.run(&mut ready.renderer)?;
-            self.finish_one(ready)?;
-            done += 1;
-        }
-        Ok(())
+        batch.into_iter().try_for_each(|ready| self.finish_one(ready))
     }
 
     /// One run: its wall clock and device times.
@@ -242,7 +260,7 @@ impl<'a> Bench<'a> {
 
     /// Fills the row of a configuration whose runs are over, and compares its hits with its group's.
     fn finish_one(&mut self, ready: Ready) -> Result<(), Error> {
-        let Ready { group, is_any_hit, mut row, context, renderer, device_ns, wall_ns, .. } = ready;
+        let Ready { group, is_any_hit, mut row, details, renderer, device_ns, wall_ns, .. } = ready;
         let hits = self.chosen.wait(renderer.hits())?;
         row.n = wall_ns.len();
         if let Some(spread) = Spread::of(&device_ns) {
@@ -251,8 +269,6 @@ impl<'a> Bench<'a> {
         }
         row.median_wall_ns = Spread::of(&wall_ns).map(|spread| spread.median);
         row.rays_per_s = row.time_ns().filter(|&(ns, _)| ns > 0.0).map(|(ns, _)| row.rays as f64 / ns * 1e9);
-        row.passes = renderer.passes().len();
-        row.useful_steps_per_thread = useful_steps_per_thread(renderer.passes(), |_| context.threads_launched);
         (row.hits, row.hits_hash) = (hit_count(&hits), Hash::of_hits(&hits, is_any_hit).to_string());
 
         let name = |row: &SummaryRow| format!("{} {}", row.accelerator, row.schedule);
@@ -272,10 +288,7 @@ impl<'a> Bench<'a> {
             let (one, two, hits, others) = (name(&row), name(other), row.hits, other.hits);
             self.note(format!("{group}: {one} and {two} do not hit the same ({hits} and {others} rays hit something)"));
         }
-        let context = RunContext { repeat: self.args.repeats, ..context };
-        let shaders = renderer.plan().variants.iter();
-        let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();
-        self.measured.details.push(Details { context, passes: renderer.passes().to_vec(), shaders });
+        self.measured.details.push(details);
         self.measured.rows.push(row);
         Ok(())
     }
@@ -297,12 +310,17 @@ impl<'a> Bench<'a> {
 fn options(args: &BenchArgs, rays: RaySource, kind: RayKind) -> Options {
     // The one place for `any_hit`, once there is that option: `may_end_at_any_hit(kind, args.tuning.numerics)`.
     let _ = kind;
-    Options { shade: false, timings: true, ..args.tuning.options(rays) }
+    Options { shade: false, ..args.tuning.options(rays) }
 }
 
 /// Whether a ray is over at its first hit with t < 1, whichever it is. The paper has no such rays.
 fn may_end_at_any_hit(kind: RayKind, numerics: Numerics) -> bool {
     kind == RayKind::Shadow && numerics == Numerics::Robust
+}
+
+/// Whether runs that count need the times of every pass: they are what [`device_ns`] adds up.
+fn times_every_pass(_: &Chosen) -> bool {
+    true
 }
 
 /// Device time of the run so far; `None` where a pass has no valid time, or none takes any.
@@ -314,9 +332,22 @@ fn bytes(batch: &[Ready]) -> u64 {
     batch.iter().map(|ready| ready.bytes).sum()
 }
 
+/// Buffers that describe the scene, whatever finds its triangles.
+const OF_THE_SCENE: [&str; 9] = [
+    "vertices",
+    "normals",
+    "texcoords",
+    "vertex_colors",
+    "triangle_materials",
+    "materials",
+    "lights",
+    "textures",
+    "texels",
+];
+
 /// Bytes a triangle of the buffers that only an accelerator has.
 fn structure_bytes(plan: &Plan) -> Option<f64> {
-    let is_structure = |name: &str| ["grid_", "bvh_"].iter().any(|prefix| name.starts_with(prefix));
+    let is_structure = |name| buffer::info(name).is_some_and(|b| !b.is_uniform) && !OF_THE_SCENE.contains(&name);
     let bytes: u64 = plan.buffers.iter().filter(|b| is_structure(b.what)).map(|b| b.bytes).sum();
     (plan.triangles > 0).then(|| bytes as f64 / plan.triangles as f64)
 }
