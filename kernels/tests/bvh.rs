@@ -1,0 +1,408 @@
+//! Trees contain what they say, find what a ray can meet, and build for any scene.
+
+use std::collections::BTreeSet;
+use std::time::Instant;
+
+use raystep_kernels::bvh::{
+    self, BvhData, BvhError, BvhFault, BvhOptions, BvhQuality, EMPTY, MAX_LEAF, NO_NODE, TreeShape, WIDE_MAX_DEPTH,
+    WideBvhData, WideContent, build, build_wide,
+};
+use raystep_scenes::generate;
+
+/// Pseudo-random numbers in [-1, 1).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32 * 2.0 - 1.0
+    }
+
+    fn vector(&mut self) -> [f32; 3] {
+        [self.unit(), self.unit(), self.unit()]
+    }
+}
+
+/// Corners of triangles of a given size in the box [-1, 1] times `extent`, moved by `offset`.
+fn soup(count: usize, size: f32, extent: [f32; 3], offset: f32) -> Vec<f32> {
+    let mut random = Random(1);
+    let mut vertices = Vec::new();
+    for _ in 0..count {
+        let center = extent.map(|e| random.unit() * e);
+        for _ in 0..3 {
+            let corner = [0, 1, 2].map(|a| if extent[a] == 0.0 { 0.0 } else { center[a] + random.unit() * size });
+            vertices.extend(corner.map(|v| v + offset));
+        }
+    }
+    vertices
+}
+
+/// Long thin triangles in all directions: most of what can be cut.
+fn needles(count: usize) -> Vec<f32> {
+    let mut random = Random(2);
+    let mut vertices = Vec::new();
+    for _ in 0..count {
+        let from = random.vector();
+        let length = 0.003 / (random.unit().abs() + 0.002);
+        let along = random.vector().map(|v| v * length);
+        let width = random.vector().map(|v| v * 0.001);
+        vertices.extend(from);
+        vertices.extend([0, 1, 2].map(|a| from[a] + along[a]));
+        vertices.extend([0, 1, 2].map(|a| from[a] + width[a]));
+    }
+    vertices
+}
+
+/// Boxes inside one another, the outermost first or last.
+fn nested(count: usize, outermost_first: bool) -> Vec<f32> {
+    let sizes = (1..=count).map(|i| if outermost_first { count + 1 - i } else { i } as f32 / count as f32);
+    sizes.flat_map(|s| [-s, -s, -s, s, s, s, -s, s, 0.0]).collect()
+}
+
+/// The scenes that every promise is checked on.
+fn scenes() -> Vec<(&'static str, Vec<f32>)> {
+    let flat = |scene: raystep_scenes::Scene| scene.triangles.as_flattened().as_flattened().to_vec();
+    vec![
+        ("none", Vec::new()),
+        ("one", soup(1, 0.5, [1.0; 3], 0.0)),
+        ("two", soup(2, 0.5, [1.0; 3], 0.0)),
+        ("five", soup(5, 0.5, [1.0; 3], 0.0)),
+        ("soup", soup(3000, 0.05, [1.0; 3], 0.0)),
+        ("filling", soup(2000, 1.0, [1.0; 3], 0.0)),
+        ("flat", soup(2000, 0.05, [1.0, 0.0, 1.0], 0.0)),
+        ("on a line", soup(2000, 0.01, [1.0, 0.0, 0.0], 0.0)),
+        ("points", soup(500, 0.0, [1.0; 3], 0.0)),
+        ("in one point", vec![0.25; 9 * 500]),
+        ("tiny", soup(2000, 1e-25, [1.0; 3], 0.0).iter().map(|v| v * 1e-10).collect()),
+        ("far away", soup(2000, 0.05, [1.0; 3], 1e6)),
+        ("farther", soup(2000, 64.0, [256.0; 3], (1u32 << 28) as f32)),
+        ("identical", soup(1, 0.5, [1.0; 3], 0.0).repeat(10_000)),
+        ("nested", nested(3000, true)),
+        ("nested, inside out", nested(3000, false)),
+        ("needles", needles(3000)),
+        ("hair", flat(generate::hair(64, 1).expect("hair"))),
+        ("terrain", flat(generate::terrain(5000, 1).expect("terrain"))),
+        ("room", flat(generate::tiny_in_room(2000, 100_000).expect("room"))),
+    ]
+}
+
+fn options(quality: BvhQuality) -> BvhOptions {
+    BvhOptions { quality, ..BvhOptions::default() }
+}
+
+#[test]
+fn trees_of_all_scenes_and_qualities_keep_what_they_promise() {
+    for (name, vertices) in scenes() {
+        for quality in BvhQuality::ALL {
+            for growth in [0.0, 1e-30, 1e-6, 0.01, 3.0] {
+                let tree = build(&vertices, growth, &options(quality)).expect("a tree");
+                assert_eq!(tree.check(&vertices), Ok(()), "{name}, {quality:?}, {growth}: binary");
+                assert!(tree.nodes.iter().all(|n| n.count() <= MAX_LEAF), "{name}, {quality:?}");
+                assert!(tree.references as usize <= vertices.len() / 9 * 13 / 10, "{name}: {}", tree.references);
+                let wide = build_wide(&vertices, growth, &options(quality)).expect("a tree");
+                assert_eq!(wide.check(&vertices), Ok(()), "{name}, {quality:?}, {growth}: wide");
+                assert_eq!(wide.references, tree.references, "{name}, {quality:?}");
+                assert!(wide.nodes.iter().flat_map(|n| n.exponents).all(|e| (1..=254).contains(&e)), "{name}");
+                assert!(tree.cost.is_finite() && wide.cost.is_finite(), "{name}");
+            }
+        }
+    }
+}
+
+/// Exponents are the smallest with which the planes reach: half the spacing would not.
+#[test]
+fn wide_boxes_are_as_fine_as_they_can_be() {
+    let vertices = soup(3000, 0.05, [1.0; 3], 0.0);
+    let wide = build_wide(&vertices, 1e-6, &BvhOptions::default()).expect("a tree");
+    for (i, node) in wide.nodes.iter().enumerate() {
+        for axis in 0..3 {
+            let highest = node.children().map(|c| node.planes[axis][1][c.slot]).max().expect("a child");
+            let lowest = node.children().map(|c| node.planes[axis][0][c.slot]).min().expect("a child");
+            assert!(highest > 127, "node {i}, axis {axis}: planes up to {highest} only");
+            assert_eq!(lowest, 0, "node {i}, axis {axis}");
+        }
+    }
+}
+
+/// The order in which a ray enters children is that of their slots.
+#[test]
+fn children_lie_where_their_slots_say() {
+    let wide = build_wide(&soup(3000, 0.02, [1.0; 3], 0.0), 0.0, &BvhOptions::default()).expect("a tree");
+    let (mut right, mut wrong) = (0, 0);
+    for node in &wide.nodes {
+        let children: Vec<_> = node.children().collect();
+        for octant in 0..8 {
+            let along = |slot: usize| {
+                let child = children.iter().find(|c| c.slot == slot)?;
+                let sign = |a: usize| if octant >> (2 - a) & 1 == 1 { -1.0 } else { 1.0 };
+                Some((0..3).map(|a| sign(a) * (child.min[a] + child.max[a])).sum::<f64>())
+            };
+            // First and last of the order that the documentation gives.
+            if let (Some(first), Some(last)) = (along(octant), along(7 ^ octant)) {
+                if first <= last { right += 1 } else { wrong += 1 }
+            }
+        }
+    }
+    assert!(right > 50 * wrong.max(1), "{right} in order, {wrong} not");
+}
+
+/// A ray as the slab tests have it: an origin, and one over the direction.
+struct Ray {
+    origin: [f64; 3],
+    inverse: [f64; 3],
+}
+
+impl Ray {
+    fn random(random: &mut Random, center: [f32; 3], extent: f32) -> Self {
+        let origin = random.vector().map(|v| f64::from(v * extent * 1.5));
+        let target = random.vector().map(|v| f64::from(v * extent));
+        let origin = [0, 1, 2].map(|a| origin[a] + f64::from(center[a]));
+        let target = [0, 1, 2].map(|a| target[a] + f64::from(center[a]));
+        Self { origin, inverse: [0, 1, 2].map(|a| 1.0 / (target[a] - origin[a])) }
+    }
+
+    /// Whether it pierces a box made larger by `margin`, which a triangle's box is made smaller by: what f64
+    /// rounds off the one test must not show as a fault of the tree.
+    fn pierces(&self, min: [f64; 3], max: [f64; 3], margin: f64) -> bool {
+        let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
+        for a in 0..3 {
+            let t = [min[a] - margin, max[a] + margin].map(|plane| (plane - self.origin[a]) * self.inverse[a]);
+            enter = enter.max(t[0].min(t[1]));
+            leave = leave.min(t[0].max(t[1]));
+        }
+        enter <= leave
+    }
+}
+
+/// What a ray meets in the binary tree.
+fn binary_hits(tree: &BvhData, ray: &Ray, margin: f64) -> BTreeSet<u32> {
+    let mut hits = BTreeSet::new();
+    let mut waiting = vec![0u32];
+    while let Some(i) = waiting.pop() {
+        let node = &tree.nodes[i as usize];
+        if !ray.pierces(node.min.map(f64::from), node.max.map(f64::from), margin) {
+            continue;
+        }
+        if node.is_inner() {
+            waiting.extend([node.first, node.first + 1]);
+        } else {
+            hits.extend(&tree.items[node.first as usize..(node.first + node.count()) as usize]);
+        }
+    }
+    hits
+}
+
+/// What a ray meets in the wide tree.
+fn wide_hits(tree: &WideBvhData, ray: &Ray, margin: f64) -> BTreeSet<u32> {
+    let mut hits = BTreeSet::new();
+    let mut waiting = vec![0u32];
+    while let Some(i) = waiting.pop() {
+        for child in tree.nodes[i as usize].children().filter(|c| ray.pierces(c.min, c.max, margin)) {
+            match child.content {
+                WideContent::Inner(node) => waiting.push(node),
+                WideContent::Leaf { first, count } => {
+                    hits.extend(tree.triangles[first as usize..(first + count) as usize].iter().map(|entry| entry[3]));
+                }
+            }
+        }
+    }
+    hits
+}
+
+/// A triangle's box, grown.
+fn grown_box(v: &[f32], growth: f64) -> ([f64; 3], [f64; 3]) {
+    let side = |a: usize, f: fn(f32, f32) -> f32| f64::from(f(f(v[a], v[a + 3]), v[a + 6]));
+    ([0, 1, 2].map(|a| side(a, f32::min) - growth), [0, 1, 2].map(|a| side(a, f32::max) + growth))
+}
+
+#[test]
+fn rays_meet_every_triangle_whose_grown_box_they_pierce() {
+    let cases = [([0.0; 3], 1.0, soup(800, 0.1, [1.0; 3], 0.0)), ([1e3; 3], 1.0, soup(800, 0.1, [1.0; 3], 1e3))];
+    for (center, extent, vertices) in cases {
+        // Whole triangles only: of one that is cut, parts of the box are rightly missing.
+        let options = options(BvhQuality::Fast);
+        let growth = 1e-4f32;
+        let tree = build(&vertices, growth, &options).expect("a tree");
+        let wide = build_wide(&vertices, growth, &options).expect("a tree");
+        let mut random = Random(3);
+        let (mut met, mut needed) = (0, 0);
+        for _ in 0..2000 {
+            let ray = Ray::random(&mut random, center, extent);
+            let (binary, wide) = (binary_hits(&tree, &ray, 1e-9), wide_hits(&wide, &ray, 1e-9));
+            for (triangle, v) in vertices.chunks_exact(9).enumerate() {
+                let (min, max) = grown_box(v, f64::from(growth));
+                if ray.pierces(min, max, 0.0) {
+                    assert!(binary.contains(&(triangle as u32)), "binary: triangle {triangle}");
+                    assert!(wide.contains(&(triangle as u32)), "wide: triangle {triangle}");
+                    needed += 1;
+                }
+            }
+            met += binary.len();
+        }
+        assert!(needed > 2000 && met < 8 * needed, "{met} met, {needed} needed");
+    }
+}
+
+/// Points of triangles that are cut into pieces: a ray through one must meet the triangle.
+#[test]
+fn rays_meet_triangles_that_were_cut() {
+    let vertices = needles(1000);
+    let options = options(BvhQuality::High);
+    let tree = build(&vertices, 0.0, &options).expect("a tree");
+    let wide = build_wide(&vertices, 0.0, &options).expect("a tree");
+    assert!(tree.references > 1020, "{} references: hardly any cuts", tree.references);
+    let mut random = Random(4);
+    for (triangle, v) in vertices.chunks_exact(9).enumerate() {
+        for _ in 0..20 {
+            let (mut b, mut c) = (f64::from(random.unit().abs()), f64::from(random.unit().abs()));
+            if b + c > 1.0 {
+                (b, c) = (1.0 - b, 1.0 - c);
+            }
+            let point =
+                [0, 1, 2].map(|a| f64::from(v[a]) * (1.0 - b - c) + f64::from(v[a + 3]) * b + f64::from(v[a + 6]) * c);
+            let inverse = random.vector().map(|d| 1.0 / f64::from(d));
+            let ray = Ray { origin: point, inverse };
+            assert!(binary_hits(&tree, &ray, 1e-9).contains(&(triangle as u32)), "binary: triangle {triangle}");
+            assert!(wide_hits(&wide, &ray, 1e-9).contains(&(triangle as u32)), "wide: triangle {triangle}");
+        }
+    }
+}
+
+#[test]
+fn a_tree_without_triangles_has_one_node_that_no_ray_hits() {
+    let tree = build(&[], 1.0, &BvhOptions::default()).expect("a tree");
+    assert_eq!((tree.nodes.len(), tree.nodes[0].link, tree.items.len()), (1, EMPTY, 1));
+    assert_eq!(tree.parents, [NO_NODE]);
+    assert!(!tree.nodes[0].is_inner() && tree.nodes[0].count() == 0);
+    let wide = build_wide(&[], 1.0, &BvhOptions::default()).expect("a tree");
+    assert_eq!((wide.nodes.len(), wide.triangles.len()), (1, 1));
+    assert_eq!(wide.nodes[0].children().count(), 0);
+}
+
+/// Ids and corners survive bit for bit.
+#[test]
+fn wide_entries_have_the_bits_of_ids_and_corners() {
+    let vertices = [-0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+    let wide = build_wide(&vertices, 0.5, &BvhOptions::default()).expect("a tree");
+    let v = vertices.map(f32::to_bits);
+    assert_eq!(wide.triangles, [[v[0], v[1], v[2], 0, v[3], v[4], v[5], 0, v[6], v[7], v[8], 0]]);
+    assert_eq!(std::mem::size_of_val(&wide.nodes[0]), 80);
+    let words: [u32; 20] = bytemuck::cast(wide.nodes[0]);
+    assert_eq!(words[4..6], [1, 0], "no inner child, the first entry");
+    assert_eq!(words[3], u32::from_le_bytes([127 - 5, 127 - 5, 127 - 5, 0]), "255 times 2^-5 reaches 7, half does not");
+}
+
+#[test]
+fn a_million_identical_triangles_build_in_seconds() {
+    let vertices = soup(1, 0.5, [1.0; 3], 0.0).repeat(1_000_000);
+    let start = Instant::now();
+    let tree = build(&vertices, 1e-6, &BvhOptions::default()).expect("a tree");
+    let wide = build_wide(&vertices, 1e-6, &BvhOptions::default()).expect("a tree");
+    assert!(tree.depth <= 32 && wide.depth <= WIDE_MAX_DEPTH, "{} and {} levels", tree.depth, wide.depth);
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+}
+
+/// Clustering would join one pair a round here.
+#[test]
+fn a_hundred_thousand_nested_boxes_build_in_seconds() {
+    for outermost_first in [true, false] {
+        let vertices = nested(100_000, outermost_first);
+        let start = Instant::now();
+        let tree = build(&vertices, 0.0, &BvhOptions::default()).expect("a tree");
+        let wide = build_wide(&vertices, 0.0, &BvhOptions::default()).expect("a tree");
+        assert!(tree.depth <= bvh::MAX_DEPTH && wide.depth <= WIDE_MAX_DEPTH, "{} and {}", tree.depth, wide.depth);
+        assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn a_hundred_thousand_triangles_that_fill_the_scene_build_in_seconds() {
+    let vertices = soup(100_000, 1.0, [1.0; 3], 0.0);
+    let start = Instant::now();
+    let wide = build_wide(&vertices, 0.0, &options(BvhQuality::High)).expect("a tree");
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+    assert_eq!(wide.shape, TreeShape::Optimised);
+}
+
+#[test]
+fn better_qualities_cost_less_to_trace() {
+    for vertices in [needles(20_000), soup(20_000, 0.03, [1.0; 3], 0.0)] {
+        let [fast, balanced, high] =
+            BvhQuality::ALL.map(|quality| build_wide(&vertices, 0.0, &options(quality)).expect("a tree").cost);
+        assert!(high < balanced && balanced < fast, "{high} {balanced} {fast}");
+    }
+}
+
+#[test]
+fn what_cannot_be_built_is_refused() {
+    let mut vertices = soup(10, 0.1, [1.0; 3], 0.0);
+    for bad in [f32::NAN, f32::INFINITY, -1e13] {
+        vertices[9 * 7 + 3] = bad;
+        assert_eq!(build(&vertices, 0.0, &BvhOptions::default()), Err(BvhError::Corner { triangle: 7 }));
+        assert_eq!(build_wide(&vertices, 0.0, &BvhOptions::default()), Err(BvhError::Corner { triangle: 7 }));
+    }
+    vertices[9 * 7 + 3] = 0.0;
+    for growth in [-1.0, f32::INFINITY] {
+        assert_eq!(build(&vertices, growth, &BvhOptions::default()), Err(BvhError::Growth(growth)));
+    }
+    assert!(matches!(build(&vertices, f32::NAN, &BvhOptions::default()), Err(BvhError::Growth(_))));
+    let small = BvhOptions { most_words: 30, ..options(BvhQuality::Fast) };
+    let words = 12 * 10;
+    assert_eq!(
+        build_wide(&vertices, 0.0, &small),
+        Err(BvhError::TooLarge { buffer: "wide_triangles", words, limit: 30 })
+    );
+    assert!(matches!(build(&vertices, 0.0, &small), Err(BvhError::TooLarge { buffer: "bvh_nodes", limit: 30, .. })));
+}
+
+/// Each promise is broken once, and `check` must say which.
+#[test]
+fn check_finds_what_is_broken() {
+    let vertices = soup(200, 0.1, [1.0; 3], 0.0);
+    let good = build(&vertices, 1e-3, &options(BvhQuality::Fast)).expect("a tree");
+    let leaf = good.nodes.iter().position(|n| !n.is_inner()).expect("a leaf");
+    let broken = |f: &dyn Fn(&mut BvhData)| {
+        let mut tree = good.clone();
+        f(&mut tree);
+        tree.check(&vertices)
+    };
+    let triangle = good.items[good.nodes[leaf].first as usize];
+    let lower = |tree: &mut BvhData| tree.nodes[leaf].max[1] = tree.nodes[leaf].max[1].next_down();
+    assert!(matches!(broken(&lower), Err(BvhFault::Uncovered(_) | BvhFault::Order(_))), "{:?}", broken(&lower));
+    assert_eq!(broken(&|t| t.growth = 2e-3), Err(BvhFault::Uncovered(0)));
+    assert_eq!(broken(&|t| t.parents[5] ^= 1), Err(BvhFault::Parent(5)));
+    assert_eq!(broken(&|t| t.nodes[0].link ^= 3 << 30), Err(BvhFault::Order(0)));
+    assert_eq!(broken(&|t| t.nodes.swap(1, 2)), Err(BvhFault::Order(0)));
+    assert_eq!(broken(&|t| t.nodes[0].first = 1 << 20), Err(BvhFault::Link(0)));
+    assert_eq!(broken(&|t| t.depth += 1), Err(BvhFault::Depth(good.depth)));
+    assert!(broken(&|t| t.items[t.nodes[leaf].first as usize] = triangle ^ 1).is_err());
+
+    let good = build_wide(&vertices, 1e-3, &options(BvhQuality::Fast)).expect("a tree");
+    let broken = |f: &dyn Fn(&mut WideBvhData)| {
+        let mut tree = good.clone();
+        f(&mut tree);
+        tree.check(&vertices)
+    };
+    for axis in 0..3 {
+        let slot = good.nodes[0].children().find(|c| good.nodes[0].planes[axis][1][c.slot] > 0).expect("one").slot;
+        let fault = broken(&|t| t.nodes[0].planes[axis][1][slot] -= 1);
+        assert!(matches!(fault, Err(BvhFault::Uncovered(_))), "{fault:?}");
+    }
+    assert_eq!(broken(&|t| t.triangles[3][9] ^= 1), Err(BvhFault::Corners(3)));
+    assert_eq!(broken(&|t| t.depth -= 1), Err(BvhFault::Depth(good.depth)));
+    assert!(matches!(broken(&|t| t.nodes[0].child_base += 1), Err(BvhFault::Link(_) | BvhFault::Uncovered(_))));
+    assert!(broken(&|t| t.nodes[0].imask ^= 1).is_err());
+
+    // A cut triangle that lost one of its pieces.
+    let vertices = needles(1000);
+    let good = build_wide(&vertices, 0.0, &options(BvhQuality::High)).expect("a tree");
+    assert_eq!(good.check(&vertices), Ok(()));
+    let mut counts = vec![0; 1000];
+    good.triangles.iter().for_each(|entry| counts[entry[3] as usize] += 1);
+    let most = (0..1000).max_by_key(|&i| counts[i]).expect("some") as u32;
+    let mut tree = good.clone();
+    let at = tree.triangles.iter().position(|entry| entry[3] == most).expect("listed");
+    let other = *tree.triangles.iter().find(|entry| entry[3] != most).expect("another");
+    tree.triangles[at] = other;
+    assert_eq!(tree.check(&vertices), Err(BvhFault::Uncovered(most)), "{} pieces", counts[most as usize]);
+}
