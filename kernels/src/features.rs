@@ -23,6 +23,12 @@ macro_rules! features {
 features! {
     robust: "`--numerics robust`, else `paper`.",
     grid: "The scene is traced through a uniform grid.",
+    bvh: "The scene is traced through a tree of boxes.",
+    skip: "Rays leap over empty cells of the grid.",
+    live_lists: "Only rays that wait for a kernel are launched.",
+    many_steps: "A ray may take several steps in one pass.",
+    any_hit: "A ray ends at the first hit that is found.",
+    eye_rays: "The fused kernel makes its rays itself.",
     clip: "Rays may start outside of the grid.",
     perspective: "Rays fan out from the eye, else they are parallel.",
     counters: "Cells visited and triangles tested are counted per ray.",

@@ -29,22 +29,27 @@ pub struct Camera {
     pub(crate) _pad1: u32,
 }
 
+/// Origin and direction of a pixel's ray.
+pub fn eye_ray<R: Real>(scene: &SceneData, x: u32, y: u32) -> (Vec3<R>, Vec3<R>) {
+    let camera = &scene.camera;
+    let half = R::from_f32(0.5);
+    let x = (R::from_i32(x as i32) + half) * R::from_f32(camera.pixel_x) - R::one();
+    let y = R::one() - (R::from_i32(y as i32) + half) * R::from_f32(camera.pixel_y);
+    let across = Vec3::from_f32(camera.right) * x;
+    let upward = Vec3::from_f32(camera.up) * y;
+    if scene.features.perspective {
+        (Vec3::from_f32(camera.eye), Vec3::from_f32(camera.forward) + across + upward)
+    } else {
+        (Vec3::from_f32(camera.eye) + across + upward, Vec3::from_f32(camera.forward))
+    }
+}
+
 /// One ray's work.
 pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if ray.load_u32(State, 0) != UNWRITTEN {
         return;
     }
-    let camera = &scene.camera;
-    let half = R::from_f32(0.5);
-    let x = (R::from_i32(ray.x as i32) + half) * R::from_f32(camera.pixel_x) - R::one();
-    let y = R::one() - (R::from_i32(ray.y as i32) + half) * R::from_f32(camera.pixel_y);
-    let across = Vec3::from_f32(camera.right) * x;
-    let upward = Vec3::from_f32(camera.up) * y;
-    let (origin, direction) = if scene.features.perspective {
-        (Vec3::from_f32(camera.eye), Vec3::from_f32(camera.forward) + across + upward)
-    } else {
-        (Vec3::from_f32(camera.eye) + across + upward, Vec3::from_f32(camera.forward))
-    };
+    let (origin, direction) = eye_ray(scene, ray.x, ray.y);
 
     ray.store_vec3(RayOrigin, origin);
     ray.store_vec3(RayDirection, direction);

@@ -17,6 +17,7 @@
 //! functions round, are beyond this bound: there the grid may pick the other of two triangles that f32
 //! cannot tell apart, a tie.
 
+mod distance;
 mod overlap;
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -24,6 +25,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use crate::parallel::{for_chunks, for_ranges, map_ranges};
 use crate::shared::grid_walk::Grid;
 use crate::units::{exp2, floor_log2};
+pub use distance::distances;
 use overlap::Overlap;
 
 /// How fine the grid is.

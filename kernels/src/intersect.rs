@@ -1,13 +1,15 @@
-//! Twin of `intersect.wgsl`: tests the ray against one triangle of its cell.
+//! Twin of `intersect.wgsl`: tests the ray against triangles of its list.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::executor::cpu::Texels;
+use crate::features::Features;
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
-use crate::shared::triangle::{hit_triangle, is_nearer};
+use crate::shared::constants::INF;
+use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::shared::vector::smallest3;
-use crate::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use crate::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, Tag};
 use crate::stream::Stream::{Counters, Hit, RayDirection, RayOrigin, State, TMax};
 
 /// The uniform `scene`.
@@ -16,24 +18,31 @@ use crate::stream::Stream::{Counters, Hit, RayDirection, RayOrigin, State, TMax}
 pub struct SceneInfo {
     /// Number of triangles.
     pub triangles: u32,
-    pub(crate) _pad: [u32; 3],
+    /// Most steps of a ray in one pass.
+    pub steps: u32,
+    /// Rays.
+    pub rays: u32,
+    /// Where a dispatch begins, in rows of workgroups.
+    pub first_row: u32,
 }
 
-fn is_in_cell<R: Real>(scene: &SceneData, position: Vec3<R>, cell: [i32; 3]) -> bool {
-    let low = scene.grid.cell_plane::<R>(cell);
-    let high = low + Vec3::from_f32(scene.grid.width);
-    position.x >= low.x
-        && position.y >= low.y
-        && position.z >= low.z
-        && position.x <= high.x
-        && position.y <= high.y
-        && position.z <= high.z
+/// A cell's list has ended; `exit` is the t at which the ray leaves the cell.
+pub fn list_ended<R: Real>(features: &Features, tag: Tag, nearest_t: R, exit: R) -> Tag {
+    let is_hit = tag == ISECT_HIT;
+    match (features.robust, features.any_hit) {
+        (true, false) if is_hit && nearest_t <= exit => SHADE,
+        // Nothing was hit, and nothing behind the ray's end counts.
+        (true, true) if nearest_t <= exit => BACKGROUND,
+        (false, _) if is_hit => SHADE,
+        _ => TRAV,
+    }
 }
 
 /// Whether a cell before this one held the triangle too: walks again from the start.
 fn is_repeated<R: Real>(scene: &SceneData, triangle: u32, cell: u32, origin: Vec3<R>, direction: Vec3<R>) -> bool {
     let (grid, rules) = (&scene.grid, scene.features.walk_rules());
-    let mut walk = grid.enter(rules, origin, direction);
+    let ray = grid.ray(rules, origin, direction);
+    let mut walk = grid.enter(rules, &ray);
     let bound = grid.cells[0] + grid.cells[1] + grid.cells[2] + 2;
     let mut step = 0;
     while step < bound && walk.inside {
@@ -45,7 +54,7 @@ fn is_repeated<R: Real>(scene: &SceneData, triangle: u32, cell: u32, origin: Vec
         if scene.grid_items[first as usize..end as usize].contains(&triangle) {
             return true;
         }
-        walk = grid.advance(rules, walk, origin, direction);
+        walk = grid.advance(rules, walk, &ray);
         step += 1;
     }
     false
@@ -59,27 +68,24 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     let features = &scene.features;
 
-    let mut nearest_t: R = ray.load(State, 1);
+    let nearest_before: R = ray.load(State, 1);
+    let mut nearest_t = nearest_before;
     let cell = ray.load_u32(State, 2);
     let mut item = ray.load_u32(State, 3);
-    let (first, count) = if features.grid {
-        let first = scene.grid_cells[cell as usize];
-        (first, scene.grid_cells[cell as usize + 1] - first)
-    } else {
-        (0, scene.info.triangles)
-    };
+    let (first, count) = scene.list(cell);
 
+    let origin = ray.load_vec3(RayOrigin);
+    let direction = ray.load_vec3(RayDirection);
     let in_list = item < count;
     if in_list {
-        let triangle = if features.grid { scene.grid_items[(first + item) as usize] } else { item };
-        let origin = ray.load_vec3(RayOrigin);
-        let direction = ray.load_vec3(RayDirection);
-        let candidate = hit_triangle::<R>(features.robust, origin, direction, scene.corners(triangle));
-        let accepted = if features.robust {
+        let triangle = scene.listed(first + item);
+        let shear = Shear::of(direction);
+        let candidate = hit_triangle(features.robust, origin, direction, &shear, scene.corners(triangle));
+        let accepted = if features.robust && !features.any_hit {
             is_nearer(candidate.t, triangle, nearest_t, ray.load_u32(Hit, 2))
-        } else if features.grid {
+        } else if !features.robust && features.grid {
             candidate.t < nearest_t
-                && is_in_cell(scene, origin + direction * candidate.t, scene.grid.cell_of_index(cell))
+                && scene.grid.is_in_cell(origin + direction * candidate.t, scene.grid.cell_of_index(cell))
         } else {
             candidate.t < nearest_t
         };
@@ -87,7 +93,6 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             ray.store(Hit, 0, candidate.u);
             ray.store(Hit, 1, candidate.v);
             ray.store_u32(Hit, 2, triangle);
-            ray.store(State, 1, candidate.t);
             nearest_t = candidate.t;
             tag = ISECT_HIT;
         }
@@ -103,17 +108,22 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let ended = if features.robust { item >= count } else { !in_list };
     if ended {
-        let is_hit = tag == ISECT_HIT;
-        tag = if features.grid && features.robust {
-            let exit = smallest3(ray.load_vec3(TMax));
-            if is_hit && nearest_t <= exit { SHADE } else { TRAV }
-        } else if features.grid {
-            if is_hit { SHADE } else { TRAV }
-        } else if is_hit {
+        tag = if features.grid {
+            let exit = if features.robust { smallest3(ray.load_vec3(TMax)) } else { R::from_f32(INF) };
+            list_ended(features, tag, nearest_t, exit)
+        } else if features.bvh {
+            TRAV
+        } else if tag == ISECT_HIT {
             SHADE
         } else {
             BACKGROUND
         };
+    }
+    if nearest_t < nearest_before {
+        if features.any_hit {
+            tag = SHADE;
+        }
+        ray.store(State, 1, nearest_t);
     }
     ray.store_u32(State, 0, tag);
     ray.store_u32(State, 3, item);

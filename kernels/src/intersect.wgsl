@@ -1,40 +1,33 @@
-// Tests the ray against one triangle of its cell's list, and decides what is next when the list ends.
+// Tests the ray against one triangle of its list, and decides what is next when the list ends. The list is the cell's, the leaf's, or all triangles.
 //
-// With a grid the list is the cell's; without one it is all triangles. robust keeps the nearest hit and
-// accepts it once it lies within the cells walked; paper accepts a hit only inside of its own cell, and
-// pays one more pass to notice the list's delimiter (Listing 2).
+// robust keeps the nearest hit and accepts it once it lies within the cells walked; paper accepts a hit
+// only inside of its own cell, and pays one more step to notice the list's delimiter (Listing 2).
 
-import package::constants::{INF, WORKGROUP};
+import package::constants::{INF, NOBODY, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::vector::{smallest3};
-import package::triangle::{hit_triangle, is_nearer};
+import package::triangle::{hit_triangle, is_nearer, shear_of};
 import package::corners::{vertex};
 import package::ray::{load_origin, load_direction};
-import package::grid_walk::{grid, cell_of_index, cell_plane};
-@if(counters) import package::grid_walk::{Walk, enter_grid, advance, cell_index};
-
-struct SceneInfo {
-    triangles: u32,
-}
+import package::scene::{scene};
+import package::live::{send};
+@if(live_lists) import package::live::{listed_texel};
+@if(grid) import package::grid_lists::{grid_cells, grid_items, list_ended};
+@if(bvh) import package::bvh_walk::{bvh_nodes};
+@if(grid && !robust) import package::grid_walk::{is_in_cell, cell_of_index};
+@if(grid && counters) import package::grid_walk::{grid, grid_ray, enter_grid, advance, cell_index};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
-@if(grid) @group(0) @binding(4) var tmax: texture_2d_array<f32>;
+@if(grid && robust) @group(0) @binding(4) var tmax: texture_2d_array<f32>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
-@group(1) @binding(2) var<uniform> scene: SceneInfo;
-@if(grid) @group(1) @binding(4) var<storage, read> grid_cells: array<u32>;
-@if(grid) @group(1) @binding(5) var<storage, read> grid_items: array<u32>;
-
-@if(grid && !robust)
-fn is_in_cell(position: vec3f, cell: vec3i) -> bool {
-    let low = cell_plane(cell);
-    return all(position >= low) && all(position <= low + grid.width);
-}
+@if(bvh) @group(1) @binding(19) var<storage, read> bvh_items: array<u32>;
 
 // Whether a cell before this one held the triangle too: walks again from the start.
 @if(grid && counters)
 fn is_repeated(triangle: u32, cell: u32, origin: vec3f, direction: vec3f) -> bool {
-    var walk = enter_grid(origin, direction);
+    let ray = grid_ray(origin, direction);
+    var walk = enter_grid(ray);
     let bound = grid.cells.x + grid.cells.y + grid.cells.z + 2;
     for (var step = 0; step < bound && walk.inside; step++) {
         let index = cell_index(walk.cell);
@@ -46,52 +39,53 @@ fn is_repeated(triangle: u32, cell: u32, origin: vec3f, direction: vec3f) -> boo
                 return true;
             }
         }
-        walk = advance(walk, origin, direction);
+        walk = advance(walk, ray);
     }
     return false;
 }
 
-@compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn intersect(@builtin(global_invocation_id) id: vec3u) {
-    let texel = id.xy;
+fn step_item(texel: vec2u) -> u32 {
     if (any(texel >= textureDimensions(state))) {
-        return;
+        return NOBODY;
     }
     var tag = textureLoad(state, texel, 0).x;
     if (tag != ISECT_NO_HIT && tag != ISECT_HIT) {
-        return;
+        return NOBODY;
     }
 
-    var nearest_t = bitcast<f32>(textureLoad(state, texel, 1).x);
+    let nearest_before = bitcast<f32>(textureLoad(state, texel, 1).x);
+    var nearest_t = nearest_before;
     let cell = textureLoad(state, texel, 2).x;
     var item = textureLoad(state, texel, 3).x;
     @if(grid) let first = grid_cells[cell];
     @if(grid) let count = grid_cells[cell + 1u] - first;
-    @else let count = scene.triangles;
+    @if(bvh) let first = bvh_nodes[cell].first;
+    @if(bvh) let count = bvh_nodes[cell].link & 0x3fffffffu;
+    @if(!grid && !bvh) let count = scene.triangles;
 
+    let origin = load_origin(texel);
+    let direction = load_direction(texel);
     let in_list = item < count;
     if (in_list) {
         @if(grid) let triangle = grid_items[first + item];
-        @else let triangle = item;
-        let origin = load_origin(texel);
-        let direction = load_direction(texel);
-        let candidate = hit_triangle(origin, direction, vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u));
-        @if(robust) let accepted = is_nearer(candidate.t, triangle, nearest_t, textureLoad(hit, texel, 2).x);
-        @if(grid && !robust) let accepted = candidate.t < nearest_t
+        @if(bvh) let triangle = bvh_items[first + item];
+        @if(!grid && !bvh) let triangle = item;
+        let candidate = hit_triangle(
+            origin, direction, shear_of(direction), vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u));
+        @if(robust && !any_hit) let accepted = is_nearer(candidate.t, triangle, nearest_t, textureLoad(hit, texel, 2).x);
+        @if(robust && any_hit) let accepted = candidate.t < nearest_t;
+        @if(!robust && grid) let accepted = candidate.t < nearest_t
             && is_in_cell(origin + direction * candidate.t, cell_of_index(cell));
-        @if(!grid && !robust) let accepted = candidate.t < nearest_t;
+        @if(!robust && !grid) let accepted = candidate.t < nearest_t;
         if (candidate.is_hit && accepted) {
             textureStore(hit, texel, 0, vec4u(bitcast<u32>(candidate.u)));
             textureStore(hit, texel, 1, vec4u(bitcast<u32>(candidate.v)));
             textureStore(hit, texel, 2, vec4u(triangle));
-            textureStore(state, texel, 1, vec4u(bitcast<u32>(candidate.t)));
             nearest_t = candidate.t;
             tag = ISECT_HIT;
         }
         item += 1u;
-        @if(counters) {
-            textureStore(counters, texel, 1, vec4u(textureLoad(counters, texel, 1).x + 1u));
-        }
+        @if(counters) textureStore(counters, texel, 1, vec4u(textureLoad(counters, texel, 1).x + 1u));
         @if(grid && counters) {
             let repeated = u32(is_repeated(triangle, cell, origin, direction));
             textureStore(counters, texel, 2, vec4u(textureLoad(counters, texel, 2).x + repeated));
@@ -107,15 +101,36 @@ fn intersect(@builtin(global_invocation_id) id: vec3u) {
                 textureLoad(tmax, texel, 1, 0).x,
                 textureLoad(tmax, texel, 2, 0).x,
             ));
-            tag = select(TRAV, SHADE, tag == ISECT_HIT && nearest_t <= exit);
+            tag = list_ended(tag, nearest_t, exit);
         }
         @if(grid && !robust) {
-            tag = select(TRAV, SHADE, tag == ISECT_HIT);
+            tag = list_ended(tag, nearest_t, INF);
         }
-        @if(!grid) {
+        @if(bvh) {
+            tag = TRAV;
+        }
+        @if(!grid && !bvh) {
             tag = select(BACKGROUND, SHADE, tag == ISECT_HIT);
         }
     }
+    @if(any_hit) if (nearest_t < nearest_before) {
+        tag = SHADE;
+    }
+    if (nearest_t < nearest_before) {
+        textureStore(state, texel, 1, vec4u(bitcast<u32>(nearest_t)));
+    }
     textureStore(state, texel, 0, vec4u(tag));
     textureStore(state, texel, 3, vec4u(item));
+    return tag;
+}
+
+@compute @workgroup_size(LIST_SIDE, LIST_SIDE)
+fn intersect(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    @if(live_lists) let texel = listed_texel(group, lane);
+    @else let texel = id.xy;
+    send(lane, texel, step_item(texel));
 }

@@ -2,8 +2,9 @@
 
 use crate::executor::cpu::Twin;
 use crate::real::Real;
+use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::state::{self, StateCounts, Tag};
-use crate::{generate, intersect, setup, shade, traverse_grid};
+use crate::{fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
 
 /// A kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -14,8 +15,14 @@ pub enum Kernel {
     Setup,
     /// Moves a ray to its next cell.
     TraverseGrid,
-    /// Tests one triangle a ray.
+    /// Moves a ray to its next node of the tree.
+    TraverseBvh,
+    /// Tests one triangle.
     Intersect,
+    /// Takes a ray several steps on.
+    Walk,
+    /// Takes a ray from its start to its hit.
+    Fused,
     /// Colours what was hit.
     Shade,
 }
@@ -61,9 +68,12 @@ macro_rules! kernels {
 // A kernel is two files, x.wgsl and x.rs, and one line here.
 kernels! {
     Generate generate &[state::UNWRITTEN], "makes a ray for every pixel";
-    Setup setup &[state::TRAV_SETUP], "finds the ray's first cell, or that it misses the grid";
+    Setup setup &[state::TRAV_SETUP], "finds where the ray's walk begins, or that it misses the grid";
     TraverseGrid traverse_grid &[state::TRAV], "moves the ray to its next cell";
-    Intersect intersect &[state::ISECT_NO_HIT, state::ISECT_HIT], "tests the ray against one triangle of its cell";
+    TraverseBvh traverse_bvh &[state::TRAV], "moves the ray to its next node of the tree";
+    Intersect intersect &[state::ISECT_NO_HIT, state::ISECT_HIT], "tests the ray against one triangle of its cell or leaf";
+    Walk walk &[state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT], "takes the ray several cells or nodes on";
+    Fused fused &[state::TRAV_SETUP], "takes the ray from its start to its nearest hit";
     Shade shade &[state::SHADE, state::BACKGROUND], "colours the ray from its hit, or the background";
 }
 
@@ -77,6 +87,28 @@ impl Kernel {
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.info().name
+    }
+    /// The state in which it leaves every ray that it works on, where there is only one.
+    #[must_use]
+    pub const fn sends_all_to(self) -> Option<Tag> {
+        match self {
+            Self::Generate => Some(state::TRAV_SETUP),
+            Self::Shade => Some(state::DONE),
+            _ => None,
+        }
+    }
+    /// Whether it belongs to the walk: it runs again and again.
+    #[must_use]
+    pub const fn is_walk(self) -> bool {
+        matches!(self, Self::TraverseGrid | Self::TraverseBvh | Self::Intersect | Self::Walk)
+    }
+    /// Invocations of its workgroups along x and y.
+    #[must_use]
+    pub const fn workgroup(self) -> u32 {
+        match self {
+            Self::Generate | Self::Fused | Self::Shade => WORKGROUP,
+            _ => LIST_SIDE,
+        }
     }
     /// How many of these rays it would work on.
     #[must_use]

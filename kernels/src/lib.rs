@@ -35,9 +35,11 @@
 //! ```
 
 pub mod buffer;
+pub mod bvh;
 pub mod executor;
 pub mod export;
 pub mod features;
+pub mod fused;
 pub mod generate;
 pub mod grid;
 pub mod image;
@@ -58,15 +60,17 @@ pub mod shader;
 pub mod shared;
 pub mod state;
 pub mod stream;
+pub mod traverse_bvh;
 pub mod traverse_grid;
 pub mod units;
 mod vec64;
+pub mod walk;
 
 pub use executor::gpu::{AdapterChoice, AdapterSummary, Gpu, GpuError, adapters};
 pub use grid::GridSize;
 pub use image::Image;
 pub use kernel::Kernel;
-pub use options::{Accelerator, Numerics, Options, Ray, RaySource, ScheduleKind};
+pub use options::{Accelerator, Numerics, Options, Ray, RaySource, ScheduleKind, Skip};
 pub use plan::{Limits, Plan, PlanError};
 pub use ray_kinds::RayKind;
 pub use renderer::{Device, Pass, Progress, RayHit, RenderError, Renderer};

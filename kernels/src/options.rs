@@ -10,9 +10,13 @@ use crate::grid::GridSize;
 /// What keeps a ray from testing every triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accelerator {
+    /// The one of the others that traces this scene fastest, by [`Accelerator::for_triangles`].
+    Auto,
     /// A uniform grid.
     #[default]
     Grid,
+    /// A bounding volume hierarchy.
+    Bvh,
     /// Nothing: every ray tests every triangle (the paper's Table 3).
     None,
 }
@@ -23,8 +27,33 @@ pub enum ScheduleKind {
     /// The paper's first strategy: intersect until no ray is active there, then traverse once.
     First,
     /// The paper's second: intersect and traverse in turn.
-    #[default]
     Second,
+    /// As the second, but only rays that wait for a kernel are launched, for up to
+    /// [`Options::steps_per_pass`] steps.
+    #[default]
+    Compact,
+    /// One kernel takes each ray from its start to its hit.
+    Fused,
+}
+
+impl ScheduleKind {
+    /// Whether a ray's walk can be watched pass by pass.
+    #[must_use]
+    pub fn is_stepped(self) -> bool {
+        self != Self::Fused
+    }
+}
+
+/// Whether rays leap over empty cells of the grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Skip {
+    /// Where most cells are empty.
+    #[default]
+    Auto,
+    /// Always.
+    On,
+    /// Never.
+    Off,
 }
 
 /// The rules for planes, steps and hits.
@@ -72,9 +101,25 @@ macro_rules! named {
         }
     };
 }
-named!(Accelerator, "grid, none", Grid "grid", None "none");
-named!(ScheduleKind, "first, second", First "first", Second "second");
+named!(Accelerator, "auto, grid, bvh, none", Auto "auto", Grid "grid", Bvh "bvh", None "none");
+named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
+named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
 named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
+
+impl Accelerator {
+    /// What [`Auto`](Self::Auto) means for that many triangles.
+    #[must_use]
+    pub fn for_triangles(self, triangles: usize) -> Self {
+        match self {
+            Self::Auto if triangles <= MOST_WITHOUT => Self::None,
+            Self::Auto => Self::Bvh,
+            chosen => chosen,
+        }
+    }
+}
+
+/// Most triangles that are tested faster without grid and tree.
+pub const MOST_WITHOUT: usize = 8;
 
 /// A ray in scene units: `origin + t * direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +146,9 @@ pub enum RaySource {
     Given(Vec<Ray>),
 }
 
+/// Steps a pass of the compact schedule, unless asked otherwise.
+pub const STEPS_PER_PASS: u32 = 8;
+
 /// A run's options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -112,6 +160,13 @@ pub struct Options {
     pub numerics: Numerics,
     /// `--grid`
     pub grid: GridSize,
+    /// `--skip`
+    pub skip: Skip,
+    /// `--steps-per-pass`: most steps of a ray in one pass of the compact schedule; 1 is the paper's.
+    pub steps_per_pass: u32,
+    /// A ray ends at the first hit that is found with t below 1, whichever it is: shadow rays, from a
+    /// point to a light. Not with `--numerics paper`.
+    pub any_hit: bool,
     /// Where rays come from.
     pub rays: RaySource,
     /// Shade the hits; without it, a run ends with the `hit` stream.
@@ -133,6 +188,9 @@ impl Options {
             schedule: ScheduleKind::default(),
             numerics: Numerics::default(),
             grid: GridSize::default(),
+            skip: Skip::default(),
+            steps_per_pass: STEPS_PER_PASS,
+            any_hit: false,
             rays,
             shade: true,
             counters: false,

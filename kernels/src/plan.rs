@@ -12,17 +12,20 @@ use std::collections::BTreeSet;
 use raystep_scenes::Scene;
 
 use crate::buffer::BUFFERS;
+use crate::executor::gpu::{fill_bytes, given_bytes};
 use crate::features::Features;
 use crate::grid::{self, GridSize};
 use crate::kernel::Kernel;
-use crate::options::{Options, RaySource};
+use crate::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
+use crate::renderer::GIVEN;
 use crate::scene_data::SceneData;
 use crate::schedule::Schedule;
 use crate::shader::Variant;
+use crate::shared::constants::{LIST_GROUPS, LIST_SIDE, WORKGROUP};
 use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
 
-pub use check::{MAX_TEXELS, PlanError};
+pub use check::{MAX_TEXELS, PlanError, given_width};
 use check::{check_buffer, check_rays, check_scene, image_size};
 use decide::{features, left_out};
 pub use display::Bytes;
@@ -46,11 +49,12 @@ impl Limits {
 impl From<&wgpu::Limits> for Limits {
     fn from(limits: &wgpu::Limits) -> Self {
         let groups = limits.max_compute_workgroups_per_dimension;
-        let side = limits.max_texture_dimension_2d.min(groups.saturating_mul(crate::shared::constants::WORKGROUP));
+        let side = limits.max_texture_dimension_2d.min(groups.saturating_mul(WORKGROUP));
         Self {
             image_side: side,
             storage_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-            rays: 1 << 28,
+            // Rows of workgroups of one indirect dispatch, and rays of a row.
+            rays: u64::from(groups.min(65_535)) * u64::from(LIST_GROUPS * LIST_SIDE * LIST_SIDE),
         }
     }
 }
@@ -97,6 +101,8 @@ pub struct Plan {
     pub rays: u64,
     /// Triangles.
     pub triangles: u64,
+    /// What keeps rays from testing every triangle; never [`Accelerator::Auto`].
+    pub accelerator: Accelerator,
     /// Options decided.
     pub features: Features,
     /// Order of kernels.
@@ -111,11 +117,44 @@ pub struct Plan {
     pub left_out: Vec<LeftOut>,
 }
 
-/// The housekeeping buffers of the GPU executor: live counts, one slot a pass of a batch, and their copy
-/// for reading back.
+/// Passes of one batch at most: one slot each in the GPU executor's housekeeping buffers.
 pub const COUNT_SLOTS: u64 = 256;
 /// Bytes between two slots: a dynamic offset's alignment on every adapter.
 pub const COUNT_SLOT_BYTES: u64 = 256;
+/// Texels of each constant with which the GPU executor fills streams.
+pub const FILL_TEXELS: u32 = 1 << 18;
+/// Lists of rays that exist at a time: for each of two kernels the one that it works on, and the next.
+pub const LIVE_REGIONS: u64 = 4;
+
+/// The buffers in which the GPU executor keeps the passes' books, as far as kernels bind them.
+fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str>> {
+    let slots = COUNT_SLOTS * COUNT_SLOT_BYTES;
+    let mut all = Vec::new();
+    let mut add = |what, bytes| all.push(Planned { what, bytes });
+    add("sent", slots);
+    add("sent_copy", slots);
+    // A list's own slot and the next one's are in different buffers: one is read as arguments while the
+    // other is written.
+    for (name, even, odd) in [
+        ("intersect_list", "intersect_list_even", "intersect_list_odd"),
+        ("traverse_list", "traverse_list_even", "traverse_list_odd"),
+    ] {
+        if bound.contains(name) {
+            add(even, slots / 2 + COUNT_SLOT_BYTES);
+            add(odd, slots / 2 + COUNT_SLOT_BYTES);
+        }
+    }
+    if bound.contains("live_rays") {
+        add("live_rays", LIVE_REGIONS * 4 * texels);
+    }
+    all
+}
+
+/// Whether most cells are empty: where a walk seldom finds a cell to leap over, looking for one costs more.
+fn is_sparse(cells: &[u32]) -> bool {
+    let empty = cells.windows(2).filter(|w| w[0] == w[1]).count();
+    cells.len() > 64 && 2 * empty > cells.len()
+}
 
 impl Plan {
     /// Plans a run and prepares the bytes that it binds. No GPU is involved.
@@ -127,28 +166,61 @@ impl Plan {
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
         check_rays(options, units)?;
-        let features = features(scene, options, units);
+        let options =
+            &Options { accelerator: options.accelerator.for_triangles(scene.triangles.len()), ..options.clone() };
+        let mut features = features(scene, options, units);
 
-        let given = matches!(options.rays, RaySource::Given(_));
-        let schedule = Schedule::new(options.schedule, options.accelerator, given, options.shade);
-        let variants =
-            schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
-        let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
-
-        // What is known before the grid is built is refused before it is built.
+        // What is known before the grid or tree is built is refused before it is built.
         let triangles = scene.triangles.len() as u64;
-        for (name, bytes) in [("vertices", 36), ("normals", 36), ("texcoords", 24), ("vertex_colors", 36)] {
-            if bound.contains(name) {
+        let corners = if options.schedule == ScheduleKind::Fused || features.many_steps {
+            ("packed_triangles", 48)
+        } else {
+            ("vertices", 36)
+        };
+        for (name, bytes, is_used) in [
+            (corners.0, corners.1, true),
+            ("normals", 36, features.normals),
+            ("texcoords", 24, features.textures),
+            ("vertex_colors", 36, features.vertex_colors),
+        ] {
+            if is_used && (name == corners.0 || options.shade) {
                 check_buffer(name, triangles * bytes, limits)?;
             }
         }
         if let GridSize::Cells(cells) = options.grid
-            && bound.contains("grid_cells")
+            && features.grid
         {
             check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
         }
-        let data =
-            SceneData::build(scene, options, features, units, limits.storage_bytes, |name| bound.contains(name))?;
+        if features.live_lists {
+            check_buffer("live_rays", LIVE_REGIONS * 4 * u64::from(width) * u64::from(height), limits)?;
+        }
+
+        let mut data = SceneData::accelerate(scene, options, &features, units, limits.storage_bytes)?;
+        data.info.rays = rays as u32;
+        if features.grid && features.robust {
+            features.skip = match options.skip {
+                Skip::On => true,
+                Skip::Off => false,
+                Skip::Auto => is_sparse(&data.grid_cells),
+            };
+        }
+        if features.skip {
+            data.measure_distances();
+        }
+        let given = matches!(options.rays, RaySource::Given(_));
+        let schedule = Schedule::new(
+            options.schedule,
+            options.accelerator,
+            given,
+            options.shade,
+            features.eye_rays,
+            features.many_steps,
+        );
+        let variants =
+            schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
+        let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
+        data.fill(scene, options, features, units, |name| bound.contains(name));
 
         let streams = STREAMS
             .iter()
@@ -166,14 +238,18 @@ impl Plan {
             }
             buffers.push(Planned { what: info.name, bytes });
         }
-        for name in ["live_counts", "live_counts_copy"] {
-            buffers.push(Planned { what: name, bytes: COUNT_SLOTS * COUNT_SLOT_BYTES });
+        buffers.extend(housekeeping(&bound, u64::from(width) * u64::from(height)));
+        buffers.push(Planned { what: "fill", bytes: fill_bytes(width, height) });
+        if given {
+            let bytes = GIVEN.iter().map(|&stream| given_bytes(stream, width, height)).sum();
+            buffers.push(Planned { what: "given", bytes });
         }
         let mut plan = Self {
             width,
             height,
             rays,
             triangles,
+            accelerator: options.accelerator,
             features,
             schedule,
             variants,
@@ -210,6 +286,8 @@ impl Plan {
         let longest = data.grid_cells.windows(2).map(|w| u64::from(w[1] - w[0])).max();
         let walk = match longest {
             Some(longest) => data.grid.cells.iter().map(|&n| n as u64).sum::<u64>().saturating_add(2) * (longest + 2),
+            // A node is entered once, and come back to once.
+            None if self.features.bvh => 2 * data.bvh_nodes.len() as u64 + 2 * data.bvh_items.len() as u64,
             None => self.triangles + 1,
         };
         2 * walk + 16

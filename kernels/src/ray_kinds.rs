@@ -24,7 +24,9 @@ use raystep_scenes::{Bounds, Camera, Light, Projection, Scene};
 
 use crate::options::Ray;
 use crate::parallel::map_ranges;
+use crate::plan::given_width;
 use crate::renderer::RayHit;
+use crate::shared::constants::WORKGROUP;
 
 /// How far origins are moved off a surface, as a share of the largest coordinate of the scene's box.
 pub const SURFACE_OFFSET: f64 = 1.0 / (1u32 << 16) as f64;
@@ -89,6 +91,8 @@ pub struct PrimaryHits<'a> {
     pub scene: &'a Scene,
     /// Who looks at it.
     pub camera: &'a Camera,
+    /// Pixels a row.
+    pub width: u32,
     /// One a pixel, as [`Renderer::hits`](crate::Renderer::hits) gives them.
     pub hits: &'a [Option<RayHit>],
 }
@@ -145,11 +149,20 @@ impl PrimaryHits<'_> {
     fn each(&self, make: impl Fn(u32, &Departure) -> Option<Ray> + Sync) -> Vec<Ray> {
         let bounds = self.scene.bounds();
         let offset = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element()) * SURFACE_OFFSET;
-        let part = |pixels: std::ops::Range<usize>| {
-            let ray_of = |i: usize| make(i as u32, &self.departure(&self.hits[i]?, offset)?);
-            pixels.filter_map(ray_of).collect::<Vec<_>>()
+        let ray_of = |i: usize| make(i as u32, &self.departure(self.hits.get(i)?.as_ref()?, offset)?);
+        // By tiles of pixels, so that rays which a workgroup traces together leave from near each other.
+        let width = (self.width as usize).max(1);
+        let (columns, rows) = (width.div_ceil(TILE), self.hits.len().div_ceil(width).div_ceil(TILE));
+        let part = |tiles: std::ops::Range<usize>| {
+            let mut rays = Vec::new();
+            for tile in tiles {
+                let (left, top) = (tile % columns * TILE, tile / columns * TILE);
+                let pixels = (0..TILE * TILE).map(|i| (left + i % TILE, top + i / TILE));
+                rays.extend(pixels.filter(|p| p.0 < width).filter_map(|(x, y)| ray_of(y * width + x)));
+            }
+            rays
         };
-        map_ranges(self.hits.len(), PIXELS_PER_TASK, part).concat()
+        in_tiles(&map_ranges(columns * rows, PIXELS_PER_TASK / (TILE * TILE), part).concat())
     }
 
     /// `None` for a triangle without an area: it has no normal.
@@ -166,6 +179,26 @@ impl PrimaryHits<'_> {
         let normal = if normal.dot(towards_viewer) < 0.0 { -normal } else { normal };
         Some(Departure { point: point + normal * offset, normal })
     }
+}
+
+/// Pixels of a tile each way: those of a workgroup.
+const TILE: usize = WORKGROUP as usize;
+
+/// Puts consecutive rays into tiles of the picture in which given rays lie; see [`given_width`].
+fn in_tiles(rays: &[Ray]) -> Vec<Ray> {
+    let width = given_width(rays.len() as u64) as usize;
+    if !width.is_multiple_of(TILE) {
+        return rays.to_vec();
+    }
+    // Rows of tiles that are full; the rest stays in order.
+    let full = rays.len() / (width * TILE) * width * TILE;
+    let mut placed = rays.to_vec();
+    for (i, ray) in rays[..full].iter().enumerate() {
+        let (tile, within) = (i / (TILE * TILE), i % (TILE * TILE));
+        let (column, row) = (tile % (width / TILE), tile / (width / TILE));
+        placed[(row * TILE + within / TILE) * width + column * TILE + within % TILE] = *ray;
+    }
+    placed
 }
 
 /// `count` rays with origins evenly in the scene's box and directions evenly on the sphere.
@@ -283,7 +316,7 @@ mod tests {
         let (scene, hits) = floor(Vec::new());
         for side in [1.0, -1.0] {
             let camera = camera(DVec3::new(0.0, 7.0 + 20.0 * side, 1.0));
-            let rays = PrimaryHits { scene: &scene, camera: &camera, hits: &hits }.bounce(1);
+            let rays = PrimaryHits { scene: &scene, camera: &camera, width: 128, hits: &hits }.bounce(1);
             assert_eq!(rays.len(), 12_288, "one a hit");
             let mut cosines = [0.0; 2];
             let mut sum = Vec3::ZERO;
@@ -311,7 +344,7 @@ mod tests {
         let above = camera(DVec3::new(0.0, 30.0, 1.0));
         let rays = |lights: Vec<Light>, camera: &Camera| {
             let (scene, hits) = floor(lights);
-            PrimaryHits { scene: &scene, camera, hits: &hits }.shadow(1)
+            PrimaryHits { scene: &scene, camera, width: 128, hits: &hits }.shadow(1)
         };
         let end = |ray: &Ray| Vec3::from(ray.origin) + Vec3::from(ray.direction);
         let lit = rays(vec![point(9.0)], &above);
@@ -331,7 +364,7 @@ mod tests {
         // Without a light, the middle of the box's top: in the plane of this floor, so a step has to hold it.
         let (mut scene, hits) = floor(Vec::new());
         scene.triangles.push([[-4.0, 7.0, 0.0], [4.0, 11.0, 0.0], [0.0, 7.0, 0.0]]);
-        let rays = PrimaryHits { scene: &scene, camera: &above, hits: &hits }.shadow(1);
+        let rays = PrimaryHits { scene: &scene, camera: &above, width: 128, hits: &hits }.shadow(1);
         assert!(!rays.is_empty() && rays.iter().all(|r| end(r).abs_diff_eq(Vec3::new(0.0, 11.0, 2.0), 1e-5)));
     }
 
@@ -361,14 +394,30 @@ mod tests {
     fn a_pixels_ray_is_its_own() {
         let (scene, hits) = floor(Vec::new());
         let camera = camera(DVec3::new(0.0, 20.0, 1.0));
-        let bounce = |hits: &[Option<RayHit>], seed| PrimaryHits { scene: &scene, camera: &camera, hits }.bounce(seed);
+        let bounce = |hits: &[Option<RayHit>], seed| {
+            PrimaryHits { scene: &scene, camera: &camera, width: 128, hits }.bounce(seed)
+        };
         let all = bounce(&hits, 1);
         assert_eq!(all, bounce(&hits, 1));
         assert_ne!(all, bounce(&hits, 2));
         let mut fewer = hits.clone();
         fewer[..8].fill(None);
-        assert_eq!(bounce(&fewer, 1), all[6..], "what other pixels see does not matter");
+        let kept = bounce(&fewer, 1);
+        assert_eq!(kept.len(), all.len() - 6);
+        assert!(kept.iter().all(|ray| all.contains(ray)), "what other pixels see does not matter");
         assert_eq!(bounce(&vec![None; 9], 1), []);
+    }
+
+    #[test]
+    fn a_tile_of_rays_leaves_from_a_tile_of_pixels() {
+        let rays: Vec<Ray> = (0..1000).map(|i| Ray { origin: [i as f32, 0.0, 0.0], direction: [1.0; 3] }).collect();
+        let placed = in_tiles(&rays);
+        let (width, first) = (given_width(1000) as usize, |i: usize| placed[i].origin[0] as usize);
+        assert_eq!(width, 32);
+        assert_eq!([first(0), first(7), first(8), first(width), first(8 * width)], [0, 7, 64, 8, 256]);
+        let mut all: Vec<usize> = (0..1000).map(first).collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..1000).collect::<Vec<_>>());
     }
 
     #[test]
@@ -378,7 +427,7 @@ mod tests {
         let scene = Scene { triangles: vec![line, huge], ..Scene::default() };
         let camera = camera(DVec3::new(1e39, 0.0, 5.0));
         let hits: Vec<_> = (0..3).map(|triangle| Some(RayHit { t: 1.0, u: 0.1, v: 0.1, triangle })).collect();
-        assert_eq!(PrimaryHits { scene: &scene, camera: &camera, hits: &hits }.bounce(1), []);
+        assert_eq!(PrimaryHits { scene: &scene, camera: &camera, width: 128, hits: &hits }.bounce(1), []);
     }
 
     #[test]

@@ -20,7 +20,11 @@ use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::state::{self, StateCounts};
 use crate::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG, Stream, StreamData};
 use crate::units::exp2;
+pub(crate) use given::GIVEN;
 use given::GivenRays;
+
+/// Rays times passes of one submission at most, or two passes.
+const RAYS_A_BATCH: u64 = 1 << 26;
 
 /// Where passes run.
 #[derive(Clone)]
@@ -159,6 +163,10 @@ impl Renderer {
             RaySource::Given(rays) => Some(GivenRays::new(rays, &plan, &data)),
             RaySource::Camera { .. } => None,
         };
+        let mut executor = executor;
+        if let (Executor::Gpu(e), Some(given)) = (&mut executor, &given) {
+            e.give(&given.streams);
+        }
         let pass_bound = plan.pass_bound(&data);
         let mut renderer = Self {
             plan,
@@ -189,16 +197,22 @@ impl Renderer {
         self.is_ahead = false;
         self.counts = StateCounts::default();
         let texels = self.plan.width * self.plan.height;
-        match self.given.take() {
+        match &self.given {
             Some(given) => {
                 for data in &given.streams {
-                    self.write(data);
+                    // A plan for given rays has these streams; a GPU keeps them, and copies them in `clear`.
+                    let _: bool = match &mut self.executor {
+                        Executor::Gpu(_) => true,
+                        Executor::Cpu(e) => e.write(data),
+                        Executor::CpuF64(e) => e.write(data),
+                    };
                 }
                 let rays = given.exponents.len() as u32;
                 self.counts[state::TRAV_SETUP as usize] = rays;
                 self.counts[state::UNWRITTEN as usize] = texels - rays;
-                self.given = Some(given);
             }
+            // The fused kernel's rays wait for nobody to make them.
+            None if self.plan.features.eye_rays => self.counts[state::TRAV_SETUP as usize] = texels,
             None => self.counts[state::UNWRITTEN as usize] = texels,
         }
     }
@@ -226,12 +240,14 @@ impl Renderer {
     pub async fn run(&mut self, mut progress: impl FnMut(&Progress) -> ControlFlow<()>) -> Result<(), RenderError> {
         // Enough passes to hide the read-back, few enough rays to report often.
         let most = match self.executor {
-            Executor::Gpu(_) => ((1usize << 26) / self.plan.rays.max(1) as usize).clamp(2, MOST_PASSES),
+            Executor::Gpu(_) => MOST_PASSES,
             Executor::Cpu(_) | Executor::CpuF64(_) => 1,
         };
-        let mut batch = most.min(8);
-        while self.advance(batch).await? > 0 {
-            batch = (batch * 2).min(most);
+        let mut batch = 8;
+        while self.advance(batch.min(most)).await? > 0 {
+            // Passes that launch every ray cost as much at the end as at the beginning.
+            let launched = if self.plan.features.live_lists { self.undecided() } else { self.plan.rays };
+            batch = (batch * 2).min((RAYS_A_BATCH / launched.max(1)) as usize).max(2);
             if progress(&self.progress()).is_break() && self.next_kernel().is_some() {
                 return Err(RenderError::Cancelled { passes: self.passes.len() });
             }
@@ -262,7 +278,7 @@ impl Renderer {
         }
         self.is_ahead = true;
         let results: Vec<PassResult> = match &mut self.executor {
-            Executor::Gpu(e) => e.run(&guess).await?,
+            Executor::Gpu(e) => e.run(&guess, &self.counts).await?,
             Executor::Cpu(e) => vec![e.run(guess[0], &self.data)],
             Executor::CpuF64(e) => vec![e.run(guess[0], &self.data)],
         };
@@ -337,6 +353,16 @@ impl Renderer {
     #[must_use]
     pub fn unfinished(&self) -> u64 {
         self.unfinished
+    }
+
+    /// Time of all passes so far on the device's own clock, in nanoseconds: on a GPU from the first begin to
+    /// the last end of each submission, summed; of the twins, the sum of their passes, where they are timed.
+    #[must_use]
+    pub fn device_ns(&self) -> Option<u64> {
+        match &self.executor {
+            Executor::Gpu(e) => e.device_ns(),
+            _ => self.passes.iter().map(|p| p.duration_ns).sum(),
+        }
     }
 
     /// The GPU executor, where passes run on one.

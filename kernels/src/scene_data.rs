@@ -3,11 +3,13 @@
 use bytemuck::cast_slice;
 use raystep_scenes::{Camera as SceneCamera, Light as SceneLight, Projection, Scene, Texture as SceneTexture, Wrap};
 
+use crate::bvh::{self, BvhNode, BvhOptions, WideContent, WideNode};
 use crate::features::Features;
 use crate::generate::Camera;
-use crate::grid::{self, GridData, GridError};
+use crate::grid;
 use crate::intersect::SceneInfo;
-use crate::options::{Options, Ray, RaySource};
+use crate::options::{Options, Ray, RaySource, ScheduleKind};
+use crate::plan::PlanError;
 use crate::real::{Real, Vec3};
 use crate::shade::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT, Shading};
 use crate::shared::grid_walk::Grid;
@@ -38,8 +40,20 @@ pub struct SceneData {
     pub grid_cells: Vec<u32>,
     /// Triangle ids.
     pub grid_items: Vec<u32>,
-    /// What the grid's cells were grown by, traced units.
-    pub grid_growth: f32,
+    /// Four cells a word, a byte each: see [`crate::grid::distances`].
+    pub grid_distances: Vec<u32>,
+    /// What cells and boxes were grown by, traced units.
+    pub growth: f32,
+    /// The binary tree.
+    pub bvh_nodes: Vec<BvhNode>,
+    /// One a node.
+    pub bvh_parents: Vec<u32>,
+    /// Triangle ids.
+    pub bvh_items: Vec<u32>,
+    /// The wide tree.
+    pub wide_nodes: Vec<WideNode>,
+    /// Corners and ids as the fused kernel reads them.
+    pub packed_triangles: Vec<[u32; 12]>,
     /// Nine a triangle.
     pub normals: Vec<f32>,
     /// Six a triangle.
@@ -78,11 +92,69 @@ impl SceneData {
         [0, 3, 6].map(|c| Vec3::from_f32([v[c], v[c + 1], v[c + 2]]))
     }
 
+    /// Where the list of a cell or leaf begins, and how many triangles it has; all triangles where there is
+    /// neither grid nor tree.
+    #[must_use]
+    pub fn list(&self, cell: u32) -> (u32, u32) {
+        if self.features.grid {
+            let first = self.grid_cells[cell as usize];
+            (first, self.grid_cells[cell as usize + 1] - first)
+        } else if self.features.bvh {
+            let node = &self.bvh_nodes[cell as usize];
+            (node.first, node.count())
+        } else {
+            (0, self.info.triangles)
+        }
+    }
+
+    /// The triangle at a place of the lists.
+    #[must_use]
+    pub fn listed(&self, place: u32) -> u32 {
+        if self.features.grid {
+            self.grid_items[place as usize]
+        } else if self.features.bvh {
+            self.bvh_items[place as usize]
+        } else {
+            place
+        }
+    }
+
+    /// Whether every index that the fused kernel follows stays within what it points into: what a shader
+    /// without bounds checks relies on.
+    #[must_use]
+    pub fn indices_hold(&self) -> bool {
+        let entries = self.packed_triangles.len();
+        if self.features.grid {
+            let cells = self.grid.cells.iter().map(|&n| n as usize).product::<usize>();
+            let lists = self.grid_cells.len() == cells + 1
+                && self.grid_cells.is_sorted()
+                && self.grid_cells.last().is_some_and(|&end| end as usize <= self.grid_items.len());
+            return lists
+                && self.grid_items.iter().all(|&item| (item as usize) < entries)
+                && (!self.features.skip || 4 * self.grid_distances.len() >= cells);
+        }
+        if self.features.bvh {
+            let within = |content| match content {
+                WideContent::Inner(node) => (node as usize) < self.wide_nodes.len(),
+                WideContent::Leaf { first, count } => (first + count) as usize <= entries,
+            };
+            let holds = |node: &WideNode| (0..8).filter_map(|slot| node.content(slot)).all(within);
+            return !self.wide_nodes.is_empty() && self.wide_nodes.iter().all(holds);
+        }
+        self.info.triangles as usize <= entries
+    }
+
+    /// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list.
+    #[must_use]
+    pub fn empty_distance(&self, cell: u32) -> i32 {
+        (self.grid_distances[cell as usize / 4] >> (8 * (cell % 4)) & 0xff) as i32
+    }
+
     /// The bytes of a buffer, by name; a storage buffer that would be empty gets 16 zero bytes, since
     /// nothing can be bound to nothing. `None` for a name that the table does not have.
     #[must_use]
     pub fn bytes(&self, name: &str) -> Option<&[u8]> {
-        const EMPTY: &[u8] = &[0; 48];
+        const EMPTY: &[u8] = &[0; 80];
         let bytes: &[u8] = match name {
             "camera" => bytemuck::bytes_of(&self.camera),
             "grid" => bytemuck::bytes_of(&self.grid),
@@ -91,6 +163,12 @@ impl SceneData {
             "vertices" => cast_slice(&self.vertices),
             "grid_cells" => cast_slice(&self.grid_cells),
             "grid_items" => cast_slice(&self.grid_items),
+            "grid_distances" => cast_slice(&self.grid_distances),
+            "bvh_nodes" => cast_slice(&self.bvh_nodes),
+            "bvh_parents" => cast_slice(&self.bvh_parents),
+            "bvh_items" => cast_slice(&self.bvh_items),
+            "wide_nodes" => cast_slice(&self.wide_nodes),
+            "packed_triangles" => cast_slice(&self.packed_triangles),
             "normals" => cast_slice(&self.normals),
             "texcoords" => cast_slice(&self.texcoords),
             "vertex_colors" => cast_slice(&self.vertex_colors),
@@ -104,30 +182,66 @@ impl SceneData {
         Some(if bytes.is_empty() { EMPTY } else { bytes })
     }
 
-    /// Fills what `wanted` names. `scene` must have as many entries per attribute as triangles.
+    /// The triangles in traced units, and the structure that `features` name: what the rest of the plan
+    /// depends on.
     ///
     /// # Errors
-    /// Where the grid cannot be built.
-    pub(crate) fn build(
+    /// Where it cannot be built.
+    pub(crate) fn accelerate(
+        scene: &Scene,
+        options: &Options,
+        features: &Features,
+        units: Units,
+        storage_bytes: u64,
+    ) -> Result<Self, PlanError> {
+        let mut data = Self { units, ..Self::default() };
+        data.info.triangles = scene.triangles.len() as u32;
+        data.info.steps = options.steps_per_pass;
+        data.vertices = traced_vertices(scene, units);
+        let most_words = storage_bytes / 4;
+        if features.grid {
+            let reach = reach(&data.vertices, options, units);
+            let built = grid::build(&data.vertices, options.grid, reach, most_words)?;
+            (data.grid, data.grid_cells, data.grid_items, data.growth) =
+                (built.grid, built.cells, built.items, built.growth);
+        }
+        if features.bvh {
+            data.growth = bvh_growth(reach(&data.vertices, options, units));
+            let how = BvhOptions { most_words, ..BvhOptions::default() };
+            if options.schedule == ScheduleKind::Fused {
+                let built = bvh::build_wide(&data.vertices, data.growth, &how)?;
+                (data.wide_nodes, data.packed_triangles) = (built.nodes, built.triangles);
+            } else {
+                let built = bvh::build(&data.vertices, data.growth, &how)?;
+                (data.bvh_nodes, data.bvh_parents, data.bvh_items) = (built.nodes, built.parents, built.items);
+            }
+        }
+        Ok(data)
+    }
+
+    /// How far each empty cell is from the next list; see [`crate::grid::distances`].
+    pub(crate) fn measure_distances(&mut self) {
+        self.grid_distances = grid::distances(&self.grid, &self.grid_cells);
+    }
+
+    /// Fills what `wanted` names. `scene` must have as many entries per attribute as triangles.
+    pub(crate) fn fill(
+        &mut self,
         scene: &Scene,
         options: &Options,
         features: Features,
         units: Units,
-        storage_bytes: u64,
         wanted: impl Fn(&str) -> bool,
-    ) -> Result<Self, GridError> {
-        let mut data = Self { features, units, ..Self::default() };
-        data.info.triangles = scene.triangles.len() as u32;
-        data.vertices = traced_vertices(scene, units);
+    ) {
+        let data = self;
+        data.features = features;
         if wanted("camera")
             && let RaySource::Camera { camera, width, height } = &options.rays
         {
             data.camera = traced_camera(camera, units, *width, *height);
         }
-        if wanted("grid_cells") {
-            let GridData { grid, cells, items, growth } =
-                grid::build(&data.vertices, options.grid, reach(&data.vertices, options, units), storage_bytes / 4)?;
-            (data.grid, data.grid_cells, data.grid_items, data.grid_growth) = (grid, cells, items, growth);
+        if wanted("packed_triangles") && data.packed_triangles.is_empty() {
+            data.packed_triangles = packed_triangles(&data.vertices, features.bvh.then_some(&data.bvh_items));
         }
         if wanted("normals") {
             data.normals = match &scene.normals {
@@ -160,8 +274,31 @@ impl SceneData {
         if wanted("texels") {
             (data.textures, data.texels) = textures(&scene.textures);
         }
-        Ok(data)
     }
+}
+
+/// What boxes of a tree are grown by, in traced units: as much as the grid's cells, and 24 roundings for the
+/// slab test. Its planes lie at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's
+/// corner, 6 of the distance from there, and 1 of the sum; both distances are below `reach`, the
+/// second one twice at most, since the planes' spacing is the next power of two.
+fn bvh_growth(reach: f32) -> f32 {
+    grid::growth(reach) * (64.0 / 40.0)
+}
+
+/// Corners and ids of all triangles, or of those listed.
+fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Vec<[u32; 12]> {
+    // The tree of an empty scene has a leaf that nothing enters.
+    let items = items.filter(|_| !vertices.is_empty());
+    let mut packed = vec![[0; 12]; items.map_or(vertices.len() / 9, Vec::len)];
+    crate::parallel::for_chunks(&mut packed, 1 << 14, |first, piece| {
+        for (i, to) in piece.iter_mut().enumerate() {
+            let id = items.map_or((first + i) as u32, |items| items[first + i]);
+            let from = &vertices[9 * id as usize..9 * id as usize + 9];
+            let v = |k: usize| from[k].to_bits();
+            *to = [v(0), v(1), v(2), id, v(3), v(4), v(5), 0, v(6), v(7), v(8), 0];
+        }
+    });
+    packed
 }
 
 fn traced_vertices(scene: &Scene, units: Units) -> Vec<f32> {

@@ -23,26 +23,49 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// The paper's §4.3. `rays_given`: there is nothing to generate; `shade`: the image is wanted.
+    /// The paper's §4.3, and ours. `rays_given`: there is nothing to generate; `shade`: the image is wanted;
+    /// `eye_rays`: the fused kernel makes its rays itself; `many_steps`: a ray takes several steps a pass.
     #[must_use]
-    pub fn new(kind: ScheduleKind, accelerator: Accelerator, rays_given: bool, shade: bool) -> Self {
-        use Kernel::{Generate, Intersect, Setup, Shade, TraverseGrid};
-        let walk = match (accelerator, kind) {
-            // The printed condition of the first strategy is inverted; `while (!done || traverser())` is meant.
-            (Accelerator::Grid, ScheduleKind::First) => Step::LoopWhileActive(
-                &[Intersect, TraverseGrid],
-                vec![Step::RunUntilIdle(Intersect), Step::Run(TraverseGrid)],
-            ),
-            (Accelerator::Grid, ScheduleKind::Second) => {
-                Step::LoopWhileActive(&[Intersect, TraverseGrid], vec![Step::Run(Intersect), Step::Run(TraverseGrid)])
-            }
-            (Accelerator::None, _) => Step::RunUntilIdle(Intersect),
-        };
+    pub fn new(
+        kind: ScheduleKind,
+        accelerator: Accelerator,
+        rays_given: bool,
+        shade: bool,
+        eye_rays: bool,
+        many_steps: bool,
+    ) -> Self {
+        use Kernel::{Fused, Generate, Intersect, Setup, Shade, TraverseBvh, TraverseGrid, Walk};
         let mut steps = Vec::new();
-        if !rays_given {
+        if !rays_given && !eye_rays {
             steps.push(Step::Run(Generate));
         }
-        steps.extend([Step::Run(Setup), walk]);
+        if kind == ScheduleKind::Fused {
+            steps.push(Step::Run(Fused));
+        } else {
+            let is_first = kind == ScheduleKind::First;
+            let walk = match accelerator {
+                _ if many_steps => Step::RunUntilIdle(Walk),
+                // The printed condition of the first strategy is inverted; `while (!done || traverser())` is meant.
+                Accelerator::Grid | Accelerator::Auto if is_first => Step::LoopWhileActive(
+                    &[Intersect, TraverseGrid],
+                    vec![Step::RunUntilIdle(Intersect), Step::Run(TraverseGrid)],
+                ),
+                Accelerator::Grid | Accelerator::Auto => Step::LoopWhileActive(
+                    &[Intersect, TraverseGrid],
+                    vec![Step::Run(Intersect), Step::Run(TraverseGrid)],
+                ),
+                // A tree's root has no triangles: its walk begins with a step.
+                Accelerator::Bvh if is_first => Step::LoopWhileActive(
+                    &[Intersect, TraverseBvh],
+                    vec![Step::Run(TraverseBvh), Step::RunUntilIdle(Intersect)],
+                ),
+                Accelerator::Bvh => {
+                    Step::LoopWhileActive(&[Intersect, TraverseBvh], vec![Step::Run(TraverseBvh), Step::Run(Intersect)])
+                }
+                Accelerator::None => Step::RunUntilIdle(Intersect),
+            };
+            steps.extend([Step::Run(Setup), walk]);
+        }
         if shade {
             steps.push(Step::Run(Shade));
         }
@@ -188,7 +211,7 @@ mod tests {
     }
 
     fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[StateCounts]) -> Vec<&'static str> {
-        let schedule = Schedule::new(kind, accelerator, false, true);
+        let schedule = Schedule::new(kind, accelerator, false, true, false, false);
         let mut cursor = Cursor::start();
         let mut now = counts(0, 0, 0);
         let mut names = Vec::new();
@@ -240,7 +263,7 @@ mod tests {
 
     #[test]
     fn a_guess_never_leaves_the_loop() {
-        let schedule = Schedule::new(ScheduleKind::First, Accelerator::Grid, false, true);
+        let schedule = Schedule::new(ScheduleKind::First, Accelerator::Grid, false, true, false, false);
         let mut cursor = Cursor::start();
         assert_eq!(cursor.guess(&schedule, &counts(0, 0, 0), 8), [Kernel::Generate]);
         cursor.next(&schedule, &counts(0, 0, 0));

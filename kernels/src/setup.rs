@@ -1,10 +1,11 @@
-//! Twin of `setup.wgsl`: finds the ray's first cell.
+//! Twin of `setup.wgsl`: finds where the ray's walk begins.
 
 use crate::executor::cpu::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
-use crate::state::{BACKGROUND, ISECT_NO_HIT, TRAV_SETUP};
-use crate::stream::Stream::{Counters, RayDirection, RayOrigin, State, TMax};
+use crate::shared::constants::NO_NODE;
+use crate::state::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
+use crate::stream::Stream::{Counters, Previous, RayDirection, RayOrigin, State, TMax};
 
 /// One ray's work.
 pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
@@ -19,17 +20,34 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         ray.store_u32(Counters, 2, 0);
     }
     if features.grid {
-        let walk = scene.grid.enter(features.walk_rules(), ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection));
+        let walk = {
+            let rules = features.walk_rules();
+            scene.grid.enter(rules, &scene.grid.ray(rules, ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection)))
+        };
         if !walk.inside {
             ray.store_u32(State, 0, BACKGROUND);
             return;
         }
-        ray.store_vec3(TMax, walk.tmax);
+        if !(features.many_steps && features.robust) {
+            ray.store_vec3(TMax, walk.tmax);
+        }
         ray.store_u32(State, 2, scene.grid.cell_index(walk.cell));
         if features.counters {
             ray.store_u32(Counters, 0, 1);
         }
     }
-    ray.store_u32(State, 0, ISECT_NO_HIT);
+    if features.bvh {
+        ray.store_u32(Previous, 0, NO_NODE);
+        ray.store_u32(State, 2, 0);
+    }
     ray.store_u32(State, 3, 0);
+    ray.store_u32(
+        State,
+        0,
+        match features.bvh {
+            true if scene.info.triangles == 0 => BACKGROUND,
+            true => TRAV,
+            false => ISECT_NO_HIT,
+        },
+    );
 }

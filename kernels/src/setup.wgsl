@@ -1,22 +1,24 @@
-// Finds the ray's first cell and the t at which it leaves it, or that the ray misses the grid.
+// Finds where the ray's walk begins: its first cell and the t at which it leaves it, or that it misses
+// the grid; the root of the tree; the first triangle where there is neither.
 
-import package::constants::{WORKGROUP};
-import package::state::{TRAV_SETUP, ISECT_NO_HIT, BACKGROUND};
+import package::constants::{NOBODY, NO_NODE, LIST_SIDE};
+import package::state::{TRAV_SETUP, TRAV, ISECT_NO_HIT, BACKGROUND};
 import package::ray::{load_origin, load_direction};
-import package::grid_walk::{enter_grid, cell_index};
+import package::live::{send};
+@if(bvh) import package::scene::{scene};
+@if(grid) import package::grid_walk::{grid_ray, enter_grid, cell_index};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
-@if(grid) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
+@if(grid && !(many_steps && robust)) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
+@if(bvh) @group(0) @binding(3) var previous: texture_storage_2d_array<r32uint, write>;
 @if(counters) @group(0) @binding(4) var counters: texture_storage_2d_array<r32uint, write>;
 
-@compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn setup(@builtin(global_invocation_id) id: vec3u) {
-    let texel = id.xy;
+fn set_up(texel: vec2u) -> u32 {
     if (any(texel >= textureDimensions(state))) {
-        return;
+        return NOBODY;
     }
     if (textureLoad(state, texel, 0).x != TRAV_SETUP) {
-        return;
+        return NOBODY;
     }
 
     @if(counters) {
@@ -25,19 +27,33 @@ fn setup(@builtin(global_invocation_id) id: vec3u) {
         textureStore(counters, texel, 2, vec4u(0u));
     }
     @if(grid) {
-        let walk = enter_grid(load_origin(texel), load_direction(texel));
+        let walk = enter_grid(grid_ray(load_origin(texel), load_direction(texel)));
         if (!walk.inside) {
             textureStore(state, texel, 0, vec4u(BACKGROUND));
-            return;
+            return BACKGROUND;
         }
-        textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
-        textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
-        textureStore(tmax, texel, 2, vec4f(walk.tmax.z));
+        @if(!(many_steps && robust)) {
+            textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
+            textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
+            textureStore(tmax, texel, 2, vec4f(walk.tmax.z));
+        }
         textureStore(state, texel, 2, vec4u(cell_index(walk.cell)));
         @if(counters) {
             textureStore(counters, texel, 0, vec4u(1u));
         }
     }
-    textureStore(state, texel, 0, vec4u(ISECT_NO_HIT));
+    @if(bvh) {
+        textureStore(previous, texel, 0, vec4u(NO_NODE));
+        textureStore(state, texel, 2, vec4u(0u));
+    }
     textureStore(state, texel, 3, vec4u(0u));
+    @if(bvh) let next = select(TRAV, BACKGROUND, scene.triangles == 0u);
+    @else let next = ISECT_NO_HIT;
+    textureStore(state, texel, 0, vec4u(next));
+    return next;
+}
+
+@compute @workgroup_size(LIST_SIDE, LIST_SIDE)
+fn setup(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
+    send(lane, id.xy, set_up(id.xy));
 }

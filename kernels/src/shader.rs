@@ -28,6 +28,11 @@ pub enum Resource {
     Uniform,
     /// A read-only storage buffer.
     Storage,
+    /// Housekeeping of the passes: who was sent where, and which rays are live.
+    Live {
+        /// Declared `read_write`, else `read`.
+        writable: bool,
+    },
 }
 
 /// One binding of a kernel's variant, as its WGSL declares and uses it.
@@ -70,6 +75,9 @@ pub struct Variant {
     /// Structs behind its uniforms and buffers.
     pub structs: Vec<StructLayout>,
 }
+
+/// The buffers of [`Resource::Live`], all but the last in slots, one a pass.
+pub const LIVE: [&str; 5] = ["sent", "own_list", "intersect_list", "traverse_list", "live_rays"];
 
 /// A kernel's source is not valid. This is a defect of raystep, not of a scene.
 #[derive(Debug, thiserror::Error)]
@@ -180,6 +188,9 @@ fn compose(kernel: Kernel, features: &Features) -> Result<String, String> {
 fn resource_of(module: &Module, global: &naga::GlobalVariable, name: &str) -> Option<Resource> {
     match global.space {
         AddressSpace::Uniform => Some(Resource::Uniform),
+        AddressSpace::Storage { access } if LIVE.contains(&name) => {
+            Some(Resource::Live { writable: access.contains(StorageAccess::STORE) })
+        }
         AddressSpace::Storage { access } if access == StorageAccess::LOAD => Some(Resource::Storage),
         AddressSpace::Handle => {
             let stream = Stream::from_name(name)?;

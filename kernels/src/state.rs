@@ -12,7 +12,7 @@ pub type Tag = u32;
 pub const UNWRITTEN: Tag = 0;
 /// Waits for the set-up kernel.
 pub const TRAV_SETUP: Tag = 1;
-/// Goes on to the next voxel.
+/// Goes on to the next voxel or node.
 pub const TRAV: Tag = 2;
 /// Tests the triangles of its voxel; nothing hit so far.
 pub const ISECT_NO_HIT: Tag = 3;
@@ -32,7 +32,7 @@ pub const COUNT: usize = 8;
 pub const STATES: [(Tag, &str, &str); COUNT] = [
     (UNWRITTEN, "UNWRITTEN", "no ray yet"),
     (TRAV_SETUP, "TRAV_SETUP", "waits for the set-up kernel"),
-    (TRAV, "TRAV", "goes on to the next voxel"),
+    (TRAV, "TRAV", "goes on to the next voxel or node"),
     (ISECT_NO_HIT, "ISECT_NO_HIT", "tests its voxel's triangles, nothing hit yet"),
     (ISECT_HIT, "ISECT_HIT", "tests its voxel's triangles, the nearest hit is kept"),
     (SHADE, "SHADE", "waits to be shaded from its hit"),
@@ -72,6 +72,7 @@ pub const TRANSITIONS: &[Transition] = &[
     way(UNWRITTEN, Kernel::Generate, "every ray", TRAV_SETUP),
     way(TRAV_SETUP, Kernel::Setup, "misses the grid's box", BACKGROUND),
     way(TRAV_SETUP, Kernel::Setup, "enters the grid", ISECT_NO_HIT),
+    way(TRAV_SETUP, Kernel::Setup, "with a tree: at its root", TRAV),
     way(ISECT_NO_HIT, Kernel::Intersect, "tested one triangle, no hit", ISECT_NO_HIT),
     way(ISECT_NO_HIT, Kernel::Intersect, "nearer hit", ISECT_HIT),
     way(ISECT_HIT, Kernel::Intersect, "tested one triangle", ISECT_HIT),
@@ -84,6 +85,24 @@ pub const TRANSITIONS: &[Transition] = &[
     way(TRAV, Kernel::TraverseGrid, "next cell, hit kept", ISECT_HIT),
     way(TRAV, Kernel::TraverseGrid, "leaves the grid", BACKGROUND),
     way(TRAV, Kernel::TraverseGrid, "leaves the grid, hit kept", SHADE),
+    way(TRAV, Kernel::TraverseBvh, "inner node or box missed", TRAV),
+    way(TRAV, Kernel::TraverseBvh, "enters a leaf", ISECT_NO_HIT),
+    way(TRAV, Kernel::TraverseBvh, "enters a leaf, hit kept", ISECT_HIT),
+    way(TRAV, Kernel::TraverseBvh, "tree done", BACKGROUND),
+    way(TRAV, Kernel::TraverseBvh, "tree done, hit kept", SHADE),
+    way(ISECT_NO_HIT, Kernel::Walk, "steps taken, nothing hit", ISECT_NO_HIT),
+    way(ISECT_NO_HIT, Kernel::Walk, "steps taken, a hit kept", ISECT_HIT),
+    way(ISECT_HIT, Kernel::Walk, "steps taken, the hit kept", ISECT_HIT),
+    way(ISECT_NO_HIT, Kernel::Walk, "nearest hit found", SHADE),
+    way(ISECT_HIT, Kernel::Walk, "nearest hit found", SHADE),
+    way(ISECT_NO_HIT, Kernel::Walk, "walk over, nothing hit", BACKGROUND),
+    way(TRAV, Kernel::Walk, "steps taken", TRAV),
+    way(TRAV, Kernel::Walk, "tree done, hit", SHADE),
+    way(TRAV, Kernel::Walk, "tree done, nothing hit", BACKGROUND),
+    way(UNWRITTEN, Kernel::Fused, "hit", SHADE),
+    way(UNWRITTEN, Kernel::Fused, "no hit", BACKGROUND),
+    way(TRAV_SETUP, Kernel::Fused, "hit", SHADE),
+    way(TRAV_SETUP, Kernel::Fused, "no hit", BACKGROUND),
     way(SHADE, Kernel::Shade, "shaded", DONE),
     way(BACKGROUND, Kernel::Shade, "background", DONE),
 ];

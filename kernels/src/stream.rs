@@ -8,6 +8,7 @@
 //! ray_direction f32  x  y  z             traced units per unit of t; not normalised
 //! state         u32  tag  nearest-t  cell  item
 //! tmax          f32  x  y  z             t
+//! previous      u32  node                index of the tree's node before this one
 //! hit           u32  u  v  triangle      u, v as f32 bits
 //! color         f32  r  g  b             linear light
 //! counters      u32  cells  triangles  repeated
@@ -17,7 +18,7 @@
 //! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
 //! of a primary ray is its depth.
 
-use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::shared::constants::{INF, NO_NODE, NO_TRIANGLE};
 
 /// A per-ray stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -30,6 +31,8 @@ pub enum Stream {
     State,
     /// t at which the ray leaves its cell, per axis.
     TMax,
+    /// Node visited before this one.
+    Previous,
     /// Barycentrics and triangle of the nearest hit.
     Hit,
     /// Shaded colour.
@@ -82,15 +85,15 @@ const fn row(
 pub const STATE_TAG: usize = 0;
 /// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
 pub const STATE_T: usize = 1;
-/// Layer of the `state` stream: 1-D index of the cell.
+/// Layer of the `state` stream: 1-D index of the cell, or index of the node.
 pub const STATE_CELL: usize = 2;
-/// Layer of the `state` stream: offset into the cell's triangle list.
+/// Layer of the `state` stream: offset into the cell's or leaf's triangle list.
 pub const STATE_ITEM: usize = 3;
 /// Layer of the `hit` stream: the triangle, [`NO_TRIANGLE`] without a hit.
 pub const HIT_TRIANGLE: usize = 2;
 
 /// Every stream.
-pub const STREAMS: [StreamInfo; 7] = [
+pub const STREAMS: [StreamInfo; 8] = [
     row(Stream::RayOrigin, "ray_origin", Texel::F32, &["x", "y", "z"], &[], "traced units", &[0; 3]),
     row(Stream::RayDirection, "ray_direction", Texel::F32, &["x", "y", "z"], &[], "traced units per t", &[0; 3]),
     row(
@@ -103,6 +106,7 @@ pub const STREAMS: [StreamInfo; 7] = [
         &[0, INF.to_bits(), 0, 0],
     ),
     row(Stream::TMax, "tmax", Texel::F32, &["x", "y", "z"], &[], "t", &[0; 3]),
+    row(Stream::Previous, "previous", Texel::U32, &["node"], &[], "index of a node", &[NO_NODE]),
     row(
         Stream::Hit,
         "hit",

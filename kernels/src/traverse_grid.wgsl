@@ -1,9 +1,14 @@
-// Moves the ray to its next cell, the one behind the face that it reaches first.
+// Moves the ray to its next cell, the one behind the face that it reaches first; over a cube of empty
+// cells at once where they are known.
 
-import package::constants::{INF, WORKGROUP};
+import package::constants::{INF, NOBODY, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::ray::{load_origin, load_direction};
-import package::grid_walk::{Walk, advance, cell_index, cell_of_index};
+import package::grid_walk::{Walk, grid_ray, advance, cell_index, cell_of_index};
+@if(skip) import package::grid_walk::{leap};
+@if(skip) import package::grid_lists::{empty_distance};
+import package::live::{send};
+@if(live_lists) import package::live::{listed_texel};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, read_write>;
@@ -17,33 +22,47 @@ fn load_tmax(texel: vec2u) -> vec3f {
     );
 }
 
-@compute @workgroup_size(WORKGROUP, WORKGROUP)
-fn traverse_grid(@builtin(global_invocation_id) id: vec3u) {
-    let texel = id.xy;
+fn step_cell(texel: vec2u) -> u32 {
     if (any(texel >= textureDimensions(state))) {
-        return;
+        return NOBODY;
     }
     if (textureLoad(state, texel, 0).x != TRAV) {
-        return;
+        return NOBODY;
     }
 
-    let cell = cell_of_index(textureLoad(state, texel, 2).x);
-    let here = Walk(cell, load_tmax(texel), true);
-    let next = advance(here, load_origin(texel), load_direction(texel));
+    let ray = grid_ray(load_origin(texel), load_direction(texel));
+    let nearest_t = bitcast<f32>(textureLoad(state, texel, 1).x);
     // A hit beyond the cell's exit is kept; a later cell may hold a nearer one.
-    let has_hit = bitcast<f32>(textureLoad(state, texel, 1).x) < INF;
+    @if(any_hit) let has_hit = false;
+    @else let has_hit = nearest_t < INF;
+    let index = textureLoad(state, texel, 2).x;
+    var walk = Walk(cell_of_index(index), load_tmax(texel), true);
+    @if(skip) walk = leap(walk, max(empty_distance(index), 1), ray);
+    @else walk = advance(walk, ray);
 
-    if (!next.inside) {
-        textureStore(state, texel, 0, vec4u(select(BACKGROUND, SHADE, has_hit)));
-        return;
+    if (!walk.inside) {
+        let ended = select(BACKGROUND, SHADE, has_hit);
+        textureStore(state, texel, 0, vec4u(ended));
+        return ended;
     }
-    textureStore(tmax, texel, 0, vec4f(next.tmax.x));
-    textureStore(tmax, texel, 1, vec4f(next.tmax.y));
-    textureStore(tmax, texel, 2, vec4f(next.tmax.z));
-    textureStore(state, texel, 0, vec4u(select(ISECT_NO_HIT, ISECT_HIT, has_hit)));
-    textureStore(state, texel, 2, vec4u(cell_index(next.cell)));
+    @if(counters) textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + 1u));
+    let tag = select(ISECT_NO_HIT, ISECT_HIT, has_hit);
+    textureStore(state, texel, 0, vec4u(tag));
+    textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
+    textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
+    textureStore(tmax, texel, 2, vec4f(walk.tmax.z));
+    textureStore(state, texel, 2, vec4u(cell_index(walk.cell)));
     textureStore(state, texel, 3, vec4u(0u));
-    @if(counters) {
-        textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + 1u));
-    }
+    return tag;
+}
+
+@compute @workgroup_size(LIST_SIDE, LIST_SIDE)
+fn traverse_grid(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    @if(live_lists) let texel = listed_texel(group, lane);
+    @else let texel = id.xy;
+    send(lane, texel, step_cell(texel));
 }

@@ -3,6 +3,7 @@
 
 use std::mem::{offset_of, size_of};
 
+use raystep_kernels::bvh::BvhNode;
 use raystep_kernels::features::Features;
 use raystep_kernels::generate::Camera;
 use raystep_kernels::intersect::SceneInfo;
@@ -13,13 +14,26 @@ use raystep_kernels::shared::grid_walk::Grid;
 use raystep_kernels::shared::texture::Texture;
 use raystep_kernels::{Kernel, Stream};
 
-/// All features off, then each alone, then all on, for grid and none, robust and paper.
+/// All features off, then each alone, then all on, for grid, tree and none, robust and paper.
 fn feature_sets() -> Vec<Features> {
     let mut sets = Vec::new();
-    for (robust, grid) in [(true, true), (true, false), (false, true), (false, false)] {
-        let base = Features { robust, grid, ..Features::default() };
+    for (robust, grid, bvh) in [
+        (true, true, false),
+        (true, false, true),
+        (true, false, false),
+        (false, true, false),
+        (false, false, true),
+        (false, false, false),
+    ] {
+        let base = Features { robust, grid, bvh, ..Features::default() };
         sets.push(base);
-        let toggles: [fn(&mut Features); 12] = [
+        let toggles: [fn(&mut Features); 17] = [
+            // Leaps need exact planes; the paper's rules have none.
+            |f| f.skip = f.robust && f.grid,
+            |f| f.live_lists = true,
+            |f| (f.live_lists, f.many_steps) = (true, true),
+            |f| f.any_hit = f.robust,
+            |f| f.eye_rays = true,
             |f| f.clip = true,
             |f| f.perspective = true,
             |f| f.counters = true,
@@ -45,12 +59,24 @@ fn feature_sets() -> Vec<Features> {
     sets
 }
 
+/// Whether a run with these features has the kernel.
+fn has_kernel(features: &Features, kernel: Kernel) -> bool {
+    match kernel {
+        Kernel::TraverseGrid => features.grid && !features.many_steps,
+        Kernel::TraverseBvh => features.bvh && !features.many_steps,
+        Kernel::Fused => !features.live_lists,
+        Kernel::Walk => features.live_lists && features.many_steps,
+        Kernel::Intersect if features.many_steps => false,
+        _ => true,
+    }
+}
+
 #[test]
 fn every_variant_is_valid_and_within_core_limits() {
     let mut failures = Vec::new();
     for features in feature_sets() {
         for info in KERNELS {
-            if info.kernel == Kernel::TraverseGrid && !features.grid {
+            if !has_kernel(&features, info.kernel) {
                 continue;
             }
             match Variant::new(info.kernel, &features) {
@@ -58,7 +84,7 @@ fn every_variant_is_valid_and_within_core_limits() {
                 Ok(variant) => {
                     let count = |f: fn(&Resource) -> bool| variant.bindings.iter().filter(|b| f(&b.resource)).count();
                     let textures = count(|r| matches!(r, Resource::WriteStream { .. }));
-                    let buffers = count(|r| matches!(r, Resource::Storage));
+                    let buffers = count(|r| matches!(r, Resource::Storage | Resource::Live { .. }));
                     if textures > 4 || buffers > 8 {
                         failures.push(format!("{} binds {textures} textures, {buffers} buffers", info.name));
                     }
@@ -86,9 +112,9 @@ fn a_missing_option_is_an_error_and_not_silently_off() {
 #[test]
 fn kernels_write_what_table_1_says() {
     use Stream::{Color, Hit, RayDirection, RayOrigin, State, TMax};
-    let table: [(Kernel, &[Stream]); 5] = [
+    let table = [
         // hit is set to "no triangle" with the ray; the paper discards fragments instead.
-        (Kernel::Generate, &[RayOrigin, RayDirection, State, Hit]),
+        (Kernel::Generate, &[RayOrigin, RayDirection, State, Hit][..]),
         // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
         (Kernel::Setup, &[State, TMax]),
         (Kernel::TraverseGrid, &[State, TMax]),
@@ -112,8 +138,8 @@ fn host_structs_lie_as_naga_says() {
     let mut all = Features { robust: true, grid: true, textures: true, spot_lights: true, ..Features::default() };
     all.many_lights = true;
     let mut layouts = Vec::new();
-    for features in [all, Features { grid: false, ..all }] {
-        for info in KERNELS.iter().filter(|k| features.grid || k.kernel != Kernel::TraverseGrid) {
+    for features in [all, Features { grid: false, ..all }, Features { grid: false, bvh: true, ..all }] {
+        for info in KERNELS.iter().filter(|k| has_kernel(&features, k.kernel)) {
             layouts.extend(Variant::new(info.kernel, &features).expect("valid").structs);
         }
     }
@@ -135,7 +161,6 @@ fn host_structs_lie_as_naga_says() {
     check!(Material, "Material", base_color, texture, emissive, double_sided);
     check!(Light, "Light", position, kind, direction, cos_outer, color, cone_scale);
     check!(Texture, "Texture", first, width, height, sampling);
-    let scene = layouts.iter().find(|l| l.name == "SceneInfo").expect("SceneInfo");
-    assert_eq!(scene.members, [("triangles".to_string(), 0)]);
-    assert!(size_of::<SceneInfo>() >= scene.size as usize);
+    check!(SceneInfo, "SceneInfo", triangles, steps, rays, first_row);
+    check!(BvhNode, "BvhNode", min, first, max, link);
 }

@@ -2,7 +2,7 @@
 
 use crate::executor::PassResult;
 use crate::kernel::Kernel;
-use crate::parallel::{for_chunks, map_ranges};
+use crate::parallel::for_chunks;
 use crate::plan::{Bytes, Plan};
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
@@ -71,6 +71,8 @@ pub struct CpuExecutor<R: Real> {
     height: u32,
     layout: Layout,
     texels: Vec<R::Bits>,
+    /// Rays in each state, for every [`RAYS_PER_TASK`] rays: a pass leaves out those that have none for it.
+    counts: Vec<StateCounts>,
     clock: Option<fn() -> u64>,
 }
 
@@ -83,7 +85,7 @@ pub struct OutOfMemory {
 }
 
 /// Rays a task: enough work to be worth a hand-over, few enough to balance.
-const RAYS_PER_TASK: usize = 4096;
+const RAYS_PER_TASK: usize = 512;
 
 impl<R: Real> CpuExecutor<R> {
     /// Takes the memory for the plan's streams; `clock`, in nanoseconds, times passes if there is one.
@@ -101,7 +103,8 @@ impl<R: Real> CpuExecutor<R> {
         let bytes = (count * size_of::<R::Bits>()) as u64;
         texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
         texels.resize(count, R::Bits::default());
-        let mut executor = Self { width: plan.width, height: plan.height, layout, texels, clock };
+        let counts = vec![StateCounts::default(); rays.div_ceil(RAYS_PER_TASK)];
+        let mut executor = Self { width: plan.width, height: plan.height, layout, texels, counts, clock };
         executor.clear();
         Ok(executor)
     }
@@ -119,6 +122,7 @@ impl<R: Real> CpuExecutor<R> {
         for_chunks(&mut self.texels, RAYS_PER_TASK * stride, |_, texels| {
             texels.chunks_exact_mut(stride).for_each(|texel| texel.copy_from_slice(&row));
         });
+        self.count();
     }
 
     fn from_stream_bits(stream: Stream, layer: usize, bits: u32) -> R::Bits {
@@ -129,36 +133,59 @@ impl<R: Real> CpuExecutor<R> {
         if stream.is_float_layer(layer) { (R::from_bits(bits).to_f64() as f32).to_bits() } else { R::bits_to_u32(bits) }
     }
 
-    /// Runs one pass over every ray.
+    /// Runs one pass over every ray that the kernel works on.
     pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> PassResult {
         let begin_ns = self.clock.map(|now| now());
         let (twin, layout, stride) = (kernel.twin::<R>(), self.layout, self.layout.stride.max(1));
         let width = self.width as usize;
-        for_chunks(&mut self.texels, RAYS_PER_TASK * stride, |first, texels| {
-            for (i, row) in texels.chunks_exact_mut(stride).enumerate() {
-                let ray = first / stride + i;
-                let (x, y) = ((ray % width) as u32, (ray / width) as u32);
-                twin(&mut Texels { row, layout: &layout, x, y }, scene);
+        let is_first = scene.features.eye_rays && kernel == Kernel::Fused;
+        let tag = self.tag();
+        let mut tasks: Vec<(usize, &mut [R::Bits], &mut StateCounts)> = self
+            .texels
+            .chunks_mut(RAYS_PER_TASK * stride)
+            .zip(&mut self.counts)
+            .enumerate()
+            .filter(|(_, (_, counts))| is_first || kernel.live(counts) > 0)
+            .map(|(task, (texels, counts))| (task * RAYS_PER_TASK, texels, counts))
+            .collect();
+        for_chunks(&mut tasks, 1, |_, tasks| {
+            for (first, texels, counts) in tasks {
+                **counts = StateCounts::default();
+                for (i, row) in texels.chunks_exact_mut(stride).enumerate() {
+                    let ray = *first + i;
+                    let (x, y) = ((ray % width) as u32, (ray / width) as u32);
+                    twin(&mut Texels { row, layout: &layout, x, y }, scene);
+                    if let Some(tag) = tag {
+                        counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
+                    }
+                }
             }
         });
         let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
         PassResult { kernel, counts: self.counts(), begin_ns, duration_ns }
     }
 
+    fn tag(&self) -> Option<usize> {
+        self.layout.first[Stream::State as usize].map(|first| first + STATE_TAG)
+    }
+
+    /// Counts anew, after streams were replaced.
+    fn count(&mut self) {
+        let (stride, Some(tag)) = (self.layout.stride.max(1), self.tag()) else { return };
+        for (texels, counts) in self.texels.chunks(RAYS_PER_TASK * stride).zip(&mut self.counts) {
+            *counts = StateCounts::default();
+            for row in texels.chunks_exact(stride) {
+                counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
+            }
+        }
+    }
+
     /// How many rays are in each state.
     #[must_use]
     pub fn counts(&self) -> StateCounts {
-        let (stride, mut sum) = (self.layout.stride.max(1), StateCounts::default());
-        let Some(tag) = self.layout.first[Stream::State as usize].map(|first| first + STATE_TAG) else { return sum };
-        let parts = map_ranges(self.texels.len(), RAYS_PER_TASK * stride, |range| {
-            let mut counts = StateCounts::default();
-            for row in self.texels[range].chunks_exact(stride) {
-                counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
-            }
-            counts
-        });
-        for part in parts {
-            sum.iter_mut().zip(part).for_each(|(s, n)| *s += n);
+        let mut sum = StateCounts::default();
+        for counts in &self.counts {
+            sum.iter_mut().zip(counts).for_each(|(s, n)| *s += n);
         }
         sum
     }
@@ -205,6 +232,9 @@ impl<R: Real> CpuExecutor<R> {
             for (row, &bits) in self.texels.chunks_exact_mut(self.layout.stride).zip(data.layer(layer)) {
                 row[first + layer] = Self::from_stream_bits(data.stream, layer, bits);
             }
+        }
+        if data.stream == Stream::State {
+            self.count();
         }
         true
     }

@@ -1,23 +1,28 @@
 //! Passes on a wgpu adapter. Nothing here blocks: what comes back from the GPU is a future.
 
+mod batch;
+mod books;
 mod device;
+mod fill;
 mod pipelines;
+mod timers;
 
 use std::sync::Arc;
 
 use wgpu::util::DeviceExt as _;
 
+use books::Books;
 pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, adapters};
+use fill::Fill;
+pub(crate) use fill::{fill_bytes, given_bytes};
 use pipelines::{Counting, Pipelines};
+use timers::Timers;
 
-use super::PassResult;
 use super::readback::Readback;
-use crate::kernel::Kernel;
-use crate::plan::{COUNT_SLOT_BYTES, COUNT_SLOTS, Plan};
+use crate::options::Accelerator;
+use crate::plan::{COUNT_SLOTS, Plan};
 use crate::scene_data::SceneData;
-use crate::shared::constants::WORKGROUP;
-use crate::state::{COUNT, StateCounts};
-use crate::stream::{Stream, StreamData, Texel};
+use crate::stream::{STATE_TAG, Stream, StreamData, Texel};
 
 /// Runs kernels over the rays of a plan.
 pub struct GpuExecutor {
@@ -27,15 +32,13 @@ pub struct GpuExecutor {
     streams: Vec<(Stream, wgpu::Texture)>,
     buffers: Vec<(&'static str, wgpu::Buffer)>,
     pipelines: Pipelines,
+    books: Books,
     counting: Counting,
+    fill: Fill,
     timers: Option<Timers>,
-}
-
-struct Timers {
-    set: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    copy: wgpu::Buffer,
-    period_ns: f64,
+    device_ns: Option<u64>,
+    /// Rays that one dispatch of the fused kernel traces at most.
+    rays_a_dispatch: u64,
 }
 
 /// Most passes of one submission: one slot each for counts.
@@ -61,12 +64,27 @@ impl GpuExecutor {
             let descriptor = wgpu::util::BufferInitDescriptor { label: Some(planned.what), contents, usage };
             buffers.push((planned.what, device.create_buffer_init(&descriptor)));
         }
-        let pipelines = Pipelines::new(device, &plan.variants, &streams, &buffers)?;
+        let books = Books::new(device, plan);
+        let pipelines = Pipelines::new(device, plan, &streams, &buffers, &books, data.indices_hold())?;
         let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
-        let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?);
-        let timers = gpu.timestamp_period_ns.filter(|_| timed).map(|period_ns| Timers::new(device, period_ns));
-        let executor =
-            Self { gpu, width: plan.width, height: plan.height, streams, buffers, pipelines, counting, timers };
+        let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?, &books);
+        let fill = Fill::new(device, &gpu.queue, plan);
+        let timers = gpu.timestamp_period_ns.map(|period_ns| Timers::new(device, period_ns, timed));
+        let rays_a_dispatch = rays_a_dispatch(gpu.info.device_type, plan);
+        let mut executor = Self {
+            gpu,
+            width: plan.width,
+            height: plan.height,
+            streams,
+            buffers,
+            pipelines,
+            books,
+            counting,
+            fill,
+            timers,
+            device_ns: Some(0),
+            rays_a_dispatch,
+        };
         executor.clear();
         executor.gpu.pop_scopes(scopes).await?;
         Ok(executor)
@@ -97,25 +115,28 @@ impl GpuExecutor {
             |t: &wgpu::Texture| 4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers());
         let streams = self.streams.iter().map(|(s, t)| (s.name(), bytes(t)));
         let buffers = self.buffers.iter().map(|(n, b)| (*n, b.size()));
-        let counts = [("live_counts", self.counting.slots.size()), ("live_counts_copy", self.counting.copy.size())];
-        streams.chain(buffers).chain(counts).collect()
+        streams.chain(buffers).chain(self.books.allocated()).chain(self.fill.allocated()).collect()
+    }
+
+    /// Device time of all passes so far: from the first's begin to the last's end in each submission,
+    /// summed. `None` where the adapter has no timestamps, or one was not valid.
+    #[must_use]
+    pub fn device_ns(&self) -> Option<u64> {
+        self.device_ns
     }
 
     /// Every stream to its unwritten value.
-    pub fn clear(&self) {
-        // Some rows at a time: a stream may be larger than what one would stage for it at once.
-        let rows = ((1 << 20) / self.width).clamp(1, self.height);
-        for (stream, texture) in &self.streams {
-            for (layer, &bits) in stream.info().unwritten.iter().enumerate() {
-                let texels = vec![bits; (rows * self.width) as usize];
-                for first in (0..self.height).step_by(rows as usize) {
-                    let height = rows.min(self.height - first);
-                    let origin = wgpu::Origin3d { x: 0, y: first, z: layer as u32 };
-                    let size = wgpu::Extent3d { width: self.width, height, depth_or_array_layers: 1 };
-                    self.upload(texture, origin, size, &texels[..(height * self.width) as usize]);
-                }
-            }
-        }
+    pub fn clear(&mut self) {
+        self.books.clear();
+        self.device_ns = self.timers.as_ref().map(|_| 0);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.fill.clear(&mut encoder, &self.streams);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Rays from outside: what some streams begin with from now on.
+    pub(crate) fn give(&mut self, streams: &[StreamData]) {
+        self.fill.give(&self.gpu.device, &self.gpu.queue, streams);
     }
 
     fn upload(&self, texture: &wgpu::Texture, origin: wgpu::Origin3d, size: wgpu::Extent3d, texels: &[u32]) {
@@ -132,7 +153,7 @@ impl GpuExecutor {
     }
 
     /// Replaces a stream. False where the plan left it out or the size differs.
-    pub fn write(&self, data: &StreamData) -> bool {
+    pub fn write(&mut self, data: &StreamData) -> bool {
         let Some(texture) = self.texture(data.stream) else { return false };
         let layers = data.stream.layers() as u32;
         let texels = self.width as usize * self.height as usize * layers as usize;
@@ -141,70 +162,10 @@ impl GpuExecutor {
         }
         let size = wgpu::Extent3d { width: self.width, height: self.height, depth_or_array_layers: layers };
         self.upload(texture, wgpu::Origin3d::ZERO, size, &data.bits);
+        if data.stream == Stream::State {
+            self.books.relist(&self.gpu.queue, data.layer(STATE_TAG), self.width);
+        }
         true
-    }
-
-    /// Submits passes, at most [`MOST_PASSES`], and resolves to what each of them did.
-    ///
-    /// # Errors
-    /// Where the device is lost or refuses.
-    pub async fn run(&mut self, passes: &[Kernel]) -> Result<Vec<PassResult>, GpuError> {
-        self.gpu.health()?;
-        let passes = &passes[..passes.len().min(MOST_PASSES)];
-        let count = passes.len() as u64;
-        if passes.is_empty() {
-            return Ok(Vec::new());
-        }
-        let scopes = self.gpu.push_scopes();
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        encoder.clear_buffer(&self.counting.slots, 0, Some(count * COUNT_SLOT_BYTES));
-        for (slot, &kernel) in passes.iter().enumerate() {
-            self.encode(&mut encoder, kernel, slot as u32)?;
-        }
-        encoder.copy_buffer_to_buffer(&self.counting.slots, 0, &self.counting.copy, 0, count * COUNT_SLOT_BYTES);
-        if let Some(timers) = &self.timers {
-            encoder.resolve_query_set(&timers.set, 0..2 * count as u32, &timers.resolved, 0);
-            encoder.copy_buffer_to_buffer(&timers.resolved, 0, &timers.copy, 0, 16 * count);
-        }
-        self.gpu.queue.submit([encoder.finish()]);
-        let counts = Readback::start(&self.gpu, self.counting.copy.clone(), count * COUNT_SLOT_BYTES);
-        let times = self.timers.as_ref().map(|t| Readback::start(&self.gpu, t.copy.clone(), 16 * count));
-        self.gpu.pop_scopes(scopes).await?;
-
-        let counts = counts.finish(count * COUNT_SLOT_BYTES, read_counts).await?;
-        let period = self.timers.as_ref().map_or(1.0, |t| t.period_ns);
-        let times = match times {
-            Some(times) => times.finish(16 * count, |bytes| read_times(bytes, period)).await?,
-            None => vec![(None, None); passes.len()],
-        };
-        let results = passes.iter().zip(counts).zip(times);
-        Ok(results
-            .map(|((&kernel, counts), (begin_ns, duration_ns))| PassResult { kernel, counts, begin_ns, duration_ns })
-            .collect())
-    }
-
-    fn encode(&self, encoder: &mut wgpu::CommandEncoder, kernel: Kernel, slot: u32) -> Result<(), GpuError> {
-        let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
-        let timestamp_writes = self.timers.as_ref().map(|t| wgpu::ComputePassTimestampWrites {
-            query_set: &t.set,
-            beginning_of_pass_write_index: Some(2 * slot),
-            end_of_pass_write_index: Some(2 * slot + 1),
-        });
-        {
-            let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name()), timestamp_writes };
-            let mut pass = encoder.begin_compute_pass(&descriptor);
-            pass.set_pipeline(&pipeline.pipeline);
-            for (group, bind_group) in pipeline.groups.iter().enumerate() {
-                pass.set_bind_group(group as u32, bind_group, &[]);
-            }
-            pass.dispatch_workgroups(self.width.div_ceil(WORKGROUP), self.height.div_ceil(WORKGROUP), 1);
-        }
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("count"), timestamp_writes: None });
-        pass.set_pipeline(&self.counting.pipeline);
-        pass.set_bind_group(0, &self.counting.group, &[slot * COUNT_SLOT_BYTES as u32]);
-        pass.dispatch_workgroups(self.width.div_ceil(16), self.height.div_ceil(16), 1);
-        Ok(())
     }
 
     /// The values of a stream, once the GPU has finished what was submitted. `None` where the plan left it out.
@@ -276,56 +237,17 @@ impl GpuExecutor {
     }
 }
 
-impl Timers {
-    fn new(device: &wgpu::Device, period_ns: f64) -> Self {
-        let count = 2 * MOST_PASSES as u32;
-        let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: 8 * u64::from(count),
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        use wgpu::BufferUsages as U;
-        Self {
-            set: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("pass timers"),
-                ty: wgpu::QueryType::Timestamp,
-                count,
-            }),
-            resolved: buffer("pass timers", U::QUERY_RESOLVE | U::COPY_SRC),
-            copy: buffer("pass timers, copy", U::COPY_DST | U::MAP_READ),
-            period_ns,
-        }
+/// How many rays a dispatch of the fused kernel may trace, so that none runs much longer than 200 ms, the
+/// time after which some systems take the GPU away.
+fn rays_a_dispatch(kind: wgpu::DeviceType, plan: &Plan) -> u64 {
+    const TESTS: u64 = 1 << 30;
+    if plan.accelerator == Accelerator::None {
+        return TESTS / plan.triangles.max(1);
     }
-}
-
-fn read_counts(bytes: &[u8]) -> Vec<StateCounts> {
-    bytes
-        .chunks_exact(COUNT_SLOT_BYTES as usize)
-        .map(|slot| {
-            let word = |i: usize| u32::from_le_bytes([slot[4 * i], slot[4 * i + 1], slot[4 * i + 2], slot[4 * i + 3]]);
-            let mut counts = [0; COUNT];
-            counts.iter_mut().enumerate().for_each(|(i, c)| *c = word(i));
-            counts
-        })
-        .collect()
-}
-
-/// Begin and duration of each pass. An end before its begin, or 0, is not a time.
-fn read_times(bytes: &[u8], period_ns: f64) -> Vec<(Option<u64>, Option<u64>)> {
-    let ticks: Vec<u64> =
-        bytes.chunks_exact(8).map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])).collect();
-    let ns = |ticks: u64| (ticks as f64 * period_ns) as u64;
-    ticks
-        .chunks_exact(2)
-        .map(|t| match (t[0], t[1]) {
-            (0, _) | (_, 0) => (None, None),
-            (begin, end) if end < begin => (Some(ns(begin)), None),
-            (begin, end) => (Some(ns(begin)), Some(ns(end - begin))),
-        })
-        .collect()
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 1 << 24,
+        _ => 1 << 20,
+    }
 }
 
 fn stream_texture(device: &wgpu::Device, plan: &Plan, stream: Stream) -> wgpu::Texture {

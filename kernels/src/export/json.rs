@@ -144,7 +144,7 @@ impl GridSummary {
             empty_cells: lengths().filter(|&n| n == 0).count() as u64,
             references: data.grid_items.len() as u64,
             longest_list: lengths().max().unwrap_or(0),
-            growth: data.grid_growth,
+            growth: data.growth,
         })
     }
 }

@@ -118,7 +118,7 @@ pub fn plan(plan: &Plan, data: &SceneData) -> PlanSummary {
             kind: match b.resource {
                 Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
                 Resource::Uniform => "uniform",
-                Resource::Storage => "buffer",
+                Resource::Storage | Resource::Live { .. } => "buffer",
             },
             reads: b.reads,
             writes: b.writes,
@@ -132,7 +132,8 @@ pub fn plan(plan: &Plan, data: &SceneData) -> PlanSummary {
     };
     let buffer = |b: &Planned<&'static str>| PlannedBuffer {
         name: b.what,
-        element: buffer::info(b.what).map_or("rays per state, one slot a pass", |info| info.element),
+        element: buffer::info(b.what)
+            .map_or("books of the passes: rays sent to each state, lists of live rays", |info| info.element),
         bytes: b.bytes,
     };
     let left_out = plan.left_out.iter().map(|item| LeftOutSummary {

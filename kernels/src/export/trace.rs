@@ -10,9 +10,10 @@ use crate::kernel::Kernel;
 use crate::real::Vec3;
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::shared::bvh_walk::{finite_inverse, hits_box};
+use crate::shared::constants::{INF, NO_NODE, NO_TRIANGLE};
 use crate::shared::grid_walk::smallest_axis;
-use crate::shared::triangle::{Candidate, hit_triangle};
+use crate::shared::triangle::{Candidate, Shear, hit_triangle};
 use crate::state::{self, Tag};
 use crate::stream::Stream;
 
@@ -30,8 +31,10 @@ pub struct RayState {
     pub tag: Tag,
     /// Nearest t so far.
     pub t: Option<f32>,
-    /// 1-D index of the cell.
+    /// 1-D index of the cell, or index of the tree's node.
     pub cell_index: u32,
+    /// The tree's node before this one; `None` without a tree.
+    pub previous: Option<u32>,
     /// Offset into the cell's list.
     pub item: u32,
     /// t at which the ray leaves its cell, per axis; `None` for an axis that it never crosses.
@@ -124,6 +127,7 @@ pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, 
     let origin = floats(read(Stream::RayOrigin).await?).unwrap_or_default();
     let direction = floats(read(Stream::RayDirection).await?).unwrap_or_default();
     let tmax = floats(read(Stream::TMax).await?);
+    let previous = read(Stream::Previous).await?.map(|texel| texel[0]);
     let tag = state[0];
     let color = if tag == state::DONE { floats(read(Stream::Color).await?) } else { None };
     let t = f32::from_bits(state[1]);
@@ -136,6 +140,7 @@ pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, 
         t: (t < INF).then_some(t),
         cell_index: state[2],
         item: state[3],
+        previous,
         tmax: tmax.map_or([None; 3], |v| v.map(|t| (t < INF).then_some(t))),
         triangle: is_hit.then_some(hit[2]),
         barycentric: is_hit.then(|| [f32::from_bits(hit[0]), f32::from_bits(hit[1])]),
@@ -144,7 +149,7 @@ pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, 
 }
 
 fn row(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> TraceRow {
-    let walks = matches!(pass.kernel, Kernel::TraverseGrid | Kernel::Intersect);
+    let walks = pass.kernel.is_walk();
     let (tested, why) = explain(pass.kernel, data, before, after);
     TraceRow {
         pass: pass.index,
@@ -164,6 +169,9 @@ pub fn explain(kernel: Kernel, data: &SceneData, before: &RayState, after: &RayS
         Kernel::Generate => (None, "a ray through the pixel's centre".into()),
         Kernel::Setup => (None, explain_setup(data, after)),
         Kernel::TraverseGrid => (None, explain_step(data, before, after)),
+        Kernel::TraverseBvh => (None, explain_node(data, before, after)),
+        Kernel::Walk => (None, explain_walk(data, before, after)),
+        Kernel::Fused => (None, "the whole walk in one kernel".into()),
         Kernel::Intersect => explain_intersect(data, before, after),
         Kernel::Shade => {
             let rgb = after.color.unwrap_or_default();
@@ -177,6 +185,9 @@ pub fn explain(kernel: Kernel, data: &SceneData, before: &RayState, after: &RayS
 }
 
 fn explain_setup(data: &SceneData, after: &RayState) -> String {
+    if data.features.bvh {
+        return format!("starts at the root of {} nodes", data.bvh_nodes.len());
+    }
     if !data.features.grid {
         return format!("no grid: all {} triangles are tested", data.info.triangles);
     }
@@ -207,9 +218,50 @@ fn explain_step(data: &SceneData, before: &RayState, after: &RayState) -> String
     }
 }
 
+fn explain_walk(data: &SceneData, before: &RayState, after: &RayState) -> String {
+    let found = match (after.t, before.t) {
+        (Some(t), None) => format!("; hit at t {t}"),
+        (Some(t), Some(kept)) if t < kept => format!("; a nearer hit at t {t}"),
+        _ => String::new(),
+    };
+    let next = match after.tag {
+        state::BACKGROUND => "over, nothing hit".into(),
+        state::SHADE => "over, the nearest hit is found".into(),
+        _ if data.features.grid => {
+            let [x, y, z] = data.grid.cell_of_index(after.cell_index);
+            format!("now in cell ({x}, {y}, {z})")
+        }
+        _ if data.features.bvh => format!("now at node {}", after.cell_index),
+        _ => format!("{} triangles tested", after.item),
+    };
+    format!("up to {} steps: {next}{found}", data.info.steps)
+}
+
+fn explain_node(data: &SceneData, before: &RayState, after: &RayState) -> String {
+    let (at, to) = (before.cell_index, after.cell_index);
+    let node = data.bvh_nodes.get(at as usize).copied().unwrap_or_default();
+    let parent = data.bvh_parents.get(at as usize).copied().unwrap_or(NO_NODE);
+    let next = match after.tag {
+        state::BACKGROUND => "the tree is done; nothing hit".into(),
+        state::SHADE => "the tree is done; the kept hit is the nearest".into(),
+        state::ISECT_HIT | state::ISECT_NO_HIT => format!("a leaf, which lists {}", triangles(node.count() as usize)),
+        _ if to == parent => format!("up to node {to}"),
+        _ if data.bvh_parents.get(to as usize) == Some(&at) => format!("down to node {to}, the nearer child"),
+        _ => format!("on to node {to}, the sibling"),
+    };
+    if before.previous != Some(parent) {
+        return format!("node {at} is done: {next}");
+    }
+    let [o, d] = [before.origin, before.direction].map(Vec3::<f32>::from_f32);
+    let is_met = hits_box(&node, o, finite_inverse(d), before.t.unwrap_or(INF));
+    format!("node {at}: its box is {}: {next}", if is_met { "met" } else { "missed, or beyond the nearest hit" })
+}
+
 fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
     let exit = before.tmax.iter().flatten().fold(INF, |m, &t| m.min(t));
     let next = match after.tag {
+        state::TRAV if data.features.bvh => "the leaf is done".into(),
+        state::SHADE if data.features.any_hit => "any hit ends the ray".into(),
         state::SHADE if !data.features.grid => "last triangle: the nearest hit is accepted".into(),
         state::SHADE if data.features.robust => {
             format!("list ended: t {} <= exit {exit}, accepted", after.t.unwrap_or(INF))
@@ -222,17 +274,14 @@ fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (
         },
         _ => String::new(),
     };
-    let tested = if data.features.grid {
-        list(data, before.cell_index).get(before.item as usize).copied()
-    } else {
-        (before.item < data.info.triangles).then_some(before.item)
-    };
+    let (first, count) = data.list(before.cell_index);
+    let tested = (before.item < count).then(|| data.listed(first + before.item));
     let Some(triangle) = tested else {
         let empty = data.features.grid && list(data, before.cell_index).is_empty();
         return (None, if empty { format!("empty cell; {next}") } else { next });
     };
     let [o, d] = [before.origin, before.direction].map(Vec3::<f32>::from_f32);
-    let candidate = hit_triangle::<f32>(data.features.robust, o, d, data.corners(triangle));
+    let candidate = hit_triangle::<f32>(data.features.robust, o, d, &Shear::of(d), data.corners(triangle));
     let accepted = after.triangle == Some(triangle) && after.t != before.t || before.triangle != after.triangle;
     let test = describe_test(triangle, &candidate, accepted, data.features.robust, before);
     (tested, if next.is_empty() { test } else { format!("{test}; {next}") })

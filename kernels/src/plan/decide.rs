@@ -6,7 +6,7 @@ use super::{Because, LeftOut, Plan};
 use crate::buffer::BUFFERS;
 use crate::features::Features;
 use crate::kernel::{KERNELS, Kernel};
-use crate::options::{Accelerator, Numerics, Options, RaySource};
+use crate::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
 use crate::scene_data::traced_camera;
 use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
@@ -30,11 +30,19 @@ pub(super) fn features(scene: &Scene, options: &Options, units: Units) -> Featur
         }
         RaySource::Given(_) => false,
     };
+    let is_fused = options.schedule == ScheduleKind::Fused;
+    let given = matches!(options.rays, RaySource::Given(_));
     let any_light = |f: fn(&Light) -> bool| keep || scene.lights.iter().any(f);
     let any_material = |f: fn(&raystep_scenes::Material) -> bool| keep || scene.materials.iter().any(f);
     Features {
         robust: options.numerics == Numerics::Robust,
         grid: options.accelerator == Accelerator::Grid,
+        bvh: options.accelerator == Accelerator::Bvh,
+        skip: false,
+        live_lists: options.schedule == ScheduleKind::Compact,
+        many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
+        any_hit: options.any_hit && options.numerics == Numerics::Robust,
+        eye_rays: is_fused && !options.shade && !given,
         clip: keep || !inside,
         perspective: match &options.rays {
             RaySource::Camera { camera, .. } => matches!(camera.projection, Projection::Perspective { .. }),
@@ -59,12 +67,27 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     let mut all = Vec::new();
     let mut add =
         |what: String, (because, reason): (Because, &'static str)| all.push(LeftOut { what, because, reason });
-    let no_grid = (O, "--accelerator none");
+    let is_fused = options.schedule == ScheduleKind::Fused;
+    let other = match plan.accelerator {
+        Accelerator::Bvh => (O, "--accelerator bvh"),
+        Accelerator::None => (O, "--accelerator none"),
+        Accelerator::Grid | Accelerator::Auto => (O, "--accelerator grid"),
+    };
+    let fused = (O, "--schedule fused");
+    let stepped = (O, "the schedule steps");
+    let many = (O, "several steps a pass are taken in one kernel");
     let no_shade = (V, "the result wanted is the hits, not the image");
     for k in KERNELS.iter().filter(|k| plan.variant(k.kernel).is_none()) {
         let why = match k.kernel {
+            Kernel::Generate if plan.features.eye_rays => (O, "the fused kernel makes its rays itself"),
             Kernel::Generate => (V, "the rays are given"),
-            Kernel::TraverseGrid => no_grid,
+            Kernel::Fused => stepped,
+            Kernel::Walk if is_fused => fused,
+            Kernel::Walk => (O, "one step a pass"),
+            Kernel::Intersect | Kernel::TraverseGrid | Kernel::TraverseBvh if plan.features.many_steps => many,
+            Kernel::Setup | Kernel::Intersect if is_fused => fused,
+            Kernel::TraverseGrid | Kernel::TraverseBvh if is_fused => fused,
+            Kernel::TraverseGrid | Kernel::TraverseBvh => other,
             _ => no_shade,
         };
         add(format!("kernel {}", k.name), why);
@@ -73,15 +96,26 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
         let why = match s.stream {
             Stream::Counters => (O, "counters are not asked for"),
             Stream::Color => no_shade,
-            _ => no_grid,
+            Stream::RayOrigin | Stream::RayDirection => (O, "the fused kernel makes its rays itself"),
+            _ if is_fused => fused,
+            Stream::TMax if plan.features.grid => (O, "several steps a pass: worked out from the cell"),
+            _ => other,
         };
         add(format!("stream {}", s.name), why);
     }
     for b in BUFFERS.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
         let why = match b.name {
             "camera" => (V, "the rays are given"),
-            "scene" => (O, "the grid's lists have their own ends"),
-            "grid" | "grid_cells" | "grid_items" => no_grid,
+            "scene" => (O, "one step a pass, and lists that have their own ends"),
+            "grid" | "grid_cells" | "grid_items" => other,
+            "grid_distances" if plan.features.grid => (O, "rays do not leap: --skip off, or too few empty cells"),
+            "grid_distances" => other,
+            "wide_nodes" if !is_fused => stepped,
+            "packed_triangles" => (O, "one step a pass"),
+            "bvh_items" if plan.features.many_steps => many,
+            "bvh_nodes" | "bvh_parents" | "bvh_items" if is_fused => fused,
+            "wide_nodes" | "bvh_nodes" | "bvh_parents" | "bvh_items" => other,
+            "vertices" if !options.shade => (O, "packed_triangles has them"),
             _ if !options.shade => no_shade,
             "normals" => (S, "no vertex normals: shading is flat"),
             "vertices" => (S, "every triangle has vertex normals"),

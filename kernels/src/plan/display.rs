@@ -38,7 +38,7 @@ impl fmt::Display for Plan {
                 let kind = match binding.resource {
                     Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
                     Resource::Uniform => "uniform",
-                    Resource::Storage => "buffer",
+                    Resource::Storage | Resource::Live { .. } => "buffer",
                 };
                 writeln!(f, "    {access} {kind:<7} {}", binding.name)?;
             }
@@ -57,7 +57,8 @@ impl fmt::Display for Plan {
         }
         writeln!(f, "\nbuffers")?;
         for b in &self.buffers {
-            let element = buffer::info(b.what).map_or("rays per state, one slot a pass", |i| i.element);
+            let element = buffer::info(b.what)
+                .map_or("books of the passes: rays sent to each state, lists of live rays", |i| i.element);
             writeln!(f, "  {:<18} {:>10}  {element}", b.what, Bytes(b.bytes).to_string())?;
         }
         writeln!(f, "  {:<18} {:>10}", "in all", Bytes(self.bytes()).to_string())?;

@@ -4,7 +4,11 @@ use crate::options::Ray;
 use crate::plan::Plan;
 use crate::scene_data::{SceneData, traced_ray};
 use crate::state;
-use crate::stream::{Stream, StreamData};
+use crate::stream::{STATE_T, Stream, StreamData};
+use crate::units::exp2;
+
+/// The streams that rays from outside begin with.
+pub(crate) const GIVEN: [Stream; 3] = [Stream::RayOrigin, Stream::RayDirection, Stream::State];
 
 /// Rays from outside, as streams, and the exponent of each one's t.
 pub(super) struct GivenRays {
@@ -21,7 +25,8 @@ impl GivenRays {
             height: plan.height,
             bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
         };
-        let mut streams = [Stream::RayOrigin, Stream::RayDirection, Stream::State].map(unwritten);
+        let mut streams = GIVEN.map(unwritten);
+        let any_hit = data.features.any_hit;
         let mut exponents = Vec::with_capacity(rays.len());
         for (i, ray) in rays.iter().take(texels).enumerate() {
             let (ray, exponent) = traced_ray(ray, data.units);
@@ -30,6 +35,10 @@ impl GivenRays {
                 streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
             }
             streams[2].bits[i] = state::TRAV_SETUP;
+            if any_hit {
+                // What lies behind the ray's end at t = 1 does not count.
+                streams[2].bits[STATE_T * texels + i] = (exp2(-exponent) as f32).to_bits();
+            }
             exponents.push(exponent);
         }
         Self { streams, exponents }

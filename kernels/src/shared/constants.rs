@@ -1,5 +1,7 @@
 //! Numbers that kernels and twins share. They become the WGSL module `package::constants`.
 
+use crate::bvh::WIDE_MAX_DEPTH;
+
 /// Farther than any t: the value of t without a hit and of `tmax` along an axis that is never crossed.
 /// 2¹⁰⁰ and not infinity, because WGSL may assume that infinities do not occur.
 pub const INF: f32 = 1.267_650_6e30;
@@ -21,6 +23,21 @@ pub const NO_TRIANGLE: u32 = 0xffff_ffff;
 /// Invocations of a workgroup along x and y. 64 together, a multiple of every GPU's lane count.
 pub const WORKGROUP: u32 = 8;
 
+/// The same of a workgroup that appends rays to lists: fewer workgroups wait for each other at a list's end.
+pub const LIST_SIDE: u32 = 16;
+
+/// Nodes of the binary tree that make one step of a ray that takes several a pass: about the work of a cell.
+pub const NODES_A_STEP: u32 = 4;
+
+/// Workgroups a row of an indirect dispatch; the number of rows follows from the rays that are live.
+pub const LIST_GROUPS: u32 = 8;
+
+/// The tag of a thread that has no ray to work on.
+pub const NOBODY: u32 = 0xffff_ffff;
+
+/// The parent of a tree's root, and where a ray is that has finished its walk through a tree.
+pub const NO_NODE: u32 = crate::bvh::NO_NODE;
+
 /// The WGSL module `package::constants`.
 #[must_use]
 pub fn wgsl_module() -> String {
@@ -28,7 +45,9 @@ pub fn wgsl_module() -> String {
     format!(
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
          const PAPER_PARALLEL: f32 = {PAPER_PARALLEL:e}f;\nconst PAPER_EPSILON: f32 = {PAPER_EPSILON:e}f;\n\
-         const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n"
+         const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
+         const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
+         const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {WIDE_MAX_DEPTH}u;\n"
     )
 }
 

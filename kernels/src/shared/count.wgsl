@@ -1,7 +1,7 @@
-// How many rays are in each state: one atomic a state and workgroup.
+// How many rays are in each state: for the fused kernel, which keeps no books itself.
 
 @group(0) @binding(0) var state: texture_2d_array<u32>;
-@group(0) @binding(1) var<storage, read_write> live_counts: array<atomic<u32>, 8>;
+@group(0) @binding(1) var<storage, read_write> sent: array<atomic<u32>, 8>;
 
 var<workgroup> in_workgroup: array<atomic<u32>, 8>;
 
@@ -15,7 +15,7 @@ fn count(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
     if (lane < 8u) {
         let rays = atomicLoad(&in_workgroup[lane]);
         if (rays > 0u) {
-            atomicAdd(&live_counts[lane], rays);
+            atomicAdd(&sent[lane], rays);
         }
     }
 }

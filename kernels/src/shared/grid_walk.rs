@@ -33,6 +33,18 @@ pub struct WalkRules {
     pub clip: bool,
 }
 
+/// A ray, and what each of its steps needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridRay<R> {
+    /// Where it starts.
+    pub origin: Vec3<R>,
+    /// Where it goes.
+    pub direction: Vec3<R>,
+    /// robust: 1 / direction, 0 along a parallel axis. paper: tDelta, what t grows by from one plane of
+    /// an axis to the next.
+    pub per_axis: Vec3<R>,
+}
+
 /// A ray's place in the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walk<R> {
@@ -71,29 +83,48 @@ impl Grid {
         Vec3::from_f32(self.corner) + Vec3::from_f32(self.width) * Vec3::from(cell.map(R::from_i32))
     }
 
+    /// Whether a point lies in the cell, its faces included.
+    pub fn is_in_cell<R: Real>(&self, position: Vec3<R>, cell: [i32; 3]) -> bool {
+        let low = self.cell_plane::<R>(cell);
+        let high = low + Vec3::from_f32(self.width);
+        position.x >= low.x
+            && position.y >= low.y
+            && position.z >= low.z
+            && position.x <= high.x
+            && position.y <= high.y
+            && position.z <= high.z
+    }
+
     /// t at which the ray leaves the cell, per axis.
-    fn cell_exit<R: Real>(&self, cell: [i32; 3], origin: Vec3<R>, inverse: Vec3<R>) -> Vec3<R> {
+    pub fn cell_exit<R: Real>(&self, cell: [i32; 3], ray: &GridRay<R>) -> Vec3<R> {
+        let inverse = ray.per_axis;
         let ahead = inverse.map(|v| i32::from(v > R::zero())).to_array();
-        let t = (self.cell_plane::<R>(add(cell, ahead)) - origin) * inverse;
+        let t = (self.cell_plane::<R>(add(cell, ahead)) - ray.origin) * inverse;
         select(t, Vec3::splat(R::from_f32(INF)), inverse.map(|v| v == R::zero()))
     }
 
-    /// The first cell of a ray.
-    pub fn enter<R: Real>(&self, rules: WalkRules, origin: Vec3<R>, direction: Vec3<R>) -> Walk<R> {
-        if rules.robust {
-            self.enter_robust(rules.clip, origin, direction)
+    /// Prepares a ray for [`enter`](Self::enter) and [`advance`](Self::advance).
+    pub fn ray<R: Real>(&self, rules: WalkRules, origin: Vec3<R>, direction: Vec3<R>) -> GridRay<R> {
+        let per_axis = if rules.robust {
+            inverse_direction(direction)
         } else {
-            self.enter_paper(origin, direction)
-        }
+            zip(Vec3::from_f32(self.width), direction, |w: R, d| (w / d).abs())
+        };
+        GridRay { origin, direction, per_axis }
+    }
+
+    /// The first cell of a ray.
+    pub fn enter<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> Walk<R> {
+        if rules.robust { self.enter_robust(rules.clip, ray) } else { self.enter_paper(ray) }
     }
 
     /// The next cell of a ray.
-    pub fn advance<R: Real>(&self, rules: WalkRules, walk: Walk<R>, origin: Vec3<R>, direction: Vec3<R>) -> Walk<R> {
-        if rules.robust { self.advance_robust(walk, origin, direction) } else { self.advance_paper(walk, direction) }
+    pub fn advance<R: Real>(&self, rules: WalkRules, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
+        if rules.robust { self.advance_robust(walk, ray) } else { self.advance_paper(walk, ray) }
     }
 
-    fn enter_robust<R: Real>(&self, clip: bool, origin: Vec3<R>, direction: Vec3<R>) -> Walk<R> {
-        let inverse = inverse_direction(direction);
+    fn enter_robust<R: Real>(&self, clip: bool, ray: &GridRay<R>) -> Walk<R> {
+        let (origin, inverse) = (ray.origin, ray.per_axis);
         let (mut start, mut inside) = (origin, true);
         if clip {
             let near_plane = self.cell_plane::<R>([0; 3]);
@@ -107,31 +138,52 @@ impl Grid {
             let leave = select(zip(t0, t1, R::max), Vec3::splat(R::from_f32(INF)), parallel);
             let t_enter = enter.x.max(enter.y).max(enter.z.max(R::zero()));
             let t_leave = smallest3(leave);
-            start = origin + direction * t_enter;
+            start = origin + ray.direction * t_enter;
             // The negated comparison sends NaN outside.
             inside = t_enter <= t_leave
                 && !outside(parallel.x, origin.x, near_plane.x, far_plane.x)
                 && !outside(parallel.y, origin.y, near_plane.y, far_plane.y)
                 && !outside(parallel.z, origin.z, near_plane.z, far_plane.z);
         }
-        let position = (start - Vec3::from_f32(self.corner)) * Vec3::from_f32(self.inverse_width);
-        let cell = position.map(|v| v.floor().to_i32()).to_array();
+        let cell = self.cell_of_position(start);
         let cell = [0, 1, 2].map(|a| cell[a].max(0).min(self.cells[a] - 1));
-        Walk { cell, tmax: self.cell_exit(cell, origin, inverse), inside }
+        Walk { cell, tmax: self.cell_exit(cell, ray), inside }
     }
 
-    fn advance_robust<R: Real>(&self, walk: Walk<R>, origin: Vec3<R>, direction: Vec3<R>) -> Walk<R> {
-        let inverse = inverse_direction(direction);
+    fn cell_of_position<R: Real>(&self, position: Vec3<R>) -> [i32; 3] {
+        let position = (position - Vec3::from_f32(self.corner)) * Vec3::from_f32(self.inverse_width);
+        position.map(|v| v.floor().to_i32()).to_array()
+    }
+
+    fn advance_robust<R: Real>(&self, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
         let axis = smallest_axis(walk.tmax);
-        let forward = inverse.map(|v| if v > R::zero() { 1 } else { -1 }).to_array();
+        let forward = forward(ray);
         let cell = add(walk.cell, [0, 1, 2].map(|a| if axis[a] { forward[a] } else { 0 }));
         let crossed = smallest3(walk.tmax) < R::from_f32(INF);
-        Walk { cell, tmax: self.cell_exit(cell, origin, inverse), inside: crossed && self.is_in_grid(cell) }
+        Walk { cell, tmax: self.cell_exit(cell, ray), inside: crossed && self.is_in_grid(cell) }
     }
 
-    fn enter_paper<R: Real>(&self, origin: Vec3<R>, direction: Vec3<R>) -> Walk<R> {
+    /// Leaves a cube of empty cells at once: every cell that is fewer than `distance` cells away along each
+    /// axis is empty (proximity clouds, Cohen and Sheffer, 1994). A leap of distance 1 is a step. robust only.
+    pub fn leap<R: Real>(&self, walk: Walk<R>, distance: i32, ray: &GridRay<R>) -> Walk<R> {
+        let forward = forward(ray);
+        let last = add(walk.cell, forward.map(|f| f * (distance - 1)));
+        let exit = self.cell_exit(last, ray);
+        let axis = smallest_axis(exit);
+        let t = smallest3(exit);
+        // As where the ray entered the grid; rounding cannot move it out of the cube, or backwards.
+        let place = self.cell_of_position(ray.origin + ray.direction * t);
+        let cell = [0, 1, 2].map(|a| {
+            let (low, high) = (walk.cell[a].min(last[a]), walk.cell[a].max(last[a]));
+            if axis[a] { last[a] + forward[a] } else { place[a].max(low).min(high) }
+        });
+        Walk { cell, tmax: self.cell_exit(cell, ray), inside: t < R::from_f32(INF) && self.is_in_grid(cell) }
+    }
+
+    fn enter_paper<R: Real>(&self, ray: &GridRay<R>) -> Walk<R> {
+        let direction = ray.direction;
         // The paper's origin is relative to the grid's.
-        let relative = origin - Vec3::from_f32(self.corner);
+        let relative = ray.origin - Vec3::from_f32(self.corner);
         let width = Vec3::<R>::from_f32(self.width);
         let cell = zip(relative, width, |o, w| o / w).map(|v| v.floor().to_i32()).to_array();
         let two = R::from_f32(2.0);
@@ -144,12 +196,11 @@ impl Grid {
         Walk { cell, tmax, inside: self.is_index_in_range(cell) }
     }
 
-    fn advance_paper<R: Real>(&self, walk: Walk<R>, direction: Vec3<R>) -> Walk<R> {
-        let t_delta = zip(Vec3::from_f32(self.width), direction, |w: R, d| (w / d).abs());
+    fn advance_paper<R: Real>(&self, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
         let axis = smallest_axis(walk.tmax);
-        let forward = direction.map(|d| sign(d).to_i32()).to_array();
+        let forward = ray.direction.map(|d| sign(d).to_i32()).to_array();
         let cell = add(walk.cell, [0, 1, 2].map(|a| if axis[a] { forward[a] } else { 0 }));
-        let tmax = select(walk.tmax, walk.tmax + t_delta, axis.into());
+        let tmax = select(walk.tmax, walk.tmax + ray.per_axis, axis.into());
         Walk { cell, tmax, inside: self.is_index_in_range(cell) }
     }
 
@@ -162,6 +213,11 @@ impl Grid {
         let in_arrays = self.cell_index(cell) < self.cells.iter().product::<i32>() as u32;
         index < nx * ny * nz && cell.iter().all(|&c| c >= 0) && in_arrays
     }
+}
+
+/// Which way a robust ray's cells go, per axis.
+fn forward<R: Real>(ray: &GridRay<R>) -> [i32; 3] {
+    ray.per_axis.map(|v| if v > R::zero() { 1 } else { -1 }).to_array()
 }
 
 /// 1 / direction; 0 along a parallel axis.

@@ -18,10 +18,25 @@ struct Grid {
 
 @group(1) @binding(1) var<uniform> grid: Grid;
 
+// A ray, and what each of its steps needs.
+struct GridRay {
+    origin: vec3f,
+    direction: vec3f,
+    // 1 / direction, 0 along a parallel axis.
+    @if(robust) inverse: vec3f,
+    // What t grows by from one plane of an axis to the next.
+    @if(!robust) t_delta: vec3f,
+}
+
 struct Walk {
     cell: vec3i,
     tmax: vec3f,
     inside: bool,
+}
+
+fn grid_ray(origin: vec3f, direction: vec3f) -> GridRay {
+    @if(robust) return GridRay(origin, direction, inverse_direction(direction));
+    @else return GridRay(origin, direction, abs(grid.width / direction));
 }
 
 fn cell_index(cell: vec3i) -> u32 {
@@ -43,6 +58,12 @@ fn cell_plane(cell: vec3i) -> vec3f {
     return grid.corner + grid.width * vec3f(cell);
 }
 
+@if(!robust)
+fn is_in_cell(position: vec3f, cell: vec3i) -> bool {
+    let low = cell_plane(cell);
+    return all(position >= low) && all(position <= low + grid.width);
+}
+
 @if(robust)
 fn inverse_direction(direction: vec3f) -> vec3f {
     // A parallel axis gets 0 here and INF below; 1 keeps the division harmless.
@@ -52,44 +73,58 @@ fn inverse_direction(direction: vec3f) -> vec3f {
 
 // t at which the ray leaves the cell, per axis.
 @if(robust)
-fn cell_exit(cell: vec3i, origin: vec3f, inverse: vec3f) -> vec3f {
-    let ahead = select(vec3i(0), vec3i(1), inverse > vec3f(0.0));
-    let t = (cell_plane(cell + ahead) - origin) * inverse;
-    return select(t, vec3f(INF), inverse == vec3f(0.0));
+fn cell_exit(cell: vec3i, ray: GridRay) -> vec3f {
+    let ahead = select(vec3i(0), vec3i(1), ray.inverse > vec3f(0.0));
+    let t = (cell_plane(cell + ahead) - ray.origin) * ray.inverse;
+    return select(t, vec3f(INF), ray.inverse == vec3f(0.0));
 }
 
 @if(robust)
-fn enter_grid(origin: vec3f, direction: vec3f) -> Walk {
-    let inverse = inverse_direction(direction);
+fn enter_grid(ray: GridRay) -> Walk {
     @if(clip) let near_plane = cell_plane(vec3i(0));
     @if(clip) let far_plane = cell_plane(grid.cells);
-    @if(clip) let t0 = (near_plane - origin) * inverse;
-    @if(clip) let t1 = (far_plane - origin) * inverse;
+    @if(clip) let t0 = (near_plane - ray.origin) * ray.inverse;
+    @if(clip) let t1 = (far_plane - ray.origin) * ray.inverse;
     // A parallel axis does not bound t: inside its slab always, outside never.
-    @if(clip) let parallel = inverse == vec3f(0.0);
-    @if(clip) let outside = parallel & ((origin < near_plane) | (origin > far_plane));
+    @if(clip) let parallel = ray.inverse == vec3f(0.0);
+    @if(clip) let outside = parallel & ((ray.origin < near_plane) | (ray.origin > far_plane));
     @if(clip) let enter = select(min(t0, t1), vec3f(0.0), parallel);
     @if(clip) let leave = select(max(t0, t1), vec3f(INF), parallel);
     @if(clip) let t_enter = max(max(enter.x, enter.y), max(enter.z, 0.0));
     @if(clip) let t_leave = min(min(leave.x, leave.y), leave.z);
-    @if(clip) let start = origin + direction * t_enter;
-    @else let start = origin;
+    @if(clip) let start = ray.origin + ray.direction * t_enter;
+    @else let start = ray.origin;
     let position = (start - grid.corner) * grid.inverse_width;
     let cell = clamp(vec3i(floor(position)), vec3i(0), grid.cells - vec3i(1));
-    var walk = Walk(cell, cell_exit(cell, origin, inverse), true);
+    var walk = Walk(cell, cell_exit(cell, ray), true);
     // The negated comparison sends NaN outside.
     @if(clip) walk.inside = t_enter <= t_leave && !any(outside);
     return walk;
 }
 
 @if(robust)
-fn advance(walk: Walk, origin: vec3f, direction: vec3f) -> Walk {
-    let inverse = inverse_direction(direction);
+fn advance(walk: Walk, ray: GridRay) -> Walk {
     let axis = smallest_axis(walk.tmax);
-    let forward = select(vec3i(-1), vec3i(1), inverse > vec3f(0.0));
+    let forward = select(vec3i(-1), vec3i(1), ray.inverse > vec3f(0.0));
     let cell = walk.cell + select(vec3i(0), forward, axis);
     let crossed = min(min(walk.tmax.x, walk.tmax.y), walk.tmax.z) < INF;
-    return Walk(cell, cell_exit(cell, origin, inverse), crossed && is_in_grid(cell));
+    return Walk(cell, cell_exit(cell, ray), crossed && is_in_grid(cell));
+}
+
+// Leaves a cube of empty cells at once (proximity clouds, Cohen and Sheffer, 1994): every cell that is
+// fewer than `distance` cells away along each axis is empty. A leap of distance 1 is a step.
+@if(robust && skip)
+fn leap(walk: Walk, distance: i32, ray: GridRay) -> Walk {
+    let forward = select(vec3i(-1), vec3i(1), ray.inverse > vec3f(0.0));
+    let last = walk.cell + forward * (distance - 1);
+    let exit = cell_exit(last, ray);
+    let axis = smallest_axis(exit);
+    let t = min(min(exit.x, exit.y), exit.z);
+    // As where the ray entered the grid; rounding cannot move it out of the cube, or backwards.
+    let position = (ray.origin + ray.direction * t - grid.corner) * grid.inverse_width;
+    let place = clamp(vec3i(floor(position)), min(walk.cell, last), max(walk.cell, last));
+    let cell = select(place, last + forward, axis);
+    return Walk(cell, cell_exit(cell, ray), t < INF && is_in_grid(cell));
 }
 
 // Which axis is crossed next, in the order of Listing 1.
@@ -100,9 +135,10 @@ fn smallest_axis(tmax: vec3f) -> vec3<bool> {
 }
 
 @if(!robust)
-fn enter_grid(origin: vec3f, direction: vec3f) -> Walk {
+fn enter_grid(ray: GridRay) -> Walk {
+    let direction = ray.direction;
     // The paper's origin is relative to the grid's.
-    let relative = origin - grid.corner;
+    let relative = ray.origin - grid.corner;
     let cell = vec3i(floor(relative / grid.width));
     let plane = vec3f(cell) * grid.width + (1.0 + sign(direction)) * grid.width / 2.0;
     let parallel = abs(direction) < vec3f(PAPER_PARALLEL);
@@ -112,11 +148,10 @@ fn enter_grid(origin: vec3f, direction: vec3f) -> Walk {
 }
 
 @if(!robust)
-fn advance(walk: Walk, origin: vec3f, direction: vec3f) -> Walk {
-    let t_delta = abs(grid.width / direction);
+fn advance(walk: Walk, ray: GridRay) -> Walk {
     let axis = smallest_axis(walk.tmax);
-    let cell = walk.cell + select(vec3i(0), vec3i(sign(direction)), axis);
-    let tmax = select(walk.tmax, walk.tmax + t_delta, axis);
+    let cell = walk.cell + select(vec3i(0), vec3i(sign(ray.direction)), axis);
+    let tmax = select(walk.tmax, walk.tmax + ray.t_delta, axis);
     return Walk(cell, tmax, is_index_in_range(cell));
 }
 

@@ -17,35 +17,59 @@ pub struct Candidate<R> {
     pub is_hit: bool,
 }
 
-/// Tests by the rules of `--numerics`.
-pub fn hit_triangle<R: Real>(robust: bool, origin: Vec3<R>, direction: Vec3<R>, corners: [Vec3<R>; 3]) -> Candidate<R> {
-    if robust { watertight(origin, direction, corners) } else { moller_trumbore(origin, direction, corners) }
+/// A ray's direction as the watertight test uses it: the axes are rotated so that its largest component
+/// becomes z, and sheared so that it points along z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shear<R> {
+    x_last: bool,
+    y_last: bool,
+    /// Across per along, and 1 / along.
+    shear: Vec3<R>,
 }
 
-/// Rotates the axes so that the direction's largest component becomes z.
-fn largest_last<R: Real>(v: Vec3<R>, magnitude: Vec3<R>) -> Vec3<R> {
-    if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
-        return Vec3::new(v.y, v.z, v.x);
+impl<R: Real> Shear<R> {
+    /// Of a direction.
+    pub fn of(direction: Vec3<R>) -> Self {
+        let magnitude = direction.abs();
+        let x_last = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
+        let y_last = !x_last && magnitude.y > magnitude.z;
+        let d = rotated(direction, x_last, y_last);
+        Self { x_last, y_last, shear: Vec3::new(d.x / d.z, d.y / d.z, R::one() / d.z) }
     }
-    if magnitude.y > magnitude.z {
-        return Vec3::new(v.z, v.x, v.y);
+
+    /// A corner as seen along the ray: x and y across it, z along it in units of t.
+    fn of_corner(&self, corner: Vec3<R>) -> Vec3<R> {
+        let (p, s) = (rotated(corner, self.x_last, self.y_last), self.shear);
+        Vec3::new(p.x - s.x * p.z, p.y - s.y * p.z, s.z * p.z)
     }
-    v
 }
 
-/// A corner as seen along the ray: x and y across it, z along it in units of t.
-fn sheared<R: Real>(p: Vec3<R>, shear: Vec3<R>) -> Vec3<R> {
-    Vec3::new(p.x - shear.x * p.z, p.y - shear.y * p.z, shear.z * p.z)
+fn rotated<R: Real>(v: Vec3<R>, x_last: bool, y_last: bool) -> Vec3<R> {
+    if x_last {
+        Vec3::new(v.y, v.z, v.x)
+    } else if y_last {
+        Vec3::new(v.z, v.x, v.y)
+    } else {
+        v
+    }
+}
+
+/// Tests by the rules of `--numerics`; `shear` is the direction's.
+pub fn hit_triangle<R: Real>(
+    robust: bool,
+    origin: Vec3<R>,
+    direction: Vec3<R>,
+    shear: &Shear<R>,
+    corners: [Vec3<R>; 3],
+) -> Candidate<R> {
+    if robust { watertight(origin, shear, corners) } else { moller_trumbore(origin, direction, corners) }
 }
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.
-pub fn watertight<R: Real>(origin: Vec3<R>, direction: Vec3<R>, [a, b, c]: [Vec3<R>; 3]) -> Candidate<R> {
-    let magnitude = direction.abs();
-    let d = largest_last(direction, magnitude);
-    let shear = Vec3::new(d.x / d.z, d.y / d.z, R::one() / d.z);
-    let p = sheared(largest_last(a - origin, magnitude), shear);
-    let q = sheared(largest_last(b - origin, magnitude), shear);
-    let r = sheared(largest_last(c - origin, magnitude), shear);
+pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, [a, b, c]: [Vec3<R>; 3]) -> Candidate<R> {
+    let p = shear.of_corner(a - origin);
+    let q = shear.of_corner(b - origin);
+    let r = shear.of_corner(c - origin);
 
     let qr = q.x * r.y;
     let rq = q.y * r.x;

@@ -18,34 +18,43 @@ struct Candidate {
     is_hit: bool,
 }
 
-fn hit_triangle(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
-    @if(robust) return watertight(origin, direction, a, b, c);
+// A ray's direction as the watertight test uses it: the axes are rotated so that its largest component
+// becomes z, and sheared so that it points along z.
+struct Shear {
+    // The largest component is x, or y.
+    x_last: bool,
+    y_last: bool,
+    // Across per along, and 1 / along.
+    shear: vec3f,
+}
+
+fn shear_of(direction: vec3f) -> Shear {
+    let magnitude = abs(direction);
+    let x_last = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
+    let y_last = !x_last && magnitude.y > magnitude.z;
+    let d = rotated(direction, x_last, y_last);
+    return Shear(x_last, y_last, vec3f(d.x / d.z, d.y / d.z, 1.0 / d.z));
+}
+
+fn rotated(v: vec3f, x_last: bool, y_last: bool) -> vec3f {
+    return select(select(v, v.zxy, y_last), v.yzx, x_last);
+}
+
+fn hit_triangle(origin: vec3f, direction: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
+    @if(robust) return watertight(origin, shear, a, b, c);
     @else return moller_trumbore(origin, direction, a, b, c);
 }
 
-// Rotates the axes so that the direction's largest component becomes z.
-fn largest_last(v: vec3f, magnitude: vec3f) -> vec3f {
-    if (magnitude.x > magnitude.y && magnitude.x > magnitude.z) {
-        return v.yzx;
-    }
-    if (magnitude.y > magnitude.z) {
-        return v.zxy;
-    }
-    return v;
-}
-
 // A corner as seen along the ray: x and y across it, z along it in units of t.
-fn sheared(p: vec3f, shear: vec3f) -> vec3f {
-    return vec3f(p.x - shear.x * p.z, p.y - shear.y * p.z, shear.z * p.z);
+fn sheared(corner: vec3f, s: Shear) -> vec3f {
+    let p = rotated(corner, s.x_last, s.y_last);
+    return vec3f(p.x - s.shear.x * p.z, p.y - s.shear.y * p.z, s.shear.z * p.z);
 }
 
-fn watertight(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
-    let magnitude = abs(direction);
-    let d = largest_last(direction, magnitude);
-    let shear = vec3f(d.x / d.z, d.y / d.z, 1.0 / d.z);
-    let p = sheared(largest_last(a - origin, magnitude), shear);
-    let q = sheared(largest_last(b - origin, magnitude), shear);
-    let r = sheared(largest_last(c - origin, magnitude), shear);
+fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
+    let p = sheared(a - origin, shear);
+    let q = sheared(b - origin, shear);
+    let r = sheared(c - origin, shear);
 
     let qr = q.x * r.y;
     let rq = q.y * r.x;

@@ -2,16 +2,22 @@
 
 use std::borrow::Cow;
 
+use super::books::{Books, Place, is_dynamic};
 use super::{GpuError, stream_format};
 use crate::kernel::Kernel;
-use crate::plan::{COUNT_SLOT_BYTES, COUNT_SLOTS};
+use crate::plan::Plan;
 use crate::shader::{Binding, Resource, Variant};
 use crate::stream::{Stream, Texel};
 
 pub(super) struct KernelPipeline {
     kernel: Kernel,
     pub(super) pipeline: wgpu::ComputePipeline,
+    /// Groups 0 and 1: streams, and scene data.
     pub(super) groups: Vec<wgpu::BindGroup>,
+    /// Group 2: the books, one for each combination of even and odd slots; empty where it binds none.
+    live: Vec<wgpu::BindGroup>,
+    /// Names in group 2 that have dynamic offsets, in order.
+    offsets: Vec<String>,
 }
 
 pub(super) struct Pipelines(Vec<KernelPipeline>);
@@ -19,11 +25,14 @@ pub(super) struct Pipelines(Vec<KernelPipeline>);
 impl Pipelines {
     pub(super) fn new(
         device: &wgpu::Device,
-        variants: &[Variant],
+        plan: &Plan,
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
+        books: &Books,
+        indices_hold: bool,
     ) -> Result<Self, GpuError> {
-        variants.iter().map(|v| KernelPipeline::new(device, v, streams, buffers)).collect::<Result<_, _>>().map(Self)
+        let pipeline = |v| KernelPipeline::new(device, v, streams, buffers, books, indices_hold);
+        plan.variants.iter().map(pipeline).collect::<Result<_, _>>().map(Self)
     }
 
     pub(super) fn get(&self, kernel: Kernel) -> Option<&KernelPipeline> {
@@ -31,39 +40,58 @@ impl Pipelines {
     }
 }
 
+/// The group of the books.
+const LIVE_GROUP: u32 = 2;
+
 impl KernelPipeline {
     fn new(
         device: &wgpu::Device,
         variant: &Variant,
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
+        books: &Books,
+        indices_hold: bool,
     ) -> Result<Self, GpuError> {
         let name = variant.kernel.name();
         let group_count = variant.bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
-        let (mut layouts, mut groups) = (Vec::new(), Vec::new());
+        let (mut layouts, mut groups, mut live, mut offsets) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for group in 0..group_count {
             let bindings: Vec<_> = variant.bindings.iter().filter(|b| b.group == group).collect();
             let entries: Vec<_> = bindings.iter().map(|b| layout_entry(b)).collect();
             let layout = device
                 .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(name), entries: &entries });
-            let views = bindings.iter().map(|b| view(b, streams)).collect::<Vec<_>>();
-            let mut entries = Vec::new();
-            for (binding, view) in bindings.iter().zip(&views) {
-                let resource = match view {
-                    Some(view) => wgpu::BindingResource::TextureView(view),
-                    None => buffers
-                        .iter()
-                        .find(|(n, _)| *n == binding.name)
-                        .map(|(_, b)| b.as_entire_binding())
-                        .ok_or(GpuError::Missing(name))?,
-                };
-                entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
+            let make = |resources: Vec<wgpu::BindingResource<'_>>| {
+                let entries: Vec<_> = bindings
+                    .iter()
+                    .zip(resources)
+                    .map(|(b, resource)| wgpu::BindGroupEntry { binding: b.index, resource })
+                    .collect();
+                let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout: &layout, entries: &entries };
+                device.create_bind_group(&descriptor)
+            };
+            if group == LIVE_GROUP {
+                let names = bindings.iter().map(|b| &b.name).filter(|name| is_dynamic(name));
+                offsets = names.cloned().collect::<Vec<_>>();
+                for slots in 0..4 {
+                    let resources: Option<Vec<_>> =
+                        bindings.iter().map(|b| books.binding(variant.kernel, &b.name, slots)).collect();
+                    live.push(make(resources.ok_or(GpuError::Missing(name))?));
+                }
+            } else {
+                let views = bindings.iter().map(|b| view(b, streams)).collect::<Vec<_>>();
+                let mut resources = Vec::new();
+                for (binding, view) in bindings.iter().zip(&views) {
+                    resources.push(match view {
+                        Some(view) => wgpu::BindingResource::TextureView(view),
+                        None => buffers
+                            .iter()
+                            .find(|(n, _)| *n == binding.name)
+                            .map(|(_, b)| b.as_entire_binding())
+                            .ok_or(GpuError::Missing(name))?,
+                    });
+                }
+                groups.push(make(resources));
             }
-            groups.push(device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some(name),
-                layout: &layout,
-                entries: &entries,
-            }));
             layouts.push(layout);
         }
         let layouts: Vec<_> = layouts.iter().map(Some).collect();
@@ -72,10 +100,7 @@ impl KernelPipeline {
             bind_group_layouts: &layouts,
             immediate_size: 0,
         });
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
-        });
+        let module = shader_module(device, variant, indices_hold);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
             layout: Some(&layout),
@@ -84,7 +109,33 @@ impl KernelPipeline {
             compilation_options: Default::default(),
             cache: None,
         });
-        Ok(Self { kernel: variant.kernel, pipeline, groups })
+        Ok(Self { kernel: variant.kernel, pipeline, groups, live, offsets })
+    }
+
+    /// Binds the books for a pass.
+    pub(super) fn set_live(&self, pass: &mut wgpu::ComputePass<'_>, place: &Place) {
+        if let Some(group) = self.live.get(place.group()) {
+            let offsets: Vec<u32> = self.offsets.iter().filter_map(|name| place.offset(name)).collect();
+            pass.set_bind_group(LIVE_GROUP, group, &offsets);
+        }
+    }
+}
+
+/// The fused kernel without bounds checks where the host has seen that no index needs one; others with.
+fn shader_module(device: &wgpu::Device, variant: &Variant, indices_hold: bool) -> wgpu::ShaderModule {
+    let descriptor = wgpu::ShaderModuleDescriptor {
+        label: Some(variant.kernel.name()),
+        source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
+    };
+    if variant.kernel != Kernel::Fused || !indices_hold {
+        return device.create_shader_module(descriptor);
+    }
+    // SAFETY: every index that the kernel loads was checked by `SceneData::indices_hold`; cells are clamped
+    // to the grid or compared with it; the stack is as high as the deepest tree that is built; every loop
+    // ends: walks leave the grid, trees are finite, lists have an end.
+    #[allow(unsafe_code)]
+    unsafe {
+        device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
     }
 }
 
@@ -118,6 +169,9 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
         },
         Resource::Uniform => buffer_type(wgpu::BufferBindingType::Uniform, false),
         Resource::Storage => buffer_type(wgpu::BufferBindingType::Storage { read_only: true }, false),
+        Resource::Live { writable } => {
+            buffer_type(wgpu::BufferBindingType::Storage { read_only: !writable }, is_dynamic(&binding.name))
+        }
     };
     wgpu::BindGroupLayoutEntry { binding: binding.index, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
 }
@@ -126,69 +180,40 @@ fn buffer_type(ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::B
     wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }
 
-/// Counts the rays in each state after every pass, into one slot a pass.
+/// Counts the rays in each state after the fused kernel, which keeps no books: a global atomic for each
+/// of its small workgroups would cost it more than its shortest runs take.
 pub(super) struct Counting {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) group: wgpu::BindGroup,
-    pub(super) slots: wgpu::Buffer,
-    pub(super) copy: wgpu::Buffer,
 }
 
 impl Counting {
-    pub(super) fn new(device: &wgpu::Device, state: &wgpu::Texture) -> Self {
-        use wgpu::BufferUsages as U;
-        let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: COUNT_SLOTS * COUNT_SLOT_BYTES,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        let slots = buffer("live_counts", U::STORAGE | U::COPY_SRC | U::COPY_DST);
-        let copy = buffer("live_counts_copy", U::COPY_DST | U::MAP_READ);
-        let compute = wgpu::ShaderStages::COMPUTE;
-        let state_type = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Uint,
-            view_dimension: wgpu::TextureViewDimension::D2Array,
-            multisampled: false,
-        };
-        let counts_type = buffer_type(wgpu::BufferBindingType::Storage { read_only: false }, true);
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: compute, ty, count: None };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("count"),
-            entries: &[entry(0, state_type), entry(1, counts_type)],
-        });
-        let view = state.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        let slot = wgpu::BufferBinding { buffer: &slots, offset: 0, size: std::num::NonZeroU64::new(32) };
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("count"),
-            layout: &layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(slot) },
-            ],
-        });
+    pub(super) fn new(device: &wgpu::Device, state: &wgpu::Texture, books: &Books) -> Self {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("count"),
             source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(include_str!("../../shared/count.wgsl"))),
         });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("count"),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("count"),
-            layout: Some(&pipeline_layout),
+            layout: None,
             module: &module,
             entry_point: Some("count"),
             compilation_options: Default::default(),
             cache: None,
         });
-        Self { pipeline, group, slots, copy }
+        let view = state.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let sent = wgpu::BufferBinding { buffer: &books.sent, offset: 0, size: std::num::NonZeroU64::new(32) };
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("count"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(sent) },
+            ],
+        });
+        Self { pipeline, group }
     }
 }

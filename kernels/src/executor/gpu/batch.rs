@@ -1,0 +1,158 @@
+//! One submission of passes after the other, and what each pass did.
+
+use super::books::{Place, counts_after, read_sent};
+use super::timers::read_times;
+use super::{GpuError, GpuExecutor, MOST_PASSES};
+use crate::executor::PassResult;
+use crate::executor::readback::Readback;
+use crate::kernel::Kernel;
+use crate::plan::COUNT_SLOT_BYTES;
+use crate::shared::constants::WORKGROUP;
+use crate::state::StateCounts;
+
+/// Where `first_row` lies in the uniform `scene`, in bytes.
+const FIRST_ROW: u64 = 12;
+
+impl GpuExecutor {
+    /// Submits passes, at most [`MOST_PASSES`], and resolves to what each of them did. `counts` are the rays
+    /// in each state now.
+    ///
+    /// # Errors
+    /// Where the device is lost or refuses.
+    pub async fn run(&mut self, passes: &[Kernel], counts: &StateCounts) -> Result<Vec<PassResult>, GpuError> {
+        self.gpu.health()?;
+        let passes = &passes[..passes.len().min(MOST_PASSES)];
+        let count = passes.len() as u64;
+        if passes.is_empty() {
+            return Ok(Vec::new());
+        }
+        let scopes = self.gpu.push_scopes();
+        let places = self.books.lay_out(&self.gpu.queue, passes, counts);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
+        match passes {
+            [Kernel::Fused] => {
+                encoder = self.encode_fused(encoder, &places[0])?;
+                self.encode_count(&mut encoder);
+            }
+            _ => self.encode_all(&mut encoder, passes, &places)?,
+        }
+        encoder.copy_buffer_to_buffer(&self.books.sent, 0, &self.books.copy, 0, count * COUNT_SLOT_BYTES);
+        let time_bytes = self.timers.as_ref().map_or(0, |t| 8 * u64::from(t.queries(count as u32)));
+        if let Some(timers) = &self.timers {
+            encoder.resolve_query_set(&timers.set, 0..timers.queries(count as u32), &timers.resolved, 0);
+            encoder.copy_buffer_to_buffer(&timers.resolved, 0, &timers.copy, 0, time_bytes);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        let sent = Readback::start(&self.gpu, self.books.copy.clone(), count * COUNT_SLOT_BYTES);
+        let times = self.timers.as_ref().map(|t| Readback::start(&self.gpu, t.copy.clone(), time_bytes));
+        self.gpu.pop_scopes(scopes).await?;
+
+        let sent = sent.finish(count * COUNT_SLOT_BYTES, read_sent).await?;
+        let period = self.timers.as_ref().map_or(1.0, |t| t.period_ns);
+        let mut times = match times {
+            Some(times) => times.finish(time_bytes, |bytes| read_times(bytes, period)).await?,
+            None => Vec::new(),
+        };
+        self.note_span(&times);
+        if !self.timers.as_ref().is_some_and(|t| t.each_pass) {
+            times = vec![(None, None); passes.len()];
+        }
+        let mut now = *counts;
+        let results = passes.iter().zip(sent).zip(times).map(|((&kernel, sent), (begin_ns, duration_ns))| {
+            now = counts_after(kernel, &now, &sent);
+            PassResult { kernel, counts: now, begin_ns, duration_ns }
+        });
+        Ok(results.collect())
+    }
+
+    /// Adds the time from a batch's first begin to its last end.
+    fn note_span(&mut self, times: &[(Option<u64>, Option<u64>)]) {
+        let ends = times.last().and_then(|&(begin, duration)| begin.zip(duration)).map(|(b, d)| b + d);
+        let span = times.first().and_then(|t| t.0).zip(ends).and_then(|(begin, end)| end.checked_sub(begin));
+        // One batch without a time leaves the whole without one.
+        self.device_ns = self.device_ns.zip(span).map(|(sum, span)| sum + span);
+    }
+
+    fn encode_all(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        passes: &[Kernel],
+        places: &[Place],
+    ) -> Result<(), GpuError> {
+        let each = self.timers.as_ref().filter(|t| t.each_pass);
+        if let Some(timers) = each {
+            for (i, (&kernel, place)) in (0..).zip(passes.iter().zip(places)) {
+                let timestamp_writes = timers.writes(Some(2 * i), Some(2 * i + 1));
+                let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name()), timestamp_writes };
+                self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, None)?;
+            }
+            return Ok(());
+        }
+        let timestamp_writes = self.timers.as_ref().and_then(|t| t.writes(Some(0), Some(1)));
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("passes"), timestamp_writes });
+        for (&kernel, place) in passes.iter().zip(places) {
+            self.dispatch(&mut pass, kernel, place, None)?;
+        }
+        Ok(())
+    }
+
+    /// The fused kernel in as many submissions as keep each of them short.
+    fn encode_fused(&self, mut encoder: wgpu::CommandEncoder, place: &Place) -> Result<wgpu::CommandEncoder, GpuError> {
+        let rows = self.height.div_ceil(WORKGROUP);
+        let a_band = (self.rays_a_dispatch / u64::from(self.width * WORKGROUP)).clamp(1, u64::from(rows)) as u32;
+        let scene = self.buffer("scene").ok_or(GpuError::Missing("scene"))?;
+        for first in (0..rows).step_by(a_band as usize) {
+            let last = first + a_band >= rows;
+            let timestamp_writes =
+                self.timers.as_ref().and_then(|t| t.writes((first == 0).then_some(0), last.then_some(1)));
+            let descriptor = wgpu::ComputePassDescriptor { label: Some("fused"), timestamp_writes };
+            self.dispatch(
+                &mut encoder.begin_compute_pass(&descriptor),
+                Kernel::Fused,
+                place,
+                Some(a_band.min(rows - first)),
+            )?;
+            // What is written to a uniform holds from the next submission on.
+            if a_band < rows {
+                self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&first));
+                if !last {
+                    self.gpu.queue.submit([encoder.finish()]);
+                    encoder = self.gpu.device.create_command_encoder(&Default::default());
+                }
+            }
+        }
+        Ok(encoder)
+    }
+
+    fn encode_count(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&self.counting.pipeline);
+        pass.set_bind_group(0, &self.counting.group, &[]);
+        pass.dispatch_workgroups(self.width.div_ceil(16), self.height.div_ceil(16), 1);
+    }
+
+    fn dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        kernel: Kernel,
+        place: &Place,
+        rows: Option<u32>,
+    ) -> Result<(), GpuError> {
+        let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
+        pass.set_pipeline(&pipeline.pipeline);
+        for (group, bind_group) in pipeline.groups.iter().enumerate() {
+            pass.set_bind_group(group as u32, bind_group, &[]);
+        }
+        pipeline.set_live(pass, place);
+        match self.books.arguments(place) {
+            Some((buffer, offset)) => pass.dispatch_workgroups_indirect(buffer, offset),
+            None => {
+                let side = kernel.workgroup();
+                pass.dispatch_workgroups(self.width.div_ceil(side), rows.unwrap_or(self.height.div_ceil(side)), 1);
+            }
+        }
+        Ok(())
+    }
+}

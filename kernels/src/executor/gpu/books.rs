@@ -1,0 +1,231 @@
+//! The passes' books: how many rays each pass sent where, and the lists of live rays.
+
+use crate::kernel::Kernel;
+use crate::plan::{COUNT_SLOT_BYTES, COUNT_SLOTS, Plan};
+use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
+use crate::state::{COUNT, StateCounts, Tag};
+
+/// Rays of one row of an indirect dispatch.
+const RAYS_A_ROW: u32 = LIST_SIDE * LIST_SIDE * LIST_GROUPS;
+
+/// The kernels that have a list of the rays that wait for them.
+const LISTED: [&str; 2] = ["intersect_list", "traverse_list"];
+
+/// Which of the lists is a kernel's own.
+fn own_list(kernel: Kernel) -> Option<usize> {
+    match kernel {
+        Kernel::Intersect | Kernel::Walk => Some(0),
+        Kernel::TraverseGrid | Kernel::TraverseBvh => Some(1),
+        _ => None,
+    }
+}
+
+/// One kernel's list.
+struct List {
+    /// Slots of even and odd passes of the kernel within a batch: one is read while the other is written.
+    slots: [wgpu::Buffer; 2],
+    /// How often the kernel has run: which half of its part of `live_rays` holds its list.
+    turn: u64,
+}
+
+/// The buffers, and whose turn it is.
+pub(super) struct Books {
+    pub(super) sent: wgpu::Buffer,
+    pub(super) copy: wgpu::Buffer,
+    lists: [Option<List>; 2],
+    live_rays: Option<wgpu::Buffer>,
+    texels: u32,
+    /// Whose lists they are.
+    kernels: [Kernel; 2],
+}
+
+/// Where one pass finds its slots.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    /// Pass within the batch.
+    sent: u32,
+    /// Pass of its own kernel within the batch.
+    own: u32,
+    /// The lists to which it sends rays, counted as passes of those kernels within the batch.
+    next: [u32; 2],
+    list: Option<usize>,
+}
+
+impl Place {
+    /// Which of the four bind groups it takes.
+    pub(super) fn group(&self) -> usize {
+        (self.next[0] % 2 + 2 * (self.next[1] % 2)) as usize
+    }
+
+    /// Dynamic offset of a binding, by name; `None` for one without.
+    pub(super) fn offset(&self, name: &str) -> Option<u32> {
+        let slot = match name {
+            "sent" => self.sent,
+            "own_list" => self.own / 2,
+            "intersect_list" => self.next[0] / 2,
+            "traverse_list" => self.next[1] / 2,
+            _ => return None,
+        };
+        Some(slot * COUNT_SLOT_BYTES as u32)
+    }
+}
+
+impl Books {
+    pub(super) fn new(device: &wgpu::Device, plan: &Plan) -> Self {
+        use wgpu::BufferUsages as U;
+        let buffer = |name: &'static str, usage| {
+            let planned = plan.buffers.iter().find(|b| b.what == name)?;
+            Some(device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(name),
+                size: planned.bytes,
+                usage,
+                mapped_at_creation: false,
+            }))
+        };
+        let slots = |name| buffer(name, U::STORAGE | U::INDIRECT | U::COPY_DST);
+        let list = |even, odd| Some(List { slots: [slots(even)?, slots(odd)?], turn: 0 });
+        let own = |label, usage| {
+            let size = COUNT_SLOTS * COUNT_SLOT_BYTES;
+            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        };
+        Self {
+            sent: own("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST),
+            copy: own("sent_copy", U::COPY_DST | U::MAP_READ),
+            lists: [list("intersect_list_even", "intersect_list_odd"), list("traverse_list_even", "traverse_list_odd")],
+            live_rays: buffer("live_rays", U::STORAGE | U::COPY_DST),
+            texels: plan.width * plan.height,
+            kernels: [
+                if plan.features.many_steps { Kernel::Walk } else { Kernel::Intersect },
+                if plan.features.bvh { Kernel::TraverseBvh } else { Kernel::TraverseGrid },
+            ],
+        }
+    }
+
+    /// Names and bytes of its buffers.
+    pub(super) fn allocated(&self) -> Vec<(&'static str, u64)> {
+        let mut all = vec![("sent", self.sent.size()), ("sent_copy", self.copy.size())];
+        let names = [["intersect_list_even", "intersect_list_odd"], ["traverse_list_even", "traverse_list_odd"]];
+        for (list, names) in self.lists.iter().zip(names) {
+            let Some(list) = list else { continue };
+            all.extend(names.into_iter().zip(&list.slots).map(|(name, b)| (name, b.size())));
+        }
+        all.extend(self.live_rays.iter().map(|b| ("live_rays", b.size())));
+        all
+    }
+
+    /// What a kernel binds under a name, in the bind group for these slots; see [`Place::group`].
+    pub(super) fn binding(&self, kernel: Kernel, name: &str, group: usize) -> Option<wgpu::BindingResource<'_>> {
+        let parity = [group % 2, group / 2];
+        let slots = |list: usize, parity: usize| Some(&self.lists[list].as_ref()?.slots[parity]);
+        let buffer = match name {
+            "sent" => &self.sent,
+            "own_list" => own_list(kernel).and_then(|list| slots(list, 1 - parity[list]))?,
+            "intersect_list" => slots(0, parity[0])?,
+            "traverse_list" => slots(1, parity[1])?,
+            "live_rays" => return self.live_rays.as_ref().map(wgpu::Buffer::as_entire_binding),
+            _ => return None,
+        };
+        let size = std::num::NonZeroU64::new(4 * COUNT as u64);
+        Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
+    }
+
+    /// No ray is in any list.
+    pub(super) fn clear(&mut self) {
+        self.lists.iter_mut().flatten().for_each(|list| list.turn = 0);
+    }
+
+    /// Where the list of a kernel's pass begins in `live_rays`, in words.
+    fn first_ray(&self, list: usize, turn: u64) -> u32 {
+        (2 * list as u32 + (turn % 2) as u32) * self.texels
+    }
+
+    /// Puts rays into lists by their tags: after the state stream was replaced from outside.
+    pub(super) fn relist(&mut self, queue: &wgpu::Queue, tags: &[Tag], width: u32) {
+        let Some(live_rays) = &self.live_rays else { return };
+        for (index, list) in self.lists.iter().enumerate() {
+            let Some(list) = list else { continue };
+            let kernel = self.kernels[index];
+            let ids: Vec<u32> = (0u32..)
+                .zip(tags)
+                .filter(|(_, tag)| kernel.info().active.contains(tag))
+                .map(|(i, _)| (i % width) | ((i / width) << 16))
+                .collect();
+            if !ids.is_empty() {
+                let first = 4 * u64::from(self.first_ray(index, list.turn));
+                queue.write_buffer(live_rays, first, bytemuck::cast_slice(&ids));
+            }
+        }
+    }
+
+    /// Lays out a batch: the place of each pass, with the slots written so that they can be read and added to.
+    pub(super) fn lay_out(&mut self, queue: &wgpu::Queue, passes: &[Kernel], counts: &StateCounts) -> Vec<Place> {
+        let mut run = [0u32; 2];
+        let mut places = Vec::with_capacity(passes.len());
+        for (sent, &kernel) in (0..).zip(passes) {
+            let list = own_list(kernel).filter(|&l| self.lists[l].is_some());
+            let mut place = Place { sent, own: 0, next: run, list };
+            if let Some(list) = list {
+                place.own = run[list];
+                run[list] += 1;
+                place.next[list] = run[list];
+            }
+            places.push(place);
+        }
+        let kernels = self.kernels;
+        for index in 0..2 {
+            let first = [0, 1].map(|i| self.lists[index].as_ref().map_or(0, |l| self.first_ray(index, l.turn + i)));
+            let Some(list) = &mut self.lists[index] else { continue };
+            let live = kernels[index].live(counts);
+            for (parity, slots) in list.slots.iter().enumerate() {
+                let count = (run[index] as usize + 2 - parity) / 2;
+                let mut words = vec![0u32; count * COUNT_SLOT_BYTES as usize / 4];
+                for (i, slot) in words.chunks_exact_mut(COUNT_SLOT_BYTES as usize / 4).enumerate() {
+                    let rays = if 2 * i + parity == 0 { live } else { 0 };
+                    slot[..5].copy_from_slice(&[LIST_GROUPS, rays.div_ceil(RAYS_A_ROW), 1, rays, first[parity]]);
+                }
+                queue.write_buffer(slots, 0, bytemuck::cast_slice(&words));
+            }
+            list.turn += u64::from(run[index]);
+        }
+        places
+    }
+
+    /// The indirect arguments of a pass: buffer and offset.
+    pub(super) fn arguments(&self, place: &Place) -> Option<(&wgpu::Buffer, u64)> {
+        let list = self.lists[place.list?].as_ref()?;
+        Some((&list.slots[place.own as usize % 2], u64::from(place.own / 2) * COUNT_SLOT_BYTES))
+    }
+}
+
+/// Whether a name is one of the lists' slots or the rays in them.
+pub(super) fn is_dynamic(name: &str) -> bool {
+    name == "sent" || name == "own_list" || LISTED.contains(&name)
+}
+
+/// Counts after a pass, from those before it and what it sent.
+pub(super) fn counts_after(kernel: Kernel, before: &StateCounts, sent: &StateCounts) -> StateCounts {
+    if kernel == Kernel::Fused {
+        // Counted anew.
+        return *sent;
+    }
+    let mut after = *before;
+    let active = kernel.info().active;
+    active.iter().for_each(|&tag| after[tag as usize] = 0);
+    match kernel.sends_all_to() {
+        Some(to) => after[to as usize] += kernel.live(before),
+        None => after.iter_mut().zip(sent).for_each(|(a, s)| *a += s),
+    }
+    after
+}
+
+pub(super) fn read_sent(bytes: &[u8]) -> Vec<StateCounts> {
+    bytes
+        .chunks_exact(COUNT_SLOT_BYTES as usize)
+        .map(|slot| {
+            let word = |i: usize| u32::from_le_bytes([slot[4 * i], slot[4 * i + 1], slot[4 * i + 2], slot[4 * i + 3]]);
+            let mut counts = [0; COUNT];
+            counts.iter_mut().enumerate().for_each(|(i, c)| *c = word(i));
+            counts
+        })
+        .collect()
+}

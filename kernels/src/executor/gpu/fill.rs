@@ -1,0 +1,125 @@
+//! What every stream begins with, kept on the GPU: a restart copies it and uploads nothing.
+
+use crate::plan::{FILL_TEXELS, Plan};
+use crate::stream::{STREAMS, Stream, StreamData};
+
+/// Constant texels, and the streams that were given.
+pub(super) struct Fill {
+    /// One part a distinct value.
+    constants: wgpu::Buffer,
+    values: Vec<u32>,
+    given: Vec<(Stream, wgpu::Buffer)>,
+    width: u32,
+    height: u32,
+}
+
+/// Texels between two rows in a buffer: a copy wants them 256 bytes apart.
+pub(super) fn pitch(width: u32) -> u32 {
+    width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4)
+}
+
+/// The values that streams begin with.
+fn values() -> Vec<u32> {
+    let mut values: Vec<u32> = STREAMS.iter().flat_map(|s| s.unwritten).copied().collect();
+    values.sort_unstable();
+    values.dedup();
+    values
+}
+
+/// Rows that one copy of a constant fills.
+fn rows(width: u32, height: u32) -> u32 {
+    (FILL_TEXELS / pitch(width)).clamp(1, height)
+}
+
+/// Bytes of the constants.
+pub(crate) fn fill_bytes(width: u32, height: u32) -> u64 {
+    4 * u64::from(pitch(width)) * u64::from(rows(width, height)) * values().len() as u64
+}
+
+/// Bytes of the copy of a given stream.
+pub(crate) fn given_bytes(stream: Stream, width: u32, height: u32) -> u64 {
+    4 * u64::from(pitch(width)) * u64::from(height) * stream.layers() as u64
+}
+
+impl Fill {
+    pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> Self {
+        let (values, part) = (values(), (rows(plan.width, plan.height) * pitch(plan.width)) as usize);
+        let constants = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("fill"),
+            size: fill_bytes(plan.width, plan.height),
+            usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        for (i, &value) in values.iter().enumerate() {
+            queue.write_buffer(&constants, 4 * (i * part) as u64, bytemuck::cast_slice(&vec![value; part]));
+        }
+        Self { constants, values, given: Vec::new(), width: plan.width, height: plan.height }
+    }
+
+    /// From now on these streams begin with these values.
+    pub(super) fn give(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, streams: &[StreamData]) {
+        let (width, padding) = (self.width as usize, (pitch(self.width) - self.width) as usize);
+        for data in streams {
+            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("given"),
+                size: given_bytes(data.stream, self.width, self.height),
+                usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let mut words = Vec::with_capacity(buffer.size() as usize / 4);
+            for row in data.bits.chunks_exact(width) {
+                words.extend_from_slice(row);
+                words.extend(std::iter::repeat_n(0, padding));
+            }
+            queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+            self.given.push((data.stream, buffer));
+        }
+    }
+
+    /// Names and bytes of its buffers.
+    pub(super) fn allocated(&self) -> Vec<(&'static str, u64)> {
+        let mut all = vec![("fill", self.constants.size())];
+        if !self.given.is_empty() {
+            all.push(("given", self.given.iter().map(|(_, b)| b.size()).sum()));
+        }
+        all
+    }
+
+    /// Every stream to what it begins with.
+    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, streams: &[(Stream, wgpu::Texture)]) {
+        let (width, height, pitch) = (self.width, self.height, pitch(self.width));
+        let band = rows(width, height);
+        let part = 4 * u64::from(band) * u64::from(pitch);
+        let mut copy = |buffer: &wgpu::Buffer, offset, texture: &wgpu::Texture, first, rows, layer| {
+            encoder.copy_buffer_to_texture(
+                wgpu::TexelCopyBufferInfo {
+                    buffer,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset,
+                        bytes_per_row: Some(4 * pitch),
+                        rows_per_image: Some(rows),
+                    },
+                },
+                wgpu::TexelCopyTextureInfo {
+                    origin: wgpu::Origin3d { x: 0, y: first, z: layer },
+                    ..texture.as_image_copy()
+                },
+                wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 },
+            );
+        };
+        for (stream, texture) in streams {
+            let given = self.given.iter().find(|(s, _)| s == stream).map(|(_, buffer)| buffer);
+            for (layer, value) in (0u32..).zip(stream.info().unwritten) {
+                if let Some(buffer) = given {
+                    let offset = 4 * u64::from(layer) * u64::from(pitch) * u64::from(height);
+                    copy(buffer, offset, texture, 0, height, layer);
+                    continue;
+                }
+                let constant = self.values.binary_search(value).unwrap_or(0) as u64;
+                for first in (0..height).step_by(band as usize) {
+                    copy(&self.constants, constant * part, texture, first, band.min(height - first), layer);
+                }
+            }
+        }
+    }
+}

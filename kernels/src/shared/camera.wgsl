@@ -1,0 +1,31 @@
+// A ray for a pixel: from the eye through the pixel's centre on the view plane, which lies at distance 1.
+// The direction is not normalised, so t is the depth along the view axis, and no square root is needed,
+// whose rounding differs from one GPU to another.
+
+struct Camera {
+    // The eye; the centre of the picture for parallel rays. Traced units.
+    eye: vec3f,
+    // 2 / width and 2 / height of the picture in pixels.
+    pixel_x: f32,
+    // From the centre of the view plane to its right edge.
+    right: vec3f,
+    pixel_y: f32,
+    // To its upper edge.
+    up: vec3f,
+    // From the eye to the centre of the view plane; along all parallel rays.
+    forward: vec3f,
+}
+
+@group(1) @binding(0) var<uniform> camera: Camera;
+
+struct Ray {
+    origin: vec3f,
+    direction: vec3f,
+}
+
+fn eye_ray(texel: vec2u) -> Ray {
+    let x = (f32(texel.x) + 0.5) * camera.pixel_x - 1.0;
+    let y = 1.0 - (f32(texel.y) + 0.5) * camera.pixel_y;
+    @if(perspective) return Ray(camera.eye, camera.forward + camera.right * x + camera.up * y);
+    @else return Ray(camera.eye + camera.right * x + camera.up * y, camera.forward);
+}

@@ -1,0 +1,176 @@
+// Takes each ray up to K steps on: a step is a cell, or four nodes, with all of their triangles. What
+// traverse and intersect do one at a time, for rays that stay in registers meanwhile.
+
+import package::constants::{NOBODY, NODES_A_STEP, NO_NODE, NO_TRIANGLE, LIST_SIDE};
+import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
+import package::triangle::{shear_of};
+import package::tracing::{Trace, tested};
+import package::ray::{load_origin, load_direction};
+import package::scene::{scene};
+import package::live::{listed_texel, send};
+@if(grid) import package::vector::{smallest3};
+@if(grid) import package::grid_walk::{Walk, grid_ray, advance, cell_index, cell_of_index};
+@if(grid && robust) import package::grid_walk::{cell_exit};
+@if(grid && skip) import package::grid_walk::{leap};
+@if(grid && skip) import package::grid_lists::{empty_distance};
+@if(grid) import package::grid_lists::{grid_cells, grid_items, list_ended};
+@if(bvh) import package::bvh_walk::{Visit, bvh_nodes, next_node, finite_inverse};
+
+@group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
+@if(grid && !robust) @group(0) @binding(4) var tmax: texture_storage_2d_array<r32float, read_write>;
+@if(bvh) @group(0) @binding(4) var previous: texture_storage_2d_array<r32uint, read_write>;
+@if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
+
+// A ray's place between two passes.
+struct Place {
+    tag: u32,
+    cell: u32,
+    item: u32,
+    trace: Trace,
+}
+
+@if(grid)
+fn walked(start: Place, texel: vec2u) -> Place {
+    var place = start;
+    let ray = grid_ray(place.trace.origin, place.trace.direction);
+    var walk: Walk;
+    walk.cell = cell_of_index(place.cell);
+    walk.inside = true;
+    // robust: from the cell each time, so there is nothing to keep.
+    @if(robust) walk.tmax = cell_exit(walk.cell, ray);
+    @else walk.tmax = vec3f(
+        textureLoad(tmax, texel, 0).x,
+        textureLoad(tmax, texel, 1).x,
+        textureLoad(tmax, texel, 2).x,
+    );
+    for (var step = 0u; step < scene.steps; step++) {
+        @if(skip) let distance = empty_distance(place.cell);
+        @else let distance = 0;
+        if (distance == 0) {
+            let end = grid_cells[place.cell + 1u];
+            for (var item = grid_cells[place.cell]; item < end; item++) {
+                place.trace = tested(place.trace, grid_items[item], walk.cell);
+                @if(any_hit) if (place.trace.ended) {
+                    place.tag = SHADE;
+                    return place;
+                }
+            }
+        }
+        @if(any_hit) let tag = ISECT_NO_HIT;
+        @else let tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
+        place.tag = list_ended(tag, place.trace.t, smallest3(walk.tmax));
+        if (place.tag != TRAV) {
+            break;
+        }
+        @if(skip) {
+            if (distance > 1) {
+                walk = leap(walk, distance, ray);
+            } else {
+                walk = advance(walk, ray);
+            }
+        }
+        @if(!skip) walk = advance(walk, ray);
+        if (!walk.inside) {
+            place.tag = select(SHADE, BACKGROUND, tag == ISECT_NO_HIT);
+            break;
+        }
+        place.tag = tag;
+        place.cell = cell_index(walk.cell);
+        @if(counters) place.trace.cells += 1u;
+    }
+    @if(!robust) {
+        textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
+        textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
+        textureStore(tmax, texel, 2, vec4f(walk.tmax.z));
+    }
+    return place;
+}
+
+@if(bvh)
+fn walked(start: Place, texel: vec2u) -> Place {
+    var place = start;
+    let inverse = finite_inverse(place.trace.direction);
+    var at = Visit(place.cell, textureLoad(previous, texel, 0).x, false);
+    for (var step = 0u; step < NODES_A_STEP * scene.steps && at.node != NO_NODE; step++) {
+        at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
+        @if(counters) place.trace.cells += 1u;
+        if (at.in_leaf) {
+            let node = bvh_nodes[at.node];
+            let end = node.first + (node.link & 0x3fffffffu);
+            for (var item = node.first; item < end; item++) {
+                place.trace = tested(place.trace, item, vec3i(0));
+                @if(any_hit) if (place.trace.ended) {
+                    place.tag = SHADE;
+                    return place;
+                }
+            }
+        }
+    }
+    if (at.node == NO_NODE) {
+        place.tag = select(SHADE, BACKGROUND, place.trace.triangle == NO_TRIANGLE);
+    } else {
+        place.cell = at.node;
+        textureStore(previous, texel, 0, vec4u(at.previous));
+    }
+    return place;
+}
+
+@if(!grid && !bvh)
+fn walked(start: Place, texel: vec2u) -> Place {
+    var place = start;
+    let end = min(place.item + scene.steps, scene.triangles);
+    for (; place.item < end; place.item++) {
+        place.trace = tested(place.trace, place.item, vec3i(0));
+        @if(any_hit) if (place.trace.ended) {
+            place.tag = SHADE;
+            return place;
+        }
+    }
+    if (place.item >= scene.triangles) {
+        place.tag = select(SHADE, BACKGROUND, place.trace.triangle == NO_TRIANGLE);
+    }
+    return place;
+}
+
+fn take_steps(texel: vec2u) -> u32 {
+    if (any(texel >= textureDimensions(state))) {
+        return NOBODY;
+    }
+    var place: Place;
+    place.tag = textureLoad(state, texel, 0).x;
+    if (place.tag != TRAV && place.tag != ISECT_NO_HIT && place.tag != ISECT_HIT) {
+        return NOBODY;
+    }
+    place.cell = textureLoad(state, texel, 2).x;
+    @if(!grid && !bvh) place.item = textureLoad(state, texel, 3).x;
+    place.trace.origin = load_origin(texel);
+    place.trace.direction = load_direction(texel);
+    place.trace.shear = shear_of(place.trace.direction);
+    place.trace.t = bitcast<f32>(textureLoad(state, texel, 1).x);
+    place.trace.triangle = textureLoad(hit, texel, 2).x;
+    let t_before = place.trace.t;
+    let triangle_before = place.trace.triangle;
+    place = walked(place, texel);
+
+    if (place.trace.triangle != triangle_before || place.trace.t != t_before) {
+        textureStore(hit, texel, 0, vec4u(bitcast<u32>(place.trace.u)));
+        textureStore(hit, texel, 1, vec4u(bitcast<u32>(place.trace.v)));
+        textureStore(hit, texel, 2, vec4u(place.trace.triangle));
+        textureStore(state, texel, 1, vec4u(bitcast<u32>(place.trace.t)));
+    }
+    textureStore(state, texel, 0, vec4u(place.tag));
+    @if(grid || bvh) textureStore(state, texel, 2, vec4u(place.cell));
+    @else textureStore(state, texel, 3, vec4u(place.item));
+    @if(counters) {
+        textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + place.trace.cells));
+        textureStore(counters, texel, 1, vec4u(textureLoad(counters, texel, 1).x + place.trace.tests));
+    }
+    return place.tag;
+}
+
+@compute @workgroup_size(LIST_SIDE, LIST_SIDE)
+fn walk(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let texel = listed_texel(group, lane);
+    send(lane, texel, take_steps(texel));
+}
