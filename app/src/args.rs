@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, ScheduleKind};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, ScheduleKind, Skip};
 
 /// Which file.
 #[derive(Args, Debug)]
@@ -56,9 +56,9 @@ pub(crate) struct RunArgs {
     /// What keeps a ray from testing every triangle
     #[arg(long, default_value = "grid", value_parser = named(Accelerator::ALL, Accelerator::name))]
     pub(crate) accelerator: Accelerator,
-    /// In which order kernels run: intersect until no ray is active there, then traverse once (first), or
-    /// in turn (second)
-    #[arg(long, default_value = "second", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
+    /// In which order kernels run: intersect until no ray is active there, then traverse once (first); in
+    /// turn (second); in turn, for the rays that wait for them only (compact); all in one kernel (fused)
+    #[arg(long, default_value = "compact", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
     pub(crate) schedule: ScheduleKind,
     #[command(flatten)]
     pub(crate) tuning: TuningArgs,
@@ -77,6 +77,13 @@ pub(crate) struct TuningArgs {
     /// Cells of the grid: as many along each axis, or along x, y and z
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid)]
     pub(crate) grid: GridSize,
+    /// Leap over empty cells of the grid: where most cells are empty (auto), always (on) or never (off)
+    #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
+    pub(crate) skip: Skip,
+    /// Most steps of a ray in one pass of the compact schedule [default: 8; 1, the paper's, where passes are
+    /// looked at one by one]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) steps_per_pass: Option<u32>,
     /// Leave nothing out of the plan, to see what leaving out saves
     #[arg(long)]
     pub(crate) keep_all: bool,
@@ -85,7 +92,15 @@ pub(crate) struct TuningArgs {
 impl TuningArgs {
     /// A run's options, with the default accelerator and schedule.
     pub(crate) fn options(&self, rays: RaySource) -> Options {
-        Options { numerics: self.numerics, grid: self.grid, keep_all: self.keep_all, ..Options::new(rays) }
+        let defaults = Options::new(rays);
+        Options {
+            numerics: self.numerics,
+            grid: self.grid,
+            skip: self.skip,
+            steps_per_pass: self.steps_per_pass.unwrap_or(defaults.steps_per_pass),
+            keep_all: self.keep_all,
+            ..defaults
+        }
     }
 }
 

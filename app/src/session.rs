@@ -83,7 +83,7 @@ impl Session {
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
         let mut options = Options { accelerator: run.accelerator, schedule: run.schedule, ..run.tuning.options(rays) };
         adjust(&mut options);
-        progress.stage("planning and building the grid");
+        progress.stage("planning and building");
         let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
         watch.lap("plan_and_grid");
         if misses_all(&scene, &options, &plan) {

@@ -64,7 +64,7 @@ fn every_configuration_has_its_row_and_the_files_agree() {
             assert_eq!((row["accelerator"].as_str(), row["schedule"].as_str()), way);
             assert_eq!((row["scene"].as_str(), row["rays_kind"].as_str()), (scene, kind));
             assert_eq!((row["width_px"].as_str(), row["height_px"].as_str()), ("16", "12"));
-            assert_eq!((row["numerics"].as_str(), row["tuning"].as_str()), ("robust", "grid=auto"));
+            assert_eq!((row["numerics"].as_str(), row["tuning"].as_str()), ("robust", "grid=auto skip=auto"));
             assert_eq!((row["n"].as_str(), row["invalid"].as_str(), row["device"].as_str()), ("3", "0", "cpu"));
             assert_eq!((row["timer_source"].as_str(), row["baseline_ratio"].as_str()), ("cpu_clock", ""));
             let [p05, median, p95] = ["p05", "median", "p95"].map(|p| number(row, &format!("{p}_device_ns")));
@@ -184,8 +184,8 @@ fn a_baseline_gives_ratios_and_says_what_has_none() {
     assert!(is_near(number(second, "baseline_ratio"), number(second, "median_device_ns") / 1000.0), "{second:?}");
     assert_eq!(first["baseline_ratio"], "");
     for note in [
-        "note: before has no match for cornell-box 16x12 primary, grid first robust grid=auto",
-        "note: before also has cornell-box 16x12 primary, none second robust grid=auto, which was not measured now",
+        "note: before has no match for cornell-box 16x12 primary, grid first robust grid=auto skip=auto",
+        "note: before also has cornell-box 16x12 primary, none second robust grid=auto skip=auto, which was not measured now",
         "note: before was measured on a faster one, and this is cpu",
         "note: cornell-box has changed since before was measured",
     ] {

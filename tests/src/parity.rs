@@ -5,8 +5,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
+use raystep_kernels::real::Vec3;
 use raystep_kernels::reference::{Possible, possible};
 use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::bvh_walk::{Visit, finite_inverse, next_node};
 use raystep_kernels::state::Tag;
 use raystep_kernels::{Device, Gpu, Kernel, Limits, Options, Pass, Plan, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
@@ -56,25 +58,56 @@ impl Undecided<'_> {
         [0, 1, 2].map(|layer| f32::from_bits(self.component(stream, layer, ray)))
     }
 
-    /// The triangle that intersect tests, as f64 sees it.
-    fn tested(&self, kernel: Kernel, ray: usize) -> Option<Possible> {
-        let (cell, item) = (self.component(Stream::State, 2, ray) as usize, self.component(Stream::State, 3, ray));
-        let triangle = match self.data.features.grid {
-            true => *self.data.grid_items.get((self.data.grid_cells.get(cell)? + item) as usize)?,
-            false => item,
-        };
-        if kernel != Kernel::Intersect || triangle >= self.data.info.triangles {
-            return None;
-        }
+    /// The triangles that a pass tests, as f64 sees them.
+    fn tested(&self, kernel: Kernel, ray: usize) -> Vec<Possible> {
+        let (cell, item) = (self.component(Stream::State, 2, ray), self.component(Stream::State, 3, ray));
         let [origin, direction] = [Stream::RayOrigin, Stream::RayDirection].map(|s| self.floats(s, ray));
-        possible(&self.data.vertices, origin, direction, triangle)
+        let seen = |triangle| possible(&self.data.vertices, origin, direction, triangle);
+        match kernel {
+            Kernel::Intersect => {
+                let (first, count) = self.data.list(cell);
+                (item..count.min(item + 1)).filter_map(|i| seen(self.data.listed(first + i))).collect()
+            }
+            Kernel::Walk | Kernel::Fused => (0..self.data.info.triangles).filter_map(seen).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether one of the boxes that a pass tests is met or missed by less than it was grown by.
+    fn grazes_a_box(&self, ray: usize, origin: [f64; 3], direction: [f64; 3]) -> bool {
+        let [origin, direction] = [origin, direction].map(Vec3::<f64>::from);
+        let inverse = finite_inverse(direction);
+        let nearest_t = f64::from(f32::from_bits(self.component(Stream::State, 1, ray)));
+        let (node, previous) = (self.component(Stream::State, 2, ray), self.component(Stream::Previous, 0, ray));
+        let mut at = Visit { node, previous, in_leaf: false };
+        let steps = if self.data.features.many_steps { self.data.info.steps } else { 1 };
+        for _ in 0..steps {
+            let Some(node) = self.data.bvh_nodes.get(at.node as usize) else { break };
+            let growth = f64::from(self.data.growth);
+            let resized = |by: f64| {
+                let side = |v: [f32; 3], by: f64| Vec3::<f64>::from_f32(v) + Vec3::splat(by);
+                let (t0, t1) = ((side(node.min, -by) - origin) * inverse, (side(node.max, by) - origin) * inverse);
+                let (t0, t1) = (t0.to_array(), t1.to_array());
+                let enter = (0..3).map(|a| t0[a].min(t1[a])).fold(0.0, f64::max);
+                let leave = (0..3).map(|a| t0[a].max(t1[a])).fold(nearest_t, f64::min);
+                enter <= leave
+            };
+            if resized(growth) != resized(-growth) {
+                return true;
+            }
+            at = next_node(&self.data.bvh_nodes, &self.data.bvh_parents, at, origin, direction, inverse, nearest_t);
+            if at.in_leaf {
+                break;
+            }
+        }
+        false
     }
 
     /// Whether rounding alone may send the ray another way.
     fn may_part(&self, kernel: Kernel, ray: usize) -> bool {
         let [origin, direction] = [Stream::RayOrigin, Stream::RayDirection].map(|s| self.floats(s, ray).map(f64::from));
         let grid = &self.data.grid;
-        let growth = f64::from(self.data.grid_growth);
+        let growth = f64::from(self.data.growth);
         // Distance of a point from the nearest plane of the grid, along its axis.
         let near_plane = |point: [f64; 3], without: Option<usize>| {
             (0..3).filter(|&a| without != Some(a)).any(|a| {
@@ -98,13 +131,20 @@ impl Undecided<'_> {
                 }
                 near_plane(at(enter), axis)
             }
-            Kernel::Intersect => self.tested(kernel, ray).is_some_and(|p| {
+            Kernel::Intersect | Kernel::Walk | Kernel::Fused => {
+                let tested = self.tested(kernel, ray);
                 let exit = self.floats(Stream::TMax, ray).into_iter().fold(f32::INFINITY, f32::min);
                 let nearest = f32::from_bits(self.component(Stream::State, 1, ray));
-                let close = |t: f32| (f64::from(t) - p.t).abs() <= 2.0 * p.t_bound;
-                let crosses_a_face = !self.data.features.robust && self.data.features.grid && near_plane(at(p.t), None);
-                !p.is_definite || close(exit) || close(nearest) || crosses_a_face
-            }),
+                let parts = |(i, p): (usize, &Possible)| {
+                    let close = |t: f64| (t - p.t).abs() <= 2.0 * p.t_bound;
+                    let is_paper_grid = !self.data.features.robust && self.data.features.grid;
+                    let crosses_a_face = is_paper_grid && near_plane(at(p.t), None);
+                    let is_tie = || tested[..i].iter().any(|q| close(q.t));
+                    !p.is_definite || close(exit.into()) || close(nearest.into()) || crosses_a_face || is_tie()
+                };
+                tested.iter().enumerate().any(parts)
+            }
+            Kernel::TraverseBvh => self.grazes_a_box(ray, origin, direction),
             // The comparisons of traverse are of numbers that both sides read from the same stream.
             Kernel::Generate | Kernel::TraverseGrid | Kernel::Shade => false,
         }
@@ -226,7 +266,8 @@ fn record(found: &mut Parity, pass: &Pass, rules: &Undecided<'_>, after: &[(Stre
         found.components += on_gpu.bits.len() as u64;
         for (layer, ray, gpu, twin) in differences(on_gpu, on_cpu) {
             let possible = rules.tested(pass.kernel, ray);
-            if within((on_gpu.stream, layer), gpu, twin, possible.as_ref(), rules.data) {
+            let by_one = |p: Option<&Possible>| within((on_gpu.stream, layer), gpu, twin, p, rules.data);
+            if possible.iter().any(|p| by_one(Some(p))) || by_one(None) {
                 found.tolerated += 1;
                 continue;
             }

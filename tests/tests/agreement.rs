@@ -1,6 +1,6 @@
 //! Accelerators, schedules and executors end in the same hits.
 
-use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Stream};
+use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Skip, Stream};
 use raystep_tests::{check, devices, differences, options, scene, scene_files, traced, ulp, values};
 
 /// u, v, triangle of every ray, layer by layer, and t.
@@ -18,22 +18,31 @@ fn every_combination_ends_in_the_same_hits() {
         let mut by_device = Vec::new();
         for (name, device) in devices() {
             let mut first: Option<(String, Hits)> = None;
-            for accelerator in [Accelerator::Grid, Accelerator::None] {
+            for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
                 // On two cores, brute force over more takes minutes; the rays are fewer for the same reason.
                 let size = if scene.triangles.len() <= 60 { 256 } else { 96 };
                 if accelerator == Accelerator::None && scene.triangles.len() > 2000 {
                     continue;
                 }
-                for schedule in [ScheduleKind::Second, ScheduleKind::First] {
-                    if accelerator == Accelerator::None && schedule == ScheduleKind::First {
-                        continue; // the same schedule: there is nothing to traverse
+                for (schedule, steps, skip) in [
+                    (ScheduleKind::Second, 1, Skip::Off),
+                    (ScheduleKind::First, 1, Skip::On),
+                    (ScheduleKind::Compact, 1, Skip::On),
+                    (ScheduleKind::Compact, 8, Skip::Off),
+                    (ScheduleKind::Compact, 3, Skip::On),
+                    (ScheduleKind::Fused, 1, Skip::Off),
+                    (ScheduleKind::Fused, 1, Skip::On),
+                ] {
+                    if accelerator != Accelerator::Grid && skip == Skip::On && schedule != ScheduleKind::Compact {
+                        continue; // nothing to leap over, or the same schedule
                     }
                     let mut options = options(&scene, size, size);
                     (options.accelerator, options.schedule, options.shade) = (accelerator, schedule, false);
+                    (options.steps_per_pass, options.skip) = (steps, skip);
                     let renderer = traced(&scene, &options, &device);
                     assert_eq!(renderer.unfinished(), 0, "{file} {accelerator} {schedule}");
                     let found = hits(&renderer);
-                    let label = format!("{accelerator} {schedule}");
+                    let label = format!("{accelerator} {schedule} {steps} skip {skip}");
                     match &first {
                         None => first = Some((label, found)),
                         Some((reference, expected)) if *expected != found => {

@@ -188,7 +188,9 @@ fn ways(args: &BenchArgs, bench: &mut Bench) -> Vec<(Accelerator, ScheduleKind)>
 
 /// What sets two runs with the same accelerator, schedule and numerics apart.
 fn tuning_text(tuning: &TuningArgs) -> String {
-    format!("grid={}{}", grid_text(tuning.grid), if tuning.keep_all { " keep_all" } else { "" })
+    let mut text = format!("grid={} skip={}", grid_text(tuning.grid), tuning.skip);
+    text += &tuning.steps_per_pass.map(|steps| format!(" steps_per_pass={steps}")).unwrap_or_default();
+    text + if tuning.keep_all { " keep_all" } else { "" }
 }
 
 /// Each value once, in the order of their first mention.

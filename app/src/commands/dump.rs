@@ -150,6 +150,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
     let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         options.counters = args.counters || args.stream.contains(&Wanted::Stream(Stream::Counters));
         // The image is the one thing that only shading makes.
         options.shade = is_wanted(Stream::Color);

@@ -98,8 +98,13 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Error> {
             size.height - 1
         )));
     }
+    if !args.run.schedule.is_stepped() {
+        return Err(Error::usage("--schedule fused: its one pass cannot be followed; first, second and compact can"));
+    }
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        // One triangle or cell a row.
+        options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         if let Some(TypedRay(ray)) = args.ray {
             options.rays = RaySource::Given(vec![ray]);
         }

@@ -76,7 +76,7 @@ impl<'a> Viewed<'a> {
                     None => self.trace(chosen)?,
                 };
                 let hits = self.hits.insert(hits);
-                let hits = PrimaryHits { scene, camera, hits };
+                let hits = PrimaryHits { scene, camera, width, hits };
                 if kind == RayKind::Bounce { hits.bounce(SEED) } else { hits.shadow(SEED) }
             }
         };

@@ -181,7 +181,8 @@ impl<'a> Bench<'a> {
             timer_source: details.context.timer.map(|timer: Timer| timer.name().into()),
             cells_per_ray: per_ray(|sums| sums.cells_visited),
             tests_per_ray: per_ray(|sums| sums.triangles_tested),
-            repeated_per_ray: per_ray(|sums| sums.repeated_tests),
+            // The fused kernel does not look back at what a ray was tested against.
+            repeated_per_ray: per_ray(|sums| sums.repeated_tests).filter(|_| options.schedule.is_stepped()),
             bytes_per_triangle: structure_bytes(plan),
             passes: details.passes.len(),
             useful_steps_per_thread: useful_steps_per_thread(&details.passes, |_| details.context.threads_launched),
@@ -308,9 +309,8 @@ impl<'a> Bench<'a> {
 
 /// The options of a group's runs.
 fn options(args: &BenchArgs, rays: RaySource, kind: RayKind) -> Options {
-    // The one place for `any_hit`, once there is that option: `may_end_at_any_hit(kind, args.tuning.numerics)`.
-    let _ = kind;
-    Options { shade: false, ..args.tuning.options(rays) }
+    let any_hit = may_end_at_any_hit(kind, args.tuning.numerics);
+    Options { shade: false, any_hit, ..args.tuning.options(rays) }
 }
 
 /// Whether a ray is over at its first hit with t < 1, whichever it is. The paper has no such rays.
@@ -318,14 +318,14 @@ fn may_end_at_any_hit(kind: RayKind, numerics: Numerics) -> bool {
     kind == RayKind::Shadow && numerics == Numerics::Robust
 }
 
-/// Whether runs that count need the times of every pass: they are what [`device_ns`] adds up.
-fn times_every_pass(_: &Chosen) -> bool {
-    true
+/// Whether runs that count need the times of every pass: the twins' are what [`device_ns`] adds up.
+fn times_every_pass(chosen: &Chosen) -> bool {
+    chosen.gpu().is_none()
 }
 
-/// Device time of the run so far; `None` where a pass has no valid time, or none takes any.
+/// Device time of the run so far; `None` where there is no valid time, or it took none.
 fn device_ns(renderer: &Renderer) -> Option<u64> {
-    renderer.passes().iter().map(|pass| pass.duration_ns).sum::<Option<u64>>().filter(|&ns| ns > 0)
+    renderer.device_ns().filter(|&ns| ns > 0)
 }
 
 fn bytes(batch: &[Ready]) -> u64 {
