@@ -4,6 +4,7 @@ mod batch;
 mod books;
 mod device;
 mod fill;
+mod load;
 mod pipelines;
 mod timers;
 
@@ -15,6 +16,7 @@ use books::Books;
 pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, adapters};
 use fill::Fill;
 pub(crate) use fill::{fill_bytes, given_bytes};
+pub use load::Load;
 use pipelines::{Counting, Pipelines};
 use timers::Timers;
 
