@@ -13,6 +13,7 @@ use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
 pub mod parity;
 pub mod rays;
 pub mod watertight;
+pub mod ways;
 
 /// The folder of scene files: beside this crate, or under the current folder where a test's binary was
 /// carried elsewhere.

@@ -1,7 +1,8 @@
 //! Accelerators, schedules and executors end in the same hits.
 
-use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Skip, Stream};
-use raystep_tests::{check, devices, differences, options, scene, scene_files, traced, ulp, values};
+use raystep_kernels::{Accelerator, Renderer, ScheduleKind, Skip, Stream};
+use raystep_tests::ways::EVERY;
+use raystep_tests::{check, devices, options, scene, scene_files, traced, ulp, values};
 
 /// u, v, triangle of every ray, layer by layer, and t.
 type Hits = (Vec<u32>, Vec<u32>);
@@ -81,24 +82,22 @@ fn every_combination_ends_in_the_same_hits() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// The streams themselves, and the passes, are the same for both executors, pass by pass.
+/// The passes are the same for both executors.
 #[test]
 fn both_executors_take_the_same_passes() {
     for file in ["cornell-box.gltf", "sphere-flake.glb"] {
         let scene = scene(file);
-        let runs: Vec<Renderer> =
-            devices().iter().map(|(_, device)| traced(&scene, &options(&scene, 64, 64), device)).collect();
-        let passes = |r: &Renderer| r.passes().iter().map(|p| (p.kernel, p.rays_in)).collect::<Vec<_>>();
-        let (left, right) = (passes(&runs[0]), passes(&runs[1]));
-        let parted = left.iter().zip(&right).position(|(a, b)| a != b);
-        let differ = differences(&values(&runs[0], Stream::State), &values(&runs[1], Stream::State)).count();
-        println!(
-            "{file}: {} and {} passes, part at {parted:?}; {differ} components of state differ",
-            left.len(),
-            right.len()
-        );
-        // A ray on a rounding boundary may take another cell on a GPU whose division is not exact.
-        assert!(left.len().abs_diff(right.len()) <= 4, "{file}: {} and {} passes", left.len(), right.len());
-        assert!(matches!(runs[1].plan().variants.len(), 5) && matches!(devices()[1].1, Device::Cpu(_)));
+        for way in EVERY.iter().filter(|way| way.accelerator != Accelerator::None) {
+            let options = way.of(&options(&scene, 64, 64));
+            let [on_gpu, on_cpu] = [0, 1].map(|i| traced(&scene, &options, &devices()[i].1));
+            let passes = |r: &Renderer| r.passes().iter().map(|p| p.kernel).collect::<Vec<_>>();
+            let (left, right) = (passes(&on_gpu), passes(&on_cpu));
+            // A ray on a rounding boundary may take another cell on a GPU whose division is not exact, and be
+            // a cell or two longer under way.
+            assert!(left.len().abs_diff(right.len()) <= 4, "{file} {way}: {} and {} passes", left.len(), right.len());
+            let parted = left.iter().zip(&right).position(|(a, b)| a != b);
+            let shorter = left.len().min(right.len());
+            assert!(parted.is_none_or(|i| i + 4 >= shorter), "{file} {way}: part at {parted:?} of {shorter}");
+        }
     }
 }

@@ -6,6 +6,7 @@ use raystep_kernels::{
     AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Plan, PlanError, RenderError, Renderer, Stream,
 };
 use raystep_scenes::generate;
+use raystep_tests::ways::stepped;
 use raystep_tests::{block_on, gpu, options, scene};
 
 #[test]
@@ -14,7 +15,7 @@ fn an_adapter_without_timestamps_leaves_times_empty() {
     let gpu = pollster::block_on(Gpu::with_features(&AdapterChoice::Best, none)).expect("an adapter");
     assert_eq!(gpu.timestamp_period_ns, None);
     let scene = scene("cornell-box.gltf");
-    let mut options = options(&scene, 32, 32);
+    let mut options = stepped(&scene, 32, 32);
     options.timings = true;
     block_on(Some(&gpu), async {
         let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
@@ -27,16 +28,17 @@ fn an_adapter_without_timestamps_leaves_times_empty() {
 #[test]
 fn an_adapter_with_timestamps_times_every_pass() {
     let scene = scene("cornell-box.gltf");
-    let mut options = options(&scene, 256, 256);
-    options.timings = true;
     let gpu = gpu();
     assert!(gpu.timestamp_period_ns.is_some(), "{} has no timers", gpu.info.name);
-    block_on(Some(&gpu), async {
-        let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
-        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
-        let timed = renderer.passes().iter().filter(|p| p.duration_ns.is_some_and(|ns| ns > 0)).count();
-        assert!(timed * 10 >= renderer.passes().len() * 9, "{timed} of {} passes", renderer.passes().len());
-    });
+    for mut options in [stepped(&scene, 256, 256), options(&scene, 256, 256)] {
+        options.timings = true;
+        block_on(Some(&gpu), async {
+            let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+            renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+            let timed = renderer.passes().iter().filter(|p| p.duration_ns.is_some_and(|ns| ns > 0)).count();
+            assert!(timed * 10 >= renderer.passes().len() * 9, "{timed} of {} passes", renderer.passes().len());
+        });
+    }
 }
 
 /// A device of its own, so that the others are not lost with it.
@@ -47,7 +49,7 @@ fn a_device_to_lose() -> std::sync::Arc<Gpu> {
 #[test]
 fn a_lost_device_is_an_error_and_not_a_panic() {
     let scene = scene("cornell-box.gltf");
-    let options = options(&scene, 64, 64);
+    let options = stepped(&scene, 64, 64);
     // Lost before, between two passes, and while a read-back is awaited.
     let gpu = a_device_to_lose();
     gpu.device.destroy();
@@ -82,13 +84,16 @@ fn an_unknown_adapter_is_named_beside_those_that_are_there() {
 fn a_buffer_larger_than_the_adapter_binds_is_refused_with_the_numbers() {
     let scene = generate::soup(100_000, 1).expect("soup");
     let limits = Limits { storage_bytes: 3_000_000, ..Limits::CPU };
-    let error = Plan::new(&scene, &options(&scene, 16, 16), &limits).expect_err("too large");
+    let error = Plan::new(&scene, &stepped(&scene, 16, 16), &limits).expect_err("too large");
     assert!(matches!(error, PlanError::BufferSize { name: "vertices", bytes: 3_600_000, limit: 3_000_000 }), "{error}");
     assert_eq!(
         error.to_string(),
         "vertices needs 3.4 MiB in one buffer, the adapter binds at most 2.9 MiB: 585.9 KiB too many"
     );
-    let mut options = options(&scene, 16, 16);
+    // A kernel that takes several steps reads triangles in another form.
+    let error = Plan::new(&scene, &options(&scene, 16, 16), &limits).expect_err("too large");
+    assert!(matches!(error, PlanError::BufferSize { name: "packed_triangles", bytes: 4_800_000, .. }), "{error}");
+    let mut options = stepped(&scene, 16, 16);
     options.grid = GridSize::Cells([200; 3]);
     let limits = Limits { storage_bytes: 3_700_000, ..Limits::CPU };
     let error = Plan::new(&scene, &options, &limits).expect_err("too large");

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use raystep_kernels::kernel::KERNELS;
 use raystep_kernels::state::{self, TRANSITIONS};
 use raystep_kernels::{Accelerator, GridSize, Kernel, Numerics, Renderer, ScheduleKind, Stream};
+use raystep_tests::ways::stepped;
 use raystep_tests::{block_on, devices, gpu, options, parity, scene, scene_files};
 
 #[test]
@@ -65,7 +66,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
 fn a_hit_that_is_kept_survives_leaving_the_grid() {
     let scene = scene("cornell-box.gltf");
     for (name, device) in devices() {
-        let mut options = options(&scene, 16, 16);
+        let mut options = stepped(&scene, 16, 16);
         options.grid = GridSize::Cells([1; 3]);
         let gpu = gpu();
         block_on(Some(&gpu), async {

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use raystep_kernels::{Accelerator, Device, Numerics, Plan, RaySource, Renderer, Stream};
+use raystep_tests::ways::{EVERY, STEPPED, Way};
 use raystep_tests::{block_on, differences, gpu, options, rays, scene, traced, values};
 
 fn renderer(file: &str, change: impl FnOnce(&mut raystep_kernels::Options)) -> Renderer {
@@ -19,14 +20,15 @@ fn bound(plan: &Plan) -> BTreeSet<&str> {
 
 #[test]
 fn bytes_of_the_plan_are_the_bytes_allocated() {
-    for file in ["cornell-box.gltf", "textures.gltf", "lights.gltf", "empty.gltf"] {
-        let renderer = renderer(file, |_| {});
+    let files = ["cornell-box.gltf", "textures.gltf", "lights.gltf", "empty.gltf"];
+    for (file, way) in files.iter().flat_map(|file| EVERY.map(|way| (file, way))) {
+        let renderer = renderer(file, |o| *o = way.of(o));
         let allocated = renderer.gpu().expect("a gpu").allocated();
         let planned: Vec<(&str, u64)> = (renderer.plan().streams.iter().map(|s| (s.what.name(), s.bytes)))
             .chain(renderer.plan().buffers.iter().map(|b| (b.what, b.bytes)))
             .collect();
-        assert_eq!(allocated, planned, "{file}");
-        assert_eq!(allocated.iter().map(|(_, b)| b).sum::<u64>(), renderer.plan().bytes(), "{file}");
+        assert_eq!(allocated, planned, "{file} {way}");
+        assert_eq!(allocated.iter().map(|(_, b)| b).sum::<u64>(), renderer.plan().bytes(), "{file} {way}");
     }
 }
 
@@ -78,7 +80,9 @@ fn code_for_lights_that_are_not_there_is_not_compiled() {
 fn without_a_view_nothing_is_shaded_and_without_a_grid_nothing_is_walked() {
     let hits = renderer("cornell-box.gltf", |o| o.shade = false);
     assert!(!hits.plan().has_stream(Stream::Color) && !bound(hits.plan()).contains("materials"));
-    let none = renderer("cornell-box.gltf", |o| o.accelerator = Accelerator::None);
+    let grid = renderer("cornell-box.gltf", |o| *o = STEPPED.of(o));
+    assert!(grid.plan().has_stream(Stream::TMax) && bound(grid.plan()).contains("grid_cells"));
+    let none = renderer("cornell-box.gltf", |o| *o = Way { accelerator: Accelerator::None, ..STEPPED }.of(o));
     assert!(!none.plan().has_stream(Stream::TMax) && !bound(none.plan()).contains("grid_cells"));
     let scene = scene("cornell-box.gltf");
     let mut given = options(&scene, 1, 1);
