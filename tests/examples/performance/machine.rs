@@ -1,0 +1,163 @@
+//! The device that measures, and what is to be known of it.
+
+use std::ops::ControlFlow;
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
+
+use raystep_kernels::export::json::AdapterInfo;
+use raystep_kernels::plan::Limits;
+use raystep_kernels::{AdapterChoice, Device, Gpu, Load, RenderError, Renderer};
+use serde::{Deserialize, Serialize};
+
+use crate::args::{AdapterKind, MeasureArgs};
+
+/// `machine.json`
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct About {
+    pub(crate) raystep_version: String,
+    /// For people: the adapter's name, or the processor's.
+    pub(crate) name: String,
+    pub(crate) adapter: String,
+    pub(crate) backend: String,
+    pub(crate) kind: String,
+    pub(crate) driver: String,
+    pub(crate) timer: String,
+    pub(crate) timestamp_period_ns: Option<f64>,
+    pub(crate) processor: String,
+    pub(crate) cores: usize,
+    pub(crate) arguments: String,
+    pub(crate) quick: bool,
+    /// Section and seconds.
+    pub(crate) seconds: Vec<(String, f64)>,
+}
+
+/// The device.
+pub(crate) struct Machine {
+    pub(crate) kind: AdapterKind,
+    pub(crate) device: Device,
+    pub(crate) quick: bool,
+    load: Option<Load>,
+}
+
+/// Nanoseconds since the first call.
+fn now() -> u64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_nanos() as u64
+}
+
+impl Machine {
+    pub(crate) fn open(args: &MeasureArgs) -> Result<Self, String> {
+        let open = |choice| pollster_gpu(&choice);
+        let device = match args.adapter {
+            AdapterKind::Cpu => Device::Cpu(Some(now)),
+            AdapterKind::Software => Device::Gpu(open(AdapterChoice::Named("llvmpipe".into()))?),
+            AdapterKind::Gpu => {
+                let gpu = open(AdapterChoice::Best)?;
+                if gpu.info.device_type == wgpu::DeviceType::Cpu {
+                    return Err(format!("--adapter gpu: the only adapter is {}, which is software", gpu.info.name));
+                }
+                Device::Gpu(gpu)
+            }
+        };
+        if let Device::Gpu(gpu) = &device
+            && gpu.timestamp_period_ns.is_none()
+        {
+            return Err(format!("{} has no timestamps", gpu.info.name));
+        }
+        let load = match &device {
+            Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
+            _ => None,
+        };
+        Ok(Self { kind: args.adapter, device, quick: args.quick, load })
+    }
+
+    /// Work for the device until its clocks are up; what runs next is to keep them there.
+    pub(crate) fn raise_clocks(&self) {
+        let start = Instant::now();
+        while self.is_fast() && start.elapsed() < Duration::from_millis(300) {
+            self.keep_clocks();
+            self.settle();
+        }
+    }
+
+    /// A little work that is submitted, and over before what is submitted next begins.
+    pub(crate) fn keep_clocks(&self) {
+        self.load.iter().for_each(Load::submit);
+    }
+
+    pub(crate) fn gpu(&self) -> Option<&Arc<Gpu>> {
+        match &self.device {
+            Device::Gpu(gpu) => Some(gpu),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn limits(&self) -> Limits {
+        self.gpu().map_or(Limits::CPU, |gpu| Limits::from(&gpu.device.limits()))
+    }
+
+    /// Whether it has the power for large images.
+    pub(crate) fn is_fast(&self) -> bool {
+        self.kind == AdapterKind::Gpu
+    }
+
+    /// Resolves a future of this device's.
+    pub(crate) fn wait<T>(&self, future: impl Future<Output = T>) -> T {
+        raystep_tests::block_on(self.gpu().map(|gpu| &**gpu), future)
+    }
+
+    /// Until the device is idle, so that what came before is in nobody's time.
+    pub(crate) fn settle(&self) {
+        if let Some(gpu) = self.gpu() {
+            // A lost device is reported by the next run.
+            drop(gpu.device.poll(wgpu::PollType::wait_indefinitely()));
+        }
+    }
+
+    /// A run from its start. It is given up after `most`.
+    pub(crate) fn run(&self, renderer: &mut Renderer, most: Duration) -> Result<Run, RenderError> {
+        renderer.restart();
+        self.settle();
+        self.keep_clocks();
+        let start = Instant::now();
+        let progress = |_: &_| if start.elapsed() > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        self.wait(renderer.run(progress))?;
+        let wall = start.elapsed();
+        Ok(Run { wall, device_ns: renderer.device_ns().filter(|&ns| ns > 0) })
+    }
+
+    pub(crate) fn about(&self, args: &MeasureArgs) -> About {
+        let processor = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let processor = processor.lines().find_map(|l| l.strip_prefix("model name")?.split_once(": "));
+        let processor = processor.map_or(std::env::consts::ARCH, |(_, name)| name).trim().to_owned();
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let info = self.gpu().map(|gpu| AdapterInfo::from(&gpu.info));
+        let text = |f: fn(&AdapterInfo) -> &String| info.as_ref().map(f).cloned();
+        About {
+            raystep_version: env!("CARGO_PKG_VERSION").into(),
+            name: text(|i| &i.name).unwrap_or_else(|| format!("the twins on {processor}")),
+            adapter: text(|i| &i.name).unwrap_or_else(|| "none".into()),
+            backend: text(|i| &i.backend).unwrap_or_else(|| "twins".into()),
+            kind: text(|i| &i.kind).unwrap_or_else(|| "processor".into()),
+            driver: text(|i| &i.driver).unwrap_or_default(),
+            timer: if info.is_some() { "gpu_timestamp" } else { "cpu_clock" }.into(),
+            timestamp_period_ns: self.gpu().and_then(|gpu| gpu.timestamp_period_ns),
+            processor,
+            cores,
+            arguments: args.text.clone(),
+            quick: args.quick,
+            seconds: Vec::new(),
+        }
+    }
+}
+
+/// One run's times.
+pub(crate) struct Run {
+    pub(crate) wall: Duration,
+    /// `None` where it is not valid.
+    pub(crate) device_ns: Option<u64>,
+}
+
+fn pollster_gpu(choice: &AdapterChoice) -> Result<Arc<Gpu>, String> {
+    pollster::block_on(Gpu::new(choice)).map_err(|e| e.to_string())
+}

@@ -1,0 +1,333 @@
+//! Runs configurations in turn, so that what slows the machine down for a while slows all of them.
+//!
+//! The paper's schedules are replayed on a GPU: the passes of a run are found one at a time, and then submitted as
+//! they are. A run that is not watched submits passes ahead of knowing whether they are needed; without lists of
+//! live rays each of those launches every ray, and first has them in every turn of its loop.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use raystep_kernels::executor::gpu::{GpuExecutor, MOST_PASSES};
+use raystep_kernels::export::json::{CounterSums, hit_count};
+use raystep_kernels::plan::Plan;
+use raystep_kernels::state::StateCounts;
+use raystep_kernels::{
+    Accelerator, Gpu, GridSize, Kernel, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Skip, Stream,
+};
+
+use crate::args::AdapterKind;
+use crate::machine::{Machine, Run};
+use crate::row::{Row, Times};
+use crate::scenes::{Deadline, Viewed};
+
+/// How rays are traced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Way {
+    pub(crate) accelerator: Accelerator,
+    pub(crate) schedule: ScheduleKind,
+    pub(crate) numerics: Numerics,
+    pub(crate) grid: GridSize,
+    pub(crate) skip: Skip,
+    pub(crate) steps: u32,
+}
+
+impl Way {
+    /// The robust rules, the automatic grid, no leaps, one step a pass.
+    pub(crate) fn new(accelerator: Accelerator, schedule: ScheduleKind) -> Self {
+        let (numerics, grid, skip) = (Numerics::Robust, GridSize::Auto, Skip::Off);
+        Self { accelerator, schedule, numerics, grid, skip, steps: 1 }
+    }
+
+    pub(crate) fn fused(accelerator: Accelerator) -> Self {
+        Self::new(accelerator, ScheduleKind::Fused)
+    }
+
+    pub(crate) fn compact(accelerator: Accelerator, steps: u32) -> Self {
+        Self { steps, ..Self::new(accelerator, ScheduleKind::Compact) }
+    }
+
+    pub(crate) fn skip(self, skip: Skip) -> Self {
+        Self { skip, ..self }
+    }
+
+    fn options(&self, rays: RaySource, is_any_hit: bool) -> Options {
+        Options {
+            accelerator: self.accelerator,
+            schedule: self.schedule,
+            numerics: self.numerics,
+            grid: self.grid,
+            skip: self.skip,
+            steps_per_pass: self.steps,
+            any_hit: is_any_hit,
+            shade: false,
+            ..Options::new(rays)
+        }
+    }
+}
+
+/// What a group has in common: the same rays.
+pub(crate) struct Group<'a> {
+    pub(crate) viewed: &'a Viewed,
+    pub(crate) size: (u32, u32),
+    pub(crate) rays: RaySource,
+    pub(crate) rays_kind: &'static str,
+    /// Rays of the same kind, or fewer, whose runs are counted; none: nothing is counted.
+    pub(crate) counted: Option<RaySource>,
+}
+
+struct Ready {
+    at: usize,
+    renderer: Renderer,
+    replay: Option<Replay>,
+    times: Times,
+    wall_ns: Times,
+    spent: Duration,
+    is_slow: bool,
+}
+
+/// Measures a section.
+pub(crate) struct Meter<'a> {
+    pub(crate) machine: &'a Machine,
+    pub(crate) section: &'static str,
+    pub(crate) deadline: Deadline,
+    pub(crate) rows: Vec<Row>,
+}
+
+impl Meter<'_> {
+    /// Runs of each configuration at most.
+    fn repeats(&self) -> usize {
+        match (self.machine.quick, self.machine.kind) {
+            (true, _) => 3,
+            (_, AdapterKind::Gpu) => 31,
+            _ => 9,
+        }
+    }
+
+    /// What the runs of one configuration may take, and one run.
+    fn bounds(&self) -> (Duration, Duration) {
+        let seconds = match (self.machine.quick, self.machine.kind) {
+            (true, _) => (0.6, 3.0),
+            (_, AdapterKind::Gpu) => (0.4, 1.5),
+            _ => (4.0, 20.0),
+        };
+        (Duration::from_secs_f64(seconds.0), Duration::from_secs_f64(seconds.1))
+    }
+
+    /// Builds, warms up and then measures in turn. One row a way, in their order.
+    pub(crate) fn group(&mut self, group: &Group<'_>, ways: &[Way]) {
+        let mut ready = Vec::new();
+        for way in ways {
+            let mut row = self.row(group, way);
+            let what = format!("{}: {} {} {}", self.section, group.viewed.name, row.triangles, row.way());
+            eprintln!("{what}, {} {}x{}", group.rays_kind, group.size.0, group.size.1);
+            if self.deadline.is_over() {
+                row.reason = "the section's time was over".into();
+            } else {
+                match self.prepare(group, way, &mut row) {
+                    Ok((renderer, replay)) => {
+                        let (times, wall_ns) = Default::default();
+                        let (at, spent) = (self.rows.len(), Duration::ZERO);
+                        ready.push(Ready { at, renderer, replay, times, wall_ns, spent, is_slow: false });
+                    }
+                    Err(reason) => row.reason = reason,
+                }
+            }
+            if !row.reason.is_empty() {
+                eprintln!("{what}: {}", row.reason);
+            }
+            self.rows.push(row);
+        }
+        self.measure(&mut ready);
+        for r in ready {
+            self.finish(r);
+        }
+    }
+
+    fn row(&self, group: &Group<'_>, way: &Way) -> Row {
+        let grid = match (way.accelerator, way.grid) {
+            (Accelerator::Grid, GridSize::Auto) => "auto".into(),
+            (Accelerator::Grid, GridSize::Cells([x, y, z])) => format!("{x}x{y}x{z}"),
+            _ => String::new(),
+        };
+        Row {
+            section: self.section.into(),
+            scene: group.viewed.name.clone(),
+            triangles: group.viewed.scene.triangles.len() as u64,
+            rays_kind: group.rays_kind.into(),
+            width_px: group.size.0,
+            height_px: group.size.1,
+            accelerator: way.accelerator.to_string(),
+            schedule: way.schedule.to_string(),
+            numerics: way.numerics.to_string(),
+            skip: (way.accelerator == Accelerator::Grid).then_some(way.skip == Skip::On),
+            grid,
+            steps_per_pass: way.steps,
+            ..Row::default()
+        }
+    }
+
+    fn options(&self, group: &Group<'_>, way: &Way, rays: &RaySource) -> Options {
+        way.options(rays.clone(), group.rays_kind == "shadow")
+    }
+
+    /// Counts, builds, compiles, and runs for the first time.
+    fn prepare(&self, group: &Group<'_>, way: &Way, row: &mut Row) -> Result<(Renderer, Option<Replay>), String> {
+        let machine = self.machine;
+        let sums = group.counted.as_ref().and_then(|rays| self.count(group, way, rays));
+        let mut options = self.options(group, way, &group.rays);
+        options.timings = machine.gpu().is_none();
+        let text = |e: &dyn std::fmt::Display| e.to_string();
+        let start = Instant::now();
+        let (plan, data) = Plan::new(&group.viewed.scene, &options, &machine.limits()).map_err(|e| text(&e))?;
+        row.build_s = Some(start.elapsed().as_secs_f64());
+        row.rays = plan.rays;
+        if plan.features.grid {
+            row.cells = data.grid.cells.map(|n| n.to_string()).join("x");
+        }
+        row.bytes_per_triangle = structure_bytes(&plan);
+        let start = Instant::now();
+        let renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device));
+        let mut renderer = renderer.map_err(|e| text(&e))?;
+        machine.settle();
+        row.prepare_s = Some(start.elapsed().as_secs_f64());
+
+        let most = self.bounds().1;
+        let too_long = || format!("a run takes more than {} s", most.as_secs_f64());
+        let mut replay = None;
+        let is_papers = matches!(way.schedule, ScheduleKind::First | ScheduleKind::Second);
+        match machine.gpu().filter(|_| is_papers && group.rays_kind == "primary") {
+            Some(gpu) => {
+                let start = Instant::now();
+                while machine.wait(renderer.step()).map_err(|e| text(&e))?.is_some() {
+                    if start.elapsed() > most {
+                        return Err(too_long());
+                    }
+                }
+                replay = Some(Replay::new(machine, gpu, &renderer)?);
+            }
+            None => {
+                let first = machine.run(&mut renderer, most).map_err(|e| match e {
+                    RenderError::Cancelled { .. } => too_long(),
+                    e => text(&e),
+                })?;
+                if first.wall < most / 20 {
+                    machine.run(&mut renderer, most).map_err(|e| text(&e))?;
+                }
+            }
+        }
+        row.is_replay = replay.is_some();
+        let passes = renderer.passes();
+        let threads: u64 = passes.iter().map(|p| p.threads_launched).sum();
+        row.passes = Some(passes.len());
+        row.threads_launched = Some(threads);
+        row.threads_with_ray = Some(passes.iter().map(|p| u64::from(p.rays_in)).sum());
+        if let Some((sums, rays)) = sums {
+            let per_ray = |count: u64| Some(count as f64 / rays.max(1) as f64);
+            row.counted_rays = Some(rays);
+            row.cells_per_ray = per_ray(sums.cells_visited).filter(|_| way.accelerator != Accelerator::None);
+            row.tests_per_ray = per_ray(sums.triangles_tested);
+            row.repeated_per_ray = sums.repeated_tests.and_then(per_ray);
+            let steps = row.cells_per_ray.unwrap_or(0.0) + row.tests_per_ray.unwrap_or(0.0);
+            row.useful_steps_per_thread = (threads > 0).then(|| steps * row.rays as f64 / threads as f64);
+        }
+        Ok((renderer, replay))
+    }
+
+    /// What rays did in a run of their own, and how many they were. `None` where that took too long.
+    fn count(&self, group: &Group<'_>, way: &Way, rays: &RaySource) -> Option<(CounterSums, u64)> {
+        let (machine, mut options) = (self.machine, self.options(group, way, rays));
+        options.counters = true;
+        // The same steps in another order, and no passes ahead of their turn.
+        if way.schedule == ScheduleKind::First {
+            options.schedule = ScheduleKind::Second;
+        }
+        let renderer = machine.wait(Renderer::new(&group.viewed.scene, &options, &machine.device));
+        let mut renderer = renderer.ok()?;
+        machine.run(&mut renderer, self.bounds().1).ok()?;
+        let counters = machine.wait(renderer.values(Stream::Counters)).ok()?;
+        Some((CounterSums::of(&counters, renderer.plan())?, renderer.plan().rays))
+    }
+
+    fn measure(&self, ready: &mut [Ready]) {
+        let (budget, most) = self.bounds();
+        self.machine.raise_clocks();
+        for repeat in 0..self.repeats() {
+            for r in ready.iter_mut() {
+                // Every configuration has one run at least.
+                if r.is_slow || repeat > 0 && (r.spent > budget || self.deadline.is_over()) {
+                    continue;
+                }
+                let start = Instant::now();
+                let run = match &mut r.replay {
+                    Some(replay) => replay.run(self.machine),
+                    None => self.machine.run(&mut r.renderer, 2 * most),
+                };
+                match run {
+                    Ok(run) => {
+                        r.times.0.push(run.device_ns);
+                        r.wall_ns.0.push(run.device_ns.map(|_| run.wall.as_nanos() as u64));
+                    }
+                    Err(_) => r.is_slow = true,
+                }
+                r.spent += start.elapsed();
+            }
+        }
+    }
+
+    fn finish(&mut self, ready: Ready) {
+        let row = &mut self.rows[ready.at];
+        (row.n, row.invalid) = (ready.times.n(), ready.times.invalid());
+        if let Some(s) = ready.times.spread() {
+            (row.median_device_ns, row.p05_device_ns, row.p95_device_ns) = (Some(s.median), Some(s.p05), Some(s.p95));
+        }
+        row.median_wall_ns = ready.wall_ns.spread().map(|s| s.median);
+        match self.machine.wait(ready.renderer.hits()) {
+            Ok(hits) => row.hits = Some(hit_count(&hits)),
+            Err(error) => row.reason = error.to_string(),
+        }
+        if row.n == 0 && row.reason.is_empty() {
+            row.reason = "no time was valid".into();
+        }
+    }
+}
+
+/// The passes of a run, without any that would turn out not to be needed.
+struct Replay {
+    executor: GpuExecutor,
+    /// Kernels of each submission, and the rays in each state before it.
+    submissions: Vec<(Vec<Kernel>, StateCounts)>,
+}
+
+impl Replay {
+    /// Of a run that is complete.
+    fn new(machine: &Machine, gpu: &Arc<Gpu>, renderer: &Renderer) -> Result<Self, String> {
+        let executor = GpuExecutor::new(gpu.clone(), renderer.plan(), renderer.data(), false);
+        let executor = machine.wait(executor).map_err(|e| e.to_string())?;
+        let mut before = StateCounts::default();
+        let submissions = renderer.passes().chunks(MOST_PASSES).map(|passes| {
+            let counts = before;
+            before = passes.last().map_or(before, |pass| pass.counts);
+            (passes.iter().map(|pass| pass.kernel).collect(), counts)
+        });
+        Ok(Self { executor, submissions: submissions.collect() })
+    }
+
+    fn run(&mut self, machine: &Machine) -> Result<Run, RenderError> {
+        self.executor.clear();
+        machine.settle();
+        machine.keep_clocks();
+        let start = Instant::now();
+        for (kernels, counts) in &self.submissions {
+            machine.wait(self.executor.run(kernels, counts))?;
+        }
+        Ok(Run { wall: start.elapsed(), device_ns: self.executor.device_ns().filter(|&ns| ns > 0) })
+    }
+}
+
+/// Bytes a triangle of grid or tree, corners of triangles apart.
+fn structure_bytes(plan: &Plan) -> Option<f64> {
+    const STRUCTURE: [&str; 7] =
+        ["grid_cells", "grid_items", "grid_distances", "bvh_nodes", "bvh_parents", "bvh_items", "wide_nodes"];
+    let bytes: u64 = plan.buffers.iter().filter(|b| STRUCTURE.contains(&b.what)).map(|b| b.bytes).sum();
+    (plan.triangles > 0).then(|| bytes as f64 / plan.triangles as f64)
+}

@@ -1,0 +1,127 @@
+//! What is written: rows of runs, and rows of small measurements.
+
+use raystep_kernels::export::bench::Spread;
+use serde::{Deserialize, Serialize};
+
+/// One configuration's runs. Unknown is empty, never 0.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Row {
+    pub(crate) section: String,
+    pub(crate) scene: String,
+    pub(crate) triangles: u64,
+    pub(crate) rays_kind: String,
+    pub(crate) width_px: u32,
+    pub(crate) height_px: u32,
+    pub(crate) rays: u64,
+    pub(crate) accelerator: String,
+    pub(crate) schedule: String,
+    pub(crate) numerics: String,
+    /// Whether rays leap over empty cells; empty without a grid.
+    pub(crate) skip: Option<bool>,
+    /// `auto`, or the cells asked for.
+    pub(crate) grid: String,
+    /// Cells along x, y and z of the grid that was built.
+    pub(crate) cells: String,
+    pub(crate) steps_per_pass: u32,
+    pub(crate) build_s: Option<f64>,
+    /// Compiling, allocating, uploading.
+    pub(crate) prepare_s: Option<f64>,
+    /// Its passes were submitted without any that were not needed.
+    pub(crate) is_replay: bool,
+    pub(crate) n: usize,
+    pub(crate) invalid: usize,
+    pub(crate) median_device_ns: Option<f64>,
+    pub(crate) p05_device_ns: Option<f64>,
+    pub(crate) p95_device_ns: Option<f64>,
+    pub(crate) median_wall_ns: Option<f64>,
+    pub(crate) passes: Option<usize>,
+    pub(crate) threads_launched: Option<u64>,
+    /// Threads that had a ray to work on.
+    pub(crate) threads_with_ray: Option<u64>,
+    pub(crate) cells_per_ray: Option<f64>,
+    pub(crate) tests_per_ray: Option<f64>,
+    pub(crate) repeated_per_ray: Option<f64>,
+    /// Rays by whose runs the three above were counted.
+    pub(crate) counted_rays: Option<u64>,
+    /// Cells or nodes visited and triangles tested, by threads launched.
+    pub(crate) useful_steps_per_thread: Option<f64>,
+    pub(crate) bytes_per_triangle: Option<f64>,
+    pub(crate) hits: Option<u64>,
+    /// Why there is no time.
+    pub(crate) reason: String,
+}
+
+impl Row {
+    pub(crate) fn mray_per_s(&self) -> Option<f64> {
+        self.median_device_ns.filter(|&ns| ns > 0.0).map(|ns| self.rays as f64 / ns * 1e3)
+    }
+
+    pub(crate) fn ms(&self) -> Option<f64> {
+        self.median_device_ns.map(|ns| ns / 1e6)
+    }
+
+    /// How it was traced, for people: `grid, leaps`.
+    pub(crate) fn way(&self) -> String {
+        let steps = match (self.schedule.as_str(), self.steps_per_pass) {
+            ("compact", steps) => format!(" K={steps}"),
+            _ => String::new(),
+        };
+        let skip = if self.skip == Some(true) { " with leaps" } else { "" };
+        format!("{}{skip}, {}{steps}", self.accelerator, self.schedule)
+    }
+}
+
+/// One small measurement, a value of its own where it is no time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Probe {
+    pub(crate) section: String,
+    pub(crate) what: String,
+    pub(crate) scene: String,
+    pub(crate) accelerator: String,
+    pub(crate) width_px: u32,
+    pub(crate) height_px: u32,
+    /// Dispatches of one submission; passes of a run.
+    pub(crate) passes: u64,
+    /// Bytes that each submission moves at least, reads and writes.
+    pub(crate) bytes: Option<u64>,
+    pub(crate) n: usize,
+    pub(crate) invalid: usize,
+    /// Of a whole submission, or run.
+    pub(crate) median_device_ns: Option<f64>,
+    pub(crate) p05_device_ns: Option<f64>,
+    pub(crate) p95_device_ns: Option<f64>,
+    pub(crate) value: Option<f64>,
+    pub(crate) reason: String,
+}
+
+/// Times of repeats: `None` is one that was not valid.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Times(pub(crate) Vec<Option<u64>>);
+
+impl Times {
+    pub(crate) fn n(&self) -> usize {
+        self.0.iter().flatten().count()
+    }
+
+    pub(crate) fn invalid(&self) -> usize {
+        self.0.len() - self.n()
+    }
+
+    pub(crate) fn spread(&self) -> Option<Spread> {
+        Spread::of(&self.0.iter().copied().flatten().collect::<Vec<_>>())
+    }
+}
+
+impl Probe {
+    pub(crate) fn with_times(mut self, times: &Times) -> Self {
+        (self.n, self.invalid) = (times.n(), times.invalid());
+        if let Some(s) = times.spread() {
+            (self.median_device_ns, self.p05_device_ns, self.p95_device_ns) =
+                (Some(s.median), Some(s.p05), Some(s.p95));
+        }
+        if self.n == 0 && self.reason.is_empty() {
+            self.reason = "no time was valid".into();
+        }
+        self
+    }
+}

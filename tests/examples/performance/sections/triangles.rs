@@ -1,0 +1,62 @@
+//! Time against triangles.
+
+use raystep_kernels::{Accelerator, Skip};
+
+use crate::args::AdapterKind;
+use crate::meter::{Group, Meter, Way};
+use crate::scenes::Viewed;
+
+const COUNTS: [u64; 14] = [2, 8, 18, 32, 72, 128, 512, 2_048, 8_192, 32_768, 131_072, 524_288, 2_000_000, 10_000_000];
+
+/// A run without grid and tree is not begun where it is expected to take longer.
+const MOST_NS: f64 = 0.5e9;
+
+pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
+    let (most, size) = match (meter.machine.quick, meter.machine.kind) {
+        (true, AdapterKind::Gpu) => (131_072, (512, 512)),
+        (false, AdapterKind::Gpu) => (10_000_000, (1024, 1024)),
+        (true, _) => (8_192, (128, 128)),
+        (false, _) => (2_000_000, (256, 256)),
+    };
+    // The last time without, by scene: time is proportional to triangles from some hundred on.
+    let mut without = [None::<(f64, f64)>; 2];
+    for &count in COUNTS.iter().filter(|&&count| count <= most) {
+        for (scene, without) in ["terrain", "soup"].into_iter().zip(&mut without) {
+            let viewed = Viewed::generated(scene, Some(count))?;
+            let triangles = viewed.scene.triangles.len() as f64;
+            let expected_ns = without.map_or(0.0, |(before, ns)| ns * triangles / before);
+            let mut ways = vec![
+                Way::fused(Accelerator::Grid).skip(Skip::Auto),
+                Way::fused(Accelerator::Bvh),
+                Way::compact(Accelerator::Grid, 8).skip(Skip::Auto),
+                Way::compact(Accelerator::Bvh, 8),
+            ];
+            if expected_ns < MOST_NS {
+                ways.push(Way::fused(Accelerator::None));
+            }
+            let rays = viewed.primary(size);
+            meter.group(&Group { viewed: &viewed, size, rays, rays_kind: "primary", counted: None }, &ways);
+            let last = meter.rows.last().filter(|row| row.accelerator == "none");
+            *without = last.and_then(|row| row.median_device_ns).map(|ns| (triangles, ns)).or(*without);
+            if expected_ns >= MOST_NS
+                && let Some(row) = meter.rows.last().cloned()
+            {
+                meter.rows.push(crate::row::Row {
+                    section: row.section,
+                    scene: row.scene,
+                    triangles: row.triangles,
+                    rays_kind: row.rays_kind,
+                    width_px: row.width_px,
+                    height_px: row.height_px,
+                    accelerator: "none".into(),
+                    schedule: "fused".into(),
+                    numerics: row.numerics,
+                    steps_per_pass: 1,
+                    reason: format!("not begun: {:.1} s were expected", expected_ns / 1e9),
+                    ..Default::default()
+                });
+            }
+        }
+    }
+    Ok(())
+}
