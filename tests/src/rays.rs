@@ -67,6 +67,19 @@ pub fn random(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
+/// Rays with an end, as shadow rays are: from one point of the scene's box, or of its surface, to another such
+/// point, which lies at t = 1.
+#[must_use]
+pub fn segments(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
+    let (from, to) = (random(scene, 3 * count, seed), random(scene, 3 * count, seed + 1));
+    let ray = |i: usize| {
+        // Of three random rays, the first starts inside of the box, the last on the surface.
+        let (origin, target) = (from[3 * i + [0, 2][i % 2]].origin, to[3 * i + [0, 2][i / 2 % 2]].origin);
+        Ray { origin, direction: (glam::Vec3::from(target) - glam::Vec3::from(origin)).to_array() }
+    };
+    (0..count).map(ray).filter(|ray| ray.direction != [0.0; 3]).collect()
+}
+
 /// Rays from `origin` aimed at every corner and along every edge of the scene in turn, at points that
 /// f32 rounds to one side or the other.
 #[must_use]

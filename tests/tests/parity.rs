@@ -4,61 +4,124 @@ use std::collections::BTreeSet;
 
 use raystep_kernels::kernel::KERNELS;
 use raystep_kernels::state::{self, TRANSITIONS};
-use raystep_kernels::{Accelerator, GridSize, Kernel, Numerics, Renderer, ScheduleKind, Stream};
-use raystep_tests::ways::stepped;
-use raystep_tests::{block_on, devices, gpu, options, parity, scene, scene_files};
+use raystep_kernels::{Accelerator, GridSize, Kernel, Options, RaySource, Renderer, ScheduleKind, Stream};
+use raystep_tests::parity::Parity;
+use raystep_tests::ways::{STEPPED, Way, stepped};
+use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files};
+
+/// Every kernel by every rule, in every launch that it has.
+const WAYS: [Way; 23] = {
+    use Accelerator::{Bvh, Grid, None};
+    use ScheduleKind::{Compact, First, Fused, Second};
+    [
+        STEPPED,
+        Way::new(Grid, First, 1).paper(),
+        Way::new(Grid, Second, 1).leaping(),
+        Way::new(Grid, Compact, 1),
+        Way::new(Grid, Compact, 8),
+        Way::new(Grid, Compact, 8).leaping(),
+        Way::new(Grid, Compact, 3).leaping(),
+        Way::new(Grid, Compact, 8).paper(),
+        Way::new(Grid, Fused, 1),
+        Way::new(Grid, Fused, 1).leaping(),
+        Way::new(Grid, Fused, 1).paper(),
+        Way::new(Bvh, Second, 1),
+        Way::new(Bvh, Compact, 1).paper(),
+        Way::new(Bvh, Compact, 8),
+        Way::new(Bvh, Compact, 2).paper(),
+        Way::new(Bvh, Fused, 1),
+        Way::new(Bvh, Fused, 1).paper(),
+        Way::new(None, Second, 1),
+        Way::new(None, First, 1).paper(),
+        Way::new(None, Compact, 1),
+        Way::new(None, Compact, 8),
+        Way::new(None, Fused, 1),
+        Way::new(None, Compact, 3).paper(),
+    ]
+};
+
+/// A room, nothing, a plane, and what there is to hit or miss by little.
+const FEW: [&str; 6] =
+    ["cornell-box.gltf", "empty.gltf", "flat.gltf", "single-triangle.gltf", "primitives.gltf", "teapot.glb"];
+
+/// What all comparisons found together.
+#[derive(Default)]
+struct Found {
+    sum: Parity,
+    failures: Vec<String>,
+}
+
+impl Found {
+    fn add(&mut self, label: &str, found: Parity) {
+        let sum = &mut self.sum;
+        sum.passes += found.passes;
+        sum.components += found.components;
+        sum.tolerated += found.tolerated;
+        sum.undecided += found.undecided;
+        sum.rays += found.rays;
+        sum.kernels.extend(found.kernels);
+        sum.transitions.extend(found.transitions);
+        self.failures.extend(found.breaches.iter().map(|b| format!("{label}: {b}")));
+        self.failures.extend(found.miscounts.iter().map(|m| format!("{label}: {m}")));
+    }
+}
 
 #[test]
 fn every_kernel_agrees_with_its_twin_after_every_pass() {
     let gpu = gpu();
-    let mut failures = Vec::new();
-    let (mut passes, mut components, mut tolerated, mut undecided) = (0, 0, 0, 0);
-    let mut seen = Vec::new();
-    let (mut rays, mut taken) = (0, BTreeSet::new());
+    let mut found = Found::default();
     for file in scene_files() {
         let scene = scene(&file);
-        for (accelerator, numerics) in [
-            (Accelerator::Grid, Numerics::Robust),
-            (Accelerator::Grid, Numerics::Paper),
-            (Accelerator::None, Numerics::Robust),
-            (Accelerator::None, Numerics::Paper),
-        ] {
-            if accelerator == Accelerator::None && scene.triangles.len() > 100 {
+        for way in WAYS {
+            if way.accelerator == Accelerator::None && scene.triangles.len() > 100 {
                 continue;
             }
-            let mut options = options(&scene, 45, 37);
-            (options.accelerator, options.numerics, options.counters) = (accelerator, numerics, true);
-            options.schedule = if numerics == Numerics::Paper { ScheduleKind::First } else { ScheduleKind::Second };
-            let found = parity::compare(&gpu, &scene, &options);
-            passes += found.passes;
-            components += found.components;
-            tolerated += found.tolerated;
-            undecided += found.undecided;
-            seen.extend(found.kernels);
-            rays += found.rays;
-            taken.extend(found.transitions);
-            failures.extend(found.breaches.iter().map(|b| format!("{file} {accelerator} {numerics}: {b}")));
+            // Hundreds of passes each, which differ in their launch only: some scenes are enough for that.
+            let is_stepped = way.steps == 1 && way.schedule != ScheduleKind::Fused;
+            if is_stepped && way != STEPPED && !FEW.contains(&file.as_str()) {
+                continue;
+            }
+            // Not whole workgroups; not so many rays that the many passes of a step each take long.
+            let mut options = way.of(&options(&scene, 45, 37));
+            options.counters = true;
+            let label = format!("{file} {way}");
+            found.add(&label, parity::compare(&gpu, &scene, &options));
+            if way.schedule == ScheduleKind::Fused {
+                // Now the kernel makes its rays itself.
+                options.shade = false;
+                found.add(&label, parity::compare(&gpu, &scene, &options));
+            }
         }
     }
+    for file in ["cornell-box.gltf", "primitives.gltf"] {
+        let scene = scene(file);
+        for way in WAYS {
+            let rays = RaySource::Given(rays::segments(&scene, 500, 3));
+            let options = Options { any_hit: true, shade: false, ..way.of(&Options::new(rays)) };
+            found.add(&format!("{file} {way} any hit"), parity::compare(&gpu, &scene, &options));
+        }
+    }
+    let Found { sum, failures } = found;
     println!(
-        "{passes} passes, {components} components compared: {tolerated} equal but for rounding, {undecided} rays undecided"
+        "{} passes, {} components compared: {} equal but for rounding, {} rays undecided",
+        sum.passes, sum.components, sum.tolerated, sum.undecided
     );
     // A ray is near an edge or a face by less than some 40 roundings of 2⁻²⁴ once in 10,000 tests of one triangle
     // that fills the view; most are farther.
-    assert!(undecided * 10_000 < rays, "{undecided} of {rays} rays undecided");
+    assert!(sum.undecided * 10_000 < sum.rays, "{} of {} rays undecided", sum.undecided, sum.rays);
     assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
     for info in KERNELS {
-        assert!(seen.contains(&info.kernel), "no ray was ever in {}", info.name);
+        assert!(sum.kernels.contains(&info.kernel), "no ray was ever in {}", info.name);
     }
     // The table of transitions is what happens: nothing else, and all of it.
     let listed: BTreeSet<_> = TRANSITIONS.iter().map(|t| (t.from, t.kernel, t.to)).collect();
     let named = |ways: Vec<&(u32, Kernel, u32)>| {
         ways.iter().map(|w| format!("{} {} {}", state::name(w.0), w.1.name(), state::name(w.2))).collect::<Vec<_>>()
     };
-    assert_eq!(named(taken.difference(&listed).collect()), [""; 0], "taken, but not listed");
+    assert_eq!(named(sum.transitions.difference(&listed).collect()), [""; 0], "taken, but not listed");
     // The grid's box is a margin larger than the scene, so no hit of a real scene is left over when a ray leaves it:
     // see the next test.
-    let missing = named(listed.difference(&taken).collect());
+    let missing = named(listed.difference(&sum.transitions).collect());
     assert_eq!(missing, ["TRAV traverse_grid SHADE"], "listed, but never taken");
 }
 
@@ -85,35 +148,106 @@ fn a_hit_that_is_kept_survives_leaving_the_grid() {
     }
 }
 
-/// Every kernel is broken once, in its WGSL only, and the comparison must name it.
+/// A kernel of a way to trace, a part of its WGSL, and what takes its place.
+type Break = (Kernel, Way, &'static str, &'static str);
+
+const BREAKS: [Break; 24] = {
+    use Accelerator::{Bvh, Grid, None};
+    use ScheduleKind::{Compact, Fused, Second};
+    const fn few_steps(accelerator: Accelerator) -> Way {
+        Way::new(accelerator, Compact, 8)
+    }
+    [
+        (Kernel::Generate, STEPPED, "0.5", "0.4995"),
+        (Kernel::Setup, STEPPED, "floor(position)", "ceil(position)"),
+        (Kernel::Setup, STEPPED, "let next = ISECT_NO_HIT", "let next = BACKGROUND"),
+        (Kernel::Setup, Way::new(Bvh, Second, 1), "vec4u(NO_NODE)", "vec4u(0u)"),
+        (Kernel::TraverseGrid, STEPPED, "select(vec3i(-1), vec3i(1)", "select(vec3i(1), vec3i(-1)"),
+        (Kernel::TraverseGrid, STEPPED, "tmax.x < tmax.y && ", ""),
+        (Kernel::TraverseGrid, STEPPED.leaping(), "forward * (distance - 1)", "forward * distance"),
+        (Kernel::TraverseBvh, Way::new(Bvh, Second, 1), "2u * above.first + 1u - at.node", "at.node"),
+        (Kernel::TraverseBvh, Way::new(Bvh, Compact, 1), "min(t0, t1)", "t0"),
+        (Kernel::Intersect, STEPPED, "nearest_t <= exit", "nearest_t < 0.5 * exit"),
+        (Kernel::Intersect, STEPPED, "weight_b * inverse,", "weight_a * inverse,"),
+        (Kernel::Intersect, Way::new(Bvh, Second, 1), "bvh_items[first + item]", "bvh_items[first]"),
+        (Kernel::Walk, few_steps(Grid), "step < scene.steps", "step + 1u < scene.steps"),
+        (Kernel::Walk, few_steps(Grid), "trace.u = candidate.u", "trace.u = candidate.v"),
+        (Kernel::Walk, few_steps(Grid).leaping(), "8u * (index % 4u)", "8u * (index % 3u)"),
+        (Kernel::Walk, few_steps(Grid).leaping(), "min(walk.cell, last)", "walk.cell"),
+        (Kernel::Walk, few_steps(Bvh), "var item = node.first", "var item = node.first + 1u"),
+        (Kernel::Walk, few_steps(Bvh), "select(0u, 1u, along < 0.0)", "select(1u, 0u, along < 0.0)"),
+        (Kernel::Walk, few_steps(None), "3u * entry + 2u", "3u * entry + 1u"),
+        (Kernel::Fused, Way::new(Grid, Fused, 1), "trace.t <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
+        (Kernel::Fused, Way::new(Grid, Fused, 1).leaping(), "distance > 1", "distance > 2"),
+        (Kernel::Fused, Way::new(Bvh, Fused, 1), "vec4f(nearest_t)", "vec4f(0.5 * nearest_t)"),
+        (Kernel::Fused, Way::new(Bvh, Fused, 1), "leaf.base + entry", "leaf.base"),
+        (Kernel::Shade, STEPPED, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))"),
+    ]
+};
+
+/// Compares a run with a kernel whose WGSL, and only that, is changed.
+fn compare_broken(options: &Options, kernel: Kernel, from: &str, to: &str) -> Parity {
+    let scene = scene("cornell-box.gltf");
+    parity::compare_broken(&gpu(), &scene, options, |plan| {
+        let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
+        // WESL prints expressions its own way, so spaces do not count.
+        let broken = replace_ignoring_layout(&variant.source, from, to);
+        assert!(broken != variant.source, "{from:?} is not in\n{}", variant.source);
+        variant.source = broken;
+    })
+}
+
+/// The room in cells, not so many that the eye lies on a plane, where floor and ceil agree.
+fn room(way: Way) -> Options {
+    let options = way.of(&options(&scene("cornell-box.gltf"), 40, 40));
+    Options { counters: true, grid: GridSize::Cells([7, 7, 9]), ..options }
+}
+
+/// Every kernel, and every rule that kernels share, is broken once, and the comparison must name the kernel.
 #[test]
 fn a_broken_kernel_is_named() {
-    let gpu = gpu();
-    let scene = scene("cornell-box.gltf");
-    let breaks: [(Kernel, &str, &str); 8] = [
-        (Kernel::Generate, "0.5", "0.4995"),
-        (Kernel::Setup, "floor(position)", "ceil(position)"),
-        (Kernel::Setup, "vec4u(ISECT_NO_HIT)", "vec4u(BACKGROUND)"),
-        (Kernel::TraverseGrid, "select(vec3i(-1), vec3i(1)", "select(vec3i(1), vec3i(-1)"),
-        (Kernel::TraverseGrid, "tmax.x < tmax.y && ", ""),
-        (Kernel::Intersect, "nearest_t <= exit", "nearest_t < 0.5 * exit"),
-        (Kernel::Intersect, "weight_b * inverse,", "weight_a * inverse,"),
-        (Kernel::Shade, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))"),
-    ];
-    for (kernel, from, to) in breaks {
-        let mut options = options(&scene, 40, 40);
-        // Not a number of cells that puts the eye on a plane, where floor and ceil agree.
-        options.grid = GridSize::Cells([7, 7, 9]);
-        let found = parity::compare_with(&gpu, &scene, &options, |plan| {
-            let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
-            // WESL prints expressions its own way, so spaces do not count.
-            let broken = replace_ignoring_layout(&variant.source, from, to);
-            assert_ne!(broken, variant.source, "{from:?} is not in\n{}", variant.source);
-            variant.source = broken;
-        });
+    for (kernel, way, from, to) in BREAKS {
+        let found = compare_broken(&room(way), kernel, from, to);
         let first = found.breaches.first().unwrap_or_else(|| panic!("{} with {to:?} went unnoticed", kernel.name()));
         assert_eq!(first.kernel, kernel, "{first}");
-        println!("{} with {to:?}: {first}", kernel.name());
+    }
+    // What only some runs compile: rays that the kernel makes, and rays that end at any hit.
+    let own_rays = Options { shade: false, ..room(Way::new(Accelerator::Bvh, ScheduleKind::Fused, 1)) };
+    let found = compare_broken(&own_rays, Kernel::Fused, "0.5", "0.4995");
+    assert!(found.breaches.iter().any(|b| b.component == (Stream::State, 1)), "rays of its own went unnoticed");
+    let rays = RaySource::Given(rays::segments(&scene("cornell-box.gltf"), 500, 3));
+    let shadows = room(Way::new(Accelerator::Grid, ScheduleKind::Compact, 8));
+    let shadows = Options { any_hit: true, shade: false, rays, ..shadows };
+    for (from, to) in [
+        ("select(TRAV, BACKGROUND, nearest_t <= exit)", "select(TRAV, BACKGROUND, nearest_t < 0.5 * exit)"),
+        ("candidate.t < trace.t", "true"),
+    ] {
+        let found = compare_broken(&shadows, Kernel::Walk, from, to);
+        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(Kernel::Walk), "{to:?}");
+    }
+}
+
+/// A kernel that loses a ray from a list, or books it wrongly, does its own work right: the next one shows it.
+#[test]
+fn broken_lists_and_books_show() {
+    let [one, several] = [1, 8].map(|steps| room(Way::new(Accelerator::Grid, ScheduleKind::Compact, steps)));
+    for (options, kernel, named) in [
+        (&one, Kernel::Setup, Kernel::Intersect),
+        (&one, Kernel::Intersect, Kernel::TraverseGrid),
+        (&several, Kernel::Setup, Kernel::Walk),
+        (&several, Kernel::Walk, Kernel::Walk),
+    ] {
+        // The last of a workgroup's rays takes another one's place.
+        let list = if named == Kernel::TraverseGrid { "traverse" } else { "intersect" };
+        let (from, to) = (format!("first_{list} + place"), format!("first_{list} + min(place, 254u)"));
+        let found = compare_broken(options, kernel, &from, &to);
+        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(named), "{} loses a ray", kernel.name());
+    }
+    for (options, kernel) in [(&one, Kernel::TraverseGrid), (&several, Kernel::Walk)] {
+        let found = compare_broken(options, kernel, "place >= own_list[3]", "place + 1u >= own_list[3]");
+        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{} leaves a ray out", kernel.name());
+        let found = compare_broken(options, kernel, "atomicAdd(&sent_here[tag], 1u)", "atomicAdd(&sent_here[tag], 2u)");
+        assert!(found.miscounts.first().is_some_and(|m| m.starts_with(kernel.name())), "{:?}", found.miscounts);
     }
 }
 
