@@ -166,7 +166,8 @@ impl Cursor {
             match ahead.next(schedule, counts) {
                 // A kernel that runs once a turn is idle right after; guessing it again would be for nothing.
                 Some(kernel)
-                    if ahead.in_loop(schedule) && (kernels.last() != Some(&kernel) || ahead.stays(schedule)) =>
+                    if ahead.in_loop(schedule)
+                        && (kernels.last() != Some(&kernel) || ahead.stays(schedule, kernel)) =>
                 {
                     kernels.push(kernel);
                 }
@@ -177,10 +178,10 @@ impl Cursor {
         kernels
     }
 
-    /// Whether the step that the cursor is at may run again at once.
-    fn stays(&self, schedule: &Schedule) -> bool {
+    /// Whether the step that the cursor is at may run the kernel, which ran just now, again at once.
+    fn stays(&self, schedule: &Schedule, kernel: Kernel) -> bool {
         let index = self.path.last().copied().unwrap_or(0);
-        matches!(self.steps(schedule).0.get(index), Some(Step::RunUntilIdle(_)))
+        matches!(self.steps(schedule).0.get(index), Some(Step::RunUntilIdle(again)) if *again == kernel)
     }
 
     fn in_loop(&self, schedule: &Schedule) -> bool {
@@ -269,5 +270,18 @@ mod tests {
         cursor.next(&schedule, &counts(0, 0, 0));
         cursor.next(&schedule, &counts(0, 0, 0));
         assert_eq!(cursor.guess(&schedule, &counts(5, 0, 0), 4), [Kernel::Intersect; 4]);
+    }
+
+    #[test]
+    fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
+        let schedule = Schedule::new(ScheduleKind::First, Accelerator::Bvh, false, true, false, false);
+        let mut cursor = Cursor::start();
+        for _ in 0..2 {
+            cursor.next(&schedule, &counts(0, 0, 0));
+        }
+        // Rays that this step takes to a leaf are tested before the next one.
+        assert_eq!(cursor.guess(&schedule, &counts(0, 9, 0), 8), [Kernel::TraverseBvh]);
+        cursor.next(&schedule, &counts(0, 9, 0));
+        assert_eq!(cursor.guess(&schedule, &counts(4, 5, 0), 3), [Kernel::Intersect; 3]);
     }
 }
