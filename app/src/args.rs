@@ -7,6 +7,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, ScheduleKind, Skip};
 
+use crate::error::Error;
+
 /// Which file.
 #[derive(Args, Debug)]
 pub(crate) struct SceneArgs {
@@ -53,11 +55,13 @@ pub(crate) struct CameraArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct RunArgs {
-    /// What keeps a ray from testing every triangle
+    /// What keeps a ray from testing every triangle: a uniform grid; a tree of boxes (bvh); nothing (none);
+    /// the tree, or nothing for a few triangles (auto)
     #[arg(long, default_value = "grid", value_parser = named(Accelerator::ALL, Accelerator::name))]
     pub(crate) accelerator: Accelerator,
-    /// In which order kernels run: intersect until no ray is active there, then traverse once (first); in
-    /// turn (second); in turn, for the rays that wait for them only (compact); all in one kernel (fused)
+    /// How a ray's walk is cut into passes: intersect until no ray is active there, then traverse once
+    /// (first); both in turn (second); some steps a pass, and only for rays that still walk (compact); the
+    /// whole walk in one (fused)
     #[arg(long, default_value = "compact", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
     pub(crate) schedule: ScheduleKind,
     #[command(flatten)]
@@ -77,11 +81,10 @@ pub(crate) struct TuningArgs {
     /// Cells of the grid: as many along each axis, or along x, y and z
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid)]
     pub(crate) grid: GridSize,
-    /// Leap over empty cells of the grid: where most cells are empty (auto), always (on) or never (off)
+    /// Leap over empty cells of the grid: where most of them are empty (auto), always (on) or never (off)
     #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
     pub(crate) skip: Skip,
-    /// Most steps of a ray in one pass of the compact schedule [default: 8; 1, the paper's, where passes are
-    /// looked at one by one]
+    /// Most steps of a ray in one pass of the compact schedule [default: 8; for trace and dump 1, the paper's]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) steps_per_pass: Option<u32>,
     /// Leave nothing out of the plan, to see what leaving out saves
@@ -90,6 +93,32 @@ pub(crate) struct TuningArgs {
 }
 
 impl TuningArgs {
+    /// Refuses what would have no effect with any of these: whoever asks for it expects something else.
+    pub(crate) fn check(&self, accelerators: &[Accelerator], schedules: &[ScheduleKind]) -> Result<(), Error> {
+        let names = |names: Vec<&str>| names.join(", ");
+        if !accelerators.contains(&Accelerator::Grid) {
+            let chosen = names(accelerators.iter().map(|a| a.name()).collect());
+            let all = [("--grid", self.grid == GridSize::Auto), ("--skip on", self.skip != Skip::On)];
+            if let Some((option, _)) = all.iter().find(|(_, is_default)| !is_default) {
+                return Err(Error::usage(format!(
+                    "{option} is about a grid, and accelerator {chosen} uses none: leave it out, or name accelerator grid"
+                )));
+            }
+        }
+        if self.skip == Skip::On && self.numerics == Numerics::Paper {
+            return Err(Error::usage("--skip on: the paper's rules go from cell to cell; use --numerics robust"));
+        }
+        if let Some(steps) = self.steps_per_pass.filter(|&steps| steps > 1)
+            && !schedules.contains(&ScheduleKind::Compact)
+        {
+            let chosen = names(schedules.iter().map(|s| s.name()).collect());
+            return Err(Error::usage(format!(
+                "--steps-per-pass {steps} is for schedule compact, and this is {chosen}: leave it out, or name schedule compact"
+            )));
+        }
+        Ok(())
+    }
+
     /// A run's options, with the default accelerator and schedule.
     pub(crate) fn options(&self, rays: RaySource) -> Options {
         let defaults = Options::new(rays);

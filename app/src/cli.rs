@@ -25,7 +25,7 @@ Examples:
   raystep plan scenes/cornell-box.gltf
   raystep trace scenes/cornell-box.gltf --pixel 256,256
   raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
-  raystep bench scenes/cornell-box.gltf --accelerators grid,none -o bench
+  raystep bench scenes/cornell-box.gltf --accelerators grid,bvh -o bench
   raystep info
 'raystep COMMAND --help' says more about each."
 )]

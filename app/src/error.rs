@@ -51,7 +51,6 @@ impl From<PlanError> for Error {
     fn from(error: PlanError) -> Self {
         match error {
             PlanError::Grid(GridError::Size(_)) => Self::usage(format!("--grid: {error}")),
-            PlanError::ImageSize { .. } => Self::failed(format!("--size: {error}")),
             PlanError::Ray { .. } => Self::usage(format!("--ray: {error}")),
             PlanError::BufferSize { .. } => Self::failed(format!("{error}; --device cpu is bound by memory only")),
             _ => Self::failed(error),

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use raystep_kernels::export::csv::{RunContext, cpu_threads, gpu_threads};
+use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::RunOptions;
+use raystep_kernels::export::structure::Structure;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Options, RaySource, Renderer};
+use raystep_kernels::{Options, RaySource, Renderer, ScheduleKind};
 use raystep_scenes::Scene;
 
 use crate::args::{RunArgs, SceneArgs, ViewArgs, grid_text};
@@ -65,6 +66,7 @@ impl Session {
         progress: &Progress,
         adjust: impl FnOnce(&mut Options),
     ) -> Result<Self, Error> {
+        run.tuning.check(&[run.accelerator], &[run.schedule])?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
         let scene_path = scene.scene.clone();
@@ -135,6 +137,11 @@ pub(crate) struct Running {
 }
 
 impl Running {
+    /// What keeps rays from testing every triangle.
+    pub(crate) fn structure(&self) -> Structure {
+        Structure::of(self.options.accelerator, self.renderer.plan(), self.renderer.data())
+    }
+
     /// The options that decide a run, for reports.
     pub(crate) fn run_options(&self) -> RunOptions {
         let (options, plan) = (&self.options, self.renderer.plan());
@@ -146,6 +153,12 @@ impl Running {
             width_px: plan.width,
             height_px: plan.height,
             grid: grid_text(options.grid),
+            skip: options.skip.name(),
+            steps_per_pass: match options.schedule {
+                ScheduleKind::Compact => Some(options.steps_per_pass),
+                ScheduleKind::First | ScheduleKind::Second => Some(1),
+                ScheduleKind::Fused => None,
+            },
             counters: options.counters,
             keep_all: options.keep_all,
         }
@@ -165,7 +178,6 @@ pub(crate) fn run_context(
     chosen: &Chosen,
     plan: &Plan,
 ) -> RunContext {
-    let threads = if chosen.gpu().is_some() { gpu_threads } else { cpu_threads };
     RunContext {
         run_id,
         scene: scene.name.clone(),
@@ -177,7 +189,6 @@ pub(crate) fn run_context(
         height_px: plan.height,
         repeat: 0,
         is_warmup: false,
-        threads_launched: threads(plan.width, plan.height),
         timer: chosen.timer().filter(|_| options.timings),
     }
 }

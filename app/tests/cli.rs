@@ -8,3 +8,5 @@ mod common;
 mod files;
 #[path = "cli/text.rs"]
 mod text;
+#[path = "cli/ways.rs"]
+mod ways;

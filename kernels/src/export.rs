@@ -11,6 +11,7 @@
 //! | [`mod@bench`] | `summary.csv` | one row a configuration of a benchmark |
 //! | [`json`] | JSON | the run's summary |
 //! | [`plan`] | JSON | what a run needs and leaves out |
+//! | [`structure`] | text, JSON | the grid or tree of a run |
 //! | [`trace`] | table, CSV, JSON | one ray's life, pass by pass |
 //! | [`trace_events`] | JSON | a run as Chrome trace events, for Perfetto |
 
@@ -20,5 +21,6 @@ pub mod exr;
 pub mod json;
 pub mod npy;
 pub mod plan;
+pub mod structure;
 pub mod trace;
 pub mod trace_events;

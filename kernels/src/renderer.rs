@@ -82,6 +82,13 @@ pub struct Pass {
     pub rays_in: u32,
     /// Rays in each state after it.
     pub counts: StateCounts,
+    /// Threads that it launched, with or without a ray to work on.
+    ///
+    /// On a GPU whole workgroups: of a kernel that works from a list of live rays as many full rows of
+    /// workgroups as hold them, of any other as many workgroups as cover the image. On the CPU calls of the
+    /// twin: for all rays of every chunk of 512 that has a ray in one of the kernel's states. What a GPU
+    /// launches to count rays, or in passes submitted ahead that turn out not to be needed, is not part of it.
+    pub threads_launched: u64,
     /// When it began, on the device's own clock.
     pub begin_ns: Option<u64>,
     /// How long it took on the device.
@@ -301,6 +308,7 @@ impl Renderer {
                 kernel: result.kernel,
                 rays_in,
                 counts: result.counts,
+                threads_launched: result.threads_launched,
                 begin_ns: result.begin_ns,
                 duration_ns: result.duration_ns,
             });

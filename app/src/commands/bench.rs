@@ -36,18 +36,18 @@ use measure::{Bench, Group};
 #[command(after_help = "\
 Examples:
   raystep bench scenes/cornell-box.gltf -o bench
-  raystep bench scenes/cornell-box.gltf scenes/teapot.glb --accelerators grid,none -o bench
+  raystep bench scenes/teapot.glb --accelerators grid,bvh --schedules second,compact,fused -o bench
   raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow,random -o bench
   raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after")]
 pub(crate) struct BenchArgs {
     /// The scenes: glTF 2.0, .gltf or .glb
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// What keeps a ray from testing every triangle
+    /// What keeps a ray from testing every triangle, see 'raystep render --help'
     #[arg(long, value_name = "A,B…", value_delimiter = ',', default_value = Accelerator::default().name(),
           value_parser = named(Accelerator::ALL, Accelerator::name), help_heading = "What is measured")]
     accelerators: Vec<Accelerator>,
-    /// In which order kernels run
+    /// How a ray's walk is cut into passes, see 'raystep render --help'
     #[arg(long, value_name = "S,T…", value_delimiter = ',', default_value = ScheduleKind::default().name(),
           value_parser = named(ScheduleKind::ALL, ScheduleKind::name), help_heading = "What is measured")]
     schedules: Vec<ScheduleKind>,
@@ -98,6 +98,7 @@ pub(crate) struct BenchArgs {
 const MOST_RUNS: i64 = 100_000;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
+    args.tuning.check(&args.accelerators, &args.schedules)?;
     let folder = TargetFolder::new(&args.output, args.force)?;
     let filled = output::refuse_others(&args.output).and_then(|()| fill(args, &folder));
     match filled {

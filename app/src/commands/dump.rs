@@ -131,6 +131,12 @@ struct IndexPass {
 }
 
 pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
+    if args.pass != Which::Last && !args.run.schedule.is_stepped() {
+        return Err(Error::usage(
+            "--schedule fused takes every ray to its end in one pass: --pass last has its hits; \
+             first, second and compact have passes to look at",
+        ));
+    }
     let folder = TargetFolder::new(&args.output, args.force)?;
     match fill(args, &folder) {
         Ok(text) => {

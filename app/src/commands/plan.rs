@@ -1,7 +1,8 @@
 //! `raystep plan`
 
 use clap::Args;
-use raystep_kernels::export;
+use raystep_kernels::export::{self, structure::Structure};
+use raystep_kernels::plan::PlanText;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
@@ -16,7 +17,7 @@ use crate::terminal::{Progress, print};
 #[command(after_help = "\
 Examples:
   raystep plan scenes/cornell-box.gltf
-  raystep plan scenes/teapot.glb --accelerator none
+  raystep plan scenes/teapot.glb --accelerator auto --schedule fused
   raystep plan scenes/terrain.glb --json | jq .bytes")]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
@@ -41,7 +42,12 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
         Session::new(&args.scene, &args.view, &args.run, &progress, |options| options.counters = args.counters)?;
     progress.finish();
     if args.json {
-        return print(&super::json_text(&export::plan::plan(&session.plan, &session.data))?);
+        return print(&super::json_text(&export::plan::plan(
+            session.options.accelerator,
+            &session.plan,
+            &session.data,
+        ))?);
     }
-    print(&session.plan.to_string())
+    let structure = Structure::of(session.options.accelerator, &session.plan, &session.data);
+    print(&PlanText(&session.plan, &structure).to_string())
 }

@@ -152,7 +152,8 @@ fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<O
     }
     let (mut all, mut before) = (Vec::new(), CounterSums::default());
     while chosen.wait(renderer.step())?.is_some() {
-        let after = CounterSums::of(&chosen.wait(renderer.values(Stream::Counters))?).unwrap_or_default();
+        let after =
+            CounterSums::of(&chosen.wait(renderer.values(Stream::Counters))?, renderer.plan()).unwrap_or_default();
         all.push(PassWork {
             cells_visited: after.cells_visited.saturating_sub(before.cells_visited),
             triangles_tested: after.triangles_tested.saturating_sub(before.triangles_tested),
@@ -200,7 +201,8 @@ fn counters(running: &Running) -> Result<Option<CounterSums>, Error> {
     if !running.renderer.plan().has_stream(Stream::Counters) {
         return Ok(None);
     }
-    Ok(CounterSums::of(&running.chosen.wait(running.renderer.values(Stream::Counters))?))
+    let values = running.chosen.wait(running.renderer.values(Stream::Counters))?;
+    Ok(CounterSums::of(&values, running.renderer.plan()))
 }
 
 fn encode(

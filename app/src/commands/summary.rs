@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use raystep_kernels::export::json::{self, AdapterInfo, CheckSummary, CounterSums, GridSummary, Summary};
+use raystep_kernels::export::json::{self, AdapterInfo, CheckSummary, CounterSums, Summary};
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::reference::Report;
 
@@ -22,7 +22,7 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
         adapter: running.chosen.gpu().map(|gpu| AdapterInfo::from(&gpu.info)),
         options: running.run_options(),
         triangles: plan.triangles,
-        grid: GridSummary::of(renderer.data()),
+        structure: running.structure(),
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
         passes: renderer.passes().len(),
         kernels: json::kernels(renderer.passes()),
@@ -34,6 +34,15 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
         seconds: running.watch.stages.iter().copied().collect(),
         stream_bytes: plan.streams.iter().map(|s| (s.what.name(), s.bytes)).collect(),
         buffer_bytes: plan.buffers.iter().map(|b| (b.what, b.bytes)).collect(),
+    }
+}
+
+/// A stage's name for people.
+fn in_words(stage: &str) -> String {
+    match stage {
+        // The key in JSON is older than the tree.
+        "plan_and_grid" => "plan and structure".into(),
+        other => other.replace('_', " "),
     }
 }
 
@@ -50,19 +59,11 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
     };
     line("device", format!("{device}: {}", summary.device_reason));
     line("triangles", summary.triangles.to_string());
-    line(
-        "grid",
-        match &summary.grid {
-            None => "none".into(),
-            Some(g) => {
-                let [x, y, z] = g.cells;
-                format!(
-                    "{x} x {y} x {z} cells, {} empty; {} references, longest list {}",
-                    g.empty_cells, g.references, g.longest_list
-                )
-            }
-        },
-    );
+    // It has its own name in the column.
+    let _ = writeln!(text, "{}", summary.structure);
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<9} {value}");
+    };
     // In the order in which they ran, not by name.
     let mut kernels: Vec<String> = Vec::new();
     for variant in &running.renderer.plan().variants {
@@ -77,11 +78,14 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
         line("", format!("{} were still walking at the bound on passes", summary.unfinished));
     }
     if let Some(c) = &summary.counters {
-        let (cells, tests, repeated) = (c.cells_visited, c.triangles_tested, c.repeated_tests);
-        line("counters", format!("{cells} cells visited, {tests} triangles tested, {repeated} of them again"));
+        let places = if summary.structure.bvh.is_some() { "nodes" } else { "cells" };
+        let again = c.repeated_tests.map(|n| format!(", {n} of them again")).unwrap_or_default();
+        line(
+            "counters",
+            format!("{} {places} visited, {} triangles tested{again}", c.cells_visited, c.triangles_tested),
+        );
     }
-    let seconds: Vec<_> =
-        running.watch.stages.iter().map(|(name, s)| format!("{} {s:.3}", name.replace('_', " "))).collect();
+    let seconds: Vec<_> = running.watch.stages.iter().map(|(name, s)| format!("{} {s:.3}", in_words(name))).collect();
     line("seconds", seconds.join(", "));
     let (streams, buffers) = (summary.stream_bytes.values().sum(), summary.buffer_bytes.values().sum());
     line("memory", format!("{} of streams, {} of buffers", Bytes(streams), Bytes(buffers)));

@@ -99,7 +99,9 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Error> {
         )));
     }
     if !args.run.schedule.is_stepped() {
-        return Err(Error::usage("--schedule fused: its one pass cannot be followed; first, second and compact can"));
+        return Err(Error::usage(
+            "--schedule fused takes a ray to its end in one pass, which cannot be followed; first, second and compact can",
+        ));
     }
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {

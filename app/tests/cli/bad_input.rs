@@ -27,7 +27,7 @@ fn wrong_usage_is_code_2() {
         ("1 to 32768", &["render", &file, "-o", "a.png", "--size", "99999999999x1"]),
         ("1 to 32768", &["render", &file, "-o", "a.png", "--size=-1x5"]),
         ("640x480", &["render", &file, "-o", "a.png", "--size", "64x"]),
-        ("grid, none", &["render", &file, "-o", "a.png", "--accelerator", "bvh"]),
+        ("grid, bvh, none", &["render", &file, "-o", "a.png", "--accelerator", "kd-tree"]),
         ("1 to 4096", &["render", &file, "-o", "a.png", "--grid", "0"]),
         ("1 to 4096", &["render", &file, "-o", "a.png", "--grid", "8,99999999999,8"]),
         ("32,8,32", &["render", &file, "-o", "a.png", "--grid", "1,2"]),

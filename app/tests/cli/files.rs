@@ -113,7 +113,7 @@ fn passes_csv_reads_strictly_and_adds_up() {
         assert_eq!(row[column("pass_index")], i.to_string());
         assert_eq!((&row[column("timer_source")], &row[column("valid")]), ("cpu_clock", "true"));
         assert_eq!(&row[column("cpu_encode_ns")], "", "unknown is empty");
-        assert_eq!(&row[column("threads_launched")], "768");
+        assert!(["256", "512", "768"].contains(&&row[column("threads_launched")]), "chunks of 512 and 256: {row:?}");
     }
     assert_eq!(&rows[0][column("gpu_begin_ns")], "0", "the first pass is the run's beginning");
     assert_eq!((&rows[0][column("rays_in")], &rows[0][column("rays_out")]), ("768", "768"));
@@ -126,7 +126,7 @@ fn passes_csv_reads_strictly_and_adds_up() {
     assert_eq!(options["scene_path"], cornell_box());
     assert_eq!(run["counters"]["triangles_tested"], sum("triangles_tested"));
     assert_eq!(run["counters"]["cells_visited"], sum("cells_visited"));
-    assert!(run["kernels"]["intersect"]["duration_ns"].is_u64());
+    assert!(run["kernels"]["walk"]["duration_ns"].is_u64());
     assert_eq!((&run["triangles"], &run["rays"], &run["hits"]), (&26.into(), &768.into(), &768.into()));
     assert_eq!(run["stream_bytes"]["hit"], 768 * 12);
     assert!(run["seconds"]["trace"].as_f64().is_some_and(|s| s > 0.0) && run["adapter"].is_null());
@@ -180,7 +180,8 @@ fn without_timers_the_time_is_null() {
         "cpu",
     ]);
     let run: Value = serde_json::from_slice(&place.read("run.json")).expect("JSON");
-    assert!(run["kernels"]["intersect"]["duration_ns"].is_null() && run["counters"].is_null());
+    let walk = run["kernels"]["walk"].as_object().expect("a kernel");
+    assert!(walk["duration_ns"].is_null() && run["counters"].is_null());
 }
 
 #[test]

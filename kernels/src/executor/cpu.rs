@@ -148,6 +148,7 @@ impl<R: Real> CpuExecutor<R> {
             .filter(|(_, (_, counts))| is_first || kernel.live(counts) > 0)
             .map(|(task, (texels, counts))| (task * RAYS_PER_TASK, texels, counts))
             .collect();
+        let threads_launched = tasks.iter().map(|(_, texels, _)| (texels.len() / stride) as u64).sum();
         for_chunks(&mut tasks, 1, |_, tasks| {
             for (first, texels, counts) in tasks {
                 **counts = StateCounts::default();
@@ -162,7 +163,7 @@ impl<R: Real> CpuExecutor<R> {
             }
         });
         let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
-        PassResult { kernel, counts: self.counts(), begin_ns, duration_ns }
+        PassResult { kernel, counts: self.counts(), threads_launched, begin_ns, duration_ns }
     }
 
     fn tag(&self) -> Option<usize> {

@@ -14,6 +14,8 @@ pub struct PassResult {
     pub kernel: Kernel,
     /// Rays in each state after it.
     pub counts: StateCounts,
+    /// Threads launched, see [`crate::Pass::threads_launched`].
+    pub threads_launched: u64,
     /// When it began, on the executor's clock; `None` where passes were not timed.
     pub begin_ns: Option<u64>,
     /// How long it took; `None` where passes were not timed or the timer's value is not valid.

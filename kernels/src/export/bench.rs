@@ -19,8 +19,8 @@
 //! | `rays_per_s` | `rays` by the median: the device's, or the wall clock's where the device has none |
 //! | `passes` | of a run |
 //! | `useful_steps_per_thread` | rays worked on by threads launched, over all passes |
-//! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells visited, triangles tested, tests of a triangle that the ray had met before; counted in a run of its own, where the schedule can count |
-//! | `bytes_per_triangle` | of the acceleration structure |
+//! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells (or nodes of the tree) visited, triangles tested, tests of a triangle that the ray had met before; counted in a run of its own, as far as the schedule can count |
+//! | `bytes_per_triangle` | of the grid or tree, and of the triangles where kernels read them packed |
 //! | `hits`, `hits_hash` | rays that hit something, and a [`struct@Hash`] of what each hit: equal hashes are equal bits |
 //! | `baseline_ratio` | median now by the baseline's: above 1 is slower |
 //!
@@ -181,9 +181,9 @@ fn percentile(sorted: &[u64], share: f64) -> Option<f64> {
 
 /// Rays worked on by threads launched, over all passes; `None` where nothing was launched.
 #[must_use]
-pub fn useful_steps_per_thread(passes: &[Pass], threads_launched: impl Fn(&Pass) -> u64) -> Option<f64> {
+pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
     let rays: u64 = passes.iter().map(|pass| u64::from(pass.rays_in)).sum();
-    let threads: u64 = passes.iter().map(threads_launched).sum();
+    let threads: u64 = passes.iter().map(|pass| pass.threads_launched).sum();
     (threads > 0).then(|| rays as f64 / threads as f64)
 }
 
@@ -345,16 +345,17 @@ mod tests {
 
     #[test]
     fn useful_steps_are_rays_by_threads() {
-        let pass = |rays_in| Pass {
+        let pass = |rays_in, threads_launched| Pass {
             index: 0,
             iteration: 0,
             kernel: Kernel::Intersect,
             rays_in,
             counts: StateCounts::default(),
+            threads_launched,
             begin_ns: None,
             duration_ns: None,
         };
-        assert_eq!(useful_steps_per_thread(&[pass(64), pass(32)], |_| 64), Some(0.75));
-        assert_eq!(useful_steps_per_thread(&[], |_| 64), None);
+        assert_eq!(useful_steps_per_thread(&[pass(64, 64), pass(26, 56)]), Some(0.75));
+        assert_eq!(useful_steps_per_thread(&[pass(0, 0)]), None);
     }
 }

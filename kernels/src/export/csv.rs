@@ -15,8 +15,8 @@
 //! | `cpu_encode_ns` | host time to record the pass |
 //! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
 //! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stays for the next pass |
-//! | `threads_launched` | workgroups × 64 on a GPU; calls of the twin, one a texel, on the CPU |
-//! | `cells_visited`, `triangles_tested` | by this pass; known where counters were asked for |
+//! | `threads_launched` | by this pass, with or without a ray to work on; see [`Pass::threads_launched`] |
+//! | `cells_visited`, `triangles_tested` | by this pass, nodes where there is a tree; known where counters were asked for |
 //! | `timer_source` | `gpu_timestamp` or `cpu_clock`; empty where passes were not timed |
 //! | `timer_resolution_ns` | smallest step of that clock |
 //! | `valid` | `true` where the timer gave a duration, `false` where it failed to; empty where there was none |
@@ -24,7 +24,6 @@
 use std::io::Write;
 
 use crate::renderer::Pass;
-use crate::shared::constants::WORKGROUP;
 
 /// Version of the columns.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -114,23 +113,8 @@ pub struct RunContext {
     pub repeat: u32,
     /// Whether the repetition only warmed up.
     pub is_warmup: bool,
-    /// Threads of one pass, see [`gpu_threads`] and [`cpu_threads`].
-    pub threads_launched: u64,
     /// What timed the passes, if anything did.
     pub timer: Option<Timer>,
-}
-
-/// Threads that a pass over these texels launches on a GPU: whole workgroups of 64.
-#[must_use]
-pub fn gpu_threads(width: u32, height: u32) -> u64 {
-    let groups = u64::from(width.div_ceil(WORKGROUP)) * u64::from(height.div_ceil(WORKGROUP));
-    groups * u64::from(WORKGROUP * WORKGROUP)
-}
-
-/// Calls of a twin that a pass over these texels makes.
-#[must_use]
-pub fn cpu_threads(width: u32, height: u32) -> u64 {
-    u64::from(width) * u64::from(height)
 }
 
 /// What one pass added to the `counters` stream, summed over all rays.
@@ -209,7 +193,7 @@ impl<W: Write> PassesCsv<W> {
             String::new(),
             pass.rays_in.to_string(),
             rays_out(pass).to_string(),
-            run.threads_launched.to_string(),
+            pass.threads_launched.to_string(),
             known(work.map(|w| w.cells_visited)),
             known(work.map(|w| w.triangles_tested)),
             known(run.timer.map(Timer::name)),
@@ -246,7 +230,6 @@ mod tests {
             height_px: 8,
             repeat: 0,
             is_warmup: false,
-            threads_launched: gpu_threads(9, 8),
             timer,
         }
     }
@@ -261,6 +244,7 @@ mod tests {
             kernel: Kernel::Intersect,
             rays_in: 72,
             counts,
+            threads_launched: 128,
             begin_ns: duration_ns,
             duration_ns,
         }
@@ -291,7 +275,7 @@ mod tests {
         }
         assert_eq!(value(&row, "rays_in"), "72");
         assert_eq!(value(&row, "rays_out"), "65", "7 of 72 are still in the kernel's states");
-        assert_eq!(value(&row, "threads_launched"), "128", "two workgroups");
+        assert_eq!(value(&row, "threads_launched"), "128");
     }
 
     #[test]

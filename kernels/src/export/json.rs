@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::structure::{Structure, structure_bytes};
+use crate::kernel::Kernel;
+use crate::plan::Plan;
 use crate::reference::Report;
 use crate::renderer::{Pass, RayHit};
 use crate::scene_data::SceneData;
@@ -36,8 +39,9 @@ pub struct Summary {
     pub options: RunOptions,
     /// Triangles.
     pub triangles: u64,
-    /// The grid; `null` without one.
-    pub grid: Option<GridSummary>,
+    /// What keeps rays from testing every triangle.
+    #[serde(flatten)]
+    pub structure: Structure,
     /// Multiply lengths and t of the streams by this for scene units.
     pub scene_units_per_stream_unit: f64,
     /// Passes in all.
@@ -98,7 +102,7 @@ impl From<&wgpu::AdapterInfo> for AdapterInfo {
 pub struct RunOptions {
     /// The scene's file as the user wrote it.
     pub scene_path: String,
-    /// `--accelerator`
+    /// `--accelerator`, be it `auto`
     pub accelerator: &'static str,
     /// `--schedule`
     pub schedule: &'static str,
@@ -110,6 +114,10 @@ pub struct RunOptions {
     pub height_px: u32,
     /// `--grid`: `auto`, or the cells asked for along x, y and z.
     pub grid: String,
+    /// `--skip`
+    pub skip: &'static str,
+    /// Most steps of a ray in one pass; `null` where a pass takes it to its end.
+    pub steps_per_pass: Option<u32>,
     /// `--counters`
     pub counters: bool,
     /// `--keep-all`
@@ -127,14 +135,18 @@ pub struct GridSummary {
     pub references: u64,
     /// Longest list.
     pub longest_list: u32,
+    /// Whether rays leap over empty cells.
+    pub leaps: bool,
+    /// Bytes of the buffers that the run binds for it.
+    pub bytes: u64,
     /// What cells were grown by, in traced units.
     pub growth: f32,
 }
 
 impl GridSummary {
-    /// Of a scene that has a grid.
+    /// Of a run that has a grid.
     #[must_use]
-    pub fn of(data: &SceneData) -> Option<Self> {
+    pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
         if data.grid_cells.len() < 2 {
             return None;
         }
@@ -144,6 +156,8 @@ impl GridSummary {
             empty_cells: lengths().filter(|&n| n == 0).count() as u64,
             references: data.grid_items.len() as u64,
             longest_list: lengths().max().unwrap_or(0),
+            leaps: plan.features.skip,
+            bytes: structure_bytes(plan),
             growth: data.growth,
         })
     }
@@ -183,23 +197,24 @@ pub fn hit_count(hits: &[Option<RayHit>]) -> u64 {
 /// Sums over all rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CounterSums {
-    /// Cells visited.
+    /// Cells visited; of a tree, nodes.
     pub cells_visited: u64,
     /// Triangles tested.
     pub triangles_tested: u64,
-    /// Those tested in an earlier cell already.
-    pub repeated_tests: u64,
+    /// Those tested in an earlier cell or leaf already; `null` where a pass takes several steps, which does not
+    /// look back.
+    pub repeated_tests: Option<u64>,
 }
 
 impl CounterSums {
-    /// Of the values of the `counters` stream; `None` for another.
+    /// Of the values of the `counters` stream after a run of this plan; `None` for another stream.
     #[must_use]
-    pub fn of(data: &crate::stream::StreamData) -> Option<Self> {
+    pub fn of(data: &crate::stream::StreamData, plan: &Plan) -> Option<Self> {
         let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
         (data.stream == Stream::Counters).then(|| Self {
             cells_visited: sum(0),
             triangles_tested: sum(1),
-            repeated_tests: sum(2),
+            repeated_tests: plan.variant(Kernel::Intersect).map(|_| sum(2)),
         })
     }
 }

@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use super::json::{GridSummary, SCHEMA_VERSION, StreamSummary, stream};
+use super::json::{SCHEMA_VERSION, StreamSummary, stream};
+use super::structure::Structure;
 use crate::buffer;
 use crate::kernel::Kernel;
+use crate::options::Accelerator;
 use crate::plan::{Because, Plan, Planned};
 use crate::scene_data::SceneData;
 use crate::schedule::Step;
@@ -24,8 +26,9 @@ pub struct PlanSummary {
     pub rays: u64,
     /// Triangles.
     pub triangles: u64,
-    /// The grid; `null` without one.
-    pub grid: Option<GridSummary>,
+    /// What keeps rays from testing every triangle.
+    #[serde(flatten)]
+    pub structure: Structure,
     /// Scene units per unit of the streams.
     pub scene_units_per_stream_unit: f64,
     /// The schedule's steps.
@@ -107,9 +110,9 @@ pub struct LeftOutSummary {
     pub reason: &'static str,
 }
 
-/// The plan as it prints to JSON.
+/// The plan as it prints to JSON, of a run that was asked for with `--accelerator asked`.
 #[must_use]
-pub fn plan(plan: &Plan, data: &SceneData) -> PlanSummary {
+pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
     let texels = u64::from(plan.width) * u64::from(plan.height);
     let kernel = |variant: &Variant| {
         let info = variant.kernel.info();
@@ -151,7 +154,7 @@ pub fn plan(plan: &Plan, data: &SceneData) -> PlanSummary {
         height_px: plan.height,
         rays: plan.rays,
         triangles: plan.triangles,
-        grid: GridSummary::of(data),
+        structure: Structure::of(asked, plan, data),
         scene_units_per_stream_unit: data.units.scene_units_per_stream_unit(),
         schedule: steps(&plan.schedule.steps),
         kernels: plan.variants.iter().map(kernel).collect(),

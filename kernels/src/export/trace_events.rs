@@ -133,6 +133,7 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
             ("iteration", pass.iteration.into()),
             ("rays_in", pass.rays_in.into()),
             ("rays_out", rays_out(pass).into()),
+            ("threads_launched", pass.threads_launched.into()),
         ];
         events.push(slice(pass.kernel.name().into(), "pass", PASSES, begin, duration, args.into()));
         for (tag, &rays) in pass.counts.iter().enumerate() {
@@ -216,6 +217,7 @@ mod tests {
             kernel: Kernel::Intersect,
             rays_in: 10,
             counts,
+            threads_launched: 64,
             begin_ns: time.map(|(begin, _)| begin),
             duration_ns: time.map(|(_, duration)| duration),
         }
@@ -233,7 +235,6 @@ mod tests {
             height_px: 2,
             repeat: 0,
             is_warmup: false,
-            threads_launched: 64,
             timer: Some(super::super::csv::Timer::GpuTimestamp { resolution_ns: 1.0 }),
         };
         let passes: Vec<_> = times.iter().enumerate().map(|(i, &time)| pass(i, time, i as u32 / 2)).collect();
@@ -287,6 +288,7 @@ mod tests {
         assert_eq!((&second["ts"], &second["dur"]), (&0.7.into(), &0.25.into()));
         assert_eq!((&second["name"], &second["args"]["rays_in"]), (&"intersect".into(), &10.into()));
         assert_eq!((&second["args"]["iteration"], &second["args"]["rays_out"]), (&1.into(), &10.into()));
+        assert_eq!(second["args"]["threads_launched"], 64);
     }
 
     #[test]

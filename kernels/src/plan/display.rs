@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::{Because, Plan};
 use crate::buffer;
+use crate::export::structure::Structure;
 use crate::shader::Resource;
 use crate::state;
 
@@ -23,7 +24,29 @@ impl fmt::Display for Bytes {
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} x {} texels, {} rays, {} triangles", self.width, self.height, self.rays, self.triangles)?;
+        self.write_head(f)?;
+        self.write_tables(f)
+    }
+}
+
+/// A plan, and what the grid or tree that was built for it came to.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanText<'a>(pub &'a Plan, pub &'a Structure);
+
+impl fmt::Display for PlanText<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.write_head(f)?;
+        writeln!(f, "{}", self.1)?;
+        self.0.write_tables(f)
+    }
+}
+
+impl Plan {
+    fn write_head(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} x {} texels, {} rays, {} triangles", self.width, self.height, self.rays, self.triangles)
+    }
+
+    fn write_tables(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\nkernels")?;
         for variant in &self.variants {
             let info = variant.kernel.info();

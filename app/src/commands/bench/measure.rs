@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::buffer;
 use raystep_kernels::export::bench::{Hash, SCHEMA_VERSION, Spread, SummaryRow, useful_steps_per_thread};
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::export::json::{CounterSums, hit_count};
+use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{
     Accelerator, Numerics, Options, Pass, RayKind, RaySource, RenderError, Renderer, ScheduleKind, Stream,
@@ -147,6 +147,10 @@ impl<'a> Bench<'a> {
         if misses_all(&input.scene, options, &plan) {
             self.note(MISSES_ALL);
         }
+        if options.accelerator == Accelerator::Auto {
+            let Structure { accelerator, accelerator_because, .. } = Structure::of(options.accelerator, &plan, &data);
+            self.note(format!("{}: auto is {accelerator}: {accelerator_because}", input.scene.name));
+        }
         let run_id = format!("{}-{}", self.measured.run_id, self.configurations);
         self.configurations += 1;
         self.progress.stage(&format!("{what}: compiling kernels and timing passes"));
@@ -158,8 +162,8 @@ impl<'a> Bench<'a> {
         let renderer = chosen.wait(Renderer::from_plan(plan, data, options, &chosen.device))?;
 
         let plan = renderer.plan();
-        let per_ray = |count: fn(&CounterSums) -> u64| {
-            counts.as_ref().filter(|_| plan.rays > 0).map(|sums| count(sums) as f64 / plan.rays as f64)
+        let per_ray = |count: fn(&CounterSums) -> Option<u64>| {
+            counts.as_ref().filter(|_| plan.rays > 0).and_then(count).map(|sum| sum as f64 / plan.rays as f64)
         };
         let row = SummaryRow {
             schema_version: SCHEMA_VERSION,
@@ -179,13 +183,12 @@ impl<'a> Bench<'a> {
             build_s,
             compile_s,
             timer_source: details.context.timer.map(|timer: Timer| timer.name().into()),
-            cells_per_ray: per_ray(|sums| sums.cells_visited),
-            tests_per_ray: per_ray(|sums| sums.triangles_tested),
-            // The fused kernel does not look back at what a ray was tested against.
-            repeated_per_ray: per_ray(|sums| sums.repeated_tests).filter(|_| options.schedule.is_stepped()),
-            bytes_per_triangle: structure_bytes(plan),
+            cells_per_ray: per_ray(|sums| Some(sums.cells_visited)),
+            tests_per_ray: per_ray(|sums| Some(sums.triangles_tested)),
+            repeated_per_ray: per_ray(|sums| sums.repeated_tests),
+            bytes_per_triangle: bytes_per_triangle(plan),
             passes: details.passes.len(),
-            useful_steps_per_thread: useful_steps_per_thread(&details.passes, |_| details.context.threads_launched),
+            useful_steps_per_thread: useful_steps_per_thread(&details.passes),
             ..SummaryRow::default()
         };
         let bytes = plan.bytes();
@@ -221,7 +224,7 @@ impl<'a> Bench<'a> {
         }
         let mut renderer = chosen.wait(Renderer::from_plan(plan, data, options, &chosen.device)).ok()?;
         chosen.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
-        CounterSums::of(&chosen.wait(renderer.values(Stream::Counters)).ok()?)
+        CounterSums::of(&chosen.wait(renderer.values(Stream::Counters)).ok()?, renderer.plan())
     }
 
     /// Runs what is built, in turn, and forgets it.
@@ -332,22 +335,8 @@ fn bytes(batch: &[Ready]) -> u64 {
     batch.iter().map(|ready| ready.bytes).sum()
 }
 
-/// Buffers that describe the scene, whatever finds its triangles.
-const OF_THE_SCENE: [&str; 9] = [
-    "vertices",
-    "normals",
-    "texcoords",
-    "vertex_colors",
-    "triangle_materials",
-    "materials",
-    "lights",
-    "textures",
-    "texels",
-];
-
-/// Bytes a triangle of the buffers that only an accelerator has.
-fn structure_bytes(plan: &Plan) -> Option<f64> {
-    let is_structure = |name| buffer::info(name).is_some_and(|b| !b.is_uniform) && !OF_THE_SCENE.contains(&name);
-    let bytes: u64 = plan.buffers.iter().filter(|b| is_structure(b.what)).map(|b| b.bytes).sum();
-    (plan.triangles > 0).then(|| bytes as f64 / plan.triangles as f64)
+/// Bytes a triangle of the grid or tree, and of the triangles where they are packed for it.
+fn bytes_per_triangle(plan: &Plan) -> Option<f64> {
+    let packed = plan.buffers.iter().filter(|b| b.what == "packed_triangles").map(|b| b.bytes).sum::<u64>();
+    (plan.triangles > 0).then(|| (structure_bytes(plan) + packed) as f64 / plan.triangles as f64)
 }

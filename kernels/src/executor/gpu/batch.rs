@@ -59,11 +59,13 @@ impl GpuExecutor {
             times = vec![(None, None); passes.len()];
         }
         let mut now = *counts;
-        let results = passes.iter().zip(sent).zip(times).map(|((&kernel, sent), (begin_ns, duration_ns))| {
+        let mut results = Vec::with_capacity(passes.len());
+        for (((&kernel, place), sent), (begin_ns, duration_ns)) in passes.iter().zip(&places).zip(sent).zip(times) {
+            let threads_launched = place.threads(kernel, &now, self.width, self.height);
             now = counts_after(kernel, &now, &sent);
-            PassResult { kernel, counts: now, begin_ns, duration_ns }
-        });
-        Ok(results.collect())
+            results.push(PassResult { kernel, counts: now, threads_launched, begin_ns, duration_ns });
+        }
+        Ok(results)
     }
 
     /// Adds the time from a batch's first begin to its last end.

@@ -8,6 +8,11 @@ use crate::state::{COUNT, StateCounts, Tag};
 /// Rays of one row of an indirect dispatch.
 const RAYS_A_ROW: u32 = LIST_SIDE * LIST_SIDE * LIST_GROUPS;
 
+/// Rows of an indirect dispatch that hold a list.
+fn rows_of(rays: u32) -> u32 {
+    rays.div_ceil(RAYS_A_ROW)
+}
+
 /// The kernels that have a list of the rays that wait for them.
 const LISTED: [&str; 2] = ["intersect_list", "traverse_list"];
 
@@ -55,6 +60,17 @@ impl Place {
     /// Which of the four bind groups it takes.
     pub(super) fn group(&self) -> usize {
         (self.next[0] % 2 + 2 * (self.next[1] % 2)) as usize
+    }
+
+    /// Threads that the pass launches when these rays are in each state before it.
+    pub(super) fn threads(&self, kernel: Kernel, before: &StateCounts, width: u32, height: u32) -> u64 {
+        match self.list {
+            Some(_) => u64::from(rows_of(kernel.live(before))) * u64::from(RAYS_A_ROW),
+            None => {
+                let side = kernel.workgroup();
+                u64::from(width.next_multiple_of(side)) * u64::from(height.next_multiple_of(side))
+            }
+        }
     }
 
     /// Dynamic offset of a binding, by name; `None` for one without.
@@ -181,7 +197,7 @@ impl Books {
                 let mut words = vec![0u32; count * COUNT_SLOT_BYTES as usize / 4];
                 for (i, slot) in words.chunks_exact_mut(COUNT_SLOT_BYTES as usize / 4).enumerate() {
                     let rays = if 2 * i + parity == 0 { live } else { 0 };
-                    slot[..5].copy_from_slice(&[LIST_GROUPS, rays.div_ceil(RAYS_A_ROW), 1, rays, first[parity]]);
+                    slot[..5].copy_from_slice(&[LIST_GROUPS, rows_of(rays), 1, rays, first[parity]]);
                 }
                 queue.write_buffer(slots, 0, bytemuck::cast_slice(&words));
             }

@@ -1,0 +1,200 @@
+//! Accelerators and schedules: the same image by every way, what is said of each, and what makes no sense.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::common::{Place, scene};
+
+const ACCELERATORS: [&str; 4] = ["grid", "bvh", "none", "auto"];
+const SCHEDULES: [&str; 4] = ["first", "second", "compact", "fused"];
+
+fn cornell_box() -> String {
+    scene("cornell-box.gltf").display().to_string()
+}
+
+fn json(place: &Place, name: &str) -> Value {
+    serde_json::from_slice(&place.read(name)).expect("JSON")
+}
+
+/// Rows of a `passes.csv` by column.
+fn passes(place: &Place, name: &str) -> Vec<BTreeMap<String, String>> {
+    let file = place.read(name);
+    let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
+    reader.deserialize().map(|row| row.expect("as many fields as names")).collect()
+}
+
+#[test]
+fn every_accelerator_with_every_schedule_draws_the_same_image() {
+    let place = Place::new();
+    for device in ["cpu", "gpu"] {
+        let mut first: Option<Vec<u8>> = None;
+        for (accelerator, schedule) in ACCELERATORS.iter().flat_map(|a| SCHEDULES.map(|s| (*a, s))) {
+            let how = ["--accelerator", accelerator, "--schedule", schedule, "--device", device];
+            let files = ["-o", "a.png", "--size", "24x16", "--summary-json", "run.json", "--quiet"];
+            place.ok(&[&["render", &cornell_box()], &how[..], &files[..]].concat());
+            let run = json(&place, "run.json");
+            assert_eq!(run["options"]["accelerator"], accelerator);
+            assert_eq!(run["accelerator"], if accelerator == "auto" { "bvh" } else { accelerator });
+            assert_eq!((&run["hits"], &run["unfinished"]), (&384.into(), &0.into()), "{how:?}");
+            let image = place.read("a.png");
+            assert!(image == *first.get_or_insert_with(|| image.clone()), "{how:?} draws another image");
+        }
+    }
+}
+
+#[test]
+fn a_pass_says_how_many_threads_it_launched() {
+    let place = Place::new();
+    let (width, height) = (100u64, 70u64);
+    let covering = |side: u64| width.next_multiple_of(side) * height.next_multiple_of(side);
+    for (device, schedule) in ["cpu", "gpu"].into_iter().flat_map(|d| SCHEDULES.map(|s| (d, s))) {
+        let how = ["--size", "100x70", "--device", device, "--schedule", schedule, "--quiet"];
+        let files = ["-o", "a.png", "--passes-csv", "passes.csv", "--trace-json", "trace.json"];
+        place.ok(&[&["render", &cornell_box()], &how[..], &files[..]].concat());
+        let passes = passes(&place, "passes.csv");
+        let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<u64>().expect("a number");
+        let mut fewest = u64::MAX;
+        for row in &passes {
+            let (rays, threads) = (number(row, "rays_in"), number(row, "threads_launched"));
+            let kernel = row["kernel"].as_str();
+            match (device, kernel) {
+                // Chunks of 512 rays; the last one has 7000 - 13 * 512 = 344.
+                ("cpu", _) => {
+                    assert!(threads >= rays && [0, 344].contains(&(threads % 512)) && threads <= 7000, "{row:?}");
+                }
+                ("gpu", "generate" | "fused" | "shade") => assert_eq!(threads, covering(8), "{row:?}"),
+                // Rows of eight workgroups of 16 x 16, as many as hold the list.
+                ("gpu", "walk") => assert_eq!(threads, rays.next_multiple_of(8 * 256), "{row:?}"),
+                _ => assert_eq!(threads, covering(16), "{row:?}"),
+            }
+            fewest = fewest.min(threads);
+        }
+        match (device, schedule) {
+            ("gpu", "compact") => assert!(fewest < 7000, "the last rays need fewer rows: {fewest}"),
+            ("cpu", "first" | "second") => assert!(fewest < 7000, "the last rays are in few chunks: {fewest}"),
+            _ => assert!(fewest >= 7000 || schedule == "compact", "{device} {schedule}: {fewest}"),
+        }
+        let trace = json(&place, "trace.json");
+        let slices = trace["traceEvents"].as_array().expect("events").iter().filter(|e| e["cat"] == "pass");
+        let threads: Vec<u64> = slices.map(|e| e["args"]["threads_launched"].as_u64().expect("threads")).collect();
+        assert_eq!(threads, passes.iter().map(|row| number(row, "threads_launched")).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn render_says_what_was_built() {
+    let place = Place::new();
+    let one = scene("single-triangle.gltf").display().to_string();
+    let file = cornell_box();
+    let cases: &[(&str, &[&str], &str, &str)] = &[
+        (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells, ", " empty and walked through; "),
+        (&file, &["--skip", "on"], "grid      4 x 4 x 9 cells, ", " empty and leapt over; "),
+        (&file, &["--accelerator", "bvh"], "bvh       binary tree: nodes ", ", depth "),
+        (&file, &["--accelerator", "bvh", "--schedule", "fused"], "bvh       eight-wide tree: nodes ", ", depth "),
+        (&file, &["--accelerator", "none"], "none      every ray tests every triangle", ""),
+        (&file, &["--accelerator", "auto"], "bvh       binary tree: ", " (auto: more than 8 triangles)"),
+        (&one, &["--accelerator", "auto"], "none      every ray tests every triangle (auto: 8 triangles or fewer ", ""),
+    ];
+    for (scene, how, start, rest) in cases {
+        let view = [scene, "--size", "8x8", "--device", "cpu"];
+        let outcome = place.ok(&[&["render", "-o", "a.png"], &view[..], how].concat());
+        let is_said = |text: &str| text.lines().any(|l| l.starts_with(start) && l.contains(rest));
+        assert!(is_said(&outcome.stderr) && outcome.stderr.contains("plan and structure"), "{how:?}: {outcome:?}");
+        assert!(is_said(&place.ok(&[&["plan"], &view[..], how].concat()).stdout), "{how:?}");
+    }
+}
+
+#[test]
+fn summaries_in_json_have_the_grid_or_the_tree() {
+    let place = Place::new();
+    let summary = |how: &[&str]| {
+        let render = ["render", &cornell_box(), "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
+        place.ok(&[&render[..], &["--counters", "--summary-json", "run.json"], how].concat());
+        let plan = ["plan", &cornell_box(), "--size", "8x8", "--device", "cpu", "--quiet", "--json"];
+        let plan: Value = serde_json::from_str(&place.ok(&[&plan[..], how].concat()).stdout).expect("JSON");
+        let run = json(&place, "run.json");
+        for key in ["accelerator", "accelerator_because", "grid", "bvh"] {
+            assert!(run.get(key).is_some() && run.get(key) == plan.get(key), "{how:?}: {key}");
+        }
+        run
+    };
+    let sum =
+        |run: &Value, names: &[&str]| names.iter().filter_map(|name| run["buffer_bytes"][name].as_u64()).sum::<u64>();
+
+    let grid = summary(&["--skip", "on"]);
+    assert_eq!((&grid["accelerator"], &grid["accelerator_because"]), (&"grid".into(), &"--accelerator grid".into()));
+    assert_eq!((&grid["grid"]["leaps"], &grid["options"]["skip"]), (&true.into(), &"on".into()));
+    assert_eq!(grid["grid"]["bytes"], sum(&grid, &["grid_cells", "grid_items", "grid_distances"]));
+    assert!(grid["bvh"].is_null() && grid["grid"]["empty_cells"].is_u64());
+    // What a pass of several steps does not count is unknown.
+    assert!(grid["counters"]["repeated_tests"].is_null() && grid["options"]["steps_per_pass"] == 8);
+    assert!(grid["seconds"]["plan_and_grid"].is_number());
+
+    let binary = summary(&["--accelerator", "bvh", "--schedule", "second"]);
+    assert_eq!((&binary["bvh"]["width"], &binary["bvh"]["references"]), (&2.into(), &26.into()));
+    assert_eq!(binary["bvh"]["bytes"], sum(&binary, &["bvh_nodes", "bvh_parents", "bvh_items"]));
+    assert!(binary["grid"].is_null() && binary["bvh"]["depth"].as_u64() > Some(3));
+    assert!(binary["counters"]["repeated_tests"].is_u64() && binary["options"]["steps_per_pass"] == 1);
+
+    let wide = summary(&["--accelerator", "auto", "--schedule", "fused"]);
+    assert_eq!((&wide["bvh"]["width"], &wide["accelerator_because"]), (&8.into(), &"more than 8 triangles".into()));
+    assert_eq!(wide["bvh"]["bytes"], sum(&wide, &["wide_nodes"]));
+    assert!(wide["options"]["steps_per_pass"].is_null() && wide["options"]["accelerator"] == "auto");
+    assert!(summary(&["--accelerator", "none"])["bvh"].is_null());
+}
+
+#[test]
+fn what_would_have_no_effect_is_refused() {
+    let place = Place::new();
+    let file = cornell_box();
+    let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
+    let cases: &[(&str, &[&str])] = &[
+        ("0 is not in 1..=4096", &["--steps-per-pass", "0"]),
+        ("4097 is not in 1..=4096", &["--steps-per-pass", "4097"]),
+        ("99999999999999999999", &["--steps-per-pass", "99999999999999999999"]),
+        ("name schedule compact", &["--steps-per-pass", "2", "--schedule", "first"]),
+        ("this is fused", &["--steps-per-pass", "8", "--schedule", "fused"]),
+        ("--skip on is about a grid, and accelerator bvh uses none", &["--skip", "on", "--accelerator", "bvh"]),
+        ("name accelerator grid", &["--grid", "8", "--accelerator", "auto"]),
+        ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
+        ("auto, on, off", &["--skip", "maybe"]),
+    ];
+    for (wanted, how) in cases {
+        place.fails(2, wanted, &[&render[..], how].concat());
+    }
+    for how in [
+        &["--steps-per-pass", "1", "--schedule", "first"][..],
+        &["--steps-per-pass", "4096"],
+        &["--skip", "off", "--accelerator", "bvh"],
+    ] {
+        place.ok(&[&render[..], how].concat());
+    }
+    let bench = ["bench", &file, "-o", "out", "--sizes", "8x8", "--device", "cpu", "--repeats", "1"];
+    place.fails(
+        2,
+        "accelerator bvh, none uses none",
+        &[&bench[..], &["--skip", "on", "--accelerators", "bvh,none"]].concat(),
+    );
+    place.ok(&[&bench[..], &["--skip", "on", "--accelerators", "bvh,grid"]].concat());
+}
+
+#[test]
+fn what_has_one_pass_is_not_looked_at_pass_by_pass() {
+    let place = Place::new();
+    let file = cornell_box();
+    let fused = ["--schedule", "fused", "--size", "8x8", "--device", "cpu"];
+    place.fails(2, "first, second and compact can", &[&["trace", &file, "--pixel", "1,1"], &fused[..]].concat());
+    for pass in ["all", "0"] {
+        let dump = ["dump", &file, "-o", "d", "--pass", pass];
+        place.fails(2, "--pass last has its hits; first, second and compact", &[&dump[..], &fused[..]].concat());
+    }
+    place.ok(&[&["dump", &file, "-o", "fused", "--stream", "hit"], &fused[..]].concat());
+    place.ok(&["dump", &file, "-o", "stepped", "--stream", "hit", "--size", "8x8", "--device", "cpu"]);
+    let hit = |folder: &str| {
+        let index = json(&place, &format!("{folder}/index.json"));
+        let last = index["passes"].as_array().and_then(|p| p.last()).expect("a pass").clone();
+        place.read(&format!("{folder}/{}", last["files"][0].as_str().expect("a name")))
+    };
+    assert!(hit("fused") == hit("stepped"), "the same hits");
+}
