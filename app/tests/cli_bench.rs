@@ -133,6 +133,41 @@ fn every_configuration_has_its_row_and_the_files_agree() {
     assert_eq!(place.names(), ["out"]);
 }
 
+#[test]
+fn trees_and_passes_of_several_steps_are_described_as_they_are() {
+    let place = Place::new();
+    let file = cornell_box();
+    let what = ["--accelerators", "grid,bvh,none,auto", "--schedules", "second,compact,fused"];
+    let outcome = place.ok(&bench(&file, &[&what[..], &["-o", "out"]].concat()));
+    let note = "note: cornell-box: auto is bvh: more than 8 triangles";
+    assert_eq!(outcome.stderr.matches(note).count(), 1, "{outcome:?}");
+    let (_, summary) = rows(&place.read("out/summary.csv"));
+    assert_eq!(summary.len(), 12);
+    passes_agree(&place, &summary);
+    for row in &summary {
+        let (accelerator, schedule) = (row["accelerator"].as_str(), row["schedule"].as_str());
+        assert_eq!(row["hits_hash"], summary[0]["hits_hash"], "{row:?}");
+        let useful = number(row, "useful_steps_per_thread");
+        assert!(useful <= 1.0 && (schedule != "fused" || useful == 1.0), "{row:?}");
+        let tuning = if schedule == "compact" { "grid=auto skip=auto steps_per_pass=8" } else { "grid=auto skip=auto" };
+        assert_eq!(row["tuning"], tuning);
+        // Only the kernel that tests one triangle a pass looks back.
+        assert_eq!(row["repeated_per_ray"].is_empty(), schedule != "second", "{row:?}");
+        let plan = ["plan", &file, "--size", "16x12", "--device", "cpu", "--json", "--accelerator", accelerator];
+        let plan = place.ok(&[&plan[..], &["--schedule", schedule]].concat()).stdout;
+        let plan: Value = serde_json::from_str(&plan).expect("JSON");
+        let buffers = plan["buffers"].as_array().expect("buffers");
+        let of_structure =
+            |name: &str| ["grid_", "bvh_", "wide_", "packed_"].iter().any(|start| name.starts_with(start));
+        let bytes: u64 = buffers
+            .iter()
+            .filter(|b| b["name"].as_str().is_some_and(of_structure))
+            .map(|b| b["bytes"].as_u64().expect("bytes"))
+            .sum();
+        assert!(is_near(number(row, "bytes_per_triangle"), bytes as f64 / 26.0), "{row:?}");
+    }
+}
+
 /// `passes.csv` has one run of each configuration, which `summary.csv` sums up.
 fn passes_agree(place: &Place, summary: &[Row]) {
     let (_, passes) = rows(&place.read("out/passes.csv"));

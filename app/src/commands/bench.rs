@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_kernels::export::bench::SummaryRow;
+use raystep_kernels::options::STEPS_PER_PASS;
 use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
 
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, TuningArgs, grid_text, named};
@@ -188,9 +189,11 @@ fn ways(args: &BenchArgs, bench: &mut Bench) -> Vec<(Accelerator, ScheduleKind)>
 }
 
 /// What sets two runs with the same accelerator, schedule and numerics apart.
-fn tuning_text(tuning: &TuningArgs) -> String {
+fn tuning_text(tuning: &TuningArgs, has_steps: bool) -> String {
     let mut text = format!("grid={} skip={}", grid_text(tuning.grid), tuning.skip);
-    text += &tuning.steps_per_pass.map(|steps| format!(" steps_per_pass={steps}")).unwrap_or_default();
+    if has_steps {
+        text += &format!(" steps_per_pass={}", tuning.steps_per_pass.unwrap_or(STEPS_PER_PASS));
+    }
     text + if tuning.keep_all { " keep_all" } else { "" }
 }
 

@@ -174,7 +174,7 @@ impl<'a> Bench<'a> {
             accelerator: options.accelerator.to_string(),
             schedule: options.schedule.to_string(),
             numerics: options.numerics.to_string(),
-            tuning: tuning_text(&self.args.tuning),
+            tuning: tuning_text(&self.args.tuning, options.schedule == ScheduleKind::Compact),
             rays_kind: group.kind.to_string(),
             device: chosen.name(),
             width_px: group.size.width,

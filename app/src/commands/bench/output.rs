@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
+use raystep_kernels::ScheduleKind;
 use raystep_kernels::export::bench::{PERCENTILES, SCHEMA_VERSION, write_summary};
 use raystep_kernels::export::csv::{PassesCsv, Timer};
 use raystep_kernels::export::json::AdapterInfo;
@@ -147,7 +148,7 @@ fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &
             warmups: args.warmups,
             grid: grid_text(args.tuning.grid),
             keep_all: args.tuning.keep_all,
-            tuning: tuning_text(&args.tuning),
+            tuning: tuning_text(&args.tuning, args.schedules.contains(&ScheduleKind::Compact)),
             seed: SEED,
             baseline: args.baseline.as_ref().map(|path| path.to_string_lossy().into_owned()),
         },
