@@ -28,6 +28,7 @@ use crate::units::Units;
 pub use check::{MAX_TEXELS, PlanError, given_width};
 use check::{check_buffer, check_rays, check_scene, image_size};
 use decide::{features, left_out};
+pub(crate) use display::element;
 pub use display::{Bytes, PlanText};
 
 /// What an executor can hold.

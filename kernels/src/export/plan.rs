@@ -4,10 +4,9 @@ use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
 use super::structure::Structure;
-use crate::buffer;
 use crate::kernel::Kernel;
 use crate::options::Accelerator;
-use crate::plan::{Because, Plan, Planned};
+use crate::plan::{Because, Plan, Planned, element};
 use crate::scene_data::SceneData;
 use crate::schedule::Step;
 use crate::shader::{Resource, Variant};
@@ -133,12 +132,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
             bindings: bindings.collect(),
         }
     };
-    let buffer = |b: &Planned<&'static str>| PlannedBuffer {
-        name: b.what,
-        element: buffer::info(b.what)
-            .map_or("books of the passes: rays sent to each state, lists of live rays", |info| info.element),
-        bytes: b.bytes,
-    };
+    let buffer = |b: &Planned<&'static str>| PlannedBuffer { name: b.what, element: element(b.what), bytes: b.bytes };
     let left_out = plan.left_out.iter().map(|item| LeftOutSummary {
         what: item.what.clone(),
         because: match item.because {

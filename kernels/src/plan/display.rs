@@ -29,6 +29,18 @@ impl fmt::Display for Plan {
     }
 }
 
+/// What an element of a buffer is, be it one that the GPU executor keeps for itself.
+pub(crate) fn element(name: &str) -> &'static str {
+    match (buffer::info(name), name) {
+        (Some(info), _) => info.element,
+        (None, "fill") => "u32 texels: what streams begin with",
+        (None, "given") => "rays from outside: what some streams begin with",
+        (None, "live_rays") => "u32 a ray in the list of a kernel: x and y << 16",
+        (None, "sent" | "sent_copy") => "256 bytes a pass: how many rays it sent to each state",
+        (None, _) => "256 bytes a pass of its kernel: its arguments, and where its list lies",
+    }
+}
+
 /// A plan, and what the grid or tree that was built for it came to.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanText<'a>(pub &'a Plan, pub &'a Structure);
@@ -71,7 +83,7 @@ impl Plan {
             let info = s.what.info();
             writeln!(
                 f,
-                "  {:<18} {:>10}  {}  [{}]",
+                "  {:<19} {:>10}  {}  [{}]",
                 info.name,
                 Bytes(s.bytes).to_string(),
                 info.layers.join(" "),
@@ -80,11 +92,9 @@ impl Plan {
         }
         writeln!(f, "\nbuffers")?;
         for b in &self.buffers {
-            let element = buffer::info(b.what)
-                .map_or("books of the passes: rays sent to each state, lists of live rays", |i| i.element);
-            writeln!(f, "  {:<18} {:>10}  {element}", b.what, Bytes(b.bytes).to_string())?;
+            writeln!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(b.what))?;
         }
-        writeln!(f, "  {:<18} {:>10}", "in all", Bytes(self.bytes()).to_string())?;
+        writeln!(f, "  {:<19} {:>10}", "in all", Bytes(self.bytes()).to_string())?;
         writeln!(f, "\nleft out")?;
         for item in &self.left_out {
             let because = match item.because {
