@@ -24,6 +24,12 @@ fn passes(place: &Place, name: &str) -> Vec<BTreeMap<String, String>> {
     reader.deserialize().map(|row| row.expect("as many fields as names")).collect()
 }
 
+/// The largest difference of a colour of two images.
+fn furthest(a: &[u8], b: &[u8]) -> u8 {
+    let colours = |file| image::load_from_memory(file).expect("a PNG").to_rgb8().into_raw();
+    colours(a).iter().zip(colours(b)).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
+}
+
 #[test]
 fn every_accelerator_with_every_schedule_draws_the_same_image() {
     let place = Place::new();
@@ -38,7 +44,10 @@ fn every_accelerator_with_every_schedule_draws_the_same_image() {
             assert_eq!(run["accelerator"], if accelerator == "auto" { "bvh" } else { accelerator });
             assert_eq!((&run["hits"], &run["unfinished"]), (&384.into(), &0.into()), "{how:?}");
             let image = place.read("a.png");
-            assert!(image == *first.get_or_insert_with(|| image.clone()), "{how:?} draws another image");
+            let first = first.get_or_insert_with(|| image.clone());
+            // A GPU's compiler may round one kernel otherwise than another: then one step of 8 bits.
+            let may_round = !run["adapter"].is_null() && run["adapter"]["kind"] != "software";
+            assert!(image == *first || may_round && furthest(&image, first) <= 1, "{how:?} draws another image");
         }
     }
 }
