@@ -71,10 +71,10 @@ impl Machine {
         Ok(Self { kind: args.adapter, device, quick: args.quick, load })
     }
 
-    /// Work for the device until its clocks are up; what runs next is to keep them there.
+    /// Gives the device work until its clocks are up; what runs next is to keep them there.
     pub(crate) fn raise_clocks(&self) {
         let start = Instant::now();
-        while self.is_fast() && start.elapsed() < Duration::from_millis(300) {
+        while self.is_fast() && start.elapsed() < Duration::from_millis(250) {
             self.keep_clocks();
             self.settle();
         }

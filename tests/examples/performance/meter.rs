@@ -71,9 +71,11 @@ pub(crate) struct Group<'a> {
     pub(crate) size: (u32, u32),
     pub(crate) rays: RaySource,
     pub(crate) rays_kind: &'static str,
-    /// Rays of the same kind, or fewer, whose runs are counted; none: nothing is counted.
-    pub(crate) counted: Option<RaySource>,
+    pub(crate) counted: Option<Counted>,
 }
+
+/// Rays of the same kind, or fewer, whose steps are counted, and for which ways.
+pub(crate) type Counted = (RaySource, fn(&Way) -> bool);
 
 struct Ready {
     at: usize,
@@ -159,7 +161,7 @@ impl Meter<'_> {
             accelerator: way.accelerator.to_string(),
             schedule: way.schedule.to_string(),
             numerics: way.numerics.to_string(),
-            skip: (way.accelerator == Accelerator::Grid).then_some(way.skip == Skip::On),
+            skip: if way.accelerator == Accelerator::Grid { way.skip.to_string() } else { String::new() },
             grid,
             steps_per_pass: way.steps,
             ..Row::default()
@@ -173,7 +175,8 @@ impl Meter<'_> {
     /// Counts, builds, compiles, and runs for the first time.
     fn prepare(&self, group: &Group<'_>, way: &Way, row: &mut Row) -> Result<(Renderer, Option<Replay>), String> {
         let machine = self.machine;
-        let sums = group.counted.as_ref().and_then(|rays| self.count(group, way, rays));
+        let sums =
+            group.counted.as_ref().filter(|(_, wanted)| wanted(way)).and_then(|(rays, _)| self.count(group, way, rays));
         let mut options = self.options(group, way, &group.rays);
         options.timings = machine.gpu().is_none();
         let text = |e: &dyn std::fmt::Display| e.to_string();
@@ -182,6 +185,7 @@ impl Meter<'_> {
         row.build_s = Some(start.elapsed().as_secs_f64());
         row.rays = plan.rays;
         if plan.features.grid {
+            row.leaps = Some(plan.features.skip);
             row.cells = data.grid.cells.map(|n| n.to_string()).join("x");
         }
         row.bytes_per_triangle = structure_bytes(&plan);

@@ -16,8 +16,10 @@ pub(crate) struct Row {
     pub(crate) accelerator: String,
     pub(crate) schedule: String,
     pub(crate) numerics: String,
-    /// Whether rays leap over empty cells; empty without a grid.
-    pub(crate) skip: Option<bool>,
+    /// Whether rays are to leap over empty cells, as `--skip` has it; empty without a grid.
+    pub(crate) skip: String,
+    /// Whether they do.
+    pub(crate) leaps: Option<bool>,
     /// `auto`, or the cells asked for.
     pub(crate) grid: String,
     /// Cells along x, y and z of the grid that was built.
@@ -56,17 +58,13 @@ impl Row {
         self.median_device_ns.filter(|&ns| ns > 0.0).map(|ns| self.rays as f64 / ns * 1e3)
     }
 
-    pub(crate) fn ms(&self) -> Option<f64> {
-        self.median_device_ns.map(|ns| ns / 1e6)
-    }
-
-    /// How it was traced, for people: `grid, leaps`.
+    /// How it was traced, for people: `grid with leaps, compact K=8`.
     pub(crate) fn way(&self) -> String {
         let steps = match (self.schedule.as_str(), self.steps_per_pass) {
             ("compact", steps) => format!(" K={steps}"),
             _ => String::new(),
         };
-        let skip = if self.skip == Some(true) { " with leaps" } else { "" };
+        let skip = if self.skip == "on" { " with leaps" } else { "" };
         format!("{}{skip}, {}{steps}", self.accelerator, self.schedule)
     }
 }

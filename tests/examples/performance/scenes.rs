@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 use raystep_kernels::ray_kinds::{PrimaryHits, random};
-use raystep_kernels::{Accelerator, Options, RayKind, RaySource, Renderer, ScheduleKind};
+use raystep_kernels::{Accelerator, Options, RayHit, RayKind, RaySource, Renderer, ScheduleKind};
 use raystep_scenes::{Camera, LoadOptions, Projection, Resolver, Scene, convert, generate};
 
 use crate::args::MeshArg;
@@ -62,26 +62,35 @@ impl Viewed {
         RaySource::Camera { camera: self.camera.clone(), width, height }
     }
 
-    /// Rays of a kind, as many as pixels of such an image have; `None` where there is not one.
-    pub(crate) fn rays(&self, kind: RayKind, size: (u32, u32), machine: &Machine) -> Result<Option<RaySource>, String> {
-        let (width, height) = size;
+    /// What primary rays hit.
+    pub(crate) fn hits(&self, size: (u32, u32), machine: &Machine) -> Result<Vec<Option<RayHit>>, String> {
+        let mut options = Options::new(self.primary(size));
+        (options.accelerator, options.schedule, options.shade) = (Accelerator::Bvh, ScheduleKind::Fused, false);
+        let hits = machine.wait(async {
+            let mut renderer = Renderer::new(&self.scene, &options, &machine.device).await?;
+            renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
+            renderer.hits().await
+        });
+        hits.map_err(|e| e.to_string())
+    }
+
+    /// Rays of a kind, and a sixteenth of them to be counted. `hits` are those of the primary rays of such an
+    /// image. `None` where there is not a single ray.
+    pub(crate) fn rays(
+        &self,
+        kind: RayKind,
+        (width, height): (u32, u32),
+        hits: &[Option<RayHit>],
+    ) -> Option<(RaySource, RaySource)> {
+        let of_hits = PrimaryHits { scene: &self.scene, camera: &self.camera, width, hits };
         let rays = match kind {
-            RayKind::Primary => return Ok(Some(self.primary(size))),
+            RayKind::Primary => return Some((self.primary((width, height)), self.primary((width / 4, height / 4)))),
             RayKind::Random => random(&self.scene.bounds(), width as usize * height as usize, SEED),
-            RayKind::Bounce | RayKind::Shadow => {
-                let mut options = Options::new(self.primary(size));
-                (options.accelerator, options.schedule, options.shade) = (Accelerator::Bvh, ScheduleKind::Fused, false);
-                let hits = machine.wait(async {
-                    let mut renderer = Renderer::new(&self.scene, &options, &machine.device).await?;
-                    renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
-                    renderer.hits().await
-                });
-                let hits = hits.map_err(|e| e.to_string())?;
-                let hits = PrimaryHits { scene: &self.scene, camera: &self.camera, width, hits: &hits };
-                if kind == RayKind::Bounce { hits.bounce(SEED) } else { hits.shadow(SEED) }
-            }
+            RayKind::Bounce => of_hits.bounce(SEED),
+            RayKind::Shadow => of_hits.shadow(SEED),
         };
-        Ok((!rays.is_empty()).then_some(RaySource::Given(rays)))
+        let counted: Vec<_> = rays.iter().copied().step_by(16).collect();
+        (!rays.is_empty()).then_some((RaySource::Given(rays), RaySource::Given(counted)))
     }
 }
 

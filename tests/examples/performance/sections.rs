@@ -40,11 +40,12 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
     let machine = Machine::open(args)?;
     std::fs::create_dir_all(&args.output).map_err(|e| format!("{}: {e}", args.output.display()))?;
     let mut about = machine.about(args);
+    let begin = Instant::now();
     eprintln!("{} ({}, {}), {} cores", about.name, about.backend, about.driver, about.cores);
     for name in NAMES.iter().filter(|name| args.only.is_empty() || args.only.iter().any(|o| o == *name)) {
         let start = Instant::now();
         let path = args.output.join(format!("{name}.csv"));
-        let deadline = Deadline::after(budget(&machine, name));
+        let deadline = Deadline::after(budget(&machine, name, begin.elapsed()));
         let mut meter = Meter { machine: &machine, section: name, deadline, rows: Vec::new() };
         match *name {
             "bytes" => csvs::write(&path, &bytes::measure(&machine, deadline)?)?,
@@ -71,22 +72,25 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
     Ok(())
 }
 
-/// What a section may take; on a GPU all of them take less than four minutes.
-fn budget(machine: &Machine, section: &str) -> Duration {
-    let gpu = match section {
+/// What a section may take. On a GPU all of them take less than four minutes: the small ones less than their share,
+/// and the two with large scenes what is left.
+fn budget(machine: &Machine, section: &str, elapsed: Duration) -> Duration {
+    const ALL: Duration = Duration::from_secs(220);
+    const TRIANGLES: Duration = Duration::from_secs(80);
+    let small = match section {
         "paper" => 30,
         "resolution" => 20,
-        "steps" => 15,
-        "bytes" => 15,
-        "tdelta" => 10,
-        "meshes" => 75,
-        _ => 70,
+        "steps" | "bytes" => 15,
+        _ => 10,
     };
-    Duration::from_secs(match (machine.is_fast(), machine.quick) {
-        (true, false) => gpu,
-        (_, true) => 30,
-        (false, false) => 20 * gpu,
-    })
+    match (machine.is_fast(), machine.quick, section) {
+        (true, false, "meshes") => ALL.saturating_sub(TRIANGLES + elapsed),
+        (true, false, "triangles") => ALL.saturating_sub(elapsed),
+        (true, false, _) => Duration::from_secs(small),
+        (_, true, _) => Duration::from_secs(30),
+        (false, false, "meshes" | "triangles") => Duration::from_secs(1200),
+        (false, false, _) => Duration::from_secs(20 * small),
+    }
 }
 
 /// The size at which one size is measured.

@@ -9,18 +9,25 @@ use crate::scenes::Viewed;
 
 pub(super) fn measure(meter: &mut Meter<'_>, meshes: &[MeshArg]) -> Result<(), String> {
     let size = one_size(meter.machine);
-    // Counting every repeated test walks back for each: fewer rays say as much.
-    let counted_size = (size.0 / 4, size.1 / 4);
-    for viewed in std::iter::once(Viewed::generated("cornell-box", None)).chain(meshes.iter().map(Viewed::read)) {
-        let viewed = viewed?;
-        for &kind in RayKind::ALL {
-            let Some(rays) = viewed.rays(kind, size, meter.machine)? else { continue };
-            let counted = viewed.rays(kind, counted_size, meter.machine)?;
-            let group = Group { viewed: &viewed, size, rays, rays_kind: kind.name(), counted };
+    let mut scenes = vec![Viewed::generated("cornell-box", None)?];
+    for mesh in meshes {
+        scenes.push(Viewed::read(mesh)?);
+    }
+    let hits = scenes.iter().map(|viewed| viewed.hits(size, meter.machine)).collect::<Result<Vec<_>, _>>()?;
+    // By kind first: where time runs out, every scene has its primary rays.
+    for &kind in RayKind::ALL {
+        for (viewed, hits) in scenes.iter().zip(&hits) {
+            let Some((rays, counted)) = viewed.rays(kind, size, hits) else { continue };
+            let group = Group { viewed, size, rays, rays_kind: kind.name(), counted: Some((counted, is_counted)) };
             meter.group(&group, &ways());
         }
     }
     Ok(())
+}
+
+/// Other schedules take the same steps.
+fn is_counted(way: &Way) -> bool {
+    way.schedule == ScheduleKind::Fused || way.schedule == ScheduleKind::Compact && way.steps == 1
 }
 
 fn ways() -> Vec<Way> {

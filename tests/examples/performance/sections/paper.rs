@@ -2,7 +2,7 @@
 
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip};
 
-use crate::meter::{Group, Meter, Way};
+use crate::meter::{Counted, Group, Meter, Way};
 use crate::scenes::Viewed;
 
 /// Sides of the paper's square images.
@@ -17,7 +17,7 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
     for &side in sides {
         let size = (side, side);
         let rays = viewed.primary(size);
-        let counted = Some(rays.clone());
+        let counted: Option<Counted> = Some((rays.clone(), |_| true));
         let group = Group { viewed: &viewed, size, rays, rays_kind: "primary", counted };
         meter.group(&group, &ways());
     }

@@ -4,6 +4,7 @@ use raystep_kernels::{Accelerator, Skip};
 
 use crate::args::AdapterKind;
 use crate::meter::{Group, Meter, Way};
+use crate::row::Row;
 use crate::scenes::Viewed;
 
 const COUNTS: [u64; 14] = [2, 8, 18, 32, 72, 128, 512, 2_048, 8_192, 32_768, 131_072, 524_288, 2_000_000, 10_000_000];
@@ -22,6 +23,11 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
     let mut without = [None::<(f64, f64)>; 2];
     for &count in COUNTS.iter().filter(|&&count| count <= most) {
         for (scene, without) in ["terrain", "soup"].into_iter().zip(&mut without) {
+            if meter.deadline.is_over() {
+                let (section, reason) = (meter.section.into(), "the section's time was over".into());
+                meter.rows.push(Row { section, scene: scene.into(), triangles: count, reason, ..Row::default() });
+                continue;
+            }
             let viewed = Viewed::generated(scene, Some(count))?;
             let triangles = viewed.scene.triangles.len() as f64;
             let expected_ns = without.map_or(0.0, |(before, ns)| ns * triangles / before);
@@ -38,22 +44,18 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
             meter.group(&Group { viewed: &viewed, size, rays, rays_kind: "primary", counted: None }, &ways);
             let last = meter.rows.last().filter(|row| row.accelerator == "none");
             *without = last.and_then(|row| row.median_device_ns).map(|ns| (triangles, ns)).or(*without);
-            if expected_ns >= MOST_NS
-                && let Some(row) = meter.rows.last().cloned()
-            {
-                meter.rows.push(crate::row::Row {
-                    section: row.section,
-                    scene: row.scene,
-                    triangles: row.triangles,
-                    rays_kind: row.rays_kind,
-                    width_px: row.width_px,
-                    height_px: row.height_px,
+            if expected_ns >= MOST_NS {
+                meter.rows.push(Row {
+                    section: meter.section.into(),
+                    scene: scene.into(),
+                    triangles: triangles as u64,
+                    rays_kind: "primary".into(),
+                    width_px: size.0,
+                    height_px: size.1,
                     accelerator: "none".into(),
                     schedule: "fused".into(),
-                    numerics: row.numerics,
-                    steps_per_pass: 1,
                     reason: format!("not begun: {:.1} s were expected", expected_ns / 1e9),
-                    ..Default::default()
+                    ..Row::default()
                 });
             }
         }

@@ -1,0 +1,101 @@
+//! What is fastest where, and what measured it.
+
+use super::Measured;
+use super::text::{columns, distinct, number, percent, table, time};
+use crate::row::Row;
+
+/// The fastest ways of each scene and kind of ray.
+pub(super) fn answer(machine: &Measured) -> String {
+    let rows: Vec<&Row> = machine.timed("meshes").collect();
+    let key = |row: &Row| (row.scene.clone(), row.triangles, row.rays_kind.clone(), row.width_px, row.height_px);
+    let mut lines = Vec::new();
+    for group in distinct(rows.iter().map(|row| key(row))) {
+        let of_group = || rows.iter().copied().filter(|row| key(row) == group);
+        let fastest = |wanted: &dyn Fn(&Row) -> bool| {
+            let best = of_group().filter(|row| wanted(row));
+            best.min_by(|a, b| {
+                a.median_device_ns.unwrap_or(f64::MAX).total_cmp(&b.median_device_ns.unwrap_or(f64::MAX))
+            })
+        };
+        let cell = |row: Option<&Row>| {
+            row.and_then(|r| Some(format!("{}: {}", r.way(), number(r.mray_per_s()?)))).unwrap_or("–".into())
+        };
+        lines.push(vec![
+            format!("{}, {} triangles", group.0, group.1),
+            group.2.clone(),
+            cell(fastest(&|_| true)),
+            cell(fastest(&|r| r.accelerator == "grid")),
+            cell(fastest(&|r| r.schedule != "fused")),
+            cell(fastest(&|r| r.schedule != "fused" && r.steps_per_pass == 1)),
+        ]);
+    }
+    if lines.is_empty() {
+        return String::new();
+    }
+    let size = rows.first().map(|r| format!("{}×{}", r.width_px, r.height_px)).unwrap_or_default();
+    let names = ["scene", "rays", "fastest", "fastest with the grid", "fastest that steps", "fastest, one step a pass"];
+    format!("Million rays a second, {size} pixels.\n\n{}", table(&columns(&names), &lines))
+}
+
+/// What the machine is, how often it ran, and how far its times spread.
+pub(super) fn machine(machine: &Measured) -> String {
+    let about = &machine.about;
+    let spreads = machine.rows.iter().filter(|row| row.n > 4);
+    let mut spreads: Vec<f64> =
+        spreads.filter_map(|r| Some((r.p95_device_ns? - r.p05_device_ns?) / r.median_device_ns?)).collect();
+    spreads.sort_by(f64::total_cmp);
+    let at = |share: f64| spreads.get((share * spreads.len().saturating_sub(1) as f64) as usize).copied();
+    let timed: Vec<&Row> = machine.rows.iter().filter(|row| row.n > 0).collect();
+    let left_out = machine.rows.len() - timed.len();
+    let invalid: usize = machine.rows.iter().map(|row| row.invalid).sum::<usize>()
+        + machine.probes.iter().map(|probe| probe.invalid).sum::<usize>();
+    let (least, most) = (timed.iter().map(|r| r.n).min(), timed.iter().map(|r| r.n).max());
+    let clock = match about.timestamp_period_ns {
+        Some(period) => format!("timestamps of {} each", time(period)),
+        None => "the processor's clock around every pass".into(),
+    };
+    let mut text = format!("**{}**: ", machine.title());
+    if about.kind != "processor" {
+        text += &format!("{} ({}, {}), ", about.adapter, about.backend, about.driver);
+    }
+    text += &format!("{}, {} cores; {clock}; raystep {}.", about.processor, about.cores, about.raystep_version);
+    let seconds: f64 = about.seconds.iter().map(|(_, s)| s).sum();
+    text += &format!(
+        "\n`performance measure {}`, {} s: {} configurations with {} to {} runs each, {left_out} left out with the \
+         reason in the CSV, {invalid} times not valid and not counted.",
+        about.arguments,
+        number(seconds.round()),
+        timed.len(),
+        least.unwrap_or(0),
+        most.unwrap_or(0),
+    );
+    if let (Some(half), Some(most)) = (at(0.5), at(0.95)) {
+        text += &format!(
+            " From the 5th to the 95th percentile is {} of the median in half of the configurations, and below {} \
+             in 19 of 20.",
+            percent(half),
+            percent(most)
+        );
+    }
+    text += &agreement(machine);
+    if about.quick {
+        text += " **A quick run with three repeats on small images, to try the page out.**";
+    }
+    text
+}
+
+/// Whether ways that must find the same did.
+fn agreement(machine: &Measured) -> String {
+    let robust: Vec<&Row> = machine.rows.iter().filter(|r| r.hits.is_some() && r.numerics == "robust").collect();
+    let key = |r: &Row| (r.section.clone(), r.scene.clone(), r.triangles, r.rays_kind.clone(), r.width_px, r.height_px);
+    let groups = distinct(robust.iter().map(|r| key(r)));
+    let differ =
+        groups.iter().filter(|group| distinct(robust.iter().filter(|r| key(r) == **group).map(|r| r.hits)).len() > 1);
+    match differ.count() {
+        0 => format!(" In each of the {} groups all ways with the robust rules hit equally many rays.", groups.len()),
+        n => format!(
+            " **In {n} of the {} groups ways with the robust rules hit different numbers of rays.**",
+            groups.len()
+        ),
+    }
+}
