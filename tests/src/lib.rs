@@ -7,8 +7,9 @@ use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll, Waker};
 
 use raystep_kernels::reference::{Report, check_rays};
-use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, Stream, StreamData};
+use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, ScheduleKind, Stream, StreamData};
 use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
+use ways::Way;
 
 pub mod parity;
 pub mod rays;
@@ -151,11 +152,62 @@ pub fn values(renderer: &Renderer, stream: Stream) -> StreamData {
     block_on(renderer.gpu().map(|g| &**g.gpu()), renderer.values(stream)).expect("values")
 }
 
+/// What a run hit, in bits: t, u, v and triangle, each of every ray.
+#[must_use]
+pub fn hits(renderer: &Renderer) -> [Vec<u32>; 4] {
+    let (state, hit) = (values(renderer, Stream::State), values(renderer, Stream::Hit));
+    [state.layer(1).to_vec(), hit.layer(0).to_vec(), hit.layer(1).to_vec(), hit.layer(2).to_vec()]
+}
+
 /// Compares a run's hits with f64 brute force.
 #[must_use]
 pub fn check(renderer: &Renderer) -> Report {
-    let streams = [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit].map(|s| values(renderer, s));
-    let [origins, directions, state, hit] = &streams;
-    let rays = renderer.plan().rays;
-    check_rays(renderer.data(), rays, [origins, directions, state, hit], |_, _| ControlFlow::Continue(()))
+    check_streams(renderer, &judged(renderer))
+}
+
+/// What brute force needs of a run.
+fn judged(renderer: &Renderer) -> [StreamData; 4] {
+    [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit].map(|s| values(renderer, s))
+}
+
+fn check_streams(renderer: &Renderer, [origins, directions, state, hit]: &[StreamData; 4]) -> Report {
+    let streams = [origins, directions, state, hit];
+    check_rays(renderer.data(), renderer.plan().rays, streams, |_, _| ControlFlow::Continue(()))
+}
+
+/// What a way of tracing found.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    /// The way.
+    pub way: Way,
+    /// Against f64 brute force.
+    pub report: Report,
+    /// Every ray's triangle.
+    pub triangles: Vec<u32>,
+}
+
+/// Traces the same rays in several ways and compares each with f64 brute force.
+#[must_use]
+pub fn check_ways(scene: &Scene, options: &Options, ways: &[Way], device: &Device) -> Vec<Checked> {
+    let mut seen: Vec<([Vec<u32>; 3], Report)> = Vec::new();
+    let check = |way: &Way| {
+        // A fused kernel that need not shade makes its rays itself, and brute force could not see them.
+        let shade = way.schedule == ScheduleKind::Fused && matches!(options.rays, RaySource::Camera { .. });
+        let renderer = traced(scene, &Options { shade, ..way.of(options) }, device);
+        assert_eq!(renderer.unfinished(), 0, "{way}");
+        let streams = judged(&renderer);
+        // The same rays with the same hits need no second look: on one device most ways agree.
+        let [origins, directions, state, hit] = &streams;
+        let same = [[&origins.bits[..], &directions.bits].concat(), state.layer(1).to_vec(), hit.bits.clone()];
+        let report = match seen.iter().find(|(streams, _)| *streams == same) {
+            Some((_, report)) => report.clone(),
+            None => {
+                let report = check_streams(&renderer, &streams);
+                seen.push((same, report.clone()));
+                report
+            }
+        };
+        Checked { way: *way, report, triangles: hit.layer(2)[..renderer.plan().rays as usize].to_vec() }
+    };
+    ways.iter().map(check).collect()
 }

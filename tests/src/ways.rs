@@ -90,6 +90,20 @@ pub const EVERY: [Way; 14] = {
     ]
 };
 
+/// Through cells and boxes, with leaps and without, in many passes and in one: what is fast enough for many rays.
+pub const FAST: [Way; 6] = {
+    use Accelerator::{Bvh, Grid};
+    use ScheduleKind::{Compact, Fused};
+    [
+        Way::new(Grid, Compact, 8),
+        Way::new(Grid, Compact, 8).leaping(),
+        Way::new(Grid, Fused, 1),
+        Way::new(Grid, Fused, 1).leaping(),
+        Way::new(Bvh, Compact, 8),
+        Way::new(Bvh, Fused, 1),
+    ]
+};
+
 /// As the paper has it: through the grid, every ray launched in every pass, one step each. Many passes, and
 /// each kernel does one thing.
 pub const STEPPED: Way = Way::new(Accelerator::Grid, ScheduleKind::Second, 1);

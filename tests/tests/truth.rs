@@ -1,7 +1,8 @@
 //! Robust numerics against f64 brute force: no missed, false or wrong hit but ties, on any scene.
 
 use raystep_kernels::{Accelerator, Device, Numerics, Options, RaySource};
-use raystep_tests::{check, gpu, options, rays, scene, scene_files, traced};
+use raystep_tests::ways::{FAST, STEPPED};
+use raystep_tests::{Checked, check, check_ways, gpu, options, rays, scene, scene_files, traced};
 
 /// Share of ties that a view may have. Edges cover about two pixels' width times their length; a pixel
 /// centre lies within the bound of an edge, some 30 units in the last place of a view 512 pixels wide,
@@ -21,12 +22,12 @@ fn pictures_of_small_scenes_have_no_errors_but_ties() {
         if scene.triangles.len() > 2000 {
             continue;
         }
-        let mut options = options(&scene, 512, 512);
-        options.shade = false;
-        let report = check(&traced(&scene, &options, &Device::Gpu(gpu())));
-        println!("{file} ({} triangles): {report}", scene.triangles.len());
-        assert_eq!(report.errors(), 0, "{file}: {report}\n{:#?}", report.mistakes);
-        assert!(report.ties as f64 <= ceiling(&file) * report.rays as f64, "{file}: {report}");
+        let options = options(&scene, 512, 512);
+        for Checked { way, report, .. } in check_ways(&scene, &options, &FAST, &Device::Gpu(gpu())) {
+            let label = format!("{file} ({} triangles) {way}: {report}", scene.triangles.len());
+            assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
+            assert!(report.ties as f64 <= ceiling(&file) * report.rays as f64, "{label}");
+        }
     }
 }
 
@@ -39,11 +40,12 @@ fn random_rays_have_no_errors_but_ties() {
         }
         let mut options = Options::new(RaySource::Given(rays::random(&scene, 10_000, 7)));
         options.shade = false;
-        let report = check(&traced(&scene, &options, &Device::Gpu(gpu())));
-        println!("{file} ({} triangles), random rays: {report}", scene.triangles.len());
-        assert_eq!(report.errors(), 0, "{file}: {report}\n{:#?}", report.mistakes);
-        // A third starts on a surface, where t = 0 is a tie with every triangle around.
-        assert!(report.ties * 2 < report.rays, "{file}: {report}");
+        for Checked { way, report, .. } in check_ways(&scene, &options, &FAST, &Device::Gpu(gpu())) {
+            let label = format!("{file} ({} triangles), random rays, {way}: {report}", scene.triangles.len());
+            assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
+            // A third starts on a surface, where t = 0 is a tie with every triangle around.
+            assert!(report.ties * 2 < report.rays, "{label}");
+        }
     }
 }
 
@@ -51,7 +53,7 @@ fn random_rays_have_no_errors_but_ties() {
 #[test]
 fn the_papers_numerics_lose_rays_where_theory_says_so() {
     let scene = scene("cornell-box.gltf");
-    let mut options = options(&scene, 512, 512);
+    let mut options = STEPPED.of(&options(&scene, 512, 512));
     (options.shade, options.numerics) = (false, Numerics::Paper);
     options.grid = raystep_kernels::GridSize::Cells([20; 3]);
     let grid = check(&traced(&scene, &options, &Device::Gpu(gpu())));

@@ -1,7 +1,8 @@
 //! No ray gets between two triangles that share an edge, nor out at the last cell.
 
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::{GridSize, Stream};
+use raystep_kernels::{Accelerator, GridSize, Stream};
+use raystep_tests::ways::FAST;
 use raystep_tests::{devices, options, scene, traced, values, watertight};
 
 #[test]
@@ -10,10 +11,13 @@ fn a_closed_mesh_loses_no_ray_at_any_scale() {
     for (name, device) in devices() {
         for scale in [1e-6, 1e-3, 1.0, 0.7, 1e3, 1e6] {
             let scene = watertight::closed_mesh(scale);
-            for grid in [GridSize::Auto, GridSize::Cells([1, 1, 1])] {
-                let rays = if grid == GridSize::Auto { 40_000 } else { 400 };
-                let missed = watertight::misses(&device, &scene, rays, grid, 3);
-                assert_eq!(missed, 0, "{name}, scale {scale:e}, {grid:?}");
+            for way in FAST {
+                let missed = watertight::misses(&device, &scene, way, 10_000, GridSize::Auto, 3);
+                assert_eq!(missed, 0, "{name}, scale {scale:e}, {way}");
+            }
+            for way in [FAST[0], FAST[2]] {
+                let missed = watertight::misses(&device, &scene, way, 400, GridSize::Cells([1; 3]), 3);
+                assert_eq!(missed, 0, "{name}, scale {scale:e}, {way}, one cell");
             }
         }
     }
@@ -25,12 +29,14 @@ fn walls_that_are_the_bounds_lose_no_ray() {
     let scene = scene("cornell-box.gltf");
     for (name, device) in devices() {
         for cells in [[1, 1, 1], [2, 3, 5], [16, 16, 16], [20, 20, 20], [31, 64, 7]] {
-            let mut options = options(&scene, 256, 256);
-            (options.shade, options.grid) = (false, GridSize::Cells(cells));
-            let hit = values(&traced(&scene, &options, &device), Stream::Hit);
-            // The room is open behind the camera only; every ray meets a wall.
-            let lost = hit.layer(2).iter().filter(|&&t| t == NO_TRIANGLE).count();
-            assert_eq!(lost, 0, "{name} {cells:?}");
+            for way in FAST.iter().filter(|way| way.accelerator == Accelerator::Grid) {
+                let mut options = way.of(&options(&scene, 256, 256));
+                (options.shade, options.grid) = (false, GridSize::Cells(cells));
+                let hit = values(&traced(&scene, &options, &device), Stream::Hit);
+                // The room is open behind the camera only; every ray meets a wall.
+                let lost = hit.layer(2).iter().filter(|&&t| t == NO_TRIANGLE).count();
+                assert_eq!(lost, 0, "{name} {cells:?} {way}");
+            }
         }
     }
 }

@@ -17,23 +17,23 @@ use crate::ulp;
 const RAY: [Stream; 2] = [Stream::RayDirection, Stream::RayOrigin];
 
 /// The rays before a pass, and what f32 can decide about them.
-pub struct Rounding<'a> {
+pub(super) struct Rounding<'a> {
     /// The run.
-    pub plan: &'a Plan,
+    pub(super) plan: &'a Plan,
     /// Its scene.
-    pub data: &'a SceneData,
+    pub(super) data: &'a SceneData,
     /// The kernel of the pass.
-    pub kernel: Kernel,
+    pub(super) kernel: Kernel,
     /// Every stream before it.
-    pub before: &'a [StreamData],
+    pub(super) before: &'a [StreamData],
     /// Where rays go that are nearly these; worked out when it is asked for.
-    pub nudged: OnceCell<Vec<Vec<StreamData>>>,
+    pub(super) nudged: OnceCell<Vec<Vec<StreamData>>>,
 }
 
 impl Rounding<'_> {
     /// A component before the pass; 0 where the run does not have the stream.
     #[must_use]
-    pub fn component(&self, stream: Stream, layer: usize, ray: usize) -> u32 {
+    pub(super) fn component(&self, stream: Stream, layer: usize, ray: usize) -> u32 {
         self.before.iter().find(|s| s.stream == stream).map_or(0, |s| s.get(layer, ray))
     }
 
@@ -70,7 +70,7 @@ impl Rounding<'_> {
     ///
     /// Integers, and what is only copied, must be equal but for rays that f32 cannot decide.
     #[must_use]
-    pub fn allows(&self, (stream, layer): (Stream, usize), a: u32, b: u32, possible: Option<&Possible>) -> bool {
+    pub(super) fn allows(&self, (stream, layer): (Stream, usize), a: u32, b: u32, possible: Option<&Possible>) -> bool {
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
         let size = x.abs().max(y.abs()).max(1.0);
         let difference = f64::from((x - y).abs());
@@ -89,7 +89,7 @@ impl Rounding<'_> {
 
     /// The triangle that the pass tests, or `hit`, the one that a pass of many tests ends with, as f64 sees it.
     #[must_use]
-    pub fn tested(&self, ray: usize, hit: u32) -> Option<Possible> {
+    pub(super) fn tested(&self, ray: usize, hit: u32) -> Option<Possible> {
         let (cell, item) = (self.component(Stream::State, 2, ray), self.component(Stream::State, 3, ray));
         let [origin, direction] = self.ray(ray);
         let seen = |triangle| possible(&self.data.vertices, origin, direction, triangle);
@@ -135,7 +135,7 @@ impl Rounding<'_> {
     /// Whether f32 cannot tell in which cell the ray's walk begins. The entry point lies on a face of the
     /// grid's box: that axis is clamped, the other two may be near a plane by chance.
     #[must_use]
-    pub fn walk_may_begin_elsewhere(&self, ray: usize) -> bool {
+    pub(super) fn walk_may_begin_elsewhere(&self, ray: usize) -> bool {
         let ([origin, direction], grid) = (self.ray(ray).map(|v| v.map(f64::from)), &self.data.grid);
         let (mut enter, mut axis) = (0.0, None);
         for a in (0..3).filter(|&a| direction[a] != 0.0) {
@@ -150,7 +150,7 @@ impl Rounding<'_> {
 
     /// Whether rounding alone may send the ray another way; `on_gpu` is where it went there.
     #[must_use]
-    pub fn may_part(&self, ray: usize, on_gpu: &[&StreamData]) -> bool {
+    pub(super) fn may_part(&self, ray: usize, on_gpu: &[&StreamData]) -> bool {
         let [origin, direction] = self.ray(ray).map(|v| v.map(f64::from));
         let at = |t: f64| [0, 1, 2].map(|a| origin[a] + direction[a] * t);
         let by_a_triangle = |p: Possible| {

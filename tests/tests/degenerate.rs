@@ -1,0 +1,125 @@
+//! Scenes that break tracers: triangles on top of each other, triangles without an area, coordinates at
+//! f32's limits, nothing at all. Every way to trace them against f64 brute force: no errors but ties.
+
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::{Accelerator, Options, Ray, RaySource};
+use raystep_scenes::{Camera, Material, Scene, generate};
+use raystep_tests::rays::{self, Random};
+use raystep_tests::ways::{EVERY, Way};
+use raystep_tests::{Checked, check_ways, devices, scene};
+
+/// A third of random rays start on a surface, where t = 0 is a tie.
+const ON_SURFACE: f64 = 0.34;
+
+fn made_of(triangles: Vec<[[f32; 3]; 3]>) -> Scene {
+    let triangle_materials = vec![0; triangles.len()];
+    Scene { triangles, triangle_materials, materials: vec![Material::default()], ..Scene::default() }
+}
+
+/// A picture of `side` by `side` rays that frames the scene.
+fn picture(scene: &Scene, side: u32) -> Options {
+    let camera = Camera::framing(&scene.bounds());
+    let options = Options::new(RaySource::Camera { camera, width: side, height: side });
+    Options { shade: false, ..options }
+}
+
+/// Traces in every way on every device; at most `ties` of all rays may be ties. Returns every ray's triangle.
+fn expect_no_errors(name: &str, scene: &Scene, options: &Options, ways: &[Way], ties: f64) -> Vec<Vec<u32>> {
+    let mut found = Vec::new();
+    for (device_name, device) in devices() {
+        for Checked { way, report, triangles } in check_ways(scene, options, ways, &device) {
+            let label = format!("{name}, {device_name} {way}: {report}");
+            assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
+            assert!(report.ties as f64 <= ties * report.rays as f64, "{label}");
+            found.push(triangles);
+        }
+    }
+    found
+}
+
+#[test]
+fn ten_thousand_identical_triangles_are_hit_as_the_first() {
+    let scene = made_of(vec![[[-1.0, -1.0, 0.3], [1.0, -0.8, -0.2], [0.1, 1.0, 0.4]]; 10_000]);
+    // A step each: as many passes as there are triangles, with few rays.
+    for triangles in expect_no_errors("identical", &scene, &picture(&scene, 12), &EVERY, 0.0) {
+        let hit = triangles.iter().filter(|&&id| id == 0).count();
+        assert!(hit > 20 && triangles.iter().all(|&id| id == 0 || id == NO_TRIANGLE), "{hit} hit the first");
+    }
+}
+
+/// Lines and points among which one triangle has an area.
+#[test]
+fn ten_thousand_triangles_without_an_area_hide_no_other() {
+    let mut random = Random::new(5);
+    let mut whole = |n: usize| random.below(n) as f32 - (n / 2) as f32;
+    // Whole numbers, so that the corners lie on a line exactly.
+    let mut triangles: Vec<[[f32; 3]; 3]> = (0..10_000)
+        .map(|i| {
+            let start = [0; 3].map(|_| whole(512));
+            let along = if i % 10 == 0 { [0.0; 3] } else { [0; 3].map(|_| whole(32)) };
+            [0.0, 1.0, 3.0].map(|k| [0, 1, 2].map(|a| start[a] + k * along[a]))
+        })
+        .collect();
+    triangles[4321] = [[-200.0, -180.0, 30.0], [220.0, -150.0, -40.0], [0.0, 230.0, 10.0]];
+    let scene = made_of(triangles);
+    expect_no_errors("without an area", &scene, &picture(&scene, 12), &EVERY, 0.01);
+    // A step each through all triangles was taken above.
+    let few: Vec<Way> = EVERY.into_iter().filter(|w| w.accelerator != Accelerator::None || w.steps > 1).collect();
+    let given = Options::new(RaySource::Given(rays::random(&made_of(vec![scene.triangles[4321]]), 500, 2)));
+    for triangles in expect_no_errors("without an area", &scene, &Options { shade: false, ..given }, &few, ON_SURFACE) {
+        let hit = triangles.iter().filter(|&&id| id == 4321).count();
+        assert!(hit > 100, "{hit} of 500 rays towards the one triangle hit it");
+    }
+}
+
+#[test]
+fn coordinates_at_the_limits_of_f32_are_traced() {
+    let sphere = generate::icosphere(2).expect("a small mesh");
+    for scale in [1e-38, 1e-30, 1e30, f64::from(f32::MAX)] {
+        let at_scale = |p: [f32; 3]| p.map(|v| (f64::from(v) * scale) as f32);
+        let scene = made_of(sphere.triangles.iter().map(|t| t.map(at_scale)).collect());
+        let name = format!("scale {scale:e}");
+        expect_no_errors(&name, &scene, &picture(&scene, 32), &EVERY, 0.01);
+        // From inside there is no way out.
+        let inside = rays::random(&sphere, 1200, 9).into_iter().filter(|r| glam::Vec3::from(r.origin).length() < 0.8);
+        let rays = inside.map(|r| Ray { origin: at_scale(r.origin), ..r }).collect();
+        let given = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
+        for triangles in expect_no_errors(&name, &scene, &given, &EVERY, 0.02) {
+            assert!(triangles.len() > 100 && !triangles.contains(&NO_TRIANGLE), "{name}: a ray got out");
+        }
+    }
+}
+
+#[test]
+fn nothing_and_next_to_nothing_are_traced() {
+    for file in ["empty.gltf", "single-triangle.gltf"] {
+        let scene = scene(file);
+        expect_no_errors(file, &scene, &picture(&scene, 32), &EVERY, 0.01);
+        let origin = Random::new(3).direction().map(|v| 3.0 * v);
+        let rays: Vec<_> = (0..200).map(|i| Ray { origin, direction: Random::new(i).direction() }).collect();
+        let given = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
+        expect_no_errors(file, &scene, &given, &EVERY, 0.01);
+    }
+    let point = made_of(vec![[[1.0, 2.0, 3.0]; 3]]);
+    expect_no_errors("a point", &point, &picture(&point, 32), &EVERY, 0.01);
+}
+
+/// A plane has no extent along an axis, and neither has its grid's only layer of cells or its tree's boxes.
+#[test]
+fn flat_scenes_are_traced() {
+    let terrain = generate::terrain(200, 1).expect("a small mesh");
+    for axis in 0..3 {
+        let turned = |p: [f32; 3]| {
+            let mut flat = [p[0], p[2], 0.0];
+            flat.swap(axis, 2);
+            flat[axis] = 0.37;
+            flat
+        };
+        let scene = made_of(terrain.triangles.iter().map(|t| t.map(turned)).collect());
+        expect_no_errors(&format!("flat along {axis}"), &scene, &picture(&scene, 32), &EVERY, 0.01);
+        let given = Options::new(RaySource::Given(rays::random(&scene, 300, 4)));
+        expect_no_errors(&format!("flat along {axis}"), &scene, &Options { shade: false, ..given }, &EVERY, ON_SURFACE);
+    }
+    let flat = scene("flat.gltf");
+    expect_no_errors("flat.gltf", &flat, &picture(&flat, 32), &EVERY, 0.01);
+}

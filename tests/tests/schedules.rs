@@ -1,0 +1,103 @@
+//! Which kernels run, in what order, is data: the first passes of every schedule, and when a plan leaps.
+
+use raystep_kernels::plan::Because;
+use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Plan, ScheduleKind, Skip};
+use raystep_scenes::{Scene, generate};
+use raystep_tests::ways::{STEPPED, Way};
+use raystep_tests::{options, scene, traced};
+
+fn letter(kernel: Kernel) -> char {
+    match kernel {
+        Kernel::Generate => 'g',
+        Kernel::Setup => 's',
+        Kernel::Intersect => 'i',
+        // To the next cell, to the next node.
+        Kernel::TraverseGrid => 'c',
+        Kernel::TraverseBvh => 'n',
+        Kernel::Walk => 'w',
+        Kernel::Fused => 'f',
+        Kernel::Shade => '*',
+    }
+}
+
+/// The room has 26 triangles, and of its 7 × 7 × 9 cells a ray sees at most 16 before its hit is found. The tree
+/// of the one triangle is one leaf, whoever builds it. Kernels that take turns do so to the end of the turn: the
+/// last one may find nothing to do.
+#[test]
+fn the_first_dozen_passes_are_those_of_the_schedule() {
+    use Accelerator::{Bvh, Grid, None};
+    use ScheduleKind::{Compact, First, Fused, Second};
+    let room = "cornell-box.gltf";
+    let one = "single-triangle.gltf";
+    for (file, accelerator, schedule, steps, expected) in [
+        (room, Grid, Second, 1, "gsicicicicic"),
+        (room, Grid, First, 1, "gsicicicicic"),
+        (room, Grid, Compact, 1, "gsicicicicic"),
+        (room, Grid, Compact, 2, "gswwwwwwww*"),
+        (room, Grid, Compact, 8, "gsww*"),
+        (room, Grid, Fused, 1, "gf*"),
+        (room, Bvh, Second, 1, "gsninininini"),
+        (room, Bvh, Compact, 1, "gsninininini"),
+        (one, Bvh, Second, 1, "gsnini*"),
+        (one, Bvh, First, 1, "gsnin*"),
+        (one, Bvh, Compact, 1, "gsnini*"),
+        (one, Bvh, Compact, 8, "gsw*"),
+        (one, Bvh, Fused, 8, "gf*"),
+        (room, None, Second, 1, "gsiiiiiiiiii"),
+        (room, None, First, 1, "gsiiiiiiiiii"),
+        (room, None, Compact, 1, "gsiiiiiiiiii"),
+        (room, None, Compact, 8, "gswwww*"),
+        (room, None, Compact, 100, "gsw*"),
+        (room, None, Fused, 1, "gf*"),
+        (one, None, Second, 1, "gsi*"),
+        // Only the compact schedule takes several steps a pass.
+        (room, Grid, Second, 8, "gsicicicicic"),
+        (one, Bvh, First, 8, "gsnin*"),
+    ] {
+        let (scene, way) = (scene(file), Way::new(accelerator, schedule, steps));
+        let mut options = way.of(&options(&scene, 8, 8));
+        options.grid = GridSize::Cells([7, 7, 9]);
+        let renderer = traced(&scene, &options, &Device::Cpu(Option::None));
+        let passes: String = renderer.passes().iter().take(12).map(|p| letter(p.kernel)).collect();
+        assert_eq!(passes, expected, "{file} {way}");
+        // What the executors ran is what the plan says, and nothing is planned for nothing.
+        let planned: Vec<Kernel> = renderer.plan().variants.iter().map(|v| v.kernel).collect();
+        assert_eq!(renderer.plan().schedule.kernels(), planned, "{file} {way}");
+        let never = planned.iter().find(|&&k| renderer.passes().iter().all(|p| p.kernel != k));
+        assert_eq!(never, Option::None, "{file} {way}: planned, but never run");
+    }
+}
+
+/// Whether a plan leaps, and why not.
+fn leaps(scene: &Scene, way: Way, skip: Skip, grid: GridSize) -> Result<(), (Because, &'static str)> {
+    let mut options = way.of(&options(scene, 8, 8));
+    (options.skip, options.grid) = (skip, grid);
+    let (plan, data) = Plan::new(scene, &options, &Limits::CPU).expect("a plan");
+    let left_out = plan.left_out.iter().find(|l| l.what == "buffer grid_distances");
+    let is_bound = plan.variants.iter().flat_map(|v| &v.bindings).any(|b| b.name == "grid_distances");
+    let is_planned = plan.buffers.iter().any(|b| b.what == "grid_distances");
+    assert_eq!(plan.features.skip, is_bound, "{way} {skip}");
+    assert_eq!((is_planned, left_out.is_none()), (is_bound, is_bound), "{way} {skip}\n{plan}");
+    assert_eq!(!data.grid_distances.is_empty(), is_bound, "{way} {skip}: distances");
+    left_out.map_or(Ok(()), |l| Err((l.because, l.reason)))
+}
+
+#[test]
+fn rays_leap_where_most_cells_are_empty_and_the_plan_says_why_not() {
+    let (sparse, dense) = (scene("teapot.glb"), generate::soup(5_000, 1).expect("a small scene"));
+    let dense_grid = GridSize::Cells([5; 3]);
+    let compact = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8);
+    for way in [compact, STEPPED, Way::new(Accelerator::Grid, ScheduleKind::Fused, 1)] {
+        assert_eq!(leaps(&sparse, way, Skip::Auto, GridSize::Auto), Ok(()), "{way}");
+        assert_eq!(leaps(&dense, way, Skip::On, dense_grid), Ok(()), "{way}");
+        for left_out in [leaps(&dense, way, Skip::Auto, dense_grid), leaps(&sparse, way, Skip::Off, GridSize::Auto)] {
+            let (because, reason) = left_out.expect_err("nothing to leap over");
+            assert!(because == Because::Options && reason.contains("do not leap"), "{way}: {reason}");
+        }
+    }
+    for accelerator in [Accelerator::Bvh, Accelerator::None] {
+        let way = Way { accelerator, ..compact };
+        let (_, reason) = leaps(&sparse, way, Skip::On, GridSize::Auto).expect_err("no grid");
+        assert_eq!(reason, format!("--accelerator {accelerator}"));
+    }
+}
