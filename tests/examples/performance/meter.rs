@@ -1,6 +1,6 @@
 //! Runs configurations in turn, so that what slows the machine down for a while slows all of them.
 //!
-//! The paper's schedules are replayed on a GPU: the passes of a run are found one at a time, and then submitted as
+//! The paper's tables are replayed on a GPU: the passes of a run are found one at a time, and then submitted as
 //! they are. A run that is not watched submits passes ahead of knowing whether they are needed; without lists of
 //! live rays each of those launches every ray, and first has them in every turn of its loop.
 
@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use raystep_kernels::executor::gpu::{GpuExecutor, MOST_PASSES};
 use raystep_kernels::export::json::{CounterSums, hit_count};
+use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::state::StateCounts;
 use raystep_kernels::{
@@ -110,7 +111,7 @@ impl Meter<'_> {
         let seconds = match (self.machine.quick, self.machine.kind) {
             (true, _) => (0.6, 3.0),
             (_, AdapterKind::Gpu) => (0.4, 1.5),
-            _ => (4.0, 20.0),
+            _ => (2.0, 20.0),
         };
         (Duration::from_secs_f64(seconds.0), Duration::from_secs_f64(seconds.1))
     }
@@ -188,7 +189,7 @@ impl Meter<'_> {
             row.leaps = Some(plan.features.skip);
             row.cells = data.grid.cells.map(|n| n.to_string()).join("x");
         }
-        row.bytes_per_triangle = structure_bytes(&plan);
+        row.bytes_per_triangle = (plan.triangles > 0).then(|| structure_bytes(&plan) as f64 / plan.triangles as f64);
         let start = Instant::now();
         let renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device));
         let mut renderer = renderer.map_err(|e| text(&e))?;
@@ -199,7 +200,7 @@ impl Meter<'_> {
         let too_long = || format!("a run takes more than {} s", most.as_secs_f64());
         let mut replay = None;
         let is_papers = matches!(way.schedule, ScheduleKind::First | ScheduleKind::Second);
-        match machine.gpu().filter(|_| is_papers && group.rays_kind == "primary") {
+        match machine.gpu().filter(|_| is_papers && self.section == "paper") {
             Some(gpu) => {
                 let start = Instant::now();
                 while machine.wait(renderer.step()).map_err(|e| text(&e))?.is_some() {
@@ -326,12 +327,4 @@ impl Replay {
         }
         Ok(Run { wall: start.elapsed(), device_ns: self.executor.device_ns().filter(|&ns| ns > 0) })
     }
-}
-
-/// Bytes a triangle of grid or tree, corners of triangles apart.
-fn structure_bytes(plan: &Plan) -> Option<f64> {
-    const STRUCTURE: [&str; 7] =
-        ["grid_cells", "grid_items", "grid_distances", "bvh_nodes", "bvh_parents", "bvh_items", "wide_nodes"];
-    let bytes: u64 = plan.buffers.iter().filter(|b| STRUCTURE.contains(&b.what)).map(|b| b.bytes).sum();
-    (plan.triangles > 0).then(|| bytes as f64 / plan.triangles as f64)
 }
