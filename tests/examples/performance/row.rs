@@ -25,6 +25,7 @@ pub(crate) struct Row {
     /// Cells along x, y and z of the grid that was built.
     pub(crate) cells: String,
     pub(crate) steps_per_pass: u32,
+    /// Building grid or tree, and packing triangles.
     pub(crate) build_s: Option<f64>,
     /// Compiling, allocating, uploading.
     pub(crate) prepare_s: Option<f64>,
