@@ -74,8 +74,13 @@ pub fn compare(gpu: &Arc<Gpu>, scene: &Scene, options: &Options) -> Parity {
     run(gpu, scene, options, |_| {}, |_| false)
 }
 
-/// The same after `change` had its way with the plan, up to the first pass that differs: a comparison that
-/// cannot fail proves nothing.
+/// The same after `change` had its way with the plan.
+#[must_use]
+pub fn compare_changed(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
+    run(gpu, scene, options, change, |_| false)
+}
+
+/// The same, up to the first pass that differs: a comparison that cannot fail proves nothing.
 #[must_use]
 pub fn compare_broken(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
     run(gpu, scene, options, change, |found| !found.breaches.is_empty() || !found.miscounts.is_empty())

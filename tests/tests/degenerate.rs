@@ -119,6 +119,23 @@ fn flat_scenes_are_traced() {
         expect_no_errors(&format!("flat along {axis}"), &scene, &picture(&scene, 32), &EVERY, 0.01);
         let given = Options::new(RaySource::Given(rays::random(&scene, 300, 4)));
         expect_no_errors(&format!("flat along {axis}"), &scene, &Options { shade: false, ..given }, &EVERY, ON_SURFACE);
+        // Rays in the plane see it edge-on, which is no hit; rays along an axis meet it in corners.
+        let mut rays = rays::random(&scene, 150, 6);
+        for (i, ray) in rays.iter_mut().enumerate() {
+            let corner = scene.triangles[i][i % 3];
+            match i % 2 {
+                0 => (ray.origin[axis], ray.direction[axis]) = (0.37, 0.0),
+                _ => {
+                    (ray.origin, ray.direction) = (corner, [0.0; 3]);
+                    (ray.origin[axis], ray.direction[axis]) = (1.0, -1.0);
+                }
+            }
+        }
+        let given = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
+        for triangles in expect_no_errors(&format!("edge-on to {axis}"), &scene, &given, &EVERY, 0.5) {
+            let met = triangles.iter().skip(1).step_by(2).filter(|&&id| id != NO_TRIANGLE).count();
+            assert_eq!(met, 75, "rays onto a corner that meet one of its triangles");
+        }
     }
     let flat = scene("flat.gltf");
     expect_no_errors("flat.gltf", &flat, &picture(&flat, 32), &EVERY, 0.01);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use raystep_kernels::kernel::KERNELS;
 use raystep_kernels::state::{self, TRANSITIONS};
-use raystep_kernels::{Accelerator, GridSize, Kernel, Options, RaySource, Renderer, ScheduleKind, Stream};
+use raystep_kernels::{Accelerator, GridSize, Kernel, Options, Plan, RaySource, Renderer, ScheduleKind, Stream};
 use raystep_tests::parity::Parity;
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files};
@@ -185,16 +185,19 @@ const BREAKS: [Break; 24] = {
     ]
 };
 
-/// Compares a run with a kernel whose WGSL, and only that, is changed.
-fn compare_broken(options: &Options, kernel: Kernel, from: &str, to: &str) -> Parity {
-    let scene = scene("cornell-box.gltf");
-    parity::compare_broken(&gpu(), &scene, options, |plan| {
+/// Changes a kernel's WGSL, and only that.
+fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
+    move |plan| {
         let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
         // WESL prints expressions its own way, so spaces do not count.
-        let broken = replace_ignoring_layout(&variant.source, from, to);
-        assert!(broken != variant.source, "{from:?} is not in\n{}", variant.source);
-        variant.source = broken;
-    })
+        let changed = replace_ignoring_layout(&variant.source, from, to);
+        assert!(changed != variant.source, "{from:?} is not in\n{}", variant.source);
+        variant.source = changed;
+    }
+}
+
+fn compare_broken(options: &Options, kernel: Kernel, from: &str, to: &str) -> Parity {
+    parity::compare_broken(&gpu(), &scene("cornell-box.gltf"), options, change(kernel, from, to))
 }
 
 /// The room in cells, not so many that the eye lies on a plane, where floor and ceil agree.
@@ -225,6 +228,30 @@ fn a_broken_kernel_is_named() {
         let found = compare_broken(&shadows, Kernel::Walk, from, to);
         assert_eq!(found.breaches.first().map(|b| b.kernel), Some(Kernel::Walk), "{to:?}");
     }
+}
+
+/// As a GPU may round that contracts or divides otherwise: t is off by a rounding, or distances to planes are. No ray
+/// may be taken for broken, and the few that go another way for it must be found.
+#[test]
+fn other_rounding_is_not_broken() {
+    use Accelerator::{Bvh, Grid};
+    use ScheduleKind::{Compact, Fused};
+    let scene = scene("teapot.glb");
+    let (mut tolerated, mut undecided) = (0, 0);
+    for (kernel, way, from, to) in [
+        (Kernel::Walk, Way::new(Grid, Compact, 8), "trace.t = candidate.t", "trace.t = candidate.t * 1.0000001"),
+        (Kernel::Walk, Way::new(Grid, Compact, 8), "- ray.origin)", "- ray.origin * 0.9999999)"),
+        (Kernel::Walk, Way::new(Grid, Compact, 8).leaping(), "ray.direction * t", "ray.direction * (t * 1.0000001)"),
+        (Kernel::Walk, Way::new(Bvh, Compact, 8), "(node.min - origin)", "(node.min * 0.9999999 - origin)"),
+        (Kernel::Fused, Way::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
+    ] {
+        let options = Options { counters: true, ..way.of(&options(&scene, 128, 128)) };
+        let found = parity::compare_changed(&gpu(), &scene, &options, change(kernel, from, to));
+        assert_eq!(found.breaches, [], "{} {way} with {to:?}", kernel.name());
+        tolerated += found.tolerated;
+        undecided += found.undecided;
+    }
+    assert!(tolerated > 0 && undecided > 0, "{tolerated} tolerated, {undecided} undecided");
 }
 
 /// A kernel that loses a ray from a list, or books it wrongly, does its own work right: the next one shows it.
