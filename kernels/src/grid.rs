@@ -99,7 +99,11 @@ pub fn growth(reach: f32) -> f32 {
 /// [`CELLS_PER_TRIANGLE`] a triangle. An axis thinner than a cell gets one, and the other two share.
 #[must_use]
 pub fn automatic_cells(triangles: u64, extent: [f64; 3]) -> [u32; 3] {
-    let wanted = (triangles as f64 * CELLS_PER_TRIANGLE).clamp(1.0, MAX_CELLS as f64 / 4.0);
+    cubes((triangles as f64 * CELLS_PER_TRIANGLE).clamp(1.0, MAX_CELLS as f64 / 4.0), extent)
+}
+
+/// About `wanted` nearly cubic cells in a box of these sides.
+fn cubes(wanted: f64, extent: [f64; 3]) -> [u32; 3] {
     let mut flat = [false; 3];
     loop {
         let axes = (0..3).filter(|&a| !flat[a]).count();
@@ -122,6 +126,13 @@ pub fn automatic_cells(triangles: u64, extent: [f64; 3]) -> [u32; 3] {
 /// Cells a triangle at which the automatic resolution aims.
 pub const CELLS_PER_TRIANGLE: f64 = 6.0;
 
+/// The same for walks that leap over empty cells. These cost them little, so that shorter lists pay: of 6, 24, 48
+/// and 96 on two scanned meshes, 48 took the least time or at most 10% more.
+pub const LEAPING_CELLS_PER_TRIANGLE: f64 = 48.0;
+
+/// Most cells of the automatic resolution for walks that leap: 128 MiB of starts.
+const MOST_LEAPING_CELLS: f64 = 33_000_000.0;
+
 /// Builds the grid over `vertices` (nine floats a triangle, traced units).
 ///
 /// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words`
@@ -131,35 +142,59 @@ pub const CELLS_PER_TRIANGLE: f64 = 6.0;
 /// Where the size asked for, or the lists, cannot be indexed.
 pub fn build(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
     let most = most_words.min(u64::from(u32::MAX));
+    let triangles = (vertices.len() / 9) as u64;
+    let GridSize::Cells(cells) = size else {
+        return automatic(vertices, |extent| automatic_cells(triangles, extent), 16, reach, most);
+    };
     let growth = growth(reach);
     let (min, max) = bounds(vertices);
-    let triangles = (vertices.len() / 9) as u64;
-    let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
-    let GridSize::Cells(cells) = size else {
-        // Cells not much larger than their growth would list their neighbours' triangles as well.
-        let finest = extent.map(|e| (e / (8.0 * f64::from(growth))).clamp(1.0, 4096.0) as u32);
-        let mut cells = automatic_cells(triangles, extent);
-        cells.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
-        let coarser = |cells: [u32; 3]| cells.map(|n| (n * 2 / 3).max(1));
-        while cell_count(cells) >= most && cells != [1; 3] {
-            cells = coarser(cells);
-        }
-        loop {
-            let grid = layout(min, max, cells, growth);
-            // Triangles much larger than a cell would fill every list; a coarser grid is cheaper then.
-            if let Some(counts) = count(vertices, &grid, growth, most.min(16 * triangles + 4096)) {
-                return Ok(fill(vertices, grid, growth, counts));
-            }
-            if cells == [1; 3] {
-                return Err(GridError::TooManyReferences { cells, limit: most });
-            }
-            cells = coarser(cells);
-        }
-    };
     check_cells(cells)?;
     let grid = layout(min, max, cells, growth);
     let counts = count(vertices, &grid, growth, most).ok_or(GridError::TooManyReferences { cells, limit: most })?;
     Ok(fill(vertices, grid, growth, counts))
+}
+
+/// Builds a grid whose automatic resolution suits walks that leap over empty cells; otherwise as [`build`].
+///
+/// # Errors
+/// Where the lists cannot be indexed.
+pub fn build_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<GridData, GridError> {
+    let wanted = ((vertices.len() / 9) as f64 * LEAPING_CELLS_PER_TRIANGLE).clamp(1.0, MOST_LEAPING_CELLS);
+    automatic(vertices, |extent| cubes(wanted, extent), 64, reach, most_words.min(u64::from(u32::MAX)))
+}
+
+/// The resolution that `cells` wants for the scene's extent, or a coarser one whose lists have at most so many
+/// entries a triangle, and `most` in all.
+fn automatic(
+    vertices: &[f32],
+    cells: impl Fn([f64; 3]) -> [u32; 3],
+    entries: u64,
+    reach: f32,
+    most: u64,
+) -> Result<GridData, GridError> {
+    let growth = growth(reach);
+    let (min, max) = bounds(vertices);
+    let triangles = (vertices.len() / 9) as u64;
+    let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
+    // Cells not much larger than their growth would list their neighbours' triangles as well.
+    let finest = extent.map(|e| (e / (8.0 * f64::from(growth))).clamp(1.0, 4096.0) as u32);
+    let mut cells = cells(extent);
+    cells.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
+    let coarser = |cells: [u32; 3]| cells.map(|n| (n * 2 / 3).max(1));
+    while cell_count(cells) >= most && cells != [1; 3] {
+        cells = coarser(cells);
+    }
+    loop {
+        let grid = layout(min, max, cells, growth);
+        // Triangles much larger than a cell would fill every list; a coarser grid is cheaper then.
+        if let Some(counts) = count(vertices, &grid, growth, most.min(entries * triangles + 4096)) {
+            return Ok(fill(vertices, grid, growth, counts));
+        }
+        if cells == [1; 3] {
+            return Err(GridError::TooManyReferences { cells, limit: most });
+        }
+        cells = coarser(cells);
+    }
 }
 
 fn cell_count(cells: [u32; 3]) -> u64 {

@@ -113,6 +113,19 @@ fn automatic_cells_suit_flat_and_single_shapes() {
 }
 
 #[test]
+fn grids_for_leaps_are_finer_and_fit_what_there_is() {
+    let vertices = soup(10_000, 0.01, [1.0; 3]);
+    let cells = |most: u64| {
+        let built = grid::build_for_leaps(&vertices, 4.0, most).expect("a grid");
+        assert!(built.cells.len() as u64 <= most && built.items.len() as u64 <= most);
+        built.grid.cells.iter().map(|&n| f64::from(n)).product::<f64>()
+    };
+    let wanted = 10_000.0 * grid::LEAPING_CELLS_PER_TRIANGLE;
+    assert!((cells(u64::MAX) / wanted - 1.0).abs() < 0.1);
+    assert!(cells(100_000) < 100_000.0);
+}
+
+#[test]
 fn sizes_that_cannot_be_are_refused() {
     for cells in [[0, 1, 1], [5000, 1, 1], [4096, 4096, 4096]] {
         assert_eq!(build(&[0.0; 9], GridSize::Cells(cells), 1.0, u64::MAX), Err(GridError::Size(cells)));

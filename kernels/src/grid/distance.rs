@@ -1,6 +1,5 @@
 //! How far each empty cell is from the next cell with a list (proximity clouds, Cohen and Sheffer, 1994).
 
-use crate::parallel::for_chunks;
 use crate::shared::grid_walk::Grid;
 
 /// The farthest distance that is told apart: what a byte holds.
@@ -9,73 +8,62 @@ const FARTHEST: u8 = 255;
 /// Chessboard distance of every cell to the nearest one with a list, at most 255: 0 for a cell with a list.
 /// Four cells a word, the first in the lowest byte.
 ///
-/// Exact up to the limit: the chessboard distance is the largest of the three axes' distances, so it can be
-/// found axis by axis, as Saito and Toriwaki (1994) do for the Euclidean one: along a row, the smallest of
-/// `max(d, distance along the row)` is taken over all cells of the row, by one sweep each way.
+/// Two passes over the cells, forth and back, in each of which a cell is at most one farther than any of its 13
+/// neighbours before it; for the chessboard distance that is exact (Rosenfeld and Pfaltz, 1968).
 #[must_use]
 pub fn distances(grid: &Grid, cells: &[u32]) -> Vec<u32> {
     let [nx, ny, nz] = grid.cells.map(|n| n as usize);
     let count = nx * ny * nz;
     let mut bytes: Vec<u8> = cells.windows(2).map(|w| if w[0] < w[1] { 0 } else { FARTHEST }).collect();
     bytes.resize(count, FARTHEST);
-    // Along x every row lies together; along y and z rows are gathered slice by slice.
-    for_chunks(&mut bytes, nx, |_, row| {
-        let (mut spread, mut scratch) = (row.to_vec(), Scratch::default());
-        scratch.sweep(&mut spread);
-        row.copy_from_slice(&spread);
-    });
-    for_chunks(&mut bytes, nx * ny, |_, slice| {
-        let (mut line, mut scratch) = (vec![0; ny], Scratch::default());
-        for x in 0..nx {
-            (0..ny).for_each(|y| line[y] = slice[x + nx * y]);
-            scratch.sweep(&mut line);
-            (0..ny).for_each(|y| slice[x + nx * y] = line[y]);
+    let rows: Vec<(usize, usize)> = (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))).collect();
+    let mut nearest = vec![FARTHEST; nx];
+    for &(y, z) in &rows {
+        let row = (y + ny * z) * nx;
+        let (before, this) = bytes.split_at_mut(row);
+        let (below, slice) = (y > 0, z > 0);
+        let earlier = [below.then_some(nx), slice.then_some(nx * ny)].into_iter().flatten();
+        let corners = [(slice && below).then_some(nx * (ny + 1)), (slice && y + 1 < ny).then_some(nx * (ny - 1))];
+        for back in earlier.chain(corners.into_iter().flatten()) {
+            spread(&before[row - back..][..nx], &mut nearest, &mut this[..nx]);
         }
-    });
-    let plane = nx * ny;
-    let (mut line, mut scratch) = (vec![0; nz], Scratch::default());
-    for xy in 0..plane {
-        (0..nz).for_each(|z| line[z] = bytes[xy + plane * z]);
-        scratch.sweep(&mut line);
-        (0..nz).for_each(|z| bytes[xy + plane * z] = line[z]);
+        along(this[..nx].iter_mut());
+    }
+    for &(y, z) in rows.iter().rev() {
+        let row = (y + ny * z) * nx;
+        let (this, after) = bytes.split_at_mut(row + nx);
+        let (above, slice) = (y + 1 < ny, z + 1 < nz);
+        let later = [above.then_some(nx), slice.then_some(nx * ny)].into_iter().flatten();
+        let corners = [(slice && above).then_some(nx * (ny + 1)), (slice && y > 0).then_some(nx * (ny - 1))];
+        for forth in later.chain(corners.into_iter().flatten()) {
+            spread(&after[forth - nx..][..nx], &mut nearest, &mut this[row..]);
+        }
+        along(this[row..].iter_mut().rev());
     }
     bytes.resize(count.next_multiple_of(4), 0);
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
-/// What a sweep keeps: the cells whose value can still be the smallest farther on.
-#[derive(Default)]
-struct Scratch {
-    best: Vec<u8>,
-}
-
-impl Scratch {
-    /// `line[i] = min over j of max(line[j], |i - j|)`.
-    fn sweep(&mut self, line: &mut [u8]) {
-        self.best.clear();
-        self.best.extend_from_slice(line);
-        one_way(line.iter().copied(), self.best.iter_mut());
-        one_way(line.iter().copied().rev(), self.best.iter_mut().rev());
-        line.copy_from_slice(&self.best);
+/// No cell of `to` is more than one farther than the three cells of the neighbouring row `from` around it.
+fn spread(from: &[u8], nearest: &mut [u8], to: &mut [u8]) {
+    nearest.copy_from_slice(from);
+    for (n, next) in nearest.iter_mut().zip(&from[1..]) {
+        *n = (*n).min(*next);
+    }
+    for (n, last) in nearest[1..].iter_mut().zip(from) {
+        *n = (*n).min(*last);
+    }
+    for (t, n) in to.iter_mut().zip(nearest) {
+        *t = (*t).min(n.saturating_add(1));
     }
 }
 
-/// Lowers `best[i]` to the smallest `max(value[j], i - j)` over j up to i.
-fn one_way<'a>(values: impl Iterator<Item = u8>, best: impl Iterator<Item = &'a mut u8>) {
-    // Of two earlier cells the later one with the smaller value is always the better.
-    let mut candidates: Vec<(usize, u8)> = Vec::new();
-    let mut first = 0;
-    for (i, (value, best)) in values.zip(best).enumerate() {
-        while candidates.len() > first && candidates.last().is_some_and(|c| c.1 >= value) {
-            candidates.pop();
-        }
-        candidates.push((i, value));
-        let cost = |c: &(usize, u8)| (i - c.0).max(usize::from(c.1));
-        // Values rise from the oldest to the newest; distances fall. The best is where they cross.
-        while first + 1 < candidates.len() && cost(&candidates[first + 1]) <= cost(&candidates[first]) {
-            first += 1;
-        }
-        *best = (*best).min(cost(&candidates[first]).min(usize::from(FARTHEST)) as u8);
+/// No cell is more than one farther than the cell before it.
+fn along<'a>(row: impl Iterator<Item = &'a mut u8>) {
+    let mut last = FARTHEST;
+    for cell in row {
+        last = last.saturating_add(1).min(*cell);
+        *cell = last;
     }
 }
 
