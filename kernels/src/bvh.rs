@@ -5,7 +5,7 @@
 //! bvh_parents   u32        one a node: the node whose child it is
 //! bvh_items     u32        triangle ids, in the order of the leaves
 //! wide_nodes    20 words   a node, see [`WideNode`]; the root is node 0
-//! wide_triangles 12 words  a corner and the triangle's id, a corner and 0, a corner and 0, in the order of the leaves
+//! packed_triangles 12 words  a corner and the triangle's id, a corner and 0, a corner and 0, in the order of the leaves
 //! ```
 //!
 //! **Boxes are conservative.** Every box contains the exact boxes of what is below it, grown by the distance
@@ -55,6 +55,12 @@ pub enum BvhQuality {
 impl BvhQuality {
     /// All of them, fastest to build first.
     pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::High];
+
+    /// The best one that builds a tree over so many triangles within about a second on two cores, or `Balanced`.
+    #[must_use]
+    pub fn for_triangles(triangles: u64) -> Self {
+        if triangles <= 1 << 18 { Self::High } else { Self::Balanced }
+    }
 
     fn effort(self) -> Effort {
         match self {
@@ -145,7 +151,7 @@ pub fn build(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<BvhD
 /// Where a corner is not finite or much too far away, and where it does not fit the buffers.
 pub fn build_wide(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<WideBvhData, BvhError> {
     // Known before anything is reserved: each triangle takes 12 words at least.
-    fits("wide_triangles", 12 * (vertices.len() / 9) as u64, options)?;
+    fits("packed_triangles", 12 * (vertices.len() / 9) as u64, options)?;
     let references = gather(vertices, growth, options)?;
     wide::build(vertices, growth, &references, options)
 }

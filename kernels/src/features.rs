@@ -4,10 +4,12 @@ use crate::shared::grid_walk::WalkRules;
 
 macro_rules! features {
     ($($name:ident: $doc:literal,)*) => {
-        /// One flag for every `@if` in the WGSL; the twins branch on the same.
+        /// One flag for every `@if` in the WGSL, on which the twins branch too, and one number.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub struct Features {
             $(#[doc = $doc] pub $name: bool,)*
+            /// Groups of siblings that wait at most while the fused kernel walks through the tree of this scene.
+            pub stack: u32,
         }
 
         impl Features {

@@ -125,13 +125,14 @@ impl<R: Real> Trace<R> {
                 stack[height] = group;
                 height += 1;
             }
-            let (inner, mut leaf) = ray.visit(&scene.wide_nodes[node as usize], self.t);
+            let (inner, leaves) = ray.visit(&scene.wide_nodes[node as usize], self.t);
             self.cells += 1;
             group = inner;
-            while leaf.bits != 0 {
-                let entry = leaf.bits.trailing_zeros();
-                leaf.bits &= leaf.bits - 1;
-                self.test(scene, leaf.base + entry, [0; 3]);
+            let mut waiting = leaves.bits;
+            while waiting != 0 {
+                let entry = leaves.entry(waiting.trailing_zeros());
+                waiting &= waiting - 1;
+                self.test(scene, entry, [0; 3]);
                 if self.ended {
                     return;
                 }

@@ -13,7 +13,7 @@ import package::scene::{scene};
 @if(grid && skip) import package::grid_lists::{empty_distance};
 @if(grid) import package::grid_lists::{grid_cells, grid_items};
 @if(bvh) import package::bvh_walk::{finite_inverse};
-@if(bvh) import package::wide_walk::{WideGroup, wide_ray, visit_wide, wide_child};
+@if(bvh) import package::wide_walk::{WideGroup, wide_ray, visit_wide, wide_child, wide_entry};
 
 @if(eye_rays) @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, write>;
 @if(!eye_rays) @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
@@ -66,6 +66,7 @@ fn traced(start: Trace) -> Trace {
         return trace;
     }
     let ray = wide_ray(trace.origin, finite_inverse(trace.direction));
+    // As high as this scene's tree needs: it is filled with zeros first, for every ray.
     var stack: array<vec2u, WIDE_STACK>;
     var height = 0u;
     // The root, as the one hit of a group; its slot is the octant's, so that no inner child precedes it.
@@ -81,11 +82,11 @@ fn traced(start: Trace) -> Trace {
         let hits = visit_wide(node, ray, trace.t);
         @if(counters) trace.cells += 1u;
         group = hits.inner;
-        var leaf = hits.leaf;
-        while (leaf.bits != 0u) {
-            let entry = firstTrailingBit(leaf.bits);
-            leaf.bits &= leaf.bits - 1u;
-            trace = tested(trace, leaf.base + entry, vec3i(0));
+        var waiting = hits.leaves.bits;
+        while (waiting != 0u) {
+            let bit = firstTrailingBit(waiting);
+            waiting &= waiting - 1u;
+            trace = tested(trace, wide_entry(hits.leaves, bit), vec3i(0));
             @if(any_hit) if (trace.ended) {
                 return trace;
             }

@@ -180,7 +180,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// The defaults: grid, second, robust, shaded, nothing measured.
+    /// The defaults: grid, compact with [`STEPS_PER_PASS`] steps a pass, robust, shaded, nothing measured.
     #[must_use]
     pub fn new(rays: RaySource) -> Self {
         Self {

@@ -199,6 +199,8 @@ impl Plan {
 
         let mut data = SceneData::accelerate(scene, options, &features, units, limits.storage_bytes)?;
         data.info.rays = rays as u32;
+        // The root is not pushed, and a node's siblings wait while its children are visited.
+        features.stack = data.wide_depth.saturating_sub(1);
         if features.grid && features.robust {
             features.skip = match options.skip {
                 Skip::On => true,
@@ -207,7 +209,7 @@ impl Plan {
             };
         }
         if features.skip {
-            data.measure_distances();
+            data.prepare_leaps(options, limits.storage_bytes)?;
         }
         let given = matches!(options.rays, RaySource::Given(_));
         let schedule = Schedule::new(

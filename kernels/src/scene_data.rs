@@ -3,10 +3,10 @@
 use bytemuck::cast_slice;
 use raystep_scenes::{Camera as SceneCamera, Light as SceneLight, Projection, Scene, Texture as SceneTexture, Wrap};
 
-use crate::bvh::{self, BvhNode, BvhOptions, WideContent, WideNode};
+use crate::bvh::{self, BvhNode, BvhOptions, BvhQuality, WideContent, WideNode};
 use crate::features::Features;
 use crate::generate::Camera;
-use crate::grid;
+use crate::grid::{self, GridData, GridSize};
 use crate::intersect::SceneInfo;
 use crate::options::{Options, Ray, RaySource, ScheduleKind};
 use crate::plan::PlanError;
@@ -52,6 +52,8 @@ pub struct SceneData {
     pub bvh_items: Vec<u32>,
     /// The wide tree.
     pub wide_nodes: Vec<WideNode>,
+    /// Nodes on the longest way through it.
+    pub wide_depth: u32,
     /// Corners and ids as the fused kernel reads them.
     pub packed_triangles: Vec<[u32; 12]>,
     /// Nine a triangle.
@@ -139,7 +141,9 @@ impl SceneData {
                 WideContent::Leaf { first, count } => (first + count) as usize <= entries,
             };
             let holds = |node: &WideNode| (0..8).filter_map(|slot| node.content(slot)).all(within);
-            return !self.wide_nodes.is_empty() && self.wide_nodes.iter().all(holds);
+            return !self.wide_nodes.is_empty()
+                && self.wide_depth <= self.features.stack + 1
+                && self.wide_nodes.iter().all(holds);
         }
         self.info.triangles as usize <= entries
     }
@@ -201,16 +205,15 @@ impl SceneData {
         let most_words = storage_bytes / 4;
         if features.grid {
             let reach = reach(&data.vertices, options, units);
-            let built = grid::build(&data.vertices, options.grid, reach, most_words)?;
-            (data.grid, data.grid_cells, data.grid_items, data.growth) =
-                (built.grid, built.cells, built.items, built.growth);
+            data.set_grid(grid::build(&data.vertices, options.grid, reach, most_words)?);
         }
         if features.bvh {
             data.growth = bvh_growth(reach(&data.vertices, options, units));
-            let how = BvhOptions { most_words, ..BvhOptions::default() };
+            let how = BvhOptions { most_words, quality: BvhQuality::for_triangles(scene.triangles.len() as u64) };
             if options.schedule == ScheduleKind::Fused {
                 let built = bvh::build_wide(&data.vertices, data.growth, &how)?;
                 (data.wide_nodes, data.packed_triangles) = (built.nodes, built.triangles);
+                data.wide_depth = built.depth;
             } else {
                 let built = bvh::build(&data.vertices, data.growth, &how)?;
                 (data.bvh_nodes, data.bvh_parents, data.bvh_items) = (built.nodes, built.parents, built.items);
@@ -219,9 +222,23 @@ impl SceneData {
         Ok(data)
     }
 
-    /// How far each empty cell is from the next list; see [`crate::grid::distances`].
-    pub(crate) fn measure_distances(&mut self) {
+    /// Prepares leaps: a finer grid where its resolution was left to us, and how far each empty cell is from the
+    /// next list; see [`crate::grid::distances`].
+    ///
+    /// # Errors
+    /// Where the grid cannot be built.
+    pub(crate) fn prepare_leaps(&mut self, options: &Options, storage_bytes: u64) -> Result<(), PlanError> {
+        if options.grid == GridSize::Auto {
+            let reach = reach(&self.vertices, options, self.units);
+            self.set_grid(grid::build_for_leaps(&self.vertices, reach, storage_bytes / 4)?);
+        }
         self.grid_distances = grid::distances(&self.grid, &self.grid_cells);
+        Ok(())
+    }
+
+    fn set_grid(&mut self, built: GridData) {
+        (self.grid, self.grid_cells, self.grid_items, self.growth) =
+            (built.grid, built.cells, built.items, built.growth);
     }
 
     /// Fills what `wanted` names. `scene` must have as many entries per attribute as triangles.

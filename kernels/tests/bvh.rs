@@ -350,7 +350,7 @@ fn what_cannot_be_built_is_refused() {
     let words = 12 * 10;
     assert_eq!(
         build_wide(&vertices, 0.0, &small),
-        Err(BvhError::TooLarge { buffer: "wide_triangles", words, limit: 30 })
+        Err(BvhError::TooLarge { buffer: "packed_triangles", words, limit: 30 })
     );
     assert!(matches!(build(&vertices, 0.0, &small), Err(BvhError::TooLarge { buffer: "bvh_nodes", limit: 30, .. })));
 }
@@ -391,7 +391,7 @@ fn check_finds_what_is_broken() {
     assert_eq!(broken(&|t| t.triangles[3][9] ^= 1), Err(BvhFault::Corners(3)));
     assert_eq!(broken(&|t| t.depth -= 1), Err(BvhFault::Depth(good.depth)));
     assert!(matches!(broken(&|t| t.nodes[0].child_base += 1), Err(BvhFault::Link(_) | BvhFault::Uncovered(_))));
-    assert!(broken(&|t| t.nodes[0].imask ^= 1).is_err());
+    assert!(broken(&|t| t.nodes[0].contents ^= 1 << 24).is_err());
 
     // A cut triangle that lost one of its pieces.
     let vertices = needles(1000);

@@ -179,8 +179,8 @@ const BREAKS: [Break; 24] = {
         (Kernel::Walk, few_steps(None), "3u * entry + 2u", "3u * entry + 1u"),
         (Kernel::Fused, Way::new(Grid, Fused, 1), "trace.t <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
         (Kernel::Fused, Way::new(Grid, Fused, 1).leaping(), "distance > 1", "distance > 2"),
-        (Kernel::Fused, Way::new(Bvh, Fused, 1), "vec4f(nearest_t)", "vec4f(0.5 * nearest_t)"),
-        (Kernel::Fused, Way::new(Bvh, Fused, 1), "leaf.base + entry", "leaf.base"),
+        (Kernel::Fused, Way::new(Bvh, Fused, 1), "bitcast<i32>(nearest_t)", "bitcast<i32>(0.5 * nearest_t)"),
+        (Kernel::Fused, Way::new(Bvh, Fused, 1), "leaves.base + countOneBits", "leaves.base + 0u * countOneBits"),
         (Kernel::Shade, STEPPED, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))"),
     ]
 };

@@ -4,6 +4,7 @@
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::cwbvh::node::CwBvhNode;
 
 use super::references::{Bounds, References};
 use super::tree::{self, TreeShape};
@@ -50,7 +51,7 @@ pub(super) fn build(
     options: &BvhOptions,
 ) -> Result<WideBvhData, BvhError> {
     let count = references.boxes.len();
-    fits("wide_triangles", 12 * count as u64, options)?;
+    fits("packed_triangles", 12 * count as u64, options)?;
     if count == 0 {
         return Ok(empty(growth));
     }
@@ -132,10 +133,9 @@ fn quantise(wide: &CwBvh, references: &References, growth: f32) -> Quantised {
     for i in (0..nodes.len()).rev() {
         let theirs = &wide.nodes[i];
         let mut node = WideNode {
-            imask: theirs.imask,
             child_base: theirs.child_base_idx,
             triangle_base: theirs.primitive_base_idx,
-            meta: theirs.child_meta,
+            contents: contents(theirs),
             ..WideNode::default()
         };
         let mut children = [Bounds::EMPTY; 8];
@@ -161,6 +161,13 @@ fn quantise(wide: &CwBvh, references: &References, growth: f32) -> Quantised {
     Quantised { nodes, cost: if root > 0.0 { area / root } else { 0.0 }, repaired }
 }
 
+/// What the slots hold. obvhs numbers the entries of a node's leaves by ascending slots, as we do.
+fn contents(theirs: &CwBvhNode) -> u32 {
+    let leaves = (0..8).filter(|slot| theirs.imask >> slot & 1 == 0);
+    let entries = leaves.map(|slot| u32::from(theirs.child_meta[slot] >> 5) << (3 * slot));
+    u32::from(theirs.imask) << 24 | entries.sum::<u32>()
+}
+
 /// Sets origin, exponents and planes.
 fn place(node: &mut WideNode, bounds: &Bounds, children: &[Bounds; 8], growth: f64) {
     let [min, max] = bounds.grown(growth);
@@ -177,8 +184,9 @@ fn place(node: &mut WideNode, bounds: &Bounds, children: &[Bounds; 8], growth: f
         node.exponents[axis] = exponent;
         let spacing = spacing(exponent);
         for (slot, child) in children.iter().enumerate() {
+            let is_empty = node.content(slot).is_none();
             let planes = &mut node.planes[axis];
-            if node.meta[slot] == 0 {
+            if is_empty {
                 (planes[0][slot], planes[1][slot]) = (255, 0);
                 continue;
             }
@@ -217,13 +225,13 @@ pub(super) fn below(origin: f64, offset: f64, value: f64) -> bool {
 }
 
 /// How many of obvhs' planes lie inside the exact boxes.
-fn cut_off(theirs: &obvhs::cwbvh::node::CwBvhNode, node: &WideNode, children: &[Bounds; 8]) -> u64 {
+fn cut_off(theirs: &CwBvhNode, node: &WideNode, children: &[Bounds; 8]) -> u64 {
     let mins = [theirs.child_min_x, theirs.child_min_y, theirs.child_min_z];
     let maxs = [theirs.child_max_x, theirs.child_max_y, theirs.child_max_z];
     let mut planes = 0;
     for axis in 0..3 {
         let (origin, spacing) = (f64::from(theirs.p[axis]), spacing(theirs.e[axis]));
-        for (slot, child) in children.iter().enumerate().filter(|(slot, _)| node.meta[*slot] != 0) {
+        for (slot, child) in children.iter().enumerate().filter(|(slot, _)| node.content(*slot).is_some()) {
             let (low, high) = (f64::from(child.min[axis]), f64::from(child.max[axis]));
             planes += u64::from(!below(origin, f64::from(mins[axis][slot]) * spacing, low));
             planes += u64::from(!reaches(origin, f64::from(maxs[axis][slot]) * spacing, high));

@@ -13,7 +13,7 @@ use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{finite_inverse, hits_box};
 use crate::shared::constants::{INF, NO_NODE, NO_TRIANGLE};
 use crate::shared::grid_walk::smallest_axis;
-use crate::shared::triangle::{Candidate, Shear, hit_triangle};
+use crate::shared::triangle::{Candidate, Shear, hit_triangle, plane_hit};
 use crate::state::{self, Tag};
 use crate::stream::Stream;
 
@@ -281,7 +281,11 @@ fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (
         return (None, if empty { format!("empty cell; {next}") } else { next });
     };
     let [o, d] = [before.origin, before.direction].map(Vec3::<f32>::from_f32);
-    let candidate = hit_triangle::<f32>(data.features.robust, o, d, &Shear::of(d), data.corners(triangle));
+    let (robust, shear, corners) = (data.features.robust, Shear::of(d), data.corners(triangle));
+    let mut candidate = hit_triangle::<f32>(robust, o, d, &shear, corners);
+    if !candidate.is_hit {
+        candidate = plane_hit(robust, o, d, &shear, corners);
+    }
     let accepted = after.triangle == Some(triangle) && after.t != before.t || before.triangle != after.triangle;
     let test = describe_test(triangle, &candidate, accepted, data.features.robust, before);
     (tested, if next.is_empty() { test } else { format!("{test}; {next}") })

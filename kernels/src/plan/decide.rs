@@ -39,6 +39,7 @@ pub(super) fn features(scene: &Scene, options: &Options, units: Units) -> Featur
         grid: options.accelerator == Accelerator::Grid,
         bvh: options.accelerator == Accelerator::Bvh,
         skip: false,
+        stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
         any_hit: options.any_hit && options.numerics == Numerics::Robust,

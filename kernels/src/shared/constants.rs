@@ -38,16 +38,17 @@ pub const NOBODY: u32 = 0xffff_ffff;
 /// The parent of a tree's root, and where a ray is that has finished its walk through a tree.
 pub const NO_NODE: u32 = crate::bvh::NO_NODE;
 
-/// The WGSL module `package::constants`.
+/// The WGSL module `package::constants`, with room for so many groups on a ray's stack.
 #[must_use]
-pub fn wgsl_module() -> String {
+pub fn wgsl_module(stack: u32) -> String {
     // Rust prints the shortest decimal that reads back as the same f32.
     format!(
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
          const PAPER_PARALLEL: f32 = {PAPER_PARALLEL:e}f;\nconst PAPER_EPSILON: f32 = {PAPER_EPSILON:e}f;\n\
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
-         const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {WIDE_MAX_DEPTH}u;\n"
+         const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n",
+        stack.clamp(1, WIDE_MAX_DEPTH)
     )
 }
 

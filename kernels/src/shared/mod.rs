@@ -10,9 +10,9 @@ pub mod wide_walk;
 
 /// WESL modules that kernels import from, by name: `package::NAME`.
 #[must_use]
-pub(crate) fn modules() -> [(&'static str, String); 16] {
+pub(crate) fn modules(stack: u32) -> [(&'static str, String); 16] {
     [
-        ("constants", constants::wgsl_module()),
+        ("constants", constants::wgsl_module(stack)),
         ("state", crate::state::wgsl_module()),
         ("vector", include_str!("vector.wgsl").into()),
         ("ray", include_str!("ray.wgsl").into()),

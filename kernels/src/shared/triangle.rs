@@ -18,13 +18,13 @@ pub struct Candidate<R> {
 }
 
 /// A ray's direction as the watertight test uses it: the axes are rotated so that its largest component
-/// becomes z, and sheared so that it points along z.
+/// becomes z, and sheared so that it points along z. Three rows, each with a 1 and a 0 or with two zeros, so that
+/// their products with a corner round as little as the rotated corner's would, whatever the order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shear<R> {
-    x_last: bool,
-    y_last: bool,
-    /// Across per along, and 1 / along.
-    shear: Vec3<R>,
+    x: Vec3<R>,
+    y: Vec3<R>,
+    z: Vec3<R>,
 }
 
 impl<R: Real> Shear<R> {
@@ -33,25 +33,33 @@ impl<R: Real> Shear<R> {
         let magnitude = direction.abs();
         let x_last = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
         let y_last = !x_last && magnitude.y > magnitude.z;
-        let d = rotated(direction, x_last, y_last);
-        Self { x_last, y_last, shear: Vec3::new(d.x / d.z, d.y / d.z, R::one() / d.z) }
+        let turned = |v: Vec3<R>| match (x_last, y_last) {
+            (true, _) => Vec3::new(v.y, v.z, v.x),
+            (_, true) => Vec3::new(v.z, v.x, v.y),
+            _ => v,
+        };
+        let back = |x: R, y: R, z: R| match (x_last, y_last) {
+            (true, _) => Vec3::new(z, x, y),
+            (_, true) => Vec3::new(y, z, x),
+            _ => Vec3::new(x, y, z),
+        };
+        let (d, zero, one) = (turned(direction), R::zero(), R::one());
+        Self { x: back(one, zero, -(d.x / d.z)), y: back(zero, one, -(d.y / d.z)), z: back(zero, zero, one / d.z) }
     }
 
-    /// A corner as seen along the ray: x and y across it, z along it in units of t.
-    fn of_corner(&self, corner: Vec3<R>) -> Vec3<R> {
-        let (p, s) = (rotated(corner, self.x_last, self.y_last), self.shear);
-        Vec3::new(p.x - s.x * p.z, p.y - s.y * p.z, s.z * p.z)
+    /// A corner relative to the origin, as seen across the ray.
+    fn across(&self, corner: Vec3<R>) -> (R, R) {
+        (row(corner, self.x), row(corner, self.y))
+    }
+
+    /// The same along the ray, in units of t.
+    fn along(&self, corner: Vec3<R>) -> R {
+        row(corner, self.z)
     }
 }
 
-fn rotated<R: Real>(v: Vec3<R>, x_last: bool, y_last: bool) -> Vec3<R> {
-    if x_last {
-        Vec3::new(v.y, v.z, v.x)
-    } else if y_last {
-        Vec3::new(v.z, v.x, v.y)
-    } else {
-        v
-    }
+fn row<R: Real>(corner: Vec3<R>, row: Vec3<R>) -> R {
+    corner.x * row.x + corner.y * row.y + corner.z * row.z
 }
 
 /// Tests by the rules of `--numerics`; `shear` is the direction's.
@@ -66,28 +74,54 @@ pub fn hit_triangle<R: Real>(
 }
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.
-pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, [a, b, c]: [Vec3<R>; 3]) -> Candidate<R> {
-    let p = shear.of_corner(a - origin);
-    let q = shear.of_corner(b - origin);
-    let r = shear.of_corner(c - origin);
+#[inline]
+pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, corners: [Vec3<R>; 3]) -> Candidate<R> {
+    let corners = corners.map(|corner| corner - origin);
+    let (weights, is_inside) = weights(shear, &corners);
+    if !is_inside {
+        return Candidate { t: R::zero(), u: R::zero(), v: R::zero(), is_hit: false };
+    }
+    let on_plane = on_plane(shear, &corners, weights);
+    let det = weights[0] + weights[1] + weights[2];
+    let is_hit = det != R::zero() && on_plane.t > R::zero() && on_plane.t < R::from_f32(INF);
+    Candidate { is_hit, ..on_plane }
+}
 
-    let qr = q.x * r.y;
-    let rq = q.y * r.x;
-    let rp = r.x * p.y;
-    let pr = r.y * p.x;
-    let pq = p.x * q.y;
-    let qp = p.y * q.x;
+/// Where the ray meets the triangle's plane by the rules of `--numerics`, inside of the triangle or not: what
+/// tells why it was missed.
+pub fn plane_hit<R: Real>(
+    robust: bool,
+    origin: Vec3<R>,
+    direction: Vec3<R>,
+    shear: &Shear<R>,
+    corners: [Vec3<R>; 3],
+) -> Candidate<R> {
+    if !robust {
+        return moller_trumbore(origin, direction, corners);
+    }
+    let corners = corners.map(|corner| corner - origin);
+    on_plane(shear, &corners, weights(shear, &corners).0)
+}
+
+/// The corners' weights, not divided by their sum, and whether all are of one sign. The corners are relative to
+/// the origin.
+fn weights<R: Real>(shear: &Shear<R>, corners: &[Vec3<R>; 3]) -> ([R; 3], bool) {
+    let [p, q, r] = corners.map(|corner| shear.across(corner));
+    let qr = q.0 * r.1;
+    let rq = q.1 * r.0;
+    let rp = r.0 * p.1;
+    let pr = r.1 * p.0;
+    let pq = p.0 * q.1;
+    let qp = p.1 * q.0;
     let front = qr >= rq && rp >= pr && pq >= qp;
     let back = qr <= rq && rp <= pr && pq <= qp;
+    ([qr - rq, rp - pr, pq - qp], front || back)
+}
 
-    let weight_a = qr - rq;
-    let weight_b = rp - pr;
-    let weight_c = pq - qp;
-    let det = weight_a + weight_b + weight_c;
-    let inverse = R::one() / det;
-    let t = (weight_a * p.z + weight_b * q.z + weight_c * r.z) * inverse;
-    let is_hit = (front || back) && det != R::zero() && t > R::zero() && t < R::from_f32(INF);
-    Candidate { t, u: weight_b * inverse, v: weight_c * inverse, is_hit }
+fn on_plane<R: Real>(shear: &Shear<R>, corners: &[Vec3<R>; 3], [a, b, c]: [R; 3]) -> Candidate<R> {
+    let inverse = R::one() / (a + b + c);
+    let [p, q, r] = corners.map(|corner| shear.along(corner));
+    Candidate { t: (a * p + b * q + c * r) * inverse, u: b * inverse, v: c * inverse, is_hit: false }
 }
 
 /// Möller and Trumbore (1997), as published, with its threshold on the determinant.

@@ -19,25 +19,27 @@ struct Candidate {
 }
 
 // A ray's direction as the watertight test uses it: the axes are rotated so that its largest component
-// becomes z, and sheared so that it points along z.
+// becomes z, and sheared so that it points along z. Three rows, each with a 1 and a 0 or with two zeros, so
+// that their products with a corner round as little as the rotated corner's would, whatever the order.
 struct Shear {
-    // The largest component is x, or y.
-    x_last: bool,
-    y_last: bool,
-    // Across per along, and 1 / along.
-    shear: vec3f,
+    x: vec3f,
+    y: vec3f,
+    z: vec3f,
 }
 
 fn shear_of(direction: vec3f) -> Shear {
     let magnitude = abs(direction);
     let x_last = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
     let y_last = !x_last && magnitude.y > magnitude.z;
-    let d = rotated(direction, x_last, y_last);
-    return Shear(x_last, y_last, vec3f(d.x / d.z, d.y / d.z, 1.0 / d.z));
-}
-
-fn rotated(v: vec3f, x_last: bool, y_last: bool) -> vec3f {
-    return select(select(v, v.zxy, y_last), v.yzx, x_last);
+    let d = select(select(direction, direction.zxy, y_last), direction.yzx, x_last);
+    let x = vec3f(1.0, 0.0, -(d.x / d.z));
+    let y = vec3f(0.0, 1.0, -(d.y / d.z));
+    let z = vec3f(0.0, 0.0, 1.0 / d.z);
+    return Shear(
+        select(select(x, x.yzx, y_last), x.zxy, x_last),
+        select(select(y, y.yzx, y_last), y.zxy, x_last),
+        select(select(z, z.yzx, y_last), z.zxy, x_last),
+    );
 }
 
 fn hit_triangle(origin: vec3f, direction: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
@@ -45,16 +47,26 @@ fn hit_triangle(origin: vec3f, direction: vec3f, shear: Shear, a: vec3f, b: vec3
     @else return moller_trumbore(origin, direction, a, b, c);
 }
 
-// A corner as seen along the ray: x and y across it, z along it in units of t.
-fn sheared(corner: vec3f, s: Shear) -> vec3f {
-    let p = rotated(corner, s.x_last, s.y_last);
-    return vec3f(p.x - s.shear.x * p.z, p.y - s.shear.y * p.z, s.shear.z * p.z);
+// A corner relative to the origin, as seen across the ray.
+fn across(corner: vec3f, s: Shear) -> vec2f {
+    return vec2f(
+        corner.x * s.x.x + corner.y * s.x.y + corner.z * s.x.z,
+        corner.x * s.y.x + corner.y * s.y.y + corner.z * s.y.z,
+    );
+}
+
+// The same along the ray, in units of t.
+fn along(corner: vec3f, s: Shear) -> f32 {
+    return corner.x * s.z.x + corner.y * s.z.y + corner.z * s.z.z;
 }
 
 fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
-    let p = sheared(a - origin, shear);
-    let q = sheared(b - origin, shear);
-    let r = sheared(c - origin, shear);
+    let oa = a - origin;
+    let ob = b - origin;
+    let oc = c - origin;
+    let p = across(oa, shear);
+    let q = across(ob, shear);
+    let r = across(oc, shear);
 
     let qr = q.x * r.y;
     let rq = q.y * r.x;
@@ -64,15 +76,16 @@ fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Cand
     let qp = p.y * q.x;
     let front = qr >= rq && rp >= pr && pq >= qp;
     let back = qr <= rq && rp <= pr && pq <= qp;
-
+    if (!(front || back)) {
+        return Candidate(0.0, 0.0, 0.0, false);
+    }
     let weight_a = qr - rq;
     let weight_b = rp - pr;
     let weight_c = pq - qp;
     let det = weight_a + weight_b + weight_c;
     let inverse = 1.0 / det;
-    let t = (weight_a * p.z + weight_b * q.z + weight_c * r.z) * inverse;
-    let is_hit = (front || back) && det != 0.0 && t > 0.0 && t < INF;
-    return Candidate(t, weight_b * inverse, weight_c * inverse, is_hit);
+    let t = (weight_a * along(oa, shear) + weight_b * along(ob, shear) + weight_c * along(oc, shear)) * inverse;
+    return Candidate(t, weight_b * inverse, weight_c * inverse, det != 0.0 && t > 0.0 && t < INF);
 }
 
 fn moller_trumbore(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> Candidate {

@@ -14,14 +14,31 @@ pub struct WideRay<R> {
     negative: [bool; 3],
 }
 
-/// Siblings that wait: of an inner group, `base` is the first child, and `bits` the hits (24-31, in the
-/// order of visits) and which slots are inner nodes (0-7); of a leaf group, the first entry and its hits.
+/// Siblings that wait: `base` is the first child, and `bits` the hits (24-31, in the order of visits) and
+/// which slots are inner nodes (0-7).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WideGroup {
-    /// First child or entry.
+    /// First child.
     pub base: u32,
     /// What was hit.
     pub bits: u32,
+}
+
+/// Entries of a node's leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct WideLeaves {
+    base: u32,
+    /// Those whose boxes were met (0-23).
+    pub bits: u32,
+    all: u32,
+}
+
+impl WideLeaves {
+    /// The entry of a leaf's hit.
+    #[must_use]
+    pub fn entry(&self, bit: u32) -> u32 {
+        self.base + (self.all & ((1 << bit) - 1)).count_ones()
+    }
 }
 
 impl<R: Real> WideRay<R> {
@@ -42,7 +59,7 @@ impl<R: Real> WideRay<R> {
 
     /// Tests the eight boxes of a node: the groups of its inner children and of its leaves.
     #[must_use]
-    pub fn visit(&self, node: &WideNode, nearest_t: R) -> (WideGroup, WideGroup) {
+    pub fn visit(&self, node: &WideNode, nearest_t: R) -> (WideGroup, WideLeaves) {
         let (mut enter, mut leave) = ([R::zero(); 8], [nearest_t; 8]);
         let (origin, inverse) = (self.origin.to_array(), self.inverse.to_array());
         for axis in 0..3 {
@@ -56,19 +73,40 @@ impl<R: Real> WideRay<R> {
                 leave[slot] = leave[slot].min(R::from_i32(i32::from(far[slot])) * scale + offset);
             }
         }
-        let mut hits = 0u32;
-        for slot in 0..8 {
-            if enter[slot] <= leave[slot] {
-                let meta = u32::from(node.meta[slot]);
-                // Inner children are marked in the order in which this ray visits them.
-                let is_inner = meta & (meta << 1) & 0x10 != 0;
-                let place = (meta ^ if is_inner { self.octant } else { 0 }) & 0x1f;
-                hits |= (meta >> 5) << place;
-            }
-        }
+        let hits = (0..8).fold(0, |hits, slot| hits | u32::from(is_met(enter[slot], leave[slot])) << slot);
+        let inner = node.contents >> 24;
         (
-            WideGroup { base: node.child_base, bits: hits & 0xff00_0000 | u32::from(node.imask) },
-            WideGroup { base: node.triangle_base, bits: hits & 0x00ff_ffff },
+            WideGroup { base: node.child_base, bits: self.in_order(hits & inner) << 24 | inner },
+            WideLeaves { base: node.triangle_base, bits: tripled(hits) & node.contents, all: node.contents },
         )
     }
+
+    /// Bit s of eight moves to bit s ^ octant.
+    fn in_order(&self, slots: u32) -> u32 {
+        let mut bits = slots;
+        if !self.negative[0] {
+            bits = (bits & 0x0f) << 4 | bits >> 4;
+        }
+        if !self.negative[1] {
+            bits = (bits & 0x33) << 2 | bits >> 2 & 0x33;
+        }
+        if !self.negative[2] {
+            bits = (bits & 0x55) << 1 | bits >> 1 & 0x55;
+        }
+        bits
+    }
+}
+
+/// Whether leave - enter has no minus sign. It has one where it is -0, too: a box that ends where the ray begins.
+fn is_met<R: Real>(enter: R, leave: R) -> bool {
+    let inside = leave - enter;
+    inside > R::zero() || inside == R::zero() && R::one() / inside > R::zero()
+}
+
+/// Bit s of eight becomes bits 3s to 3s + 2.
+fn tripled(slots: u32) -> u32 {
+    let mut bits = (slots | slots << 8) & 0x00_f00f;
+    bits = (bits | bits << 4) & 0x0c_30c3;
+    bits = (bits | bits << 2) & 0x24_9249;
+    bits * 7
 }

@@ -3,8 +3,6 @@
 //
 // Boxes are grown on the host by more than the rounding of the test here, so it needs no epsilon.
 
-import package::constants::{WIDE_STACK};
-
 // Five words a node, see WideNode in bvh/wide_node.rs.
 @group(1) @binding(20) var<storage, read> wide_nodes: array<vec4u>;
 
@@ -13,7 +11,7 @@ struct WideRay {
     origin: vec3f,
     // 1 / direction, finite.
     inverse: vec3f,
-    // Bits 2, 1, 0: the direction goes up along x, y, z; the same in each byte.
+    // Bits 2, 1, 0: the direction goes up along x, y, z.
     octant: u32,
     negative: vec3<bool>,
 }
@@ -21,53 +19,69 @@ struct WideRay {
 fn wide_ray(origin: vec3f, inverse: vec3f) -> WideRay {
     let negative = inverse < vec3f(0.0);
     let octant = select(4u, 0u, negative.x) | select(2u, 0u, negative.y) | select(1u, 0u, negative.z);
-    return WideRay(origin, inverse, octant * 0x01010101u, negative);
+    return WideRay(origin, inverse, octant, negative);
 }
 
 // Siblings that wait: of an inner group, base is the first child, and bits the hits (24-31, in the order of
-// visits) and which slots are inner nodes (0-7); of a leaf group, the first entry and its hits (0-23).
+// visits) and which slots are inner nodes (0-7).
 struct WideGroup {
     base: u32,
     bits: u32,
 }
 
+// Entries of a node's leaves: bits (0-23) are those whose boxes were met, of all of the node's.
+struct WideLeaves {
+    base: u32,
+    bits: u32,
+    all: u32,
+}
+
 struct WideHits {
     inner: WideGroup,
-    leaf: WideGroup,
+    leaves: WideLeaves,
+}
+
+// As integers, f32s that are not negative keep their order, and negative ones are below them: that is enough for
+// max with 0, and for min of what is a miss if one is negative. GPUs do more of these a clock.
+fn ints(v: vec4f) -> vec4i {
+    return bitcast<vec4i>(v);
 }
 
 fn bytes(word: u32) -> vec4f {
     return vec4f((vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(0xffu));
 }
 
-// Hits of four children: as many bits each as it has entries, at the place of its first.
-fn hits_of_four(contents: u32, ray: WideRay, near: vec3u, far: vec3u, scale: vec3f, offset: vec3f, nearest_t: f32) -> u32 {
-    let inner = ((contents & (contents << 1u)) & 0x10101010u) >> 4u;
-    let places = (contents ^ (ray.octant & (inner * 0xffu))) & 0x1f1f1f1fu;
-    let marks = (contents >> 5u) & 0x07070707u;
-    let enter = max(
-        max(bytes(near.x) * scale.x + offset.x, bytes(near.y) * scale.y + offset.y),
-        max(bytes(near.z) * scale.z + offset.z, vec4f(0.0)),
-    );
-    let leave = min(
-        min(bytes(far.x) * scale.x + offset.x, bytes(far.y) * scale.y + offset.y),
-        min(bytes(far.z) * scale.z + offset.z, vec4f(nearest_t)),
-    );
-    let met = enter <= leave;
-    var hits = 0u;
-    if (met.x) {
-        hits |= (marks & 0xffu) << (places & 0xffu);
-    }
-    if (met.y) {
-        hits |= ((marks >> 8u) & 0xffu) << ((places >> 8u) & 0xffu);
-    }
-    if (met.z) {
-        hits |= ((marks >> 16u) & 0xffu) << ((places >> 16u) & 0xffu);
-    }
-    if (met.w) {
-        hits |= (marks >> 24u) << (places >> 24u);
-    }
-    return hits;
+// Shifts a bit for each of four boxes into the misses, the last one's lowest: the sign of leave - enter.
+fn misses_of_four(misses: u32, near: vec3u, far: vec3u, scale: vec3f, offset: vec3f, nearest_t: f32) -> u32 {
+    let enter = bitcast<vec4f>(max(
+        max(ints(bytes(near.x) * scale.x + offset.x), ints(bytes(near.y) * scale.y + offset.y)),
+        max(ints(bytes(near.z) * scale.z + offset.z), vec4i(0)),
+    ));
+    let leave = bitcast<vec4f>(min(
+        min(ints(bytes(far.x) * scale.x + offset.x), ints(bytes(far.y) * scale.y + offset.y)),
+        min(ints(bytes(far.z) * scale.z + offset.z), vec4i(bitcast<i32>(nearest_t))),
+    ));
+    let inside = bitcast<vec4u>(leave - enter);
+    var shifted = (misses << 1u) | (inside.w >> 31u);
+    shifted = (shifted << 1u) | (inside.z >> 31u);
+    shifted = (shifted << 1u) | (inside.y >> 31u);
+    return (shifted << 1u) | (inside.x >> 31u);
+}
+
+// Bit s of eight moves to bit s ^ octant.
+fn in_order(slots: u32, ray: WideRay) -> u32 {
+    var bits = slots;
+    bits = select(((bits & 0x0fu) << 4u) | (bits >> 4u), bits, ray.negative.x);
+    bits = select(((bits & 0x33u) << 2u) | ((bits >> 2u) & 0x33u), bits, ray.negative.y);
+    return select(((bits & 0x55u) << 1u) | ((bits >> 1u) & 0x55u), bits, ray.negative.z);
+}
+
+// Bit s of eight becomes bits 3s to 3s + 2.
+fn tripled(slots: u32) -> u32 {
+    var bits = (slots | (slots << 8u)) & 0x00f00fu;
+    bits = (bits | (bits << 4u)) & 0x0c30c3u;
+    bits = (bits | (bits << 2u)) & 0x249249u;
+    return bits * 7u;
 }
 
 fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
@@ -86,18 +100,25 @@ fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
     let y_far = select(y.zw, y.xy, ray.negative.y);
     let z_near = select(z.xy, z.zw, ray.negative.z);
     let z_far = select(z.zw, z.xy, ray.negative.z);
-    let hits = hits_of_four(body.z, ray, vec3u(x_near.x, y_near.x, z_near.x), vec3u(x_far.x, y_far.x, z_far.x),
-            scale, offset, nearest_t)
-        | hits_of_four(body.w, ray, vec3u(x_near.y, y_near.y, z_near.y), vec3u(x_far.y, y_far.y, z_far.y),
-            scale, offset, nearest_t);
+    var misses = misses_of_four(0u, vec3u(x_near.y, y_near.y, z_near.y), vec3u(x_far.y, y_far.y, z_far.y),
+        scale, offset, nearest_t);
+    misses = misses_of_four(misses, vec3u(x_near.x, y_near.x, z_near.x), vec3u(x_far.x, y_far.x, z_far.x),
+        scale, offset, nearest_t);
+    let hits = ~misses & 0xffu;
+    let inner = body.z >> 24u;
     return WideHits(
-        WideGroup(body.x, (hits & 0xff000000u) | (head.w >> 24u)),
-        WideGroup(body.y, hits & 0x00ffffffu),
+        WideGroup(body.x, (in_order(hits & inner, ray) << 24u) | inner),
+        WideLeaves(body.y, tripled(hits) & body.z, body.z),
     );
+}
+
+// The entry of a leaf's hit.
+fn wide_entry(leaves: WideLeaves, bit: u32) -> u32 {
+    return leaves.base + countOneBits(leaves.all & ((1u << bit) - 1u));
 }
 
 // The node of a group's next hit, which is the highest bit of its hits.
 fn wide_child(group: WideGroup, bit: u32, ray: WideRay) -> u32 {
-    let slot = (bit - 24u) ^ (ray.octant & 7u);
+    let slot = (bit - 24u) ^ ray.octant;
     return group.base + countOneBits(group.bits & ((1u << slot) - 1u) & 0xffu);
 }

@@ -106,7 +106,10 @@ impl KernelPipeline {
             layout: Some(&layout),
             module: &module,
             entry_point: Some(name),
-            compilation_options: Default::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: variant.kernel != Kernel::Fused,
+                ..Default::default()
+            },
             cache: None,
         });
         Ok(Self { kernel: variant.kernel, pipeline, groups, live, offsets })
