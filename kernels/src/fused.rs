@@ -55,7 +55,10 @@ impl<R: Real> Trace<R> {
         let features = &scene.features;
         let packed = &scene.packed_triangles[entry as usize];
         let id = packed[3];
-        let corners = [0, 4, 8].map(|c| Vec3::from_f32([0, 1, 2].map(|a| f32::from_bits(packed[c + a]))));
+        let corner = |c: usize| {
+            Vec3::from_f32([f32::from_bits(packed[c]), f32::from_bits(packed[c + 1]), f32::from_bits(packed[c + 2])])
+        };
+        let corners = [corner(0), corner(4), corner(8)];
         let candidate = hit_triangle(features.robust, self.origin, self.direction, &self.shear, corners);
         self.tests += 1;
         if !candidate.is_hit {

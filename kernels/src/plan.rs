@@ -167,6 +167,7 @@ impl Plan {
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
         check_rays(options, units)?;
+        let asked = options.accelerator;
         let options =
             &Options { accelerator: options.accelerator.for_triangles(scene.triangles.len()), ..options.clone() };
         let mut features = features(scene, options, units);
@@ -260,7 +261,7 @@ impl Plan {
             buffers,
             left_out: Vec::new(),
         };
-        plan.left_out = left_out(&plan, scene, options);
+        plan.left_out = left_out(&plan, scene, &Options { accelerator: asked, ..options.clone() });
         Ok((plan, data))
     }
 

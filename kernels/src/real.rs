@@ -46,6 +46,8 @@ pub trait Real:
     fn min(self, other: Self) -> Self;
     /// WGSL's `max`.
     fn max(self, other: Self) -> Self;
+    /// Has a minus sign, as -0 has.
+    fn is_negative(self) -> bool;
     /// Bit pattern.
     fn to_bits(self) -> Self::Bits;
     /// From a bit pattern.
@@ -99,6 +101,9 @@ macro_rules! real {
             }
             fn max(self, other: Self) -> Self {
                 if self < other { other } else { self }
+            }
+            fn is_negative(self) -> bool {
+                self.is_sign_negative()
             }
             fn to_bits(self) -> $bits {
                 <$float>::to_bits(self)

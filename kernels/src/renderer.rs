@@ -250,11 +250,17 @@ impl Renderer {
             Executor::Gpu(_) => MOST_PASSES,
             Executor::Cpu(_) | Executor::CpuF64(_) => 1,
         };
-        let mut batch = 8;
-        while self.advance(batch.min(most)).await? > 0 {
+        let mut batch = 8.min(most);
+        loop {
+            let recorded = self.advance(batch).await?;
+            if recorded == 0 {
+                break;
+            }
+            // Where fewer were needed than submitted, a kernel is idle soon; the rest was for nothing.
+            let wanted = if 2 * recorded < batch { 2 * recorded } else { 2 * batch };
             // Passes that launch every ray cost as much at the end as at the beginning.
             let launched = if self.plan.features.live_lists { self.undecided() } else { self.plan.rays };
-            batch = (batch * 2).min((RAYS_A_BATCH / launched.max(1)) as usize).max(2);
+            batch = wanted.min((RAYS_A_BATCH / launched.max(1)) as usize).max(2).min(most);
             if progress(&self.progress()).is_break() && self.next_kernel().is_some() {
                 return Err(RenderError::Cancelled { passes: self.passes.len() });
             }

@@ -201,8 +201,8 @@ pub struct CounterSums {
     pub cells_visited: u64,
     /// Triangles tested.
     pub triangles_tested: u64,
-    /// Those tested in an earlier cell or leaf already; `null` where a pass takes several steps, which does not
-    /// look back.
+    /// Those tested in an earlier cell or leaf already; `null` where that is not looked for: with several
+    /// steps a pass, and in a tree.
     pub repeated_tests: Option<u64>,
 }
 
@@ -214,7 +214,7 @@ impl CounterSums {
         (data.stream == Stream::Counters).then(|| Self {
             cells_visited: sum(0),
             triangles_tested: sum(1),
-            repeated_tests: plan.variant(Kernel::Intersect).map(|_| sum(2)),
+            repeated_tests: plan.variant(Kernel::Intersect).filter(|_| !plan.features.bvh).map(|_| sum(2)),
         })
     }
 }

@@ -70,6 +70,8 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
         |what: String, (because, reason): (Because, &'static str)| all.push(LeftOut { what, because, reason });
     let is_fused = options.schedule == ScheduleKind::Fused;
     let other = match plan.accelerator {
+        Accelerator::Bvh if options.accelerator == Accelerator::Auto => (S, "--accelerator auto chose bvh"),
+        Accelerator::None if options.accelerator == Accelerator::Auto => (S, "--accelerator auto chose none"),
         Accelerator::Bvh => (O, "--accelerator bvh"),
         Accelerator::None => (O, "--accelerator none"),
         Accelerator::Grid | Accelerator::Auto => (O, "--accelerator grid"),
@@ -109,6 +111,9 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
             "camera" => (V, "the rays are given"),
             "scene" => (O, "one step a pass, and lists that have their own ends"),
             "grid" | "grid_cells" | "grid_items" => other,
+            "grid_distances" if plan.features.grid && !plan.features.robust => {
+                (O, "--numerics paper steps cell by cell")
+            }
             "grid_distances" if plan.features.grid => (O, "rays do not leap: --skip off, or too few empty cells"),
             "grid_distances" => other,
             "wide_nodes" if !is_fused => stepped,

@@ -3,6 +3,7 @@
 use crate::options::Ray;
 use crate::plan::Plan;
 use crate::scene_data::{SceneData, traced_ray};
+use crate::shared::constants::INF;
 use crate::state;
 use crate::stream::{STATE_T, Stream, StreamData};
 use crate::units::exp2;
@@ -37,7 +38,7 @@ impl GivenRays {
             streams[2].bits[i] = state::TRAV_SETUP;
             if any_hit {
                 // What lies behind the ray's end at t = 1 does not count.
-                streams[2].bits[STATE_T * texels + i] = (exp2(-exponent) as f32).to_bits();
+                streams[2].bits[STATE_T * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();
             }
             exponents.push(exponent);
         }

@@ -18,51 +18,52 @@ pub struct Candidate<R> {
 }
 
 /// A ray's direction as the watertight test uses it: the axes are rotated so that its largest component
-/// becomes z, and sheared so that it points along z. Three rows, each with a 1 and a 0 or with two zeros, so that
-/// their products with a corner round as little as the rotated corner's would, whatever the order.
+/// becomes z, and sheared so that it points along z.
+///
+/// The WGSL multiplies by rows that have a 1 and a 0 instead of rotating. That rounds as little, so both have the
+/// same value, but for the sign of a zero, which no comparison sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shear<R> {
-    x: Vec3<R>,
-    y: Vec3<R>,
-    z: Vec3<R>,
+    /// Which axes become x, y and z.
+    axes: [usize; 3],
+    /// Across per along, and 1 / along.
+    x: R,
+    y: R,
+    z: R,
 }
 
 impl<R: Real> Shear<R> {
     /// Of a direction.
     pub fn of(direction: Vec3<R>) -> Self {
         let magnitude = direction.abs();
-        let x_last = magnitude.x > magnitude.y && magnitude.x > magnitude.z;
-        let y_last = !x_last && magnitude.y > magnitude.z;
-        let turned = |v: Vec3<R>| match (x_last, y_last) {
-            (true, _) => Vec3::new(v.y, v.z, v.x),
-            (_, true) => Vec3::new(v.z, v.x, v.y),
-            _ => v,
+        let axes = if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
+            [1, 2, 0]
+        } else if magnitude.y > magnitude.z {
+            [2, 0, 1]
+        } else {
+            [0, 1, 2]
         };
-        let back = |x: R, y: R, z: R| match (x_last, y_last) {
-            (true, _) => Vec3::new(z, x, y),
-            (_, true) => Vec3::new(y, z, x),
-            _ => Vec3::new(x, y, z),
-        };
-        let (d, zero, one) = (turned(direction), R::zero(), R::one());
-        Self { x: back(one, zero, -(d.x / d.z)), y: back(zero, one, -(d.y / d.z)), z: back(zero, zero, one / d.z) }
+        let d = direction.to_array();
+        let [x, y, z] = axes.map(|axis| d[axis]);
+        Self { axes, x: x / z, y: y / z, z: R::one() / z }
     }
 
     /// A corner relative to the origin, as seen across the ray.
-    fn across(&self, corner: Vec3<R>) -> (R, R) {
-        (row(corner, self.x), row(corner, self.y))
+    #[inline(always)]
+    fn across(&self, corner: Vec3<R>) -> [R; 2] {
+        let (c, [x, y, z]) = (corner.to_array(), self.axes);
+        [c[x] - self.x * c[z], c[y] - self.y * c[z]]
     }
 
     /// The same along the ray, in units of t.
+    #[inline(always)]
     fn along(&self, corner: Vec3<R>) -> R {
-        row(corner, self.z)
+        self.z * corner.to_array()[self.axes[2]]
     }
 }
 
-fn row<R: Real>(corner: Vec3<R>, row: Vec3<R>) -> R {
-    corner.x * row.x + corner.y * row.y + corner.z * row.z
-}
-
 /// Tests by the rules of `--numerics`; `shear` is the direction's.
+#[inline]
 pub fn hit_triangle<R: Real>(
     robust: bool,
     origin: Vec3<R>,
@@ -75,8 +76,8 @@ pub fn hit_triangle<R: Real>(
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.
 #[inline]
-pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, corners: [Vec3<R>; 3]) -> Candidate<R> {
-    let corners = corners.map(|corner| corner - origin);
+pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, [a, b, c]: [Vec3<R>; 3]) -> Candidate<R> {
+    let corners = [a - origin, b - origin, c - origin];
     let (weights, is_inside) = weights(shear, &corners);
     if !is_inside {
         return Candidate { t: R::zero(), u: R::zero(), v: R::zero(), is_hit: false };
@@ -105,14 +106,15 @@ pub fn plane_hit<R: Real>(
 
 /// The corners' weights, not divided by their sum, and whether all are of one sign. The corners are relative to
 /// the origin.
-fn weights<R: Real>(shear: &Shear<R>, corners: &[Vec3<R>; 3]) -> ([R; 3], bool) {
-    let [p, q, r] = corners.map(|corner| shear.across(corner));
-    let qr = q.0 * r.1;
-    let rq = q.1 * r.0;
-    let rp = r.0 * p.1;
-    let pr = r.1 * p.0;
-    let pq = p.0 * q.1;
-    let qp = p.1 * q.0;
+#[inline(always)]
+fn weights<R: Real>(shear: &Shear<R>, [a, b, c]: &[Vec3<R>; 3]) -> ([R; 3], bool) {
+    let [p, q, r] = [shear.across(*a), shear.across(*b), shear.across(*c)];
+    let qr = q[0] * r[1];
+    let rq = q[1] * r[0];
+    let rp = r[0] * p[1];
+    let pr = r[1] * p[0];
+    let pq = p[0] * q[1];
+    let qp = p[1] * q[0];
     let front = qr >= rq && rp >= pr && pq >= qp;
     let back = qr <= rq && rp <= pr && pq <= qp;
     ([qr - rq, rp - pr, pq - qp], front || back)

@@ -73,7 +73,8 @@ impl<R: Real> WideRay<R> {
                 leave[slot] = leave[slot].min(R::from_i32(i32::from(far[slot])) * scale + offset);
             }
         }
-        let hits = (0..8).fold(0, |hits, slot| hits | u32::from(is_met(enter[slot], leave[slot])) << slot);
+        // The sign tells, as on the GPU: where a box ends at the ray's origin it may be that of -0.
+        let hits = (0..8).fold(0, |hits, s| hits | u32::from(!(leave[s] - enter[s]).is_negative()) << s);
         let inner = node.contents >> 24;
         (
             WideGroup { base: node.child_base, bits: self.in_order(hits & inner) << 24 | inner },
@@ -95,12 +96,6 @@ impl<R: Real> WideRay<R> {
         }
         bits
     }
-}
-
-/// Whether leave - enter has no minus sign. It has one where it is -0, too: a box that ends where the ray begins.
-fn is_met<R: Real>(enter: R, leave: R) -> bool {
-    let inside = leave - enter;
-    inside > R::zero() || inside == R::zero() && R::one() / inside > R::zero()
 }
 
 /// Bit s of eight becomes bits 3s to 3s + 2.
