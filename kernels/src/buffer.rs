@@ -30,7 +30,7 @@ pub const BUFFERS: &[BufferInfo] = &[
     storage("grid_items", "u32 triangle ids, ascending within a cell"),
     storage("grid_distances", "u8 a cell: chessboard distance to the next cell with a list, 0 for one with a list"),
     storage("bvh_nodes", "32 bytes a node: box, first child or item, link; traced units"),
-    storage("bvh_parents", "u32 a node: the node above it"),
+    storage("bvh_parents", "u32 a node: the node above it, and in bits 30-31 the axis of that node's link"),
     storage("bvh_items", "u32 triangle ids, in the order of the leaves"),
     storage("wide_nodes", "80 bytes a node: eight quantised boxes; traced units"),
     storage("packed_triangles", "48 bytes an entry: corners and triangle id; traced units"),

@@ -10,7 +10,7 @@ use crate::grid::GridSize;
 /// What keeps a ray from testing every triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accelerator {
-    /// The one of the others that traces this scene fastest, by [`Accelerator::for_triangles`].
+    /// The one of the others that traces this scene fastest, see [`Accelerator::candidates`].
     Auto,
     /// A uniform grid.
     #[default]
@@ -107,19 +107,25 @@ named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
 named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
 
 impl Accelerator {
-    /// What [`Auto`](Self::Auto) means for that many triangles.
+    /// What [`Auto`](Self::Auto) may mean for that many triangles; of two, the grid where most of its cells have
+    /// triangles, else the tree. Measured in `docs/performance.md`: what fills its box evenly is traced faster
+    /// through a grid, surfaces through a tree.
     #[must_use]
-    pub fn for_triangles(self, triangles: usize) -> Self {
+    pub fn candidates(&self, triangles: usize) -> &[Self] {
         match self {
-            Self::Auto if triangles <= MOST_WITHOUT => Self::None,
-            Self::Auto => Self::Bvh,
-            chosen => chosen,
+            Self::Auto if triangles <= MOST_WITHOUT => &[Self::None],
+            Self::Auto if triangles < LEAST_FOR_GRID => &[Self::Bvh],
+            Self::Auto => &[Self::Grid, Self::Bvh],
+            chosen => std::slice::from_ref(chosen),
         }
     }
 }
 
 /// Most triangles that are tested faster without grid and tree.
-pub const MOST_WITHOUT: usize = 8;
+pub const MOST_WITHOUT: usize = 6;
+
+/// Fewest triangles whose grid has cells enough to tell whether they fill their box evenly.
+pub const LEAST_FOR_GRID: usize = 512;
 
 /// A ray in scene units: `origin + t * direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]

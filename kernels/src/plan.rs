@@ -157,6 +157,49 @@ fn is_sparse(cells: &[u32]) -> bool {
     cells.len() > 64 && 2 * empty > cells.len()
 }
 
+/// The options of the kernels and the structure of a scene; what is known to be too large before it is built is
+/// refused before it is built.
+fn structure(
+    scene: &Scene,
+    options: &Options,
+    units: Units,
+    limits: &Limits,
+    (width, height): (u32, u32),
+) -> Result<(Features, SceneData), PlanError> {
+    let mut features = features(scene, options, units);
+
+    // What is known before the grid or tree is built is refused before it is built.
+    let triangles = scene.triangles.len() as u64;
+    let corners = if options.schedule == ScheduleKind::Fused || features.many_steps {
+        ("packed_triangles", 48)
+    } else {
+        ("vertices", 36)
+    };
+    for (name, bytes, is_used) in [
+        (corners.0, corners.1, true),
+        ("normals", 36, features.normals),
+        ("texcoords", 24, features.textures),
+        ("vertex_colors", 36, features.vertex_colors),
+    ] {
+        if is_used && (name == corners.0 || options.shade) {
+            check_buffer(name, triangles * bytes, limits)?;
+        }
+    }
+    if let GridSize::Cells(cells) = options.grid
+        && features.grid
+    {
+        check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
+    }
+    if features.live_lists {
+        check_buffer("live_rays", LIVE_REGIONS * 4 * u64::from(width) * u64::from(height), limits)?;
+    }
+
+    let data = SceneData::accelerate(scene, options, &features, units, limits.storage_bytes)?;
+    // The root is not pushed, and a node's siblings wait while its children are visited.
+    features.stack = data.wide_depth.saturating_sub(1);
+    Ok((features, data))
+}
+
 impl Plan {
     /// Plans a run and prepares the bytes that it binds. No GPU is involved.
     ///
@@ -167,41 +210,22 @@ impl Plan {
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
         check_rays(options, units)?;
-        let asked = options.accelerator;
-        let options =
-            &Options { accelerator: options.accelerator.for_triangles(scene.triangles.len()), ..options.clone() };
-        let mut features = features(scene, options, units);
-
-        // What is known before the grid or tree is built is refused before it is built.
-        let triangles = scene.triangles.len() as u64;
-        let corners = if options.schedule == ScheduleKind::Fused || features.many_steps {
-            ("packed_triangles", 48)
-        } else {
-            ("vertices", 36)
-        };
-        for (name, bytes, is_used) in [
-            (corners.0, corners.1, true),
-            ("normals", 36, features.normals),
-            ("texcoords", 24, features.textures),
-            ("vertex_colors", 36, features.vertex_colors),
-        ] {
-            if is_used && (name == corners.0 || options.shade) {
-                check_buffer(name, triangles * bytes, limits)?;
+        let given = matches!(options.rays, RaySource::Given(_));
+        let mut candidates = options.accelerator.candidates(scene.triangles.len()).iter();
+        let asked = options;
+        let (options, mut features, mut data) = loop {
+            let accelerator = candidates.next().copied().unwrap_or_default();
+            let options = Options { accelerator, ..asked.clone() };
+            let is_last = candidates.as_slice().is_empty();
+            match structure(scene, &options, units, limits, (width, height)) {
+                Ok((_, data)) if !is_last && is_sparse(&data.grid_cells) => {}
+                Ok((features, data)) => break (options, features, data),
+                Err(error) if is_last => return Err(error),
+                Err(_) => {}
             }
-        }
-        if let GridSize::Cells(cells) = options.grid
-            && features.grid
-        {
-            check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
-        }
-        if features.live_lists {
-            check_buffer("live_rays", LIVE_REGIONS * 4 * u64::from(width) * u64::from(height), limits)?;
-        }
-
-        let mut data = SceneData::accelerate(scene, options, &features, units, limits.storage_bytes)?;
+        };
+        let options = &options;
         data.info.rays = rays as u32;
-        // The root is not pushed, and a node's siblings wait while its children are visited.
-        features.stack = data.wide_depth.saturating_sub(1);
         if features.grid && features.robust {
             features.skip = match options.skip {
                 Skip::On => true,
@@ -212,7 +236,6 @@ impl Plan {
         if features.skip {
             data.prepare_leaps(options, limits.storage_bytes)?;
         }
-        let given = matches!(options.rays, RaySource::Given(_));
         let schedule = Schedule::new(
             options.schedule,
             options.accelerator,
@@ -252,7 +275,7 @@ impl Plan {
             width,
             height,
             rays,
-            triangles,
+            triangles: scene.triangles.len() as u64,
             accelerator: options.accelerator,
             features,
             schedule,
@@ -261,7 +284,7 @@ impl Plan {
             buffers,
             left_out: Vec::new(),
         };
-        plan.left_out = left_out(&plan, scene, &Options { accelerator: asked, ..options.clone() });
+        plan.left_out = left_out(&plan, scene, asked);
         Ok((plan, data))
     }
 

@@ -12,6 +12,7 @@ use crate::options::{Options, Ray, RaySource, ScheduleKind};
 use crate::plan::PlanError;
 use crate::real::{Real, Vec3};
 use crate::shade::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT, Shading};
+use crate::shared::bvh_walk::link_above;
 use crate::shared::grid_walk::Grid;
 use crate::shared::texture::Texture;
 use crate::units::{Units, exp2, floor_log2};
@@ -216,7 +217,8 @@ impl SceneData {
                 data.wide_depth = built.depth;
             } else {
                 let built = bvh::build(&data.vertices, data.growth, &how)?;
-                (data.bvh_nodes, data.bvh_parents, data.bvh_items) = (built.nodes, built.parents, built.items);
+                data.bvh_parents = built.parents.iter().map(|&p| link_above(&built.nodes, p)).collect();
+                (data.bvh_nodes, data.bvh_items) = (built.nodes, built.items);
             }
         }
         Ok(data)

@@ -4,7 +4,7 @@
 import package::constants::{NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV_SETUP, TRAV, ISECT_NO_HIT, BACKGROUND};
 import package::ray::{load_origin, load_direction};
-import package::live::{send};
+import package::live::{send, tiled_texel};
 @if(bvh) import package::scene::{scene};
 @if(grid) import package::grid_walk::{grid_ray, enter_grid, cell_index};
 
@@ -54,6 +54,7 @@ fn set_up(texel: vec2u) -> u32 {
 }
 
 @compute @workgroup_size(LIST_SIDE, LIST_SIDE)
-fn setup(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
-    send(lane, id.xy, set_up(id.xy));
+fn setup(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let texel = tiled_texel(group, lane);
+    send(lane, texel, set_up(texel));
 }

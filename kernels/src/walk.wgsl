@@ -1,4 +1,4 @@
-// Takes each ray up to K steps on: a step is a cell, or four nodes, with all of their triangles. What
+// Takes each ray up to K steps on: a step is a cell, or eight nodes, with all of their triangles. What
 // traverse and intersect do one at a time, for rays that stay in registers meanwhile.
 
 import package::constants::{NOBODY, NODES_A_STEP, NO_NODE, NO_TRIANGLE, LIST_SIDE};

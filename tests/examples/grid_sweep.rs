@@ -1,12 +1,12 @@
 //! `cargo run --release -p raystep-tests --example grid_sweep -- [gpu|cpu] [SIZE] [REPEATS]`: time to trace
 //! over grid resolution, from a quarter to four times the automatic one in steps of 1.26, for scenes of
-//! different kinds. The runs of one scene are interleaved; the median counts.
+//! different kinds, by `second` without leaps. The runs of one scene are interleaved; the median counts.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 use raystep_kernels::grid::automatic_cells;
-use raystep_kernels::{AdapterChoice, Device, Gpu, GridSize, Renderer};
+use raystep_kernels::{AdapterChoice, Device, Gpu, GridSize, Renderer, ScheduleKind, Skip};
 use raystep_scenes::{Scene, generate};
 use raystep_tests::{block_on, options, scene};
 
@@ -52,6 +52,7 @@ fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
         let grid = if step == 0 { GridSize::Auto } else { GridSize::Cells(cells) };
         let mut options = options(scene, size, size);
         (options.grid, options.shade) = (grid, false);
+        (options.schedule, options.skip) = (ScheduleKind::Second, Skip::Off);
         let renderer = block_on(gpu, Renderer::new(scene, &options, device)).expect("a renderer");
         runs.push((factor, grid, renderer, Vec::new()));
     }

@@ -101,7 +101,9 @@ impl BvhData {
                 continue;
             }
             if node.is_inner() {
-                let last = node.first.checked_add(1).filter(|&last| (last as usize) < self.nodes.len());
+                // The walk tells the first of two children by its odd number.
+                let last =
+                    node.first.checked_add(1).filter(|&last| last % 2 == 0 && (last as usize) < self.nodes.len());
                 let last = last.ok_or(BvhFault::Link(i))?;
                 let (axis, swapped) = order(&self.nodes[node.first as usize], &self.nodes[last as usize]);
                 if swapped || axis != node.axis() {

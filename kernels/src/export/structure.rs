@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::json::GridSummary;
 use crate::bvh::WideContent;
-use crate::options::{Accelerator, MOST_WITHOUT};
+use crate::options::{Accelerator, LEAST_FOR_GRID, MOST_WITHOUT};
 use crate::plan::{Bytes, Plan};
 use crate::scene_data::SceneData;
 
@@ -51,6 +51,10 @@ impl Structure {
         let because = match (asked, plan.accelerator) {
             (Accelerator::Auto, Accelerator::None) => {
                 format!("{MOST_WITHOUT} triangles or fewer are tested faster than they are looked up")
+            }
+            (Accelerator::Auto, Accelerator::Grid) => "triangles in most cells".into(),
+            (Accelerator::Auto, _) if plan.triangles >= LEAST_FOR_GRID as u64 => {
+                "most cells of a grid are empty".into()
             }
             (Accelerator::Auto, _) => format!("more than {MOST_WITHOUT} triangles"),
             _ => format!("--accelerator {asked}"),
@@ -198,10 +202,10 @@ mod tests {
         let scene = generate::cornell_box();
         let many = of(&scene, Accelerator::Auto, ScheduleKind::Compact);
         assert_eq!((many.accelerator, many.bvh.is_some(), many.grid), ("bvh", true, None));
-        assert!(many.to_string().ends_with("(auto: more than 8 triangles)"), "{many}");
+        assert!(many.to_string().ends_with("(auto: more than 6 triangles)"), "{many}");
         let few = Scene {
-            triangles: scene.triangles[..8].to_vec(),
-            triangle_materials: vec![0; 8],
+            triangles: scene.triangles[..6].to_vec(),
+            triangle_materials: vec![0; 6],
             normals: None,
             texcoords: None,
             colors: None,
@@ -209,7 +213,16 @@ mod tests {
         };
         let few = of(&few, Accelerator::Auto, ScheduleKind::Compact);
         assert_eq!((few.accelerator, few.bvh, few.grid), ("none", None, None));
-        assert!(few.to_string().starts_with("none      every ray tests every triangle (auto: 8 "), "{few}");
+        assert!(few.to_string().starts_with("none      every ray tests every triangle (auto: 6 "), "{few}");
+        let cloud = generate::soup(2000, 1).expect("a scene");
+        let even = of(&cloud, Accelerator::Auto, ScheduleKind::Compact);
+        assert_eq!((even.accelerator, even.accelerator_because.as_str()), ("grid", "triangles in most cells"));
+        let surface = generate::terrain(2000, 1).expect("a scene");
+        let uneven = of(&surface, Accelerator::Auto, ScheduleKind::Compact);
+        assert_eq!(
+            (uneven.accelerator, uneven.accelerator_because.as_str()),
+            ("bvh", "most cells of a grid are empty")
+        );
         let asked = of(&scene, Accelerator::Grid, ScheduleKind::Compact);
         assert_eq!(asked.accelerator_because, "--accelerator grid");
         assert!(asked.to_string().starts_with("grid      ") && !asked.to_string().contains("auto"), "{asked}");

@@ -10,7 +10,7 @@ use crate::kernel::Kernel;
 use crate::real::Vec3;
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
-use crate::shared::bvh_walk::{finite_inverse, hits_box};
+use crate::shared::bvh_walk::{finite_inverse, hits_box, parent_of};
 use crate::shared::constants::{INF, NO_NODE, NO_TRIANGLE};
 use crate::shared::grid_walk::smallest_axis;
 use crate::shared::triangle::{Candidate, Shear, hit_triangle, plane_hit};
@@ -240,13 +240,15 @@ fn explain_walk(data: &SceneData, before: &RayState, after: &RayState) -> String
 fn explain_node(data: &SceneData, before: &RayState, after: &RayState) -> String {
     let (at, to) = (before.cell_index, after.cell_index);
     let node = data.bvh_nodes.get(at as usize).copied().unwrap_or_default();
-    let parent = data.bvh_parents.get(at as usize).copied().unwrap_or(NO_NODE);
+    let parent = data.bvh_parents.get(at as usize).map_or(NO_NODE, |&above| parent_of(above));
     let next = match after.tag {
         state::BACKGROUND => "the tree is done; nothing hit".into(),
         state::SHADE => "the tree is done; the kept hit is the nearest".into(),
         state::ISECT_HIT | state::ISECT_NO_HIT => format!("a leaf, which lists {}", triangles(node.count() as usize)),
         _ if to == parent => format!("up to node {to}"),
-        _ if data.bvh_parents.get(to as usize) == Some(&at) => format!("down to node {to}, the nearer child"),
+        _ if data.bvh_parents.get(to as usize).is_some_and(|&above| parent_of(above) == at) => {
+            format!("down to node {to}, the nearer child")
+        }
         _ => format!("on to node {to}, the sibling"),
     };
     if before.previous != Some(parent) {

@@ -34,14 +34,26 @@ pub fn hits_box<R: Real>(node: &BvhNode, origin: Vec3<R>, inverse: Vec3<R>, near
     t_enter <= t_leave
 }
 
-/// The child that the ray should visit first.
-pub fn near_child<R: Real>(node: &BvhNode, direction: Vec3<R>) -> u32 {
-    let along = match node.link >> 30 {
+/// Whether the ray goes down an axis (0 to 2).
+fn goes_down<R: Real>(axis: u32, direction: Vec3<R>) -> bool {
+    let along = match axis {
         0 => direction.x,
         1 => direction.y,
         _ => direction.z,
     };
-    node.first.wrapping_add(u32::from(along < R::zero()))
+    along < R::zero()
+}
+
+/// An entry of `bvh_parents`: the node above, with the axis of its link in bits 30 and 31, or [`NO_NODE`].
+#[must_use]
+pub fn link_above(nodes: &[BvhNode], parent: u32) -> u32 {
+    nodes.get(parent as usize).map_or(NO_NODE, |above| parent | above.link >> 30 << 30)
+}
+
+/// The node in an entry of `bvh_parents`.
+#[must_use]
+pub fn parent_of(above: u32) -> u32 {
+    if above == NO_NODE { NO_NODE } else { above & 0x3fff_ffff }
 }
 
 /// One step (after Hapala and others, 2011).
@@ -54,21 +66,26 @@ pub fn next_node<R: Real>(
     inverse: Vec3<R>,
     nearest_t: R,
 ) -> Visit {
-    let node = &nodes[at.node as usize];
-    let parent = parents[at.node as usize];
-    if at.previous == parent && hits_box(node, origin, inverse, nearest_t) {
-        if node.count() != 0 {
-            return Visit { node: at.node, previous: at.node, in_leaf: true };
+    let above = parents[at.node as usize];
+    let parent = parent_of(above);
+    if at.previous == parent {
+        let node = &nodes[at.node as usize];
+        if hits_box(node, origin, inverse, nearest_t) {
+            if node.count() != 0 {
+                return Visit { node: at.node, previous: at.node, in_leaf: true };
+            }
+            let nearer = node.first + u32::from(goes_down(node.link >> 30, direction));
+            return Visit { node: nearer, previous: at.node, in_leaf: false };
         }
-        return Visit { node: near_child(node, direction), previous: at.node, in_leaf: false };
     }
     // Finished here: on to the sibling if this was the nearer child, else up.
     if parent == NO_NODE {
         return Visit { node: NO_NODE, previous: at.node, in_leaf: false };
     }
-    let above = &nodes[parent as usize];
-    if at.node == near_child(above, direction) {
-        return Visit { node: 2 * above.first + 1 - at.node, previous: parent, in_leaf: false };
+    // Of two children, the first has an odd number.
+    let is_first = at.node & 1 == 1;
+    if is_first != goes_down(above >> 30, direction) {
+        return Visit { node: ((at.node - 1) ^ 1) + 1, previous: parent, in_leaf: false };
     }
     Visit { node: parent, previous: at.node, in_leaf: false }
 }

@@ -16,6 +16,7 @@ struct BvhNode {
 }
 
 @group(1) @binding(17) var<storage, read> bvh_nodes: array<BvhNode>;
+// The node above, and in bits 30-31 the axis of its link; NO_NODE for the root.
 @group(1) @binding(18) var<storage, read> bvh_parents: array<u32>;
 
 // 1 / direction, kept finite: a component too small to matter inside of the scene gets a size that
@@ -36,10 +37,9 @@ fn hits_box(node: BvhNode, origin: vec3f, inverse: vec3f, nearest_t: f32) -> boo
     return t_enter <= t_leave;
 }
 
-fn near_child(node: BvhNode, direction: vec3f) -> u32 {
-    let axis = node.link >> 30u;
-    let along = select(select(direction.z, direction.y, axis == 1u), direction.x, axis == 0u);
-    return node.first + select(0u, 1u, along < 0.0);
+// Whether the ray goes down an axis (0 to 2).
+fn goes_down(axis: u32, direction: vec3f) -> bool {
+    return select(select(direction.z, direction.y, axis == 1u), direction.x, axis == 0u) < 0.0;
 }
 
 struct Visit {
@@ -51,22 +51,26 @@ struct Visit {
 
 // One step. A finished ray is at NO_NODE.
 fn next_node(at: Visit, origin: vec3f, direction: vec3f, inverse: vec3f, nearest_t: f32) -> Visit {
-    let node = bvh_nodes[at.node];
-    let parent = bvh_parents[at.node];
-    let enters = at.previous == parent;
-    if (enters && hits_box(node, origin, inverse, nearest_t)) {
-        if ((node.link & 0x3fffffffu) != 0u) {
-            return Visit(at.node, at.node, true);
+    let above = bvh_parents[at.node];
+    let parent = select(above & 0x3fffffffu, NO_NODE, above == NO_NODE);
+    if (at.previous == parent) {
+        let node = bvh_nodes[at.node];
+        if (hits_box(node, origin, inverse, nearest_t)) {
+            if ((node.link & 0x3fffffffu) != 0u) {
+                return Visit(at.node, at.node, true);
+            }
+            let nearer = node.first + select(0u, 1u, goes_down(node.link >> 30u, direction));
+            return Visit(nearer, at.node, false);
         }
-        return Visit(near_child(node, direction), at.node, false);
     }
     // Finished here: on to the sibling if this was the nearer child, else up.
     if (parent == NO_NODE) {
         return Visit(NO_NODE, at.node, false);
     }
-    let above = bvh_nodes[parent];
-    if (at.node == near_child(above, direction)) {
-        return Visit(2u * above.first + 1u - at.node, parent, false);
+    // Of two children, the first has an odd number.
+    let is_first = (at.node & 1u) == 1u;
+    if (is_first != goes_down(above >> 30u, direction)) {
+        return Visit(((at.node - 1u) ^ 1u) + 1u, parent, false);
     }
     return Visit(parent, at.node, false);
 }

@@ -26,8 +26,8 @@ pub const WORKGROUP: u32 = 8;
 /// The same of a workgroup that appends rays to lists: fewer workgroups wait for each other at a list's end.
 pub const LIST_SIDE: u32 = 16;
 
-/// Nodes of the binary tree that make one step of a ray that takes several a pass: about the work of a cell.
-pub const NODES_A_STEP: u32 = 4;
+/// Nodes of the binary tree that make one step of a ray that takes several a pass: about the work of a cell, or of a node of the wide tree.
+pub const NODES_A_STEP: u32 = 8;
 
 /// Workgroups a row of an indirect dispatch; the number of rows follows from the rays that are live.
 pub const LIST_GROUPS: u32 = 8;

@@ -15,12 +15,21 @@ import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT};
 @if(live_lists) @group(2) @binding(4) var<storage, read_write> live_rays: array<u32>;
 
 var<workgroup> sent_here: array<atomic<u32>, 8>;
-@if(live_lists) var<workgroup> to_intersect: atomic<u32>;
-@if(live_lists) var<workgroup> to_traverse: atomic<u32>;
+// A bit for each thread of the workgroup that appends to a list.
+@if(live_lists) var<workgroup> to_intersect: array<atomic<u32>, LANE_WORDS>;
+@if(live_lists) var<workgroup> to_traverse: array<atomic<u32>, LANE_WORDS>;
 @if(live_lists) var<workgroup> first_intersect: u32;
 @if(live_lists) var<workgroup> first_traverse: u32;
 
 const LANES: u32 = LIST_SIDE * LIST_SIDE;
+const LANE_WORDS: u32 = LANES / 32u;
+
+// The texel of a thread where a pass launches them all: 32 threads side by side are a tile of 8 by 4.
+fn tiled_texel(group: vec3u, lane: u32) -> vec2u {
+    let x = (lane & 7u) | ((lane >> 2u) & 8u);
+    let y = ((lane >> 3u) & 3u) | ((lane >> 4u) & 12u);
+    return LIST_SIDE * group.xy + vec2u(x, y);
+}
 
 // The texel of a thread's ray in the kernel's own list; beyond every image where the list has ended.
 @if(live_lists)
@@ -69,17 +78,27 @@ fn send(lane: u32, texel: vec2u, tag: u32) {
     @else let intersects = tag == ISECT_NO_HIT || tag == ISECT_HIT;
     @if(many_steps) let traverses = false;
     @else let traverses = tag == TRAV;
-    var place = 0u;
+    let word = lane / 32u;
+    let bit = 1u << (lane % 32u);
     if (intersects) {
-        place = atomicAdd(&to_intersect, 1u);
+        atomicOr(&to_intersect[word], bit);
     }
     if (traverses) {
-        place = atomicAdd(&to_traverse, 1u);
+        atomicOr(&to_traverse[word], bit);
     }
     workgroupBarrier();
+    // Rays keep the order of their threads, pass after pass: what began side by side stays so.
+    var place = 0u;
+    for (var w = 0u; w <= word; w++) {
+        let before = select(0xffffffffu, bit - 1u, w == word);
+        place += countOneBits(before & select(atomicLoad(&to_traverse[w]), atomicLoad(&to_intersect[w]), intersects));
+    }
     // One thread makes room in each list for the whole workgroup.
     if (lane == 0u) {
-        let rays = atomicLoad(&to_intersect);
+        var rays = 0u;
+        for (var w = 0u; w < LANE_WORDS; w++) {
+            rays += countOneBits(atomicLoad(&to_intersect[w]));
+        }
         if (rays > 0u) {
             let first = atomicAdd(&intersect_list[3], rays);
             first_intersect = first + atomicLoad(&intersect_list[4]);
@@ -89,7 +108,10 @@ fn send(lane: u32, texel: vec2u, tag: u32) {
         }
     }
     @if(!many_steps && (grid || bvh)) if (lane == 1u) {
-        let rays = atomicLoad(&to_traverse);
+        var rays = 0u;
+        for (var w = 0u; w < LANE_WORDS; w++) {
+            rays += countOneBits(atomicLoad(&to_traverse[w]));
+        }
         if (rays > 0u) {
             let first = atomicAdd(&traverse_list[3], rays);
             first_traverse = first + atomicLoad(&traverse_list[4]);

@@ -14,7 +14,7 @@ pub struct Load {
     group: wgpu::BindGroup,
 }
 
-/// About a millisecond of a large GPU's time: 2^18 threads of 2^17 steps each.
+/// About a millisecond of a large GPU's time: 2^18 threads of 2^14 steps each.
 const WORKGROUPS: u32 = 1 << 10;
 
 const WGSL: &str = "
@@ -23,7 +23,7 @@ const WGSL: &str = "
 @compute @workgroup_size(256)
 fn load(@builtin(local_invocation_index) lane: u32) {
     var value = f32(lane);
-    for (var step = 0u; step < 131072u; step++) {
+    for (var step = 0u; step < 16384u; step++) {
         value = value * 0.999 + 0.5;
     }
     // Never so; what is written nowhere would be left out by a compiler.
