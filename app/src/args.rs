@@ -56,7 +56,7 @@ pub(crate) struct CameraArgs {
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct RunArgs {
     /// What keeps a ray from testing every triangle: a uniform grid; a tree of boxes (bvh); nothing (none);
-    /// the tree, or nothing for a few triangles (auto)
+    /// auto: nothing for a few triangles, the grid where they fill the scene evenly, else the tree
     #[arg(long, default_value = "grid", value_parser = named(Accelerator::ALL, Accelerator::name))]
     pub(crate) accelerator: Accelerator,
     /// How a ray's walk is cut into passes: intersect until no ray is active there, then traverse once

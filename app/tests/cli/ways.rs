@@ -102,8 +102,8 @@ fn render_says_what_was_built() {
         (&file, &["--accelerator", "bvh"], "bvh       binary tree: nodes ", ", depth "),
         (&file, &["--accelerator", "bvh", "--schedule", "fused"], "bvh       eight-wide tree: nodes ", ", depth "),
         (&file, &["--accelerator", "none"], "none      every ray tests every triangle", ""),
-        (&file, &["--accelerator", "auto"], "bvh       binary tree: ", " (auto: more than 8 triangles)"),
-        (&one, &["--accelerator", "auto"], "none      every ray tests every triangle (auto: 8 triangles or fewer ", ""),
+        (&file, &["--accelerator", "auto"], "bvh       binary tree: ", " (auto: more than 6 triangles)"),
+        (&one, &["--accelerator", "auto"], "none      every ray tests every triangle (auto: 6 triangles or fewer ", ""),
     ];
     for (scene, how, start, rest) in cases {
         let view = [scene, "--size", "8x8", "--device", "cpu"];

@@ -10,7 +10,7 @@ use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{
-    Accelerator, Numerics, Options, Pass, RayKind, RaySource, RenderError, Renderer, ScheduleKind, Stream,
+    Accelerator, Device, Load, Numerics, Options, Pass, RayKind, RaySource, RenderError, Renderer, ScheduleKind, Stream,
 };
 
 use super::input::Input;
@@ -63,6 +63,8 @@ pub(super) struct Bench<'a> {
     args: &'a BenchArgs,
     chosen: &'a Chosen,
     progress: &'a Progress,
+    /// What a GPU does between runs, which keeps its clocks up.
+    load: Option<Load>,
     batch: Vec<Ready>,
     configurations: usize,
     first_failure: Option<Error>,
@@ -72,7 +74,11 @@ pub(super) struct Bench<'a> {
 impl<'a> Bench<'a> {
     pub(super) fn new(args: &'a BenchArgs, chosen: &'a Chosen, progress: &'a Progress) -> Self {
         let measured = Measured { run_id: run_id(), rows: Vec::new(), details: Vec::new(), notes: Vec::new() };
-        Self { args, chosen, progress, batch: Vec::new(), configurations: 0, first_failure: None, measured }
+        let load = match &chosen.device {
+            Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
+            Device::Cpu(_) | Device::CpuF64(_) => None,
+        };
+        Self { args, chosen, progress, load, batch: Vec::new(), configurations: 0, first_failure: None, measured }
     }
 
     /// Something to know.
@@ -255,6 +261,8 @@ impl<'a> Bench<'a> {
     /// One run: its wall clock and device times.
     fn run(&self, renderer: &mut Renderer) -> Result<(u64, Option<u64>), Error> {
         renderer.restart();
+        // Until just before the run, and so not in its wall clock.
+        self.load.iter().for_each(Load::submit);
         self.chosen.settle();
         let start = Instant::now();
         self.chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
