@@ -75,8 +75,8 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
 /// What a section may take. On a GPU all of them take less than four minutes: the small ones less than their share,
 /// and the two with large scenes what is left.
 fn budget(machine: &Machine, section: &str, elapsed: Duration) -> Duration {
-    const ALL: Duration = Duration::from_secs(210);
-    const TRIANGLES: Duration = Duration::from_secs(80);
+    const ALL: Duration = Duration::from_secs(225);
+    const TRIANGLES: Duration = Duration::from_secs(95);
     let small = match section {
         "paper" => 30,
         "resolution" => 20,
