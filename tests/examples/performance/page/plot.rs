@@ -85,7 +85,7 @@ fn draw(
         .label_style(("sans-serif", 14))
         .axis_desc_style(("sans-serif", 15))
         .light_line_style(WHITE)
-        .bold_line_style(RGBColor(215, 215, 215))
+        .bold_line_style(RGBColor(238, 238, 238))
         .draw()?;
     for (i, s) in series.iter().enumerate() {
         let color = PALETTE[s.color % PALETTE.len()];
