@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::commands::{bench, completions, dump, extension, info, plan, render, scene, trace};
+use crate::commands::{bench, completions, dump, extension, info, plan, render, scene, stability, trace};
 use crate::error::Error;
 
 /// Trace rays as a stream program, step by step, with every stream in the open
@@ -26,6 +26,7 @@ Examples:
   raystep trace scenes/cornell-box.gltf --pixel 256,256
   raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
   raystep bench scenes/cornell-box.gltf --accelerators grid,bvh -o bench
+  raystep stability -o stability
   raystep info
 'raystep COMMAND --help' says more about each."
 )]
@@ -40,6 +41,7 @@ pub(crate) enum Command {
     Trace(Box<trace::TraceArgs>),
     Dump(Box<dump::DumpArgs>),
     Bench(Box<bench::BenchArgs>),
+    Stability(Box<stability::StabilityArgs>),
     Plan(Box<plan::PlanArgs>),
     Info(info::InfoArgs),
     #[command(subcommand)]

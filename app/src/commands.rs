@@ -7,6 +7,7 @@ pub(crate) mod info;
 pub(crate) mod plan;
 pub(crate) mod render;
 pub(crate) mod scene;
+pub(crate) mod stability;
 mod summary;
 pub(crate) mod trace;
 

@@ -58,6 +58,7 @@ pub mod setup;
 pub mod shade;
 pub mod shader;
 pub mod shared;
+pub mod stability;
 pub mod state;
 pub mod stream;
 pub mod traverse_bvh;

@@ -230,14 +230,14 @@ fn ray(origin: DVec3, direction: DVec3) -> Option<Ray> {
 
 /// PCG's RXS-M-XS 32/32: O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good
 /// Algorithms for Random Number Generation", 2014.
-struct Random {
+pub(crate) struct Random {
     state: u32,
 }
 
 impl Random {
     /// A pixel's own sequence. It begins at a hash of pixel and seed by the same step, as Jarzynski and Olano,
     /// "Hash Functions for GPU Rendering", JCGT 9(3), 2020, recommend.
-    fn new(pixel: u32, seed: u32) -> Self {
+    pub(crate) fn new(pixel: u32, seed: u32) -> Self {
         Self { state: pcg(pixel.wrapping_add(pcg(seed))) }
     }
 
@@ -248,18 +248,18 @@ impl Random {
     }
 
     /// Evenly in [0, 1).
-    fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         f64::from(self.next()) / 4_294_967_296.0
     }
 
     /// Evenly from 0 to `count` - 1; 0 where there is no such number.
-    fn below(&mut self, count: usize) -> usize {
+    pub(crate) fn below(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))
     }
 
     /// Evenly on the unit sphere: Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972. It needs
     /// neither sine nor cosine, which differ between machines.
-    fn on_sphere(&mut self) -> DVec3 {
+    pub(crate) fn on_sphere(&mut self) -> DVec3 {
         // Each turn succeeds with probability π/4: nobody will see the end of the loop.
         for _ in 0..1000 {
             let x = 2.0 * self.unit() - 1.0;

@@ -149,16 +149,16 @@ pub fn check_rays(
     [origins, directions, state, hit]: [&StreamData; 4],
     mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,
 ) -> Report {
-    let triangles = Triangles::new(&data.vertices);
+    let triangles = BruteForce::new(&data.vertices);
     let one = |ray: usize| {
         let component = |s: &StreamData| [0, 1, 2].map(|layer| s.get_f32(layer, ray));
         let triangle = hit.get(HIT_TRIANGLE, ray);
         let t = state.get_f32(STATE_T, ray);
-        let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, t));
-        triangles.judge(ray, component(origins), component(directions), found)
+        let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
+        triangles.candidates(component(origins), component(directions)).judge(ray, found)
     };
     let (rays, mut report) = (rays as usize, Report::default());
-    let batch = (1usize << 24).div_ceil(triangles.spheres.len().max(1)).clamp(64, 1 << 16);
+    let batch = (1usize << 24).div_ceil(triangles.triangles().max(1)).clamp(64, 1 << 16);
     for first in (0..rays).step_by(batch) {
         let count = batch.min(rays - first);
         let parts = map_ranges(count, 64, |range| {
@@ -178,8 +178,8 @@ pub fn check_rays(
     report
 }
 
-/// Corners, and a sphere around each triangle for a quick and safe no.
-struct Triangles<'a> {
+/// Every triangle in f64: corners, and a sphere around each for a quick and safe no.
+pub struct BruteForce<'a> {
     vertices: &'a [f32],
     spheres: Vec<([f64; 3], f64)>,
 }
@@ -200,6 +200,10 @@ pub struct Possible {
     pub t: f64,
     /// What f32 may be off by.
     pub t_bound: f64,
+    /// Weight of vertex 1; not finite where the triangle is seen edge-on.
+    pub u: f64,
+    /// Weight of vertex 2, likewise.
+    pub v: f64,
     /// What f32 may be off by in u and v.
     pub weight_bound: f64,
     /// No bound leaves a doubt that the ray hits it.
@@ -213,12 +217,81 @@ pub struct Possible {
 /// Tests one triangle (nine floats each in `vertices`) in f64. `None` where f32, too, must see a miss.
 #[must_use]
 pub fn possible(vertices: &[f32], origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
-    let triangles = Triangles { vertices, spheres: Vec::new() };
+    let triangles = BruteForce { vertices, spheres: Vec::new() };
     triangles.test(origin, direction, origin.map(f64::from), direction.map(f64::from), triangle)
 }
 
-impl<'a> Triangles<'a> {
-    fn new(vertices: &'a [f32]) -> Self {
+/// Whether the ray sees a triangle exactly edge-on, as it sees every triangle without an area: such a one is never
+/// hit.
+#[must_use]
+pub fn is_edge_on(vertices: &[f32], direction: [f32; 3], triangle: u32) -> bool {
+    let first = 9 * triangle as usize;
+    exact::is_edge_on(direction, [0, 3, 6].map(|c| [0, 1, 2].map(|a| vertices[first + c + a])))
+}
+
+/// All that one ray may hit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Candidates {
+    /// By id.
+    pub possible: Vec<Possible>,
+    /// The nearest triangle that the exact ray hits, and its t.
+    pub exact: Option<(u32, f64)>,
+    /// Smallest t by which a definite hit ends: nothing behind it can be right.
+    surely_by: Option<f64>,
+}
+
+impl Candidates {
+    /// The one that was found, if it is one.
+    #[must_use]
+    pub fn of(&self, triangle: u32) -> Option<&Possible> {
+        self.possible.binary_search_by_key(&triangle, |p| p.triangle).ok().map(|i| &self.possible[i])
+    }
+
+    /// Whether the bounds leave a choice of what is hit.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        let reachable = |p: &&Possible| self.surely_by.is_none_or(|by| p.t - p.t_bound <= by);
+        match self.possible.iter().filter(reachable).count() {
+            0 => false,
+            1 => self.surely_by.is_none(),
+            _ => true,
+        }
+    }
+
+    /// What became of a ray that found this; also the error of t in the units of [`Report::largest_t_ulp`].
+    #[must_use]
+    pub fn judge(&self, ray: usize, found: Option<(u32, f64)>) -> (Mistake, f64) {
+        let surely_by = self.surely_by.unwrap_or(f64::INFINITY);
+        let exact = self.exact;
+        let mut t_ulp = 0.0;
+        let verdict = match (found, found.and_then(|(triangle, _)| self.of(triangle))) {
+            (None, _) if surely_by.is_finite() => Verdict::Missed,
+            (None, _) if exact.is_some() => Verdict::Tie,
+            (None, _) => Verdict::Same,
+            (Some(_), None) if exact.is_none() && !surely_by.is_finite() => Verdict::False,
+            (Some(_), None) => Verdict::Wrong,
+            (Some((_, t)), Some(p)) => {
+                let error = (t - p.t).abs();
+                // The negated comparison catches NaN.
+                #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN is within no bound")]
+                if !(error <= p.t_bound) || surely_by < p.t - p.t_bound {
+                    Verdict::Wrong
+                } else if exact.is_some_and(|(k, _)| k == p.triangle) {
+                    t_ulp = error / (2.0 * U * p.far.max(t.abs()));
+                    Verdict::Same
+                } else {
+                    Verdict::Tie
+                }
+            }
+        };
+        (Mistake { ray, verdict, found: found.map(|(triangle, t)| (triangle, t as f32)), exact }, t_ulp)
+    }
+}
+
+impl<'a> BruteForce<'a> {
+    /// Of triangles with nine floats each.
+    #[must_use]
+    pub fn new(vertices: &'a [f32]) -> Self {
         let sphere = |v: &[f32]| {
             let p = [0, 3, 6].map(|c| [0, 1, 2].map(|a| f64::from(v[c + a])));
             let center = [0, 1, 2].map(|a| (p[0][a] + p[1][a] + p[2][a]) / 3.0);
@@ -228,12 +301,18 @@ impl<'a> Triangles<'a> {
         Self { vertices, spheres: vertices.chunks_exact(9).map(sphere).collect() }
     }
 
-    fn judge(&self, ray: usize, origin: [f32; 3], direction: [f32; 3], found: Option<(u32, f32)>) -> (Mistake, f64) {
+    /// How many triangles there are.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// Tests all of them.
+    #[must_use]
+    pub fn candidates(&self, origin: [f32; 3], direction: [f32; 3]) -> Candidates {
         let (o, d) = (origin.map(f64::from), direction.map(f64::from));
         let d_squared = dot(d, d);
-        // Smallest t by which a definite hit ends: nothing behind it can be right.
-        let mut surely_by = f64::INFINITY;
-        let (mut any_possible, mut exact, mut chosen) = (false, None::<(u32, f64)>, None);
+        let mut all = Candidates::default();
         for (triangle, &(center, radius)) in self.spheres.iter().enumerate() {
             let c = sub(center, o);
             let off = cross(c, d);
@@ -242,37 +321,15 @@ impl<'a> Triangles<'a> {
                 continue;
             }
             let Some(p) = self.test(origin, direction, o, d, triangle as u32) else { continue };
-            any_possible = true;
             if p.is_definite {
-                surely_by = surely_by.min(p.t + p.t_bound);
+                all.surely_by = Some(all.surely_by.map_or(p.t + p.t_bound, |by| by.min(p.t + p.t_bound)));
             }
-            if p.is_exact && exact.is_none_or(|(_, t)| p.t < t) {
-                exact = Some((p.triangle, p.t));
+            if p.is_exact && all.exact.is_none_or(|(_, t)| p.t < t) {
+                all.exact = Some((p.triangle, p.t));
             }
-            if found.is_some_and(|(k, _)| k == p.triangle) {
-                chosen = Some(p);
-            }
+            all.possible.push(p);
         }
-        let mut t_ulp = 0.0;
-        let verdict = match (found, chosen) {
-            (None, _) if surely_by.is_finite() => Verdict::Missed,
-            (None, _) if any_possible && exact.is_some() => Verdict::Tie,
-            (None, _) => Verdict::Same,
-            (Some(_), None) if exact.is_none() && !surely_by.is_finite() => Verdict::False,
-            (Some(_), None) => Verdict::Wrong,
-            (Some((_, t)), Some(p)) => {
-                let error = (f64::from(t) - p.t).abs();
-                if error > p.t_bound || surely_by < p.t - p.t_bound {
-                    Verdict::Wrong
-                } else if exact.is_some_and(|(k, _)| k == p.triangle) {
-                    t_ulp = error / (2.0 * U * p.far.max(f64::from(t).abs()));
-                    Verdict::Same
-                } else {
-                    Verdict::Tie
-                }
-            }
-        };
-        (Mistake { ray, verdict, found, exact }, t_ulp)
+        all
     }
 
     /// `None` where f32, too, must see that the ray misses the triangle.
@@ -329,7 +386,9 @@ impl<'a> Triangles<'a> {
                 exact::hits(origin, direction, corners)
             };
         let is_definite = (clear(1.0) || clear(-1.0)) && t > t_bound;
-        Some(Possible { triangle, t, t_bound, weight_bound, is_definite, is_exact, far: near.abs().max(far.abs()) })
+        let (u, v) = (edges[1].value / det, edges[2].value / det);
+        let far = near.abs().max(far.abs());
+        Some(Possible { triangle, t, t_bound, u, v, weight_bound, is_definite, is_exact, far })
     }
 }
 

@@ -1,0 +1,169 @@
+//! `stability.html`: one page that needs nothing beside it. Its numbers are the fields of `stability.csv`.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+use raystep_kernels::stability::{KNOWN, Row};
+
+use super::picture::{LEGEND, Picture};
+use super::{Outcome, table};
+use crate::error::Error;
+
+/// Columns of a case's table, with their headings.
+const SHOWN: [(&str, &str); 20] = [
+    ("numerics", "numerics"),
+    ("accelerator", "accelerator"),
+    ("schedule", "schedule"),
+    ("device", "device"),
+    ("missed", "missed"),
+    ("false_hits", "false"),
+    ("wrong", "wrong"),
+    ("undecided", "undecided"),
+    ("edge_on", "edge-on"),
+    ("non_finite", "not finite"),
+    ("at_bound", "at bound"),
+    ("passes", "passes"),
+    ("t_relative", "t, relative"),
+    ("t_ulp", "t, ulp"),
+    ("u_relative", "u, relative"),
+    ("u_ulp", "u, ulp"),
+    ("v_relative", "v, relative"),
+    ("v_ulp", "v, ulp"),
+    ("expected", "expected"),
+    ("result", "result"),
+];
+
+const STYLE: &str = "\
+:root{color-scheme:light}body{font:15px/1.5 system-ui,sans-serif;color:#222;background:#fff;max-width:76rem;margin:2rem \
+auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin:2.5rem 0 .3rem}p{margin:.3rem 0;max-width:50rem}\
+table{border-collapse:collapse;margin:.8rem 0;font-size:.82rem}th,td{padding:.15rem .55rem;border-bottom:1px solid \
+#e4e4e0;text-align:right;white-space:nowrap}th{font-weight:600;text-align:right;border-bottom:1px solid #999}\
+.l{text-align:left}.fail{color:#b01525}.odd{background:#fde9e9}.note{color:#555}figure{display:inline-block;margin:.4rem \
+1rem .4rem 0;vertical-align:top}figcaption{font-size:.78rem;color:#555;max-width:16rem}img{image-rendering:pixelated;\
+border:1px solid #ddd;width:16rem}.key{display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 1em;border:1px solid \
+#bbb}.wide{overflow-x:auto}";
+
+/// The page.
+pub(super) fn html(outcomes: &[Outcome]) -> Result<String, Error> {
+    let mut page = String::new();
+    let rows: Vec<&Row> = outcomes.iter().flat_map(|o| &o.rows).collect();
+    let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
+    let adapters: Vec<&str> = rows.iter().map(|row| row.field("adapter")).filter(|a| !a.is_empty()).take(1).collect();
+    // Writing to a string cannot fail.
+    let _ = write!(
+        page,
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+         content=\"width=device-width\"><title>raystep: stability</title><style>{STYLE}</style></head><body>\n\
+         <h1>Stability</h1>\n<p>Every ray of {} cases against f64 brute force with exact predicates at edges: {} runs, \
+         {odd} of them not as expected. GPU: {}. All numbers are in <code>stability.csv</code>, beside this page.</p>\n\
+         <p>Robust rules must make no error. The paper's rules must fail where a case says so; elsewhere they may. \
+         <em>Undecided</em> are rays whose hit is not the exact one where f32 cannot tell. Errors of t, u and v are the \
+         largest among hits of the exact triangle: relative to the exact value, and in units in the last place of what \
+         the arithmetic rounds.</p>\n<p>",
+        outcomes.len(),
+        rows.len(),
+        escaped(adapters.first().unwrap_or(&"none")),
+    );
+    for ([r, g, b], name) in LEGEND {
+        let _ = write!(page, "<span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>{name}");
+    }
+    page += "</p>\n";
+    overview(&mut page, outcomes);
+    for outcome in outcomes {
+        section(&mut page, outcome)?;
+    }
+    page += "</body></html>\n";
+    Ok(page)
+}
+
+/// A line a case, linked to its section.
+fn overview(page: &mut String, outcomes: &[Outcome]) {
+    *page +=
+        "<table><tr><th class=\"l\">case</th><th class=\"l\">what</th><th>runs</th><th>not as expected</th></tr>\n";
+    for Outcome { case, rows, .. } in outcomes {
+        let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
+        let class = if odd > 0 { " class=\"odd\"" } else { "" };
+        let _ = writeln!(
+            page,
+            "<tr{class}><td class=\"l\"><a href=\"#{0}\">{0}</a></td><td class=\"l\">{1}</td><td>{2}</td><td>{odd}</td></tr>",
+            case.name,
+            escaped(case.what),
+            rows.len(),
+        );
+    }
+    *page += "</table>\n";
+}
+
+fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
+    let Outcome { case, rows, pictures, notes } = outcome;
+    let field = |column| rows.first().map_or("0", |row: &Row| row.field(column));
+    let _ = write!(
+        page,
+        "<h2 id=\"{0}\">{0}</h2>\n<p>{1}; {2} rays, {3} triangles. Truth: {4}.</p>\n\
+         <p class=\"note\">Undecided at most {5}: {6}.</p>\n",
+        case.name,
+        escaped(case.what),
+        field("rays"),
+        field("triangles"),
+        table::truth(case),
+        field("undecided_ceiling"),
+        escaped(case.undecided.because),
+    );
+    let fails: Vec<&str> = case.paper.fails_on.iter().map(|a| a.name()).collect();
+    let expected = match fails[..] {
+        [] => "nothing is expected of them here".to_owned(),
+        _ => format!("must fail in f32 on {}: {}", fails.join(", "), escaped(case.paper.because)),
+    };
+    let _ = writeln!(page, "<p class=\"note\">The paper's rules: {expected}.</p>");
+    for known in KNOWN.iter().filter(|k| k.case == case.name && table::known_failures(outcome) > 0) {
+        let _ = writeln!(page, "<p class=\"fail\">Known failure of the robust rules: {}.</p>", escaped(known.because));
+    }
+    for note in notes {
+        let _ = writeln!(page, "<p class=\"fail\">{}</p>", escaped(note));
+    }
+    *page += "<div class=\"wide\"><table><tr>";
+    for (column, heading) in SHOWN {
+        let _ = write!(page, "<th{}>{heading}</th>", class_of(column));
+    }
+    *page += "</tr>\n";
+    for row in rows {
+        *page += if row.is_as_expected() { "<tr>" } else { "<tr class=\"odd\">" };
+        for (column, _) in SHOWN {
+            let value = escaped(row.field(column));
+            let class = if column == "result" && !row.passed { " class=\"fail\"" } else { class_of(column) };
+            let _ = write!(page, "<td{class}>{value}</td>");
+        }
+        *page += "</tr>\n";
+    }
+    *page += "</table></div>\n";
+    for picture in pictures {
+        figure(page, picture)?;
+    }
+    Ok(())
+}
+
+fn figure(page: &mut String, picture: &Picture) -> Result<(), Error> {
+    let [width, height] = picture.size();
+    let ways = escaped(&picture.ways.join("; "));
+    let kind = if picture.is_image { "the picture" } else { "directions: longitude across, latitude up" };
+    let _ = writeln!(
+        page,
+        "<figure><img alt=\"errors of {ways}\" width=\"{width}\" height=\"{height}\" style=\"height:auto\" \
+         src=\"data:image/png;base64,{}\"><figcaption>{ways} ({kind})</figcaption></figure>",
+        BASE64_STANDARD.encode(picture.png()?)
+    );
+    Ok(())
+}
+
+/// Words stand at the left of their column.
+fn class_of(column: &str) -> &'static str {
+    match column {
+        "numerics" | "accelerator" | "schedule" | "device" | "expected" | "result" => " class=\"l\"",
+        _ => "",
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,92 @@
+//! `raystep stability`, from the built binary: its CSV read back by a strict reader, and its exit codes.
+
+#[path = "cli/common.rs"]
+mod common;
+
+use std::collections::BTreeMap;
+
+use common::{Place, scene};
+
+type Row = BTreeMap<String, String>;
+
+/// Rows by column, every row with as many fields as there are columns.
+fn rows(file: &[u8]) -> Vec<Row> {
+    let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(file);
+    let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| names.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|r| row(r.expect("as many fields as names"))).collect()
+}
+
+/// Two cases that the paper's rules fail: one through the grid, one wherever triangles are tested.
+const TWO: [&str; 8] = ["stability", "--case", "axis-below", "--case", "tiny-detail", "--quick", "--device", "cpu"];
+
+#[test]
+fn robust_rules_pass_and_the_papers_fail_where_they_must() {
+    let place = Place::new();
+    let outcome = place.ok(&[&TWO[..], &["-o", "out"]].concat());
+    assert!(outcome.stdout.contains("axis-below-1e-3") && !outcome.stdout.contains("NO"), "{outcome:?}");
+    let file = place.read("out/stability.csv");
+    let lines = file.iter().filter(|&&b| b == b'\n').count();
+    assert_eq!(file.windows(2).filter(|w| w == b"\r\n").count(), lines, "lines end as RFC 4180 says");
+    let rows = rows(&file);
+    // In f32 each accelerator by both rules and fused, in f64 by both rules.
+    assert_eq!(rows.len(), 2 * (9 + 6));
+    let page = String::from_utf8(place.read("out/stability.html")).expect("UTF-8");
+    for row in &rows {
+        let errors: u64 = ["missed", "false_hits", "wrong"].map(|c| row[c].parse::<u64>().expect(c)).iter().sum();
+        let (undecided, ceiling): (u64, u64) =
+            (row["undecided"].parse().expect("a count"), row["undecided_ceiling"].parse().expect("a count"));
+        let must_fail = row["numerics"] == "paper"
+            && row["device"] == "cpu_f32"
+            && (row["case"] == "tiny-detail" || row["accelerator"] == "grid");
+        let expected = match row["numerics"].as_str() {
+            "robust" => "pass",
+            _ if must_fail => "fail",
+            _ => "any",
+        };
+        assert_eq!(row["expected"], expected, "{row:?}");
+        if row["numerics"] == "robust" {
+            assert_eq!((errors, row["non_finite"].as_str(), row["at_bound"].as_str()), (0, "0", "0"), "{row:?}");
+            assert!(undecided <= ceiling && row["result"] == "pass", "{row:?}");
+        }
+        assert!(!must_fail || (errors > 0 && row["result"] == "fail"), "{row:?}");
+        assert_eq!((row["rays"].as_str(), row["adapter"].as_str()), ("256", ""));
+        for column in ["t_relative", "t_ulp", "u_ulp", "v_relative"] {
+            assert!(row[column].is_empty() || page.contains(&format!(">{}</td>", row[column])), "{column} {row:?}");
+        }
+    }
+    assert!(page.contains("data:image/png;base64,") && page.matches("<h2 id=").count() == 2);
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page needs nothing beside it");
+
+    let again = place.ok(&[&TWO[..], &["-o", "out", "--force", "--quiet"]].concat());
+    assert_eq!((again.stdout.as_str(), again.stderr.as_str()), ("", ""));
+    assert_eq!(place.read("out/stability.csv"), file, "the same errors again");
+    assert_eq!(place.names(), ["out"]);
+}
+
+#[test]
+fn one_accelerator_without_files_and_the_list_of_cases() {
+    let place = Place::new();
+    let outcome = place.ok(&[&TWO[..], &["--accelerator", "grid"]].concat());
+    let line = outcome.stdout.lines().find(|l| l.starts_with("tiny-detail")).expect("a line a case");
+    let cells: Vec<&str> = line.split_whitespace().collect();
+    assert_eq!((cells[1], cells[2], &cells[6..]), ("256", "0", &["-", "-", "yes"][..]), "{line}");
+    assert_ne!(cells[5], "0", "the paper's rules lose rays: {line}");
+    assert!(place.names().is_empty());
+    let list = place.ok(&["stability", "--list"]).stdout;
+    assert!(list.lines().count() > 40 && list.contains("grid,bvh,none"), "{list}");
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_before_anything_runs() {
+    let place = Place::new();
+    place.fails(2, "there are inside, axis-0", &["stability", "--case", "no-such"]);
+    place.fails(2, "--device cpu uses none", &["stability", "--device", "cpu", "--adapter", "x"]);
+    place.fails(2, "grid, bvh, none", &["stability", "--accelerator", "auto"]);
+    place.fails(2, "--output", &["stability", "--force"]);
+    let file = scene("cornell-box.gltf").display().to_string();
+    place.fails(2, "unexpected argument", &["stability", &file]);
+    std::fs::write(place.path("stability.csv"), "a,b\r\n").expect("a file");
+    place.fails(1, "no such report", &["stability", "--case", "no-triangle", "-o", "."]);
+    place.fails(1, "no such report", &["stability", "--case", "no-triangle", "-o", ".", "--force"]);
+}
