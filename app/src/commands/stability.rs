@@ -84,7 +84,7 @@ struct Outcome {
     rows: Vec<Row>,
     /// Where its errors are.
     pictures: Vec<Picture>,
-    /// Rays of the first error by robust rules, if there is one.
+    /// The first ray with an error by robust rules, if there is one.
     notes: Vec<String>,
 }
 
@@ -186,7 +186,9 @@ fn one(args: &StabilityArgs, case: &'static Case, places: &[(Place, Chosen)]) ->
                 let running = stability::run(case, &workload, variant, &chosen.device, &mut judge);
                 let run = block_on(chosen.gpu(), running)?;
                 let row = Row::new(case, workload.scene.triangles.len(), variant, place, &run);
+                // One ray is enough to look for the cause with.
                 if let Some(([ox, oy, oz], [dx, dy, dz])) = run.score.first_error
+                    && outcome.notes.is_empty()
                     && matches!(row.expected, Expected::Pass | Expected::KnownFailure)
                 {
                     outcome.notes.push(format!(
@@ -246,6 +248,32 @@ impl From<StabilityError> for Error {
             StabilityError::Render(error) => error.into(),
             StabilityError::Plan(error) => error.into(),
             _ => Self::failed(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::Numerics;
+
+    use super::*;
+
+    #[test]
+    fn the_command_fails_where_a_row_is_not_as_expected_and_only_there() {
+        let row = |expected: Expected, has_errors: bool| {
+            let variant =
+                Variant { numerics: Numerics::Paper, accelerator: Accelerator::Grid, schedule: ScheduleKind::Compact };
+            let case = CASES[0].name;
+            Row { case, variant, device: "gpu", expected, passed: !has_errors, has_errors, fields: Default::default() }
+        };
+        let code = |rows: Vec<Row>| {
+            let outcome = Outcome { case: &CASES[0], rows, pictures: Vec::new(), notes: Vec::new() };
+            judge(&[outcome]).map_err(|e| e.code)
+        };
+        let right = [row(Expected::Pass, false), row(Expected::Fail, true), row(Expected::KnownFailure, true)];
+        assert_eq!(code(right.to_vec()), Ok(()));
+        for wrong in [row(Expected::Pass, true), row(Expected::Fail, false)] {
+            assert_eq!(code([&right[..], &[wrong]].concat()), Err(1));
         }
     }
 }

@@ -90,9 +90,12 @@ mod tests {
             else {
                 panic!("given rays in a given grid");
             };
-            let planes = Planes::of(&scene, rays.clone(), cells).expect("a grid");
+            let options = Options { grid: GridSize::Cells(cells), ..Options::new(RaySource::Given(rays.clone())) };
+            let (_, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");
+            let plane = |axis: usize, i: i32| data.grid.corner[axis] + data.grid.width[axis] * i as f32;
             for ray in &rays {
-                let on_plane = |&axis: &usize| (0..=16).any(|i| planes.plane(axis, i) == ray.origin[axis]);
+                let on_plane =
+                    |&axis: &usize| (0..=16).any(|i| plane(axis, i) == data.units.to_traced(ray.origin[axis]));
                 assert!((0..3).filter(on_plane).count() >= wanted, "{ray:?}");
             }
         }
