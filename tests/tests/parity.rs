@@ -168,7 +168,7 @@ const BREAKS: [Break; 24] = {
         (Kernel::TraverseBvh, Way::new(Bvh, Second, 1), "((at.node - 1u) ^ 1u) + 1u", "at.node"),
         (Kernel::TraverseBvh, Way::new(Bvh, Compact, 1), "min(t0, t1)", "t0"),
         (Kernel::Intersect, STEPPED, "nearest_t <= exit", "nearest_t < 0.5 * exit"),
-        (Kernel::Intersect, STEPPED, "weight_b * inverse,", "weight_a * inverse,"),
+        (Kernel::Intersect, STEPPED, "let u = weight_b * inverse", "let u = weight_a * inverse"),
         (Kernel::Intersect, Way::new(Bvh, Second, 1), "bvh_items[first + item]", "bvh_items[first]"),
         (Kernel::Walk, few_steps(Grid), "step < scene.steps", "step + 1u < scene.steps"),
         (Kernel::Walk, few_steps(Grid), "trace.u = candidate.u", "trace.u = candidate.v"),

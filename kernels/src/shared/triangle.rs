@@ -123,7 +123,9 @@ fn weights<R: Real>(shear: &Shear<R>, [a, b, c]: &[Vec3<R>; 3]) -> ([R; 3], bool
 fn on_plane<R: Real>(shear: &Shear<R>, corners: &[Vec3<R>; 3], [a, b, c]: [R; 3]) -> Candidate<R> {
     let inverse = R::one() / (a + b + c);
     let [p, q, r] = corners.map(|corner| shear.along(corner));
-    Candidate { t: (a * p + b * q + c * r) * inverse, u: b * inverse, v: c * inverse, is_hit: false }
+    // Divided first: a weight times a depth is a length cubed, which underflows long before either does.
+    let [w, u, v] = [a * inverse, b * inverse, c * inverse];
+    Candidate { t: w * p + u * q + v * r, u, v, is_hit: false }
 }
 
 /// Möller and Trumbore (1997), as published, with its threshold on the determinant.

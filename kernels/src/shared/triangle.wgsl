@@ -84,8 +84,12 @@ fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Cand
     let weight_c = pq - qp;
     let det = weight_a + weight_b + weight_c;
     let inverse = 1.0 / det;
-    let t = (weight_a * along(oa, shear) + weight_b * along(ob, shear) + weight_c * along(oc, shear)) * inverse;
-    return Candidate(t, weight_b * inverse, weight_c * inverse, det != 0.0 && t > 0.0 && t < INF);
+    // Divided first: a weight times a depth is a length cubed, which underflows long before either does.
+    let w = weight_a * inverse;
+    let u = weight_b * inverse;
+    let v = weight_c * inverse;
+    let t = w * along(oa, shear) + u * along(ob, shear) + v * along(oc, shear);
+    return Candidate(t, u, v, det != 0.0 && t > 0.0 && t < INF);
 }
 
 fn moller_trumbore(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> Candidate {

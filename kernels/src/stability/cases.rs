@@ -62,11 +62,6 @@ pub static KNOWN: &[Known] = &[
         accelerators: &[Bvh, None],
         because: "the same of triangles without an area whose corners differ: edge functions are 0 but for rounding",
     },
-    Known {
-        case: "deeper-tree",
-        accelerators: &[Grid, Bvh, None],
-        because: "t is a sum of weights times depths, each the size of the triangle cubed: below 2^-126 it underflows",
-    },
 ];
 
 /// Every case.
