@@ -1,8 +1,5 @@
 //! What a user asks for.
 
-use std::fmt;
-use std::str::FromStr;
-
 use raystep_scenes::Camera;
 
 use crate::grid::GridSize;
@@ -74,6 +71,13 @@ pub struct ParseOptionError {
     expected: &'static str,
 }
 
+impl ParseOptionError {
+    pub(crate) fn new(value: &str, expected: &'static str) -> Self {
+        Self { value: value.into(), expected }
+    }
+}
+
+/// The names of an enum's values, to write and to read.
 macro_rules! named {
     ($type:ident, $expected:literal, $($variant:ident $name:literal),*) => {
         impl $type {
@@ -85,22 +89,24 @@ macro_rules! named {
                 match self { $(Self::$variant => $name),* }
             }
         }
-        impl fmt::Display for $type {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str(self.name())
             }
         }
-        impl FromStr for $type {
-            type Err = ParseOptionError;
+        impl std::str::FromStr for $type {
+            type Err = $crate::options::ParseOptionError;
             fn from_str(value: &str) -> Result<Self, Self::Err> {
                 match value {
                     $($name => Ok(Self::$variant),)*
-                    _ => Err(ParseOptionError { value: value.into(), expected: $expected }),
+                    _ => Err($crate::options::ParseOptionError::new(value, $expected)),
                 }
             }
         }
     };
 }
+pub(crate) use named;
+
 named!(Accelerator, "auto, grid, bvh, none", Auto "auto", Grid "grid", Bvh "bvh", None "none");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");

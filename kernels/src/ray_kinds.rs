@@ -7,8 +7,8 @@
 //! | shadow | from a primary hit to a light; what it hits before the light, at t < 1, shadows it |
 //! | random | from anywhere in the scene's box, in any direction |
 //!
-//! Bounce and shadow rays are in the order of the pixels, row by row from the top. A pixel that has no such
-//! ray is left out: it sees nothing, or its light is behind the surface that it sees. A pixel's ray depends on
+//! Bounce and shadow rays are in the order of tiles of pixels, and lie in tiles where they are traced, so that a
+//! workgroup traces rays that leave from near each other. A pixel that has no such ray is left out: it sees nothing, or its light is behind the surface that it sees. A pixel's ray depends on
 //! the pixel's hit, its index and the seed, and on nothing else: in whatever order and on whatever machine
 //! they are made, they are the same bits (IEEE +, −, ×, ÷ and √ only).
 //!
@@ -16,17 +16,17 @@
 //! the largest coordinate of the scene's box. Rounding a point to f32 moves it by at most 2⁻²⁴ of that, so the
 //! origin stays on the viewer's side.
 
-use std::fmt;
-use std::str::FromStr;
+mod random;
 
 use glam::DVec3;
 use raystep_scenes::{Bounds, Camera, Light, Projection, Scene};
 
-use crate::options::Ray;
+use crate::options::{Ray, named};
 use crate::parallel::map_ranges;
 use crate::plan::given_width;
 use crate::renderer::RayHit;
 use crate::shared::constants::WORKGROUP;
+pub(crate) use random::Random;
 
 /// How far origins are moved off a surface, as a share of the largest coordinate of the scene's box.
 pub const SURFACE_OFFSET: f64 = 1.0 / (1u32 << 16) as f64;
@@ -48,41 +48,7 @@ pub enum RayKind {
     Random,
 }
 
-/// The name of a kind of rays has no meaning.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is not one of primary, bounce, shadow, random")]
-pub struct ParseRayKindError(String);
-
-impl RayKind {
-    /// Every kind.
-    pub const ALL: &[Self] = &[Self::Primary, Self::Bounce, Self::Shadow, Self::Random];
-
-    /// Its name in options and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Primary => "primary",
-            Self::Bounce => "bounce",
-            Self::Shadow => "shadow",
-            Self::Random => "random",
-        }
-    }
-}
-
-impl fmt::Display for RayKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for RayKind {
-    type Err = ParseRayKindError;
-
-    fn from_str(value: &str) -> Result<Self, Self::Err> {
-        let kind = Self::ALL.iter().find(|kind| kind.name() == value);
-        kind.copied().ok_or_else(|| ParseRayKindError(value.into()))
-    }
-}
+named!(RayKind, "primary, bounce, shadow, random", Primary "primary", Bounce "bounce", Shadow "shadow", Random "random");
 
 /// What the rays of a camera hit.
 #[derive(Clone, Copy, Debug)]
@@ -228,65 +194,6 @@ fn ray(origin: DVec3, direction: DVec3) -> Option<Ray> {
     is_traceable.then(|| Ray { origin: origin.to_array(), direction: direction.to_array() })
 }
 
-/// PCG's RXS-M-XS 32/32: O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good
-/// Algorithms for Random Number Generation", 2014.
-pub(crate) struct Random {
-    state: u32,
-}
-
-impl Random {
-    /// A pixel's own sequence. It begins at a hash of pixel and seed by the same step, as Jarzynski and Olano,
-    /// "Hash Functions for GPU Rendering", JCGT 9(3), 2020, recommend.
-    pub(crate) fn new(pixel: u32, seed: u32) -> Self {
-        Self { state: pcg(pixel.wrapping_add(pcg(seed))) }
-    }
-
-    fn next(&mut self) -> u32 {
-        let value = output(self.state);
-        self.state = advance(self.state);
-        value
-    }
-
-    /// Evenly in [0, 1).
-    pub(crate) fn unit(&mut self) -> f64 {
-        f64::from(self.next()) / 4_294_967_296.0
-    }
-
-    /// Evenly from 0 to `count` - 1; 0 where there is no such number.
-    pub(crate) fn below(&mut self, count: usize) -> usize {
-        ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))
-    }
-
-    /// Evenly on the unit sphere: Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972. It needs
-    /// neither sine nor cosine, which differ between machines.
-    pub(crate) fn on_sphere(&mut self) -> DVec3 {
-        // Each turn succeeds with probability π/4: nobody will see the end of the loop.
-        for _ in 0..1000 {
-            let x = 2.0 * self.unit() - 1.0;
-            let y = 2.0 * self.unit() - 1.0;
-            let s = x * x + y * y;
-            if s < 1.0 {
-                let r = 2.0 * (1.0 - s).sqrt();
-                return DVec3::new(x * r, y * r, 1.0 - 2.0 * s);
-            }
-        }
-        DVec3::Z
-    }
-}
-
-fn pcg(value: u32) -> u32 {
-    output(advance(value))
-}
-
-fn advance(state: u32) -> u32 {
-    state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453)
-}
-
-fn output(state: u32) -> u32 {
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
-}
-
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
@@ -304,11 +211,6 @@ mod tests {
         let hit = |i: u32| RayHit { t: 1.0, u: 0.3, v: (i % 64) as f32 / 100.0, triangle: 0 };
         let hits = (0..16_384).map(|i| (i % 4 != 1).then(|| hit(i))).collect();
         (Scene { triangles, lights, ..Scene::default() }, hits)
-    }
-
-    #[test]
-    fn the_hash_is_the_published_one() {
-        assert_eq!([0, 1, 2].map(pcg), [129_708_002, 2_831_084_092, 2_055_130_248]);
     }
 
     #[test]

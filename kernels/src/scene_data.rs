@@ -1,24 +1,28 @@
 //! A scene as kernels read it: the bytes of every uniform and storage buffer that a run binds.
 
+mod shading;
+mod traced;
+
 use bytemuck::cast_slice;
-use raystep_scenes::{Camera as SceneCamera, Light as SceneLight, Projection, Scene, Texture as SceneTexture, Wrap};
+use raystep_scenes::Scene;
 
 use crate::bvh::{self, BvhNode, BvhOptions, BvhQuality, WideContent, WideNode};
 use crate::features::Features;
 use crate::generate::Camera;
 use crate::grid::{self, GridData, GridSize};
 use crate::intersect::SceneInfo;
-use crate::options::{Options, Ray, RaySource, ScheduleKind};
+use crate::options::{Options, RaySource, ScheduleKind};
 use crate::plan::PlanError;
 use crate::real::{Real, Vec3};
-use crate::shade::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT, Shading};
+use crate::shade::{Light, Material, Shading};
 use crate::shared::bvh_walk::link_above;
 use crate::shared::grid_walk::Grid;
 use crate::shared::texture::Texture;
-use crate::units::{Units, exp2, floor_log2};
-
-/// Linear colour of rays that hit nothing.
-pub const BACKGROUND: [f32; 3] = [0.015, 0.018, 0.024];
+use crate::units::Units;
+pub use shading::{BACKGROUND, linear_to_srgb, srgb_to_linear};
+use shading::{flat_normal, lights, material, textures};
+use traced::{bvh_growth, packed_triangles, reach, traced_vertices};
+pub use traced::{traced_camera, traced_ray};
 
 /// Host side of everything that is bound. What a run does not bind stays empty.
 #[derive(Clone, Default)]
@@ -294,182 +298,4 @@ impl SceneData {
             (data.textures, data.texels) = textures(&scene.textures);
         }
     }
-}
-
-/// What boxes of a tree are grown by, in traced units: as much as the grid's cells, and 24 roundings for the
-/// slab test. Its planes lie at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's
-/// corner, 6 of the distance from there, and 1 of the sum; both distances are below `reach`, the
-/// second one twice at most, since the planes' spacing is the next power of two.
-fn bvh_growth(reach: f32) -> f32 {
-    grid::growth(reach) * (64.0 / 40.0)
-}
-
-/// Corners and ids of all triangles, or of those listed.
-fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Vec<[u32; 12]> {
-    // The tree of an empty scene has a leaf that nothing enters.
-    let items = items.filter(|_| !vertices.is_empty());
-    let mut packed = vec![[0; 12]; items.map_or(vertices.len() / 9, Vec::len)];
-    crate::parallel::for_chunks(&mut packed, 1 << 14, |first, piece| {
-        for (i, to) in piece.iter_mut().enumerate() {
-            let id = items.map_or((first + i) as u32, |items| items[first + i]);
-            let from = &vertices[9 * id as usize..9 * id as usize + 9];
-            let v = |k: usize| from[k].to_bits();
-            *to = [v(0), v(1), v(2), id, v(3), v(4), v(5), 0, v(6), v(7), v(8), 0];
-        }
-    });
-    packed
-}
-
-fn traced_vertices(scene: &Scene, units: Units) -> Vec<f32> {
-    let mut vertices = scene.triangles.as_flattened().as_flattened().to_vec();
-    let scale = units.scale();
-    if scale != 1.0 {
-        crate::parallel::for_chunks(&mut vertices, 1 << 16, |_, piece| {
-            for v in piece {
-                *v = (f64::from(*v) * scale) as f32;
-            }
-        });
-    }
-    vertices
-}
-
-/// The camera as the kernel has it. The view plane lies at distance 1, whatever the units.
-#[must_use]
-pub fn traced_camera(camera: &SceneCamera, units: Units, width: u32, height: u32) -> Camera {
-    let aspect = f64::from(width) / f64::from(height);
-    let (half_height, forward) = match camera.projection {
-        Projection::Perspective { vertical_fov } => ((vertical_fov * 0.5).tan(), camera.forward),
-        Projection::Orthographic { half_height } => (half_height * units.scale(), camera.forward),
-    };
-    let to_f32 = |v: glam::DVec3| v.as_vec3().to_array();
-    Camera {
-        eye: camera.eye.to_array().map(|v| units.to_traced_f64(v)),
-        pixel_x: (2.0 / f64::from(width)) as f32,
-        right: to_f32(camera.right * (half_height * aspect)),
-        pixel_y: (2.0 / f64::from(height)) as f32,
-        up: to_f32(camera.up * half_height),
-        forward: to_f32(forward),
-        ..Camera::default()
-    }
-}
-
-/// A ray in traced units: the origin scaled, the direction scaled by a power of two of its own so that
-/// its largest component lies in [1, 2). Also the exponent k of the scene's t: `t_scene = t_traced * 2^k`.
-#[must_use]
-pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
-    let origin = ray.origin.map(|v| units.to_traced(v));
-    let largest = ray.direction.iter().fold(0.0f32, |m, d| m.max(d.abs()));
-    let exponent = if largest > 0.0 && largest.is_finite() { -floor_log2(f64::from(largest)) } else { 0 };
-    let direction = ray.direction.map(|v| (f64::from(v) * exp2(exponent)) as f32);
-    let unit = floor_log2(units.scene_units_per_stream_unit());
-    (Ray { origin, direction }, unit + exponent)
-}
-
-/// Bounds every coordinate of corners and origins and the distances between them, in traced units; a
-/// power of two, so that a small move of the camera does not change the grid.
-fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
-    let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |m, v| m.max(v.abs()));
-    let scene = crate::parallel::map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range]));
-    let scene = largest_of(&scene);
-    let origins = match &options.rays {
-        RaySource::Camera { camera, width, height } => {
-            let c = traced_camera(camera, units, *width, *height);
-            let spread = match camera.projection {
-                Projection::Perspective { .. } => 0.0,
-                Projection::Orthographic { .. } => largest_of(&c.right) + largest_of(&c.up),
-            };
-            largest_of(&c.eye) + spread
-        }
-        RaySource::Given(rays) => rays.iter().map(|r| largest_of(&traced_ray(r, units).0.origin)).fold(0.0, f32::max),
-    };
-    let distance = f64::from(scene) + f64::from(origins);
-    exp2(floor_log2(distance.clamp(1.0, 1e30)) + 1) as f32
-}
-
-fn flat_normal(triangle: &[[f32; 3]; 3]) -> [f32; 3] {
-    let [a, b, c] = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
-    (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
-}
-
-fn material(m: &raystep_scenes::Material) -> Material {
-    Material {
-        base_color: m.base_color,
-        texture: m.texture.unwrap_or(NO_TEXTURE),
-        emissive: m.emissive,
-        double_sided: u32::from(m.double_sided),
-    }
-}
-
-/// The scene's lights in traced units, or a headlight.
-fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Light> {
-    if scene.lights.is_empty() {
-        let position = match &options.rays {
-            RaySource::Camera { camera, .. } => camera.eye.to_array().map(|v| units.to_traced_f64(v)),
-            RaySource::Given(rays) => rays.first().map_or([0.0; 3], |r| r.origin.map(|v| units.to_traced(v))),
-        };
-        return vec![Light { position, kind: POINT, color: [1.0; 3], ..Light::default() }];
-    }
-    // Farther than that, only a light's direction is left of it.
-    let place = |p: &[f32; 3]| p.map(|v| units.to_traced(v).clamp(-1e18, 1e18));
-    let traced = |light: &SceneLight| match light {
-        SceneLight::Point { position, color, .. } => {
-            Light { position: place(position), kind: POINT, color: *color, ..Light::default() }
-        }
-        SceneLight::Directional { direction, color, .. } => {
-            Light { direction: *direction, kind: DIRECTIONAL, color: *color, ..Light::default() }
-        }
-        SceneLight::Spot { position, direction, color, inner_cone, outer_cone, .. } => {
-            let cos_outer = outer_cone.cos();
-            // As KHR_lights_punctual recommends: at least 0.001 between the cosines.
-            let cone_scale = 1.0 / (inner_cone.cos() - cos_outer).max(0.001);
-            Light { position: place(position), kind: SPOT, direction: *direction, cos_outer, color: *color, cone_scale }
-        }
-    };
-    scene.lights.iter().map(traced).collect()
-}
-
-/// All texels in one buffer, linear, 16 bits a channel: fine enough for 8-bit sRGB's darkest steps.
-fn textures(textures: &[SceneTexture]) -> (Vec<Texture>, Vec<u32>) {
-    let white = [SceneTexture {
-        width: 1,
-        height: 1,
-        texels: vec![[255; 4]],
-        wrap_u: Wrap::Repeat,
-        wrap_v: Wrap::Repeat,
-        linear: false,
-    }];
-    let textures = if textures.is_empty() { &white } else { textures };
-    let linear: Vec<u32> = (0..=255u32).map(|v| (srgb_to_linear(v as f32 / 255.0) * 65535.0).round() as u32).collect();
-    let wrap = |w: Wrap| match w {
-        Wrap::Repeat => 0,
-        Wrap::Mirror => 1,
-        Wrap::Clamp => 2,
-    };
-    let (mut infos, mut words) = (Vec::new(), Vec::new());
-    for t in textures {
-        infos.push(Texture {
-            first: (words.len() / 2) as u32,
-            width: t.width as i32,
-            height: t.height as i32,
-            sampling: wrap(t.wrap_u) | wrap(t.wrap_v) << 2 | u32::from(t.linear) << 4,
-        });
-        words.extend(
-            t.texels
-                .iter()
-                .flat_map(|&[r, g, b, _]| [linear[r as usize] | linear[g as usize] << 16, linear[b as usize]]),
-        );
-    }
-    (infos, words)
-}
-
-/// IEC 61966-2-1.
-#[must_use]
-pub fn srgb_to_linear(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-}
-
-/// IEC 61966-2-1.
-#[must_use]
-pub fn linear_to_srgb(v: f32) -> f32 {
-    if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }

@@ -285,8 +285,8 @@ fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (
     let [o, d] = [before.origin, before.direction].map(Vec3::<f32>::from_f32);
     let (robust, shear, corners) = (data.features.robust, Shear::of(d), data.corners(triangle));
     let mut candidate = hit_triangle::<f32>(robust, o, d, &shear, corners);
-    if !candidate.is_hit {
-        candidate = plane_hit(robust, o, d, &shear, corners);
+    if robust && !candidate.is_hit {
+        candidate = plane_hit(o, &shear, corners);
     }
     let accepted = after.triangle == Some(triangle) && after.t != before.t || before.triangle != after.triangle;
     let test = describe_test(triangle, &candidate, accepted, data.features.robust, before);

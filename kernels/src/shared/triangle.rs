@@ -88,18 +88,8 @@ pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, [a, b, c]: [Vec3<R
     Candidate { is_hit, ..on_plane }
 }
 
-/// Where the ray meets the triangle's plane by the rules of `--numerics`, inside of the triangle or not: what
-/// tells why it was missed.
-pub fn plane_hit<R: Real>(
-    robust: bool,
-    origin: Vec3<R>,
-    direction: Vec3<R>,
-    shear: &Shear<R>,
-    corners: [Vec3<R>; 3],
-) -> Candidate<R> {
-    if !robust {
-        return moller_trumbore(origin, direction, corners);
-    }
+/// Where the ray meets the triangle's plane, inside of the triangle or not: what tells why [`watertight`] missed.
+pub fn plane_hit<R: Real>(origin: Vec3<R>, shear: &Shear<R>, corners: [Vec3<R>; 3]) -> Candidate<R> {
     let corners = corners.map(|corner| corner - origin);
     on_plane(shear, &corners, weights(shear, &corners).0)
 }

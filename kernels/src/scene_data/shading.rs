@@ -1,0 +1,99 @@
+//! What shading reads of a scene: normals, materials, lights, textures, colours.
+
+use raystep_scenes::{Light as SceneLight, Scene, Texture as SceneTexture, Wrap};
+
+use crate::options::{Options, RaySource};
+use crate::shade::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
+use crate::shared::texture::Texture;
+use crate::units::Units;
+
+/// Linear colour of rays that hit nothing.
+pub const BACKGROUND: [f32; 3] = [0.015, 0.018, 0.024];
+
+pub(super) fn flat_normal(triangle: &[[f32; 3]; 3]) -> [f32; 3] {
+    let [a, b, c] = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
+    (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
+}
+
+pub(super) fn material(m: &raystep_scenes::Material) -> Material {
+    Material {
+        base_color: m.base_color,
+        texture: m.texture.unwrap_or(NO_TEXTURE),
+        emissive: m.emissive,
+        double_sided: u32::from(m.double_sided),
+    }
+}
+
+/// The scene's lights in traced units, or a headlight.
+pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Light> {
+    if scene.lights.is_empty() {
+        let position = match &options.rays {
+            RaySource::Camera { camera, .. } => camera.eye.to_array().map(|v| units.to_traced_f64(v)),
+            RaySource::Given(rays) => rays.first().map_or([0.0; 3], |r| r.origin.map(|v| units.to_traced(v))),
+        };
+        return vec![Light { position, kind: POINT, color: [1.0; 3], ..Light::default() }];
+    }
+    // Farther than that, only a light's direction is left of it.
+    let place = |p: &[f32; 3]| p.map(|v| units.to_traced(v).clamp(-1e18, 1e18));
+    let traced = |light: &SceneLight| match light {
+        SceneLight::Point { position, color, .. } => {
+            Light { position: place(position), kind: POINT, color: *color, ..Light::default() }
+        }
+        SceneLight::Directional { direction, color, .. } => {
+            Light { direction: *direction, kind: DIRECTIONAL, color: *color, ..Light::default() }
+        }
+        SceneLight::Spot { position, direction, color, inner_cone, outer_cone, .. } => {
+            let cos_outer = outer_cone.cos();
+            // As KHR_lights_punctual recommends: at least 0.001 between the cosines.
+            let cone_scale = 1.0 / (inner_cone.cos() - cos_outer).max(0.001);
+            Light { position: place(position), kind: SPOT, direction: *direction, cos_outer, color: *color, cone_scale }
+        }
+    };
+    scene.lights.iter().map(traced).collect()
+}
+
+/// All texels in one buffer, linear, 16 bits a channel: fine enough for 8-bit sRGB's darkest steps.
+pub(super) fn textures(textures: &[SceneTexture]) -> (Vec<Texture>, Vec<u32>) {
+    let white = [SceneTexture {
+        width: 1,
+        height: 1,
+        texels: vec![[255; 4]],
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        linear: false,
+    }];
+    let textures = if textures.is_empty() { &white } else { textures };
+    let linear: Vec<u32> = (0..=255u32).map(|v| (srgb_to_linear(v as f32 / 255.0) * 65535.0).round() as u32).collect();
+    let wrap = |w: Wrap| match w {
+        Wrap::Repeat => 0,
+        Wrap::Mirror => 1,
+        Wrap::Clamp => 2,
+    };
+    let (mut infos, mut words) = (Vec::new(), Vec::new());
+    for t in textures {
+        infos.push(Texture {
+            first: (words.len() / 2) as u32,
+            width: t.width as i32,
+            height: t.height as i32,
+            sampling: wrap(t.wrap_u) | wrap(t.wrap_v) << 2 | u32::from(t.linear) << 4,
+        });
+        words.extend(
+            t.texels
+                .iter()
+                .flat_map(|&[r, g, b, _]| [linear[r as usize] | linear[g as usize] << 16, linear[b as usize]]),
+        );
+    }
+    (infos, words)
+}
+
+/// IEC 61966-2-1.
+#[must_use]
+pub fn srgb_to_linear(v: f32) -> f32 {
+    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+/// IEC 61966-2-1.
+#[must_use]
+pub fn linear_to_srgb(v: f32) -> f32 {
+    if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}

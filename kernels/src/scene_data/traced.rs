@@ -1,0 +1,98 @@
+//! Corners, cameras and rays in traced units, and how large they get.
+
+use raystep_scenes::{Camera as SceneCamera, Projection, Scene};
+
+use crate::generate::Camera;
+use crate::grid;
+use crate::options::{Options, Ray, RaySource};
+use crate::units::{Units, exp2, floor_log2};
+
+/// What boxes of a tree are grown by, in traced units: as much as the grid's cells, and 24 roundings for the
+/// slab test. Its planes lie at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's
+/// corner, 6 of the distance from there, and 1 of the sum; both distances are below `reach`, the
+/// second one twice at most, since the planes' spacing is the next power of two.
+pub(super) fn bvh_growth(reach: f32) -> f32 {
+    grid::growth(reach) * (64.0 / 40.0)
+}
+
+/// Corners and ids of all triangles, or of those listed.
+pub(super) fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Vec<[u32; 12]> {
+    // The tree of an empty scene has a leaf that nothing enters.
+    let items = items.filter(|_| !vertices.is_empty());
+    let mut packed = vec![[0; 12]; items.map_or(vertices.len() / 9, Vec::len)];
+    crate::parallel::for_chunks(&mut packed, 1 << 14, |first, piece| {
+        for (i, to) in piece.iter_mut().enumerate() {
+            let id = items.map_or((first + i) as u32, |items| items[first + i]);
+            let from = &vertices[9 * id as usize..9 * id as usize + 9];
+            let v = |k: usize| from[k].to_bits();
+            *to = [v(0), v(1), v(2), id, v(3), v(4), v(5), 0, v(6), v(7), v(8), 0];
+        }
+    });
+    packed
+}
+
+pub(super) fn traced_vertices(scene: &Scene, units: Units) -> Vec<f32> {
+    let mut vertices = scene.triangles.as_flattened().as_flattened().to_vec();
+    let scale = units.scale();
+    if scale != 1.0 {
+        crate::parallel::for_chunks(&mut vertices, 1 << 16, |_, piece| {
+            for v in piece {
+                *v = (f64::from(*v) * scale) as f32;
+            }
+        });
+    }
+    vertices
+}
+
+/// The camera as the kernel has it. The view plane lies at distance 1, whatever the units.
+#[must_use]
+pub fn traced_camera(camera: &SceneCamera, units: Units, width: u32, height: u32) -> Camera {
+    let aspect = f64::from(width) / f64::from(height);
+    let (half_height, forward) = match camera.projection {
+        Projection::Perspective { vertical_fov } => ((vertical_fov * 0.5).tan(), camera.forward),
+        Projection::Orthographic { half_height } => (half_height * units.scale(), camera.forward),
+    };
+    let to_f32 = |v: glam::DVec3| v.as_vec3().to_array();
+    Camera {
+        eye: camera.eye.to_array().map(|v| units.to_traced_f64(v)),
+        pixel_x: (2.0 / f64::from(width)) as f32,
+        right: to_f32(camera.right * (half_height * aspect)),
+        pixel_y: (2.0 / f64::from(height)) as f32,
+        up: to_f32(camera.up * half_height),
+        forward: to_f32(forward),
+        ..Camera::default()
+    }
+}
+
+/// A ray in traced units: the origin scaled, the direction scaled by a power of two of its own so that
+/// its largest component lies in [1, 2). Also the exponent k of the scene's t: `t_scene = t_traced * 2^k`.
+#[must_use]
+pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
+    let origin = ray.origin.map(|v| units.to_traced(v));
+    let largest = ray.direction.iter().fold(0.0f32, |m, d| m.max(d.abs()));
+    let exponent = if largest > 0.0 && largest.is_finite() { -floor_log2(f64::from(largest)) } else { 0 };
+    let direction = ray.direction.map(|v| (f64::from(v) * exp2(exponent)) as f32);
+    let unit = floor_log2(units.scene_units_per_stream_unit());
+    (Ray { origin, direction }, unit + exponent)
+}
+
+/// Bounds every coordinate of corners and origins and the distances between them, in traced units; a
+/// power of two, so that a small move of the camera does not change the grid.
+pub(super) fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
+    let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |m, v| m.max(v.abs()));
+    let scene = crate::parallel::map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range]));
+    let scene = largest_of(&scene);
+    let origins = match &options.rays {
+        RaySource::Camera { camera, width, height } => {
+            let c = traced_camera(camera, units, *width, *height);
+            let spread = match camera.projection {
+                Projection::Perspective { .. } => 0.0,
+                Projection::Orthographic { .. } => largest_of(&c.right) + largest_of(&c.up),
+            };
+            largest_of(&c.eye) + spread
+        }
+        RaySource::Given(rays) => rays.iter().map(|r| largest_of(&traced_ray(r, units).0.origin)).fold(0.0, f32::max),
+    };
+    let distance = f64::from(scene) + f64::from(origins);
+    exp2(floor_log2(distance.clamp(1.0, 1e30)) + 1) as f32
+}
