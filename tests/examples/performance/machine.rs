@@ -76,13 +76,14 @@ impl Machine {
         let start = Instant::now();
         while self.is_fast() && start.elapsed() < Duration::from_millis(250) {
             self.keep_clocks();
-            self.settle();
         }
     }
 
-    /// A little work that is submitted, and over before what is submitted next begins.
+    /// A little work, over when this returns, as all that was submitted before it: neither is in the time, or in the
+    /// wall clock, of what comes next.
     pub(crate) fn keep_clocks(&self) {
         self.load.iter().for_each(Load::submit);
+        self.settle();
     }
 
     pub(crate) fn gpu(&self) -> Option<&Arc<Gpu>> {
@@ -106,9 +107,10 @@ impl Machine {
         raystep_tests::block_on(self.gpu().map(|gpu| &**gpu), future)
     }
 
-    /// Until the device is idle, so that what came before is in nobody's time.
+    /// Until the device is idle, uploads included, so that what came before is in nobody's time.
     pub(crate) fn settle(&self) {
         if let Some(gpu) = self.gpu() {
+            gpu.queue.submit([]);
             // A lost device is reported by the next run.
             drop(gpu.device.poll(wgpu::PollType::wait_indefinitely()));
         }
@@ -117,7 +119,6 @@ impl Machine {
     /// A run from its start. It is given up after `most`.
     pub(crate) fn run(&self, renderer: &mut Renderer, most: Duration) -> Result<Run, RenderError> {
         renderer.restart();
-        self.settle();
         self.keep_clocks();
         let start = Instant::now();
         let progress = |_: &_| if start.elapsed() > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };

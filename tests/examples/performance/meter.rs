@@ -341,7 +341,6 @@ impl Replay {
 
     fn run(&mut self, machine: &Machine) -> Result<Run, RenderError> {
         self.executor.clear();
-        machine.settle();
         machine.keep_clocks();
         let start = Instant::now();
         for (kernels, counts) in &self.submissions {

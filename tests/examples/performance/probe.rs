@@ -38,7 +38,6 @@ impl<'a> Stopwatch<'a> {
 
     /// Nanoseconds of one compute pass; `None` where a timestamp is not valid.
     pub(crate) fn time(&self, encode: impl FnOnce(&mut wgpu::ComputePass<'_>)) -> Option<u64> {
-        self.machine.settle();
         self.machine.keep_clocks();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encode(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {

@@ -130,7 +130,6 @@ fn empty<'a>(machine: &'a Machine, size: (u32, u32)) -> Result<Vec<Job<'a>>, Str
             let kernels: Vec<_> = [Kernel::Intersect, Kernel::TraverseGrid].into_iter().cycle().take(passes).collect();
             let repeat = move || {
                 executor.clear();
-                machine.settle();
                 machine.keep_clocks();
                 machine.wait(executor.run(&kernels, &StateCounts::default())).ok()?;
                 executor.device_ns().filter(|&ns| ns > 0)
