@@ -265,9 +265,7 @@ fn broken_lists_and_books_show() {
         (&several, Kernel::Walk, Kernel::Walk),
     ] {
         // The last of a workgroup's rays takes another one's place.
-        let list = if named == Kernel::TraverseGrid { "traverse" } else { "intersect" };
-        let (from, to) = (format!("first_{list} + place"), format!("first_{list} + min(place, 254u)"));
-        let found = compare_broken(options, kernel, &from, &to);
+        let found = compare_broken(options, kernel, "first_ray[list] + place", "first_ray[list] + min(place, 254u)");
         assert_eq!(found.breaches.first().map(|b| b.kernel), Some(named), "{} loses a ray", kernel.name());
     }
     for (options, kernel) in [(&one, Kernel::TraverseGrid), (&several, Kernel::Walk)] {

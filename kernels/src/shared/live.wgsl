@@ -15,11 +15,13 @@ import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT};
 @if(live_lists) @group(2) @binding(4) var<storage, read_write> live_rays: array<u32>;
 
 var<workgroup> sent_here: array<atomic<u32>, 8>;
-// A bit for each thread of the workgroup that appends to a list.
-@if(live_lists) var<workgroup> to_intersect: array<atomic<u32>, LANE_WORDS>;
-@if(live_lists) var<workgroup> to_traverse: array<atomic<u32>, LANE_WORDS>;
-@if(live_lists) var<workgroup> first_intersect: u32;
-@if(live_lists) var<workgroup> first_traverse: u32;
+const TO_INTERSECT: u32 = 0u;
+const TO_TRAVERSE: u32 = 1u;
+const TO_NO_LIST: u32 = 2u;
+
+// Of each list: a bit for each thread of the workgroup that appends to it, and where in live_rays they begin.
+@if(live_lists) var<workgroup> appending: array<array<atomic<u32>, LANE_WORDS>, 2>;
+@if(live_lists) var<workgroup> first_ray: array<u32, 2>;
 
 const LANES: u32 = LIST_SIDE * LIST_SIDE;
 const LANE_WORDS: u32 = LANES / 32u;
@@ -70,51 +72,49 @@ fn rows_of(rays: u32) -> u32 {
     return (rays + LANES * LIST_GROUPS - 1u) / (LANES * LIST_GROUPS);
 }
 
+// How many threads append to a list: those of the first words, and of the next word those in the mask.
+@if(live_lists)
+fn appended(list: u32, words: u32, mask: u32) -> u32 {
+    var threads = 0u;
+    for (var w = 0u; w < words; w++) {
+        threads += countOneBits(atomicLoad(&appending[list][w]));
+    }
+    if (mask != 0u) {
+        threads += countOneBits(atomicLoad(&appending[list][words]) & mask);
+    }
+    return threads;
+}
+
 @if(live_lists)
 fn send(lane: u32, texel: vec2u, tag: u32) {
     note_sent(tag);
     // With several steps a pass there is one list for both kernels.
-    @if(many_steps) let intersects = tag == ISECT_NO_HIT || tag == ISECT_HIT || tag == TRAV;
-    @else let intersects = tag == ISECT_NO_HIT || tag == ISECT_HIT;
-    @if(many_steps) let traverses = false;
-    @else let traverses = tag == TRAV;
+    @if(many_steps) let traverses_to = TO_INTERSECT;
+    @else let traverses_to = TO_TRAVERSE;
+    let intersects = tag == ISECT_NO_HIT || tag == ISECT_HIT;
+    let list = select(select(TO_NO_LIST, traverses_to, tag == TRAV), TO_INTERSECT, intersects);
     let word = lane / 32u;
     let bit = 1u << (lane % 32u);
-    if (intersects) {
-        atomicOr(&to_intersect[word], bit);
-    }
-    if (traverses) {
-        atomicOr(&to_traverse[word], bit);
+    if (list != TO_NO_LIST) {
+        atomicOr(&appending[list][word], bit);
     }
     workgroupBarrier();
-    // Rays keep the order of their threads, pass after pass: what began side by side stays so.
-    var place = 0u;
-    for (var w = 0u; w <= word; w++) {
-        let before = select(0xffffffffu, bit - 1u, w == word);
-        place += countOneBits(before & select(atomicLoad(&to_traverse[w]), atomicLoad(&to_intersect[w]), intersects));
-    }
     // One thread makes room in each list for the whole workgroup.
     if (lane == 0u) {
-        var rays = 0u;
-        for (var w = 0u; w < LANE_WORDS; w++) {
-            rays += countOneBits(atomicLoad(&to_intersect[w]));
-        }
+        let rays = appended(TO_INTERSECT, LANE_WORDS, 0u);
         if (rays > 0u) {
             let first = atomicAdd(&intersect_list[3], rays);
-            first_intersect = first + atomicLoad(&intersect_list[4]);
+            first_ray[TO_INTERSECT] = first + atomicLoad(&intersect_list[4]);
             if (rows_of(first + rays) != rows_of(first)) {
                 atomicMax(&intersect_list[1], rows_of(first + rays));
             }
         }
     }
     @if(!many_steps && (grid || bvh)) if (lane == 1u) {
-        var rays = 0u;
-        for (var w = 0u; w < LANE_WORDS; w++) {
-            rays += countOneBits(atomicLoad(&to_traverse[w]));
-        }
+        let rays = appended(TO_TRAVERSE, LANE_WORDS, 0u);
         if (rays > 0u) {
             let first = atomicAdd(&traverse_list[3], rays);
-            first_traverse = first + atomicLoad(&traverse_list[4]);
+            first_ray[TO_TRAVERSE] = first + atomicLoad(&traverse_list[4]);
             if (rows_of(first + rays) != rows_of(first)) {
                 atomicMax(&traverse_list[1], rows_of(first + rays));
             }
@@ -124,11 +124,9 @@ fn send(lane: u32, texel: vec2u, tag: u32) {
         add_sent(lane - 8u);
     }
     workgroupBarrier();
-    let ray = texel.x | (texel.y << 16u);
-    if (intersects) {
-        live_rays[first_intersect + place] = ray;
-    }
-    if (traverses) {
-        live_rays[first_traverse + place] = ray;
+    if (list != TO_NO_LIST) {
+        // Rays keep the order of their threads, pass after pass: what began side by side stays so.
+        let place = appended(list, word, bit - 1u);
+        live_rays[first_ray[list] + place] = texel.x | (texel.y << 16u);
     }
 }
