@@ -162,11 +162,12 @@ fn is_sparse(cells: &[u32]) -> bool {
 fn structure(
     scene: &Scene,
     options: &Options,
+    accelerator: Accelerator,
     units: Units,
     limits: &Limits,
     (width, height): (u32, u32),
 ) -> Result<(Features, SceneData), PlanError> {
-    let mut features = features(scene, options, units);
+    let mut features = features(scene, options, accelerator, units);
 
     // What is known before the grid or tree is built is refused before it is built.
     let triangles = scene.triangles.len() as u64;
@@ -212,19 +213,16 @@ impl Plan {
         check_rays(options, units)?;
         let given = matches!(options.rays, RaySource::Given(_));
         let mut candidates = options.accelerator.candidates(scene.triangles.len()).iter();
-        let asked = options;
-        let (options, mut features, mut data) = loop {
+        let (accelerator, mut features, mut data) = loop {
             let accelerator = candidates.next().copied().unwrap_or_default();
-            let options = Options { accelerator, ..asked.clone() };
             let is_last = candidates.as_slice().is_empty();
-            match structure(scene, &options, units, limits, (width, height)) {
+            match structure(scene, options, accelerator, units, limits, (width, height)) {
                 Ok((_, data)) if !is_last && is_sparse(&data.grid_cells) => {}
-                Ok((features, data)) => break (options, features, data),
+                Ok((features, data)) => break (accelerator, features, data),
                 Err(error) if is_last => return Err(error),
                 Err(_) => {}
             }
         };
-        let options = &options;
         data.info.rays = rays as u32;
         if features.grid && features.robust {
             features.skip = match options.skip {
@@ -236,14 +234,8 @@ impl Plan {
         if features.skip {
             data.prepare_leaps(options, limits.storage_bytes)?;
         }
-        let schedule = Schedule::new(
-            options.schedule,
-            options.accelerator,
-            given,
-            options.shade,
-            features.eye_rays,
-            features.many_steps,
-        );
+        let schedule =
+            Schedule::new(options.schedule, accelerator, given, options.shade, features.eye_rays, features.many_steps);
         let variants =
             schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
         let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
@@ -276,7 +268,7 @@ impl Plan {
             height,
             rays,
             triangles: scene.triangles.len() as u64,
-            accelerator: options.accelerator,
+            accelerator,
             features,
             schedule,
             variants,
@@ -284,7 +276,7 @@ impl Plan {
             buffers,
             left_out: Vec::new(),
         };
-        plan.left_out = left_out(&plan, scene, asked);
+        plan.left_out = left_out(&plan, scene, options);
         Ok((plan, data))
     }
 

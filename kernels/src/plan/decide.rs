@@ -12,7 +12,7 @@ use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
 
 /// Decides every option of the kernels.
-pub(super) fn features(scene: &Scene, options: &Options, units: Units) -> Features {
+pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerator, units: Units) -> Features {
     let keep = options.keep_all;
     let inside = match &options.rays {
         RaySource::Camera { camera, width, height } => {
@@ -36,8 +36,8 @@ pub(super) fn features(scene: &Scene, options: &Options, units: Units) -> Featur
     let any_material = |f: fn(&raystep_scenes::Material) -> bool| keep || scene.materials.iter().any(f);
     Features {
         robust: options.numerics == Numerics::Robust,
-        grid: options.accelerator == Accelerator::Grid,
-        bvh: options.accelerator == Accelerator::Bvh,
+        grid: accelerator == Accelerator::Grid,
+        bvh: accelerator == Accelerator::Bvh,
         skip: false,
         stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,

@@ -84,7 +84,7 @@ fn first_line(message: &str) -> String {
 }
 
 /// An instance without debug layers, and without validation of indirect dispatches: it costs a pass of
-/// its own, and our argument kernels clamp.
+/// its own, and the lists that kernels append to have room for every ray.
 fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor {
         flags: wgpu::InstanceFlags::empty(),
