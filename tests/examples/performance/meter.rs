@@ -22,7 +22,8 @@ use raystep_scenes::Scene;
 use crate::args::AdapterKind;
 use crate::machine::{Machine, Run};
 use crate::row::{Row, Times};
-use crate::scenes::{Deadline, Viewed};
+use crate::scenes::Viewed;
+use crate::sections::Deadline;
 
 /// How rays are traced.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +128,7 @@ impl Meter<'_> {
             let what = format!("{}: {} {} {}", self.section, group.viewed.name, row.triangles, row.way());
             eprintln!("{what}, {} {}x{}", group.rays_kind, group.size.0, group.size.1);
             if self.deadline.is_over() {
-                row.reason = "the section's time was over".into();
+                row.reason = Deadline::OVER.into();
             } else {
                 match self.prepare(group, way, &mut row) {
                     Ok((renderer, replay)) => {

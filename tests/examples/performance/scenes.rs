@@ -1,7 +1,6 @@
 //! What is traced, and by which rays.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use glam::DVec3;
 use raystep_kernels::ray_kinds::{PrimaryHits, random};
@@ -100,19 +99,5 @@ struct Beside(PathBuf);
 impl Resolver for Beside {
     fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
         std::fs::read(self.0.join(path)).map_err(|e| e.to_string())
-    }
-}
-
-/// Time for a section, and when it is over.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Deadline(std::time::Instant);
-
-impl Deadline {
-    pub(crate) fn after(time: Duration) -> Self {
-        Self(std::time::Instant::now() + time)
-    }
-
-    pub(crate) fn is_over(self) -> bool {
-        std::time::Instant::now() >= self.0
     }
 }

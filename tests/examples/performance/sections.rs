@@ -27,13 +27,30 @@ use crate::args::MeasureArgs;
 use crate::csvs;
 use crate::machine::Machine;
 use crate::meter::Meter;
-use crate::scenes::{Deadline, Viewed};
+use crate::scenes::Viewed;
 
 /// In the order in which they run: the largest scenes last.
 pub(crate) const NAMES: [&str; 7] = ["paper", "resolution", "steps", "bytes", "tdelta", "meshes", "triangles"];
 
 /// Triangles of the terrain that stands for an ordinary scene.
 pub(crate) const TERRAIN: u64 = 20_000;
+
+/// Time for a section, and when it is over.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Deadline(Instant);
+
+impl Deadline {
+    /// The reason of a row that has no time for it.
+    pub(crate) const OVER: &str = "the section's time was over";
+
+    pub(crate) fn after(time: Duration) -> Self {
+        Self(Instant::now() + time)
+    }
+
+    pub(crate) fn is_over(self) -> bool {
+        Instant::now() >= self.0
+    }
+}
 
 /// Measures all that was asked for.
 pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {

@@ -8,11 +8,11 @@ use raystep_kernels::shader::Variant;
 use raystep_kernels::state::StateCounts;
 use raystep_kernels::{Accelerator, Gpu, Kernel, Options, Plan, Renderer, ScheduleKind, Skip, Stream};
 
-use super::two_scenes;
+use super::{Deadline, two_scenes};
 use crate::machine::Machine;
 use crate::probe::{Job, Stopwatch, bind, in_turn, layers, pipeline, texture};
 use crate::row::Probe;
-use crate::scenes::{Deadline, Viewed};
+use crate::scenes::Viewed;
 
 const SECTION: &str = "bytes";
 
@@ -36,17 +36,24 @@ pub(super) fn measure(machine: &Machine, deadline: Deadline) -> Result<Vec<Probe
         eprintln!("bytes: {}x{}", size.0, size.1);
         probes.extend(in_turn(machine, [2, 4, 8, 16].map(|n| in_place(gpu, &watch, size, n)).into()));
         probes.extend(in_turn(machine, empty(machine, size)?));
-        let mut jobs = Vec::new();
-        let scenes = two_scenes()?;
-        for viewed in &scenes {
+        let (mut jobs, mut left_out) = (Vec::new(), Vec::new());
+        for viewed in two_scenes()? {
             for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
-                jobs.push(run(machine, viewed, accelerator, size)?);
+                let of_run = Probe {
+                    scene: viewed.name.clone(),
+                    accelerator: accelerator.to_string(),
+                    ..probe("run of one step a pass", size, 0)
+                };
+                // One run of each size at least.
+                if deadline.is_over() && !jobs.is_empty() {
+                    left_out.push(Probe { reason: Deadline::OVER.into(), ..of_run });
+                } else {
+                    jobs.push(run(machine, &viewed, accelerator, size, of_run)?);
+                }
             }
         }
-        if deadline.is_over() {
-            jobs.truncate(1);
-        }
         probes.extend(in_turn(machine, jobs));
+        probes.extend(left_out);
     }
     Ok(probes)
 }
@@ -151,6 +158,7 @@ fn run<'a>(
     viewed: &Viewed,
     accelerator: Accelerator,
     size: (u32, u32),
+    of_run: Probe,
 ) -> Result<Job<'a>, String> {
     let most = Duration::from_secs(20);
     let options = options(viewed, accelerator, ScheduleKind::Compact, size);
@@ -162,12 +170,7 @@ fn run<'a>(
         let variant = renderer.plan().variant(pass.kernel).ok_or("a kernel without a variant")?;
         bytes += bytes_a_ray(variant)? * u64::from(pass.rays_in);
     }
-    let probe = Probe {
-        scene: viewed.name.clone(),
-        accelerator: accelerator.to_string(),
-        bytes: Some(bytes),
-        ..probe("run of one step a pass", size, renderer.passes().len() as u64)
-    };
+    let probe = Probe { bytes: Some(bytes), passes: renderer.passes().len() as u64, ..of_run };
     let repeat = move || machine.run(&mut renderer, most).ok()?.device_ns;
     Ok((probe, Box::new(repeat)))
 }

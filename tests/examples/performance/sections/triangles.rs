@@ -2,6 +2,7 @@
 
 use raystep_kernels::{Accelerator, Skip};
 
+use super::Deadline;
 use crate::args::AdapterKind;
 use crate::meter::{Group, Meter, Way};
 use crate::row::Row;
@@ -24,7 +25,7 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
     for &count in COUNTS.iter().filter(|&&count| count <= most) {
         for (scene, without) in ["terrain", "soup"].into_iter().zip(&mut without) {
             if meter.deadline.is_over() {
-                let (section, reason) = (meter.section.into(), "the section's time was over".into());
+                let (section, reason) = (meter.section.into(), Deadline::OVER.into());
                 meter.rows.push(Row { section, scene: scene.into(), triangles: count, reason, ..Row::default() });
                 continue;
             }
