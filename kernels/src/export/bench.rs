@@ -95,7 +95,7 @@ pub enum ReadError {
 /// # Errors
 /// Where `out` fails.
 pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()> {
-    let mut writer = ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).from_writer(out);
+    let mut writer = super::csv::writer(out);
     for row in rows {
         writer.serialize(row)?;
     }
@@ -127,10 +127,9 @@ impl SummaryRow {
     /// Whether two rows measured the same, be it on another device.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
-        let key = |r: &Self| {
-            let how = [&r.scene, &r.accelerator, &r.schedule, &r.numerics, &r.tuning, &r.rays_kind];
-            (how.map(String::clone), r.width_px, r.height_px)
-        };
+        fn key(r: &SummaryRow) -> ([&str; 6], u32, u32) {
+            ([&r.scene, &r.accelerator, &r.schedule, &r.numerics, &r.tuning, &r.rays_kind], r.width_px, r.height_px)
+        }
         key(self) == key(other)
     }
 

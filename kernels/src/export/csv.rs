@@ -23,6 +23,8 @@
 
 use std::io::Write;
 
+use serde::{Serialize, Serializer};
+
 use crate::renderer::Pass;
 
 /// Version of the columns.
@@ -90,8 +92,14 @@ impl Timer {
     }
 }
 
-/// What all rows of a run have in common.
-#[derive(Clone, Debug, PartialEq)]
+impl Serialize for Timer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// What all rows of a run have in common. In JSON, where a run is not repeated, under the columns' names.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunContext {
     /// Tells runs apart when files are joined.
     pub run_id: String,
@@ -110,10 +118,13 @@ pub struct RunContext {
     /// Rows.
     pub height_px: u32,
     /// Which repetition, from 0.
+    #[serde(skip)]
     pub repeat: u32,
     /// Whether the repetition only warmed up.
+    #[serde(skip)]
     pub is_warmup: bool,
     /// What timed the passes, if anything did.
+    #[serde(rename = "timer_source")]
     pub timer: Option<Timer>,
 }
 
@@ -134,6 +145,16 @@ pub fn rays_out(pass: &Pass) -> u32 {
     pass.rays_in.saturating_sub(pass.kernel.live(&pass.counts))
 }
 
+/// A writer of RFC 4180, whose lines end with CRLF.
+pub(crate) fn writer<W: Write>(out: W) -> ::csv::Writer<W> {
+    ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).from_writer(out)
+}
+
+/// A field; what is not known is empty.
+pub(crate) fn known(value: Option<impl ToString>) -> String {
+    value.map(|v| v.to_string()).unwrap_or_default()
+}
+
 /// Writes `passes.csv`.
 pub struct PassesCsv<W: Write> {
     writer: ::csv::Writer<W>,
@@ -147,8 +168,7 @@ impl<W: Write> PassesCsv<W> {
     /// # Errors
     /// Where `out` fails.
     pub fn new(out: W) -> std::io::Result<Self> {
-        let mut writer =
-            ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).has_headers(false).from_writer(out);
+        let mut writer = writer(out);
         writer.write_record(COLUMNS)?;
         Ok(Self { writer, began: None })
     }
@@ -169,9 +189,6 @@ impl<W: Write> PassesCsv<W> {
     /// # Errors
     /// Where the output fails.
     pub fn write(&mut self, run: &RunContext, pass: &Pass, work: Option<PassWork>) -> std::io::Result<()> {
-        fn known(value: Option<impl ToString>) -> String {
-            value.map(|v| v.to_string()).unwrap_or_default()
-        }
         let since_start_ns = pass.begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
         let row: [String; COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),

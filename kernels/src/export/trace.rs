@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 
 use serde::Serialize;
 
+use super::csv::known;
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
@@ -192,7 +193,7 @@ impl Trace {
     /// # Errors
     /// Where `out` cannot be written.
     pub fn write_csv(&self, out: impl std::io::Write) -> Result<(), csv::Error> {
-        let mut csv = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(out);
+        let mut csv = super::csv::writer(out);
         csv.write_record([
             "pass",
             "kernel",
@@ -212,17 +213,14 @@ impl Trace {
             "triangle",
             "why",
         ])?;
-        fn text<T: ToString>(value: Option<T>) -> String {
-            value.map_or_else(String::new, |v| v.to_string())
-        }
         for row in &self.rows {
             let a = &row.after;
             let mut record = vec![row.pass.to_string(), row.kernel.into(), row.state_before.into(), a.state.into()];
-            record.extend((0..3).map(|i| text(row.cell.map(|c| c[i]))));
-            record.extend(a.tmax.map(text));
-            record.extend([a.item.to_string(), text(row.tested), text(a.t)]);
-            record.extend((0..2).map(|i| text(a.barycentric.map(|b| b[i]))));
-            record.extend([text(a.triangle), row.why.clone()]);
+            record.extend((0..3).map(|i| known(row.cell.map(|c| c[i]))));
+            record.extend(a.tmax.map(known));
+            record.extend([a.item.to_string(), known(row.tested), known(a.t)]);
+            record.extend((0..2).map(|i| known(a.barycentric.map(|b| b[i]))));
+            record.extend([known(a.triangle), row.why.clone()]);
             csv.write_record(record)?;
         }
         csv.flush()?;

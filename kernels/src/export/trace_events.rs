@@ -45,24 +45,9 @@ pub struct TraceEvents {
 pub struct About {
     /// raystep's version.
     pub raystep_version: &'static str,
-    /// As in `passes.csv`.
-    pub run_id: String,
-    /// As in `passes.csv`.
-    pub scene: String,
-    /// As in `passes.csv`.
-    pub accelerator: &'static str,
-    /// As in `passes.csv`.
-    pub schedule: &'static str,
-    /// As in `passes.csv`.
-    pub numerics: &'static str,
-    /// As in `passes.csv`.
-    pub device: String,
-    /// Texels a row.
-    pub width_px: u32,
-    /// Rows.
-    pub height_px: u32,
-    /// The clock, as in `passes.csv`; `null` where passes were not timed.
-    pub timer_source: Option<&'static str>,
+    /// As in `passes.csv`; `timer_source` is `null` where passes were not timed.
+    #[serde(flatten)]
+    pub run: RunContext,
     /// From the beginning of the first pass to the end of the last.
     pub whole_us: f64,
     /// Sum of the passes.
@@ -150,15 +135,7 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
         display_time_unit: "ns",
         other_data: About {
             raystep_version: env!("CARGO_PKG_VERSION"),
-            run_id: run.run_id.clone(),
-            scene: run.scene.clone(),
-            accelerator: run.accelerator,
-            schedule: run.schedule,
-            numerics: run.numerics,
-            device: run.device.clone(),
-            width_px: run.width_px,
-            height_px: run.height_px,
-            timer_source: run.timer.map(super::csv::Timer::name),
+            run: run.clone(),
             whole_us: us(latest_end - start),
             passes_us: us(sums.passes),
             gaps_us: us(sums.gaps),
