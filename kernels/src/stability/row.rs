@@ -21,6 +21,7 @@
 
 use std::io::Write;
 
+use crate::export::csv::{self, known};
 use crate::options::Numerics;
 use crate::stability::{Case, KNOWN, Run, Variant};
 
@@ -110,7 +111,7 @@ impl Row {
         let passed = !has_errors && score.undecided <= ceiling;
         let expected = Expected::of(case, variant, place);
         let [t, u, v] = [&score.t, &score.u, &score.v];
-        let number = |value: Option<f64>| value.map(|v| format!("{v:.3e}")).unwrap_or_default();
+        let number = |value: Option<f64>| known(value.map(|v| format!("{v:.3e}")));
         let [tr, tu, ur, uu, vr, vu] = [t.relative, t.ulp, u.relative, u.ulp, v.relative, v.ulp].map(number);
         let fields = [
             SCHEMA_VERSION.to_string(),
@@ -190,8 +191,8 @@ impl Expected {
 ///
 /// # Errors
 /// Where `out` fails.
-pub fn write_rows(out: impl Write, rows: &[Row]) -> std::io::Result<()> {
-    let mut writer = ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).from_writer(out);
+pub fn write_rows<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> std::io::Result<()> {
+    let mut writer = csv::writer(out);
     writer.write_record(COLUMNS)?;
     for row in rows {
         writer.write_record(&row.fields)?;
