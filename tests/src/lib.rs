@@ -24,7 +24,8 @@ pub fn scenes_dir() -> PathBuf {
     if beside.is_dir() { beside } else { PathBuf::from("scenes") }
 }
 
-struct Beside(PathBuf);
+/// The files of a folder, for a scene that lies there.
+pub struct Beside(pub PathBuf);
 
 impl Resolver for Beside {
     fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {

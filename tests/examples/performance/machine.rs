@@ -33,7 +33,7 @@ pub(crate) struct About {
 
 /// The device.
 pub(crate) struct Machine {
-    pub(crate) kind: AdapterKind,
+    kind: AdapterKind,
     pub(crate) device: Device,
     pub(crate) quick: bool,
     load: Option<Load>,
@@ -47,7 +47,7 @@ fn now() -> u64 {
 
 impl Machine {
     pub(crate) fn open(args: &MeasureArgs) -> Result<Self, String> {
-        let open = |choice| pollster_gpu(&choice);
+        let open = |choice| pollster::block_on(Gpu::new(&choice)).map_err(|e| e.to_string());
         let device = match args.adapter {
             AdapterKind::Cpu => Device::Cpu(Some(now)),
             AdapterKind::Software => Device::Gpu(open(AdapterChoice::Named("llvmpipe".into()))?),
@@ -100,6 +100,15 @@ impl Machine {
     /// Whether it has the power for large images.
     pub(crate) fn is_fast(&self) -> bool {
         self.kind == AdapterKind::Gpu
+    }
+
+    /// Runs of each configuration at most.
+    pub(crate) fn repeats(&self) -> usize {
+        match (self.quick, self.is_fast()) {
+            (true, _) => 3,
+            (false, true) => 31,
+            (false, false) => 9,
+        }
     }
 
     /// Resolves a future of this device's.
@@ -157,8 +166,4 @@ pub(crate) struct Run {
     pub(crate) wall: Duration,
     /// `None` where it is not valid.
     pub(crate) device_ns: Option<u64>,
-}
-
-fn pollster_gpu(choice: &AdapterChoice) -> Result<Arc<Gpu>, String> {
-    pollster::block_on(Gpu::new(choice)).map_err(|e| e.to_string())
 }

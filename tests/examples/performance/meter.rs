@@ -19,7 +19,6 @@ use raystep_kernels::{
 };
 use raystep_scenes::Scene;
 
-use crate::args::AdapterKind;
 use crate::machine::{Machine, Run};
 use crate::row::{Row, Times};
 use crate::scenes::Viewed;
@@ -101,21 +100,12 @@ pub(crate) struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    /// Runs of each configuration at most.
-    fn repeats(&self) -> usize {
-        match (self.machine.quick, self.machine.kind) {
-            (true, _) => 3,
-            (_, AdapterKind::Gpu) => 31,
-            _ => 9,
-        }
-    }
-
     /// What the runs of one configuration may take, and one run.
     fn bounds(&self) -> (Duration, Duration) {
-        let seconds = match (self.machine.quick, self.machine.kind) {
+        let seconds = match (self.machine.quick, self.machine.is_fast()) {
             (true, _) => (0.6, 3.0),
-            (_, AdapterKind::Gpu) => (0.4, 1.5),
-            _ => (2.0, 20.0),
+            (false, true) => (0.4, 1.5),
+            (false, false) => (2.0, 20.0),
         };
         (Duration::from_secs_f64(seconds.0), Duration::from_secs_f64(seconds.1))
     }
@@ -150,7 +140,8 @@ impl Meter<'_> {
         }
     }
 
-    fn row(&self, group: &Group<'_>, way: &Way) -> Row {
+    /// A row of what is known before anything is built.
+    pub(crate) fn row(&self, group: &Group<'_>, way: &Way) -> Row {
         let grid = match (way.accelerator, way.grid) {
             (Accelerator::Grid, GridSize::Auto) => "auto".into(),
             (Accelerator::Grid, GridSize::Cells([x, y, z])) => format!("{x}x{y}x{z}"),
@@ -259,7 +250,7 @@ impl Meter<'_> {
     fn measure(&self, ready: &mut [Ready]) {
         let (budget, most) = self.bounds();
         self.machine.raise_clocks();
-        for repeat in 0..self.repeats() {
+        for repeat in 0..self.machine.repeats() {
             for r in ready.iter_mut() {
                 // Every configuration has one run at least.
                 if r.is_slow || repeat > 0 && (r.spent > budget || self.deadline.is_over()) {
@@ -285,10 +276,8 @@ impl Meter<'_> {
     fn finish(&mut self, ready: Ready) {
         let row = &mut self.rows[ready.at];
         (row.n, row.invalid) = (ready.times.n(), ready.times.invalid());
-        if let Some(s) = ready.times.spread() {
-            (row.median_device_ns, row.p05_device_ns, row.p95_device_ns) = (Some(s.median), Some(s.p05), Some(s.p95));
-        }
-        row.median_wall_ns = ready.wall_ns.spread().map(|s| s.median);
+        [row.median_device_ns, row.p05_device_ns, row.p95_device_ns] = ready.times.median_p05_p95();
+        [row.median_wall_ns, ..] = ready.wall_ns.median_p05_p95();
         match self.machine.wait(ready.renderer.hits()) {
             Ok(hits) => row.hits = Some(hit_count(&hits)),
             Err(error) => row.reason = error.to_string(),

@@ -125,17 +125,10 @@ pub(crate) type Job<'a> = (Probe, Box<dyn FnMut() -> Option<u64> + 'a>);
 /// Runs jobs in turn.
 pub(crate) fn in_turn(machine: &Machine, jobs: Vec<Job<'_>>) -> Vec<Probe> {
     const WARMUPS: usize = 2;
-    let repeats = if machine.quick {
-        3
-    } else if machine.is_fast() {
-        31
-    } else {
-        9
-    };
     let (mut probes, mut repeated): (Vec<Probe>, Vec<_>) = jobs.into_iter().unzip();
     let mut times = vec![Times::default(); probes.len()];
     machine.raise_clocks();
-    for repeat in 0..WARMUPS + repeats {
+    for repeat in 0..WARMUPS + machine.repeats() {
         for (times, job) in times.iter_mut().zip(&mut repeated) {
             let time = job();
             if repeat >= WARMUPS {

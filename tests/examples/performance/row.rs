@@ -106,18 +106,17 @@ impl Times {
         self.0.len() - self.n()
     }
 
-    pub(crate) fn spread(&self) -> Option<Spread> {
-        Spread::of(&self.0.iter().copied().flatten().collect::<Vec<_>>())
+    /// `None` where no time was valid.
+    pub(crate) fn median_p05_p95(&self) -> [Option<f64>; 3] {
+        let spread = Spread::of(&self.0.iter().copied().flatten().collect::<Vec<_>>());
+        spread.map_or([None; 3], |s| [s.median, s.p05, s.p95].map(Some))
     }
 }
 
 impl Probe {
     pub(crate) fn with_times(mut self, times: &Times) -> Self {
         (self.n, self.invalid) = (times.n(), times.invalid());
-        if let Some(s) = times.spread() {
-            (self.median_device_ns, self.p05_device_ns, self.p95_device_ns) =
-                (Some(s.median), Some(s.p05), Some(s.p95));
-        }
+        [self.median_device_ns, self.p05_device_ns, self.p95_device_ns] = times.median_p05_p95();
         if self.n == 0 && self.reason.is_empty() {
             self.reason = "no time was valid".into();
         }

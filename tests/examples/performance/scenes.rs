@@ -1,11 +1,12 @@
 //! What is traced, and by which rays.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use raystep_kernels::ray_kinds::{PrimaryHits, random};
 use raystep_kernels::{Accelerator, Options, RayHit, RayKind, RaySource, Renderer, ScheduleKind};
-use raystep_scenes::{Camera, LoadOptions, Projection, Resolver, Scene, convert, generate};
+use raystep_scenes::{Camera, LoadOptions, Projection, Scene, convert, generate};
+use raystep_tests::Beside;
 
 use crate::args::MeshArg;
 use crate::machine::Machine;
@@ -24,7 +25,7 @@ impl Viewed {
     fn new(name: &str, mut scene: Scene) -> Self {
         // Nothing is shaded; ten million normals are only in the way.
         (scene.normals, scene.colors, scene.texcoords) = (None, None, None);
-        let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()));
+        let camera = raystep_tests::camera(&scene);
         Self { name: name.into(), scene, camera }
     }
 
@@ -90,14 +91,5 @@ impl Viewed {
         };
         let counted: Vec<_> = rays.iter().copied().step_by(16).collect();
         (!rays.is_empty()).then_some((RaySource::Given(rays), RaySource::Given(counted)))
-    }
-}
-
-/// Files beside a scene's.
-struct Beside(PathBuf);
-
-impl Resolver for Beside {
-    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(path)).map_err(|e| e.to_string())
     }
 }

@@ -3,7 +3,6 @@
 use raystep_kernels::{Accelerator, Skip};
 
 use super::Deadline;
-use crate::args::AdapterKind;
 use crate::meter::{Group, Meter, Way};
 use crate::row::Row;
 use crate::scenes::Viewed;
@@ -14,11 +13,11 @@ const COUNTS: [u64; 14] = [2, 8, 18, 32, 72, 128, 512, 2_048, 8_192, 32_768, 131
 const MOST_NS: f64 = 0.5e9;
 
 pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
-    let (most, size) = match (meter.machine.quick, meter.machine.kind) {
-        (true, AdapterKind::Gpu) => (131_072, (512, 512)),
-        (false, AdapterKind::Gpu) => (10_000_000, (1024, 1024)),
-        (true, _) => (8_192, (128, 128)),
-        (false, _) => (2_000_000, (256, 256)),
+    let (most, size) = match (meter.machine.is_fast(), meter.machine.quick) {
+        (true, true) => (131_072, (512, 512)),
+        (true, false) => (10_000_000, (1024, 1024)),
+        (false, true) => (8_192, (128, 128)),
+        (false, false) => (2_000_000, (256, 256)),
     };
     // The last time without, by scene: time is proportional to triangles from some hundred on.
     let mut without = [None::<(f64, f64)>; 2];
@@ -42,22 +41,13 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
                 ways.push(Way::fused(Accelerator::None));
             }
             let rays = viewed.primary(size);
-            meter.group(&Group { viewed: &viewed, size, rays, rays_kind: "primary", counted: None }, &ways);
+            let group = Group { viewed: &viewed, size, rays, rays_kind: "primary", counted: None };
+            meter.group(&group, &ways);
             let last = meter.rows.last().filter(|row| row.accelerator == "none");
             *without = last.and_then(|row| row.median_device_ns).map(|ns| (triangles, ns)).or(*without);
             if expected_ns >= MOST_NS {
-                meter.rows.push(Row {
-                    section: meter.section.into(),
-                    scene: scene.into(),
-                    triangles: triangles as u64,
-                    rays_kind: "primary".into(),
-                    width_px: size.0,
-                    height_px: size.1,
-                    accelerator: "none".into(),
-                    schedule: "fused".into(),
-                    reason: format!("not begun: {:.1} s were expected", expected_ns / 1e9),
-                    ..Row::default()
-                });
+                let reason = format!("not begun: {:.1} s were expected", expected_ns / 1e9);
+                meter.rows.push(Row { reason, ..meter.row(&group, &Way::fused(Accelerator::None)) });
             }
         }
     }
