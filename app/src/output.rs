@@ -8,6 +8,7 @@ use tempfile::{NamedTempFile, TempDir};
 
 use crate::error::Error;
 use crate::interrupt::{Temporary, create_inside};
+use crate::scene_file::read_file;
 
 /// A file to be written.
 #[derive(Debug)]
@@ -88,6 +89,22 @@ pub(crate) fn refuse_inputs(outputs: &[Option<&Target>], inputs: &[PathBuf]) -> 
         Some(output) => Err(replaces_input(&output.path)),
         None => Ok(()),
     }
+}
+
+/// Refuses a folder with files of our `names` that are not `whose`: the one called `known_by` tells.
+pub(crate) fn refuse_others(
+    folder: &Path,
+    names: &[&str],
+    whose: &str,
+    known_by: &str,
+    is_ours: impl FnOnce(&[u8]) -> bool,
+) -> Result<(), Error> {
+    const MOST_BYTES: u64 = 1 << 30;
+    let Some(name) = names.iter().find(|name| folder.join(name).exists()) else { return Ok(()) };
+    if read_file(&folder.join(known_by), MOST_BYTES).is_ok_and(|bytes| is_ours(&bytes)) {
+        return Ok(());
+    }
+    Err(Error::failed(format!("{} has a {name} that is no {whose}: name another folder", folder.display())))
 }
 
 fn replaces_input(path: &Path) -> Error {
@@ -202,8 +219,19 @@ impl TargetFolder {
         written.map_err(|e| Error::failed(format!("cannot write {}: {}", self.path.join(name).display(), reason(&e))))
     }
 
-    /// Gives the folder its name. Of files that were in it before, those in `stale` go.
-    pub(crate) fn finish(self, stale: &[String]) -> Result<(), Error> {
+    /// Gives the folder its name once `fill` has written its files, and takes everything away again where that fails.
+    /// Of files that were in it before, those in `stale` go.
+    pub(crate) fn fill<T>(self, stale: &[String], fill: impl FnOnce(&Self) -> Result<T, Error>) -> Result<T, Error> {
+        match fill(&self) {
+            Ok(filled) => self.finish(stale).map(|()| filled),
+            Err(error) => {
+                self.staging.finish(drop);
+                Err(error)
+            }
+        }
+    }
+
+    fn finish(self, stale: &[String]) -> Result<(), Error> {
         let Self { path, staging, exists } = self;
         staging
             .finish(|staging| {
@@ -226,10 +254,5 @@ impl TargetFolder {
                 staging.close()
             })
             .map_err(|e: io::Error| Error::failed(format!("cannot write {}: {}", path.display(), reason(&e))))
-    }
-
-    /// Takes everything away again.
-    pub(crate) fn abandon(self) {
-        self.staging.finish(drop);
     }
 }

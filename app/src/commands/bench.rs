@@ -100,22 +100,13 @@ const MOST_RUNS: i64 = 100_000;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
     args.tuning.check(&args.accelerators, &args.schedules)?;
-    let folder = TargetFolder::new(&args.output, args.force)?;
-    let filled = output::refuse_others(&args.output).and_then(|()| fill(args, &folder));
-    match filled {
-        Ok(table) => {
-            folder.finish(&[])?;
-            if args.quiet.quiet { Ok(()) } else { print(&table) }
-        }
-        Err(error) => {
-            folder.abandon();
-            Err(error)
-        }
-    }
+    let table = TargetFolder::new(&args.output, args.force)?.fill(&[], |folder| fill(args, folder))?;
+    if args.quiet.quiet { Ok(()) } else { print(&table) }
 }
 
 /// Measures and writes every file; the table of what was measured.
 fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
+    output::refuse_others(&args.output)?;
     let progress = Progress::new(args.quiet.quiet);
     // What can be wrong is looked at before anything takes its time.
     let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;

@@ -138,17 +138,9 @@ pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
         ));
     }
     let folder = TargetFolder::new(&args.output, args.force)?;
-    match fill(args, &folder) {
-        Ok(text) => {
-            folder.finish(&listed(&args.output))?;
-            Progress::new(args.quiet.quiet).say(text);
-            Ok(())
-        }
-        Err(error) => {
-            folder.abandon();
-            Err(error)
-        }
-    }
+    let text = folder.fill(&listed(&args.output), |folder| fill(args, folder))?;
+    Progress::new(args.quiet.quiet).say(text);
+    Ok(())
 }
 
 /// Writes every file; tells what was written.

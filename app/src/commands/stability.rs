@@ -93,29 +93,20 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
     if args.list {
         return print(&table::list(&cases));
     }
-    let folder = match &args.output {
+    let progress = Progress::new(args.quiet.quiet);
+    let outcomes = match &args.output {
+        None => all(args, &cases, &progress)?,
         Some(path) => {
             output::refuse_others(path)?;
-            Some(TargetFolder::new(path, args.force)?)
-        }
-        None => None,
-    };
-    let progress = Progress::new(args.quiet.quiet);
-    let outcomes = match all(args, &cases, &progress) {
-        Ok(outcomes) => outcomes,
-        Err(error) => {
-            folder.into_iter().for_each(TargetFolder::abandon);
-            return Err(error);
+            let outcomes = TargetFolder::new(path, args.force)?.fill(&[], |folder| {
+                let outcomes = all(args, &cases, &progress)?;
+                output::write(folder, &outcomes)?;
+                Ok(outcomes)
+            })?;
+            progress.say(format_args!("wrote {} to {}", output::NAMES.join(", "), path.display()));
+            outcomes
         }
     };
-    if let (Some(folder), Some(path)) = (folder, &args.output) {
-        if let Err(error) = output::write(&folder, &outcomes) {
-            folder.abandon();
-            return Err(error);
-        }
-        folder.finish(&[])?;
-        progress.say(format_args!("wrote {} to {}", output::NAMES.join(", "), path.display()));
-    }
     progress.finish();
     if !args.quiet.quiet {
         print(&table::text(&outcomes))?;

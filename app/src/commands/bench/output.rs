@@ -15,8 +15,7 @@ use super::{BenchArgs, Measured, tuning_text};
 use crate::args::grid_text;
 use crate::device::Chosen;
 use crate::error::Error;
-use crate::output::TargetFolder;
-use crate::scene_file::read_file;
+use crate::output::{self, TargetFolder};
 
 /// One row a configuration.
 pub(super) const SUMMARY: &str = "summary.csv";
@@ -85,15 +84,9 @@ struct AboutConfiguration<'a> {
 
 /// Refuses a folder whose files of our names are not a benchmark's.
 pub(super) fn refuse_others(folder: &Path) -> Result<(), Error> {
-    const MOST_BYTES: u64 = 1 << 30;
-    let Some(name) = NAMES.iter().find(|name| folder.join(name).exists()) else { return Ok(()) };
-    let about = read_file(&folder.join(RUN), MOST_BYTES).ok();
-    let about = about.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
-    if about.is_some_and(|about| about["kind"] == KIND) {
-        return Ok(());
-    }
-    let at = folder.display();
-    Err(Error::failed(format!("{at} has a {name} that is no benchmark's: name another folder")))
+    output::refuse_others(folder, &NAMES, "benchmark's", RUN, |bytes| {
+        serde_json::from_slice::<serde_json::Value>(bytes).is_ok_and(|about| about["kind"] == KIND)
+    })
 }
 
 /// Writes every file.
