@@ -95,9 +95,8 @@ pub(crate) struct TuningArgs {
 impl TuningArgs {
     /// Refuses what would have no effect with any of these: whoever asks for it expects something else.
     pub(crate) fn check(&self, accelerators: &[Accelerator], schedules: &[ScheduleKind]) -> Result<(), Error> {
-        let names = |names: Vec<&str>| names.join(", ");
         if !accelerators.contains(&Accelerator::Grid) {
-            let chosen = names(accelerators.iter().map(|a| a.name()).collect());
+            let chosen = accelerators.iter().map(|a| a.name()).collect::<Vec<_>>().join(", ");
             let all = [("--grid", self.grid == GridSize::Auto), ("--skip on", self.skip != Skip::On)];
             if let Some((option, _)) = all.iter().find(|(_, is_default)| !is_default) {
                 return Err(Error::usage(format!(
@@ -111,7 +110,7 @@ impl TuningArgs {
         if let Some(steps) = self.steps_per_pass.filter(|&steps| steps > 1)
             && !schedules.contains(&ScheduleKind::Compact)
         {
-            let chosen = names(schedules.iter().map(|s| s.name()).collect());
+            let chosen = schedules.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
             return Err(Error::usage(format!(
                 "--steps-per-pass {steps} is for schedule compact, and this is {chosen}: leave it out, or name schedule compact"
             )));

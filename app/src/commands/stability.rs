@@ -8,8 +8,9 @@ mod table;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use raystep_kernels::stability::{self, CASES, Case, Expected, Judge, Place, Row, StabilityError, Variant, Workload};
-use raystep_kernels::{Accelerator, Device, RaySource, ScheduleKind};
+use raystep_kernels::reference::Verdict;
+use raystep_kernels::stability::{self, CASES, Case, Judge, Place, Row, StabilityError, Variant, Workload};
+use raystep_kernels::{Accelerator, Device, Numerics, RaySource, ScheduleKind};
 
 use crate::args::{DeviceArgs, DeviceKind, QuietArgs, named};
 use crate::device::{self, Chosen, block_on};
@@ -84,8 +85,8 @@ struct Outcome {
     rows: Vec<Row>,
     /// Where its errors are.
     pictures: Vec<Picture>,
-    /// The first ray with an error by robust rules, if there is one.
-    notes: Vec<String>,
+    /// The first ray with an error by robust rules, in words: one is enough to look for the cause with.
+    first_wrong_ray: Option<String>,
 }
 
 pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
@@ -165,7 +166,7 @@ fn all(args: &StabilityArgs, cases: &[&'static Case], progress: &Progress) -> Re
 fn one(args: &StabilityArgs, case: &'static Case, places: &[(Place, Chosen)]) -> Result<Outcome, Error> {
     let rays = if args.quick { (case.rays / 8).max(1) } else { case.rays };
     let workload = (case.make)(rays)?;
-    let mut outcome = Outcome { case, rows: Vec::new(), pictures: Vec::new(), notes: Vec::new() };
+    let mut outcome = Outcome { case, rows: Vec::new(), pictures: Vec::new(), first_wrong_ray: None };
     let mut judge = Judge::default();
     for (place, chosen) in places {
         for &accelerator in ACCELERATORS.iter().filter(|a| args.accelerator.contains(a)) {
@@ -177,15 +178,13 @@ fn one(args: &StabilityArgs, case: &'static Case, places: &[(Place, Chosen)]) ->
                 let running = stability::run(case, &workload, variant, &chosen.device, &mut judge);
                 let run = block_on(chosen.gpu(), running)?;
                 let row = Row::new(case, workload.scene.triangles.len(), variant, place, &run);
-                // One ray is enough to look for the cause with.
                 if let Some(([ox, oy, oz], [dx, dy, dz])) = run.score.first_error
-                    && outcome.notes.is_empty()
-                    && matches!(row.expected, Expected::Pass | Expected::KnownFailure)
+                    && variant.numerics == Numerics::Robust
                 {
-                    outcome.notes.push(format!(
-                        "{}: first wrong ray, in traced units: {ox:?},{oy:?},{oz:?},{dx:?},{dy:?},{dz:?}",
-                        table::name(&row)
-                    ));
+                    outcome.first_wrong_ray.get_or_insert_with(|| {
+                        let name = table::name(&row);
+                        format!("{name}: first wrong ray, in traced units: {ox:?},{oy:?},{oz:?},{dx:?},{dy:?},{dz:?}")
+                    });
                 }
                 add_picture(&mut outcome.pictures, &row, &workload, &run.score.verdicts, &judge);
                 outcome.rows.push(row);
@@ -196,13 +195,7 @@ fn one(args: &StabilityArgs, case: &'static Case, places: &[(Place, Chosen)]) ->
 }
 
 /// Keeps a picture of what went wrong; ways with the same errors share one.
-fn add_picture(
-    pictures: &mut Vec<Picture>,
-    row: &Row,
-    workload: &Workload,
-    verdicts: &[raystep_kernels::reference::Verdict],
-    judge: &Judge,
-) {
+fn add_picture(pictures: &mut Vec<Picture>, row: &Row, workload: &Workload, verdicts: &[Verdict], judge: &Judge) {
     let size = match &workload.rays {
         RaySource::Camera { width, height, .. } => Some([*width, *height]),
         RaySource::Given(_) => None,
@@ -245,7 +238,7 @@ impl From<StabilityError> for Error {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::Numerics;
+    use raystep_kernels::stability::Expected;
 
     use super::*;
 
@@ -258,7 +251,7 @@ mod tests {
             Row { case, variant, device: "gpu", expected, passed: !has_errors, has_errors, fields: Default::default() }
         };
         let code = |rows: Vec<Row>| {
-            let outcome = Outcome { case: &CASES[0], rows, pictures: Vec::new(), notes: Vec::new() };
+            let outcome = Outcome { case: &CASES[0], rows, pictures: Vec::new(), first_wrong_ray: None };
             judge(&[outcome]).map_err(|e| e.code)
         };
         let right = [row(Expected::Pass, false), row(Expected::Fail, true), row(Expected::KnownFailure, true)];

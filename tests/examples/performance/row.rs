@@ -59,6 +59,11 @@ impl Row {
         self.median_device_ns.filter(|&ns| ns > 0.0).map(|ns| self.rays as f64 / ns * 1e3)
     }
 
+    /// Of the threads launched, those that had a ray to work on.
+    pub(crate) fn share_with_ray(&self) -> Option<f64> {
+        self.threads_with_ray.zip(self.threads_launched).map(|(with, all)| with as f64 / all as f64)
+    }
+
     /// How it was traced, for people: `grid with leaps, compact K=8`.
     pub(crate) fn way(&self) -> String {
         let steps = match (self.schedule.as_str(), self.steps_per_pass) {

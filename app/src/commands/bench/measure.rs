@@ -198,7 +198,7 @@ impl<'a> Bench<'a> {
             ..SummaryRow::default()
         };
         let bytes = plan.bytes();
-        let is_any_hit = may_end_at_any_hit(group.kind, options.numerics);
+        let is_any_hit = options.any_hit;
         let (device_ns, wall_ns) = (Vec::new(), Vec::new());
         Ok(Ready { group: group.name.clone(), is_any_hit, row, details, renderer, bytes, device_ns, wall_ns })
     }
@@ -291,10 +291,10 @@ impl<'a> Bench<'a> {
                 name(&row)
             ));
         }
-        let same_rays = |other: &&SummaryRow| {
-            let key = |r: &SummaryRow| (r.scene_hash.clone(), r.rays_kind.clone(), r.width_px, r.height_px);
-            key(other) == key(&row)
-        };
+        fn rays_of(r: &SummaryRow) -> (&str, &str, u32, u32) {
+            (&r.scene_hash, &r.rays_kind, r.width_px, r.height_px)
+        }
+        let same_rays = |other: &&SummaryRow| rays_of(other) == rays_of(&row);
         let other = self.measured.rows.iter().find(same_rays).filter(|r| r.hits_hash != row.hits_hash);
         if let Some(other) = other {
             let (one, two, hits, others) = (name(&row), name(other), row.hits, other.hits);
@@ -318,15 +318,11 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// The options of a group's runs.
+/// The options of a group's runs. A shadow ray is over at its first hit with t < 1, whichever it is; the paper has no
+/// such rays.
 fn options(args: &BenchArgs, rays: RaySource, kind: RayKind) -> Options {
-    let any_hit = may_end_at_any_hit(kind, args.tuning.numerics);
+    let any_hit = kind == RayKind::Shadow && args.tuning.numerics == Numerics::Robust;
     Options { shade: false, any_hit, ..args.tuning.options(rays) }
-}
-
-/// Whether a ray is over at its first hit with t < 1, whichever it is. The paper has no such rays.
-fn may_end_at_any_hit(kind: RayKind, numerics: Numerics) -> bool {
-    kind == RayKind::Shadow && numerics == Numerics::Robust
 }
 
 /// Whether runs that count need the times of every pass: the twins' are what [`device_ns`] adds up.

@@ -2,18 +2,22 @@
 
 use raystep_kernels::export::bench::SummaryRow;
 
-/// The columns after the two of names.
+use crate::commands::aligned;
+
+/// The columns of words.
+const NAMES: [&str; 2] = ["accelerator", "schedule"];
+
+/// The columns after them.
 const COLUMNS: [&str; 6] = ["median ms", "p05", "p95", "Mray/s", "to fastest", "to baseline"];
 
 /// A table a group, all with the same widths.
 pub(super) fn text(rows: &[SummaryRow]) -> String {
     let has_baseline = rows.iter().any(|row| row.baseline_ratio.is_some());
     let columns = &COLUMNS[..COLUMNS.len() - usize::from(!has_baseline)];
-    let mut text = String::new();
-    let mut lines: Vec<Vec<String>> = Vec::new();
-    let mut heads = Vec::new();
-    for group in rows.chunk_by(|a, b| title(a) == title(b)) {
-        heads.push((lines.len(), title(&group[0])));
+    let names = NAMES.iter().chain(columns);
+    let mut lines: Vec<Vec<String>> = vec![names.map(|n| (*n).to_owned()).collect()];
+    let groups = || rows.chunk_by(|a, b| title(a) == title(b));
+    for group in groups() {
         // Times of two clocks cannot be compared; all of a run have one.
         let fastest = group.iter().filter_map(|row| row.time_ns()).map(|(ns, _)| ns).reduce(f64::min);
         for row in group {
@@ -22,17 +26,14 @@ pub(super) fn text(rows: &[SummaryRow]) -> String {
             lines.push(cells);
         }
     }
-    let names = ["accelerator", "schedule"].iter().chain(columns).map(|n| (*n).to_owned()).collect::<Vec<_>>();
-    let width = |c: usize| lines.iter().chain([&names]).map(|l| l[c].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..names.len()).map(width).collect();
-    for (i, cells) in lines.iter().enumerate() {
-        if let Some((_, title)) = heads.iter().find(|(first, _)| *first == i) {
-            let blank = if i == 0 { "" } else { "\n" };
-            text += &format!("{blank}{title}\n{}", line(&names, &widths));
-        }
-        text += &line(cells, &widths);
-    }
-    text
+    let lines: Vec<String> = aligned(&lines, NAMES.len()).into_iter().map(|line| format!("  {line}")).collect();
+    let (head, mut lines) = (&lines[0], &lines[1..]);
+    let table = |group: &[SummaryRow]| {
+        let (of_group, rest) = lines.split_at(group.len());
+        lines = rest;
+        format!("{}\n{head}{}", title(&group[0]), of_group.concat())
+    };
+    groups().map(table).collect::<Vec<_>>().join("\n")
 }
 
 /// What a group has in common.
@@ -55,14 +56,6 @@ fn numbers(row: &SummaryRow, fastest: Option<f64>) -> [String; 6] {
         ratio(to_fastest),
         ratio(row.baseline_ratio),
     ]
-}
-
-/// Names to the left, numbers to the right.
-fn line(cells: &[String], widths: &[usize]) -> String {
-    let cell = |(i, (text, &width)): (usize, (&String, &usize))| {
-        if i < 2 { format!("  {text:<width$}") } else { format!("  {text:>width$}") }
-    };
-    cells.iter().zip(widths).enumerate().map(cell).collect::<String>().trim_end().to_owned() + "\n"
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use raystep_kernels::stability::{KNOWN, Row};
+use raystep_kernels::stability::Row;
 
 use super::picture::{LEGEND, Picture};
 use super::{Outcome, table};
@@ -49,7 +49,7 @@ pub(super) fn html(outcomes: &[Outcome]) -> Result<String, Error> {
     let mut page = String::new();
     let rows: Vec<&Row> = outcomes.iter().flat_map(|o| &o.rows).collect();
     let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
-    let adapters: Vec<&str> = rows.iter().map(|row| row.field("adapter")).filter(|a| !a.is_empty()).take(1).collect();
+    let adapter = rows.iter().map(|row| row.field("adapter")).find(|name| !name.is_empty());
     // Writing to a string cannot fail.
     let _ = write!(
         page,
@@ -63,7 +63,7 @@ pub(super) fn html(outcomes: &[Outcome]) -> Result<String, Error> {
          the arithmetic rounds.</p>\n<p>",
         outcomes.len(),
         rows.len(),
-        escaped(adapters.first().unwrap_or(&"none")),
+        escaped(adapter.unwrap_or("none")),
     );
     for ([r, g, b], name) in LEGEND {
         let _ = write!(page, "<span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>{name}");
@@ -96,7 +96,7 @@ fn overview(page: &mut String, outcomes: &[Outcome]) {
 }
 
 fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
-    let Outcome { case, rows, pictures, notes } = outcome;
+    let Outcome { case, rows, pictures, first_wrong_ray } = outcome;
     let field = |column| rows.first().map_or("0", |row: &Row| row.field(column));
     let _ = write!(
         page,
@@ -116,11 +116,11 @@ fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
         _ => format!("must fail in f32 on {}: {}", fails.join(", "), escaped(case.paper.because)),
     };
     let _ = writeln!(page, "<p class=\"note\">The paper's rules: {expected}.</p>");
-    for known in KNOWN.iter().filter(|k| k.case == case.name && table::known_failures(outcome) > 0) {
+    for known in table::known_failures(outcome) {
         let _ = writeln!(page, "<p class=\"fail\">Known failure of the robust rules: {}.</p>", escaped(known.because));
     }
-    for note in notes {
-        let _ = writeln!(page, "<p class=\"fail\">{}</p>", escaped(note));
+    if let Some(wrong_ray) = first_wrong_ray {
+        let _ = writeln!(page, "<p class=\"fail\">{}</p>", escaped(wrong_ray));
     }
     *page += "<div class=\"wide\"><table><tr>";
     for (column, heading) in SHOWN {

@@ -1,9 +1,10 @@
 //! The results for people: a line a case, and a line for everything that is not as expected.
 
-use raystep_kernels::stability::{Case, Expected, KNOWN, Row, Truth};
+use raystep_kernels::stability::{Case, Expected, KNOWN, Known, Row, Truth};
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
 
 use super::Outcome;
+use crate::commands::aligned;
 
 /// A way to trace, in words.
 pub(super) fn way(row: &Row) -> String {
@@ -50,37 +51,40 @@ pub(super) fn text(outcomes: &[Outcome]) -> String {
             paper(Accelerator::Bvh),
             paper(Accelerator::None),
             match not {
-                0 if known_failures(outcome) > 0 => "known failure".into(),
+                0 if known_failures(outcome).next().is_some() => "known failure".into(),
                 0 => "yes".into(),
                 _ => format!("NO: {not} of {}", rows.len()),
             },
         ]);
     }
-    let mut text = aligned(&lines);
+    let mut text = aligned(&lines, header.len()).concat();
     for outcome in outcomes {
         for row in outcome.rows.iter().filter(|row| !row.is_as_expected()) {
             let fields = ["missed", "false_hits", "wrong", "undecided", "non_finite", "at_bound"];
             let counts = fields.map(|c| format!("{} {c}", row.field(c))).join(", ");
             text += &format!("not as expected: {}: {counts}; expected to {}\n", name(row), row.field("expected"));
         }
-        for known in KNOWN.iter().filter(|k| k.case == outcome.case.name && known_failures(outcome) > 0) {
+        for known in known_failures(outcome) {
             text += &format!("known failure: {}: {}\n", known.case, known.because);
         }
-        for note in &outcome.notes {
-            text += &format!("{note}\n");
+        if let Some(wrong_ray) = &outcome.first_wrong_ray {
+            text += &format!("{wrong_ray}\n");
         }
     }
     text
 }
 
-/// Runs of robust rules that failed as they are known to.
-pub(super) fn known_failures(outcome: &Outcome) -> usize {
-    outcome.rows.iter().filter(|row| row.expected == Expected::KnownFailure && !row.passed).count()
+/// What is known of robust rules that failed, where one of the runs did.
+pub(super) fn known_failures(outcome: &Outcome) -> impl Iterator<Item = &'static Known> {
+    let has_failed = outcome.rows.iter().any(|row| row.expected == Expected::KnownFailure && !row.passed);
+    let case = outcome.case.name;
+    KNOWN.iter().filter(move |known| has_failed && known.case == case)
 }
 
 /// What there is.
 pub(super) fn list(cases: &[&'static Case]) -> String {
-    let mut lines = vec![["case", "rays", "undecided", "paper fails on", "what"].map(str::to_owned)];
+    let header = ["case", "rays", "undecided", "paper fails on", "what"];
+    let mut lines = vec![header.map(str::to_owned)];
     for case in cases {
         let fails: Vec<&str> = case.paper.fails_on.iter().map(|a| a.name()).collect();
         lines.push([
@@ -91,7 +95,7 @@ pub(super) fn list(cases: &[&'static Case]) -> String {
             case.what.to_owned(),
         ]);
     }
-    aligned(&lines)
+    aligned(&lines, header.len()).concat()
 }
 
 /// What is known of a case's rays, in words.
@@ -101,16 +105,4 @@ pub(super) fn truth(case: &Case) -> &'static str {
         Truth::Closed => "every ray hits something",
         Truth::Nothing => "no ray hits anything: every triangle is seen edge-on, or has no area",
     }
-}
-
-fn aligned<const N: usize>(lines: &[[String; N]]) -> String {
-    let widths: Vec<usize> =
-        (0..N).map(|c| lines.iter().map(|line| line[c].chars().count()).max().unwrap_or(0)).collect();
-    let mut text = String::new();
-    for line in lines {
-        let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect();
-        text += cells.join("  ").trim_end();
-        text.push('\n');
-    }
-    text
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::Measured;
 use super::plot::{self, Axes, Series};
-use super::text::{columns, distinct, number, or_dash, percent, table, time};
+use super::text::{columns, number, or_dash, percent, table, time};
 use crate::row::Row;
 
 /// Side; seconds of First, Second, both with the 20×20×20 grid, and without a grid.
@@ -32,8 +32,7 @@ fn ns(row: Option<&Row>) -> Option<f64> {
 
 /// The largest side at which this was measured.
 fn largest(machine: &Measured, keys: &[Key]) -> Option<u32> {
-    let sides = PAPER.iter().rev().map(|p| p.0);
-    sides.into_iter().find(|&side| keys.iter().all(|&key| find(machine, side, key).is_some()))
+    PAPER.iter().rev().map(|p| p.0).find(|&side| keys.iter().all(|&key| find(machine, side, key).is_some()))
 }
 
 pub(super) fn tables(machine: &Measured) -> String {
@@ -80,7 +79,7 @@ pub(super) fn tables(machine: &Measured) -> String {
             format!("{}{grid}, {} rules", r.way(), r.numerics),
             or_dash(r.passes.map(|n| n as f64), number),
             per_ray(r.threads_launched),
-            or_dash(r.threads_with_ray.zip(r.threads_launched).map(|(a, b)| a as f64 / b as f64), percent),
+            or_dash(r.share_with_ray(), percent),
             or_dash(r.cells_per_ray, number),
             or_dash(r.tests_per_ray, number),
             or_dash(r.useful_steps_per_thread, number),
@@ -110,7 +109,6 @@ pub(super) fn why(machine: &Measured) -> String {
     let [Some(second), Some(none)] = keys.map(|key| find(machine, side, key)) else { return String::new() };
     let Some(&(_, [_, second_s, none_s])) = PAPER.iter().find(|p| p.0 == side) else { return String::new() };
     let steps = |r: &Row| r.cells_per_ray.unwrap_or(0.0) + r.tests_per_ray.unwrap_or(0.0);
-    let share = |r: &Row| r.threads_with_ray.zip(r.threads_launched).map(|(a, b)| a as f64 / b as f64);
     let verdict = if steps(second) < steps(none) { "fewer" } else { "more" };
     let mut text = format!(
         "At {side}×{side} a ray takes {} cells and {} tests through the grid, {} steps, {verdict} than the {} tests \
@@ -124,8 +122,8 @@ pub(super) fn why(machine: &Measured) -> String {
         number(steps(none)),
         or_dash(second.passes.map(|n| n as f64), number),
         or_dash(none.passes.map(|n| n as f64), number),
-        or_dash(share(second), percent),
-        or_dash(share(none), percent),
+        or_dash(second.share_with_ray(), percent),
+        or_dash(none.share_with_ray(), percent),
         or_dash(second.useful_steps_per_thread, number),
         or_dash(none.useful_steps_per_thread, number),
         or_dash(none.useful_steps_per_thread.zip(second.useful_steps_per_thread).map(|(a, b)| a / b), number),
@@ -171,14 +169,9 @@ pub(super) fn plot(machine: &Measured, folder: &Path) -> Result<(), String> {
         ("fused, no grid", ("none", "fused", "robust", "", 1), 5),
     ];
     for (name, key, color) in ours {
-        let sides = distinct(PAPER.iter().map(|p| p.0));
-        let at = |side: &u32| Some((f64::from(side * side), ns(find(machine, *side, key))?));
-        series.push(Series {
-            name: name.into(),
-            points: sides.iter().filter_map(at).collect(),
-            color,
-            is_dashed: false,
-        });
+        let at = |&(side, _): &(u32, [f64; 3])| Some((f64::from(side * side), ns(find(machine, side, key))?));
+        let points = PAPER.iter().filter_map(at).collect();
+        series.push(Series { name: name.into(), points, color, is_dashed: false });
     }
     series.retain(|s| !s.points.is_empty());
     let title = format!("The Cornell box, {}", machine.title());

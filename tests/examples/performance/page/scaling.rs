@@ -62,14 +62,14 @@ fn crossing(ways: &[(String, Vec<&Row>)], a: &str, b: &str, scene: &str) -> Stri
     let find = |name: &str| ways.iter().find(|(way, _)| *way == format!("{name}, fused")).map(|(_, rows)| rows);
     let Some((first, second)) = find(a).zip(find(b)) else { return String::new() };
     let at = |y: fn(&Row) -> Option<f64>| {
-        let of = |rows: &[&Row]| curve(rows, |r| r.triangles as f64, y);
-        let (first, second) = (of(first), of(second));
         // A way that ended earlier is compared as far as it went.
-        let both = |p: &&(f64, f64), other: &[(f64, f64)]| other.iter().any(|q| q.0 == p.0);
-        let left: Vec<_> = first.iter().filter(|p| both(p, &second)).copied().collect();
-        let right: Vec<_> = second.iter().filter(|p| both(p, &first)).copied().collect();
-        let ends_below = left.last().zip(right.last()).map(|(a, b)| b.1 < a.1);
-        match (crossover(&left, &right), ends_below) {
+        let both = |a: &&Row| {
+            let b = second.iter().find(|b| b.triangles == a.triangles)?;
+            Some([a.triangles as f64, y(a)?, y(b)?])
+        };
+        let points: Vec<[f64; 3]> = first.iter().filter_map(both).collect();
+        let ends_below = points.last().map(|[_, a, b]| b < a);
+        match (crossover(&points), ends_below) {
             (Some(triangles), _) => format!("from {} triangles on", count(triangles)),
             (None, Some(true)) => "at every count measured".into(),
             _ => "at none measured".into(),
@@ -162,20 +162,16 @@ fn series(name: String, points: Vec<(f64, f64)>) -> Series {
 }
 
 pub(super) fn plots(machine: &Measured, folder: &Path) -> Result<(), String> {
-    for scene in scenes(machine, "triangles") {
-        let ways = ways(machine, "triangles", &scene);
-        let lines = ways
-            .into_iter()
-            .map(|(name, rows)| series(name, curve(&rows, |r| r.triangles as f64, |r| r.median_device_ns)));
-        let axes = Axes { title: format!("{scene}, {}", machine.title()), x: "triangles", y: "time", y_text: time };
-        plot::write(&folder.join(format!("triangles-{scene}.svg")), &axes, &lines.collect::<Vec<_>>())?;
-    }
-    for scene in scenes(machine, "resolution") {
-        let ways = ways(machine, "resolution", &scene);
-        let lines =
-            ways.into_iter().map(|(name, rows)| series(name, curve(&rows, |r| r.rays as f64, |r| r.median_device_ns)));
-        let axes = Axes { title: format!("{scene}, {}", machine.title()), x: "rays", y: "time", y_text: time };
-        plot::write(&folder.join(format!("resolution-{scene}.svg")), &axes, &lines.collect::<Vec<_>>())?;
+    type Count = fn(&Row) -> f64;
+    let sections: [(&str, &str, Count); 2] =
+        [("triangles", "triangles", |r| r.triangles as f64), ("resolution", "rays", |r| r.rays as f64)];
+    for (section, x, count) in sections {
+        for scene in scenes(machine, section) {
+            let ways = ways(machine, section, &scene).into_iter();
+            let lines = ways.map(|(name, rows)| series(name, curve(&rows, count, |r| r.median_device_ns)));
+            let axes = Axes { title: format!("{scene}, {}", machine.title()), x, y: "time", y_text: time };
+            plot::write(&folder.join(format!("{section}-{scene}.svg")), &axes, &lines.collect::<Vec<_>>())?;
+        }
     }
     let mut lines = Vec::new();
     for (i, scene) in scenes(machine, "steps").into_iter().enumerate() {

@@ -21,11 +21,20 @@ const WIDTH: f32 = 0.01;
 /// Passes of a submission: fewer than the steps from the middle to a face.
 const PASSES: u64 = 64;
 
-/// The three variants: name, and what stands for the ray's constants.
-const VARIANTS: [(&str, &str); 3] = [
-    ("worked out", WORKED_OUT),
-    ("loaded, 6 layers", "let ray = GridRay(vec3f(0.0), load_direction(texel), load_origin(texel));"),
-    ("loaded, 3 layers", "let delta = load_origin(texel);\n    let ray = GridRay(vec3f(0.0), delta, abs(delta));"),
+/// Name, what stands for the ray's constants, and what it loads as origin and direction.
+type Loading = (&'static str, &'static str, fn(&Rays) -> [&Vec<u32>; 2]);
+
+const VARIANTS: [Loading; 3] = [
+    ("worked out", WORKED_OUT, |rays| [&rays.origin, &rays.direction]),
+    ("loaded, 6 layers", "let ray = GridRay(vec3f(0.0), load_direction(texel), load_origin(texel));", |rays| {
+        [&rays.delta, &rays.step]
+    }),
+    (
+        "loaded, 3 layers",
+        "let delta = load_origin(texel);\n    let ray = GridRay(vec3f(0.0), delta, abs(delta));",
+        // The other is not loaded.
+        |rays| [&rays.signed_delta, &rays.step],
+    ),
 ];
 const WORKED_OUT: &str = "let ray = grid_ray(load_origin(texel), load_direction(texel));";
 
@@ -39,8 +48,8 @@ pub(super) fn measure(machine: &Machine) -> Result<Vec<Probe>, String> {
     let mut probes = Vec::new();
     for &size in sizes {
         eprintln!("tdelta: {}x{}", size.0, size.1);
-        let runs = VARIANTS.iter().map(|(_, ray)| Steps::new(gpu, size, ray)).collect::<Result<Vec<_>, _>>()?;
-        let jobs = VARIANTS.iter().zip(&runs).map(|((what, _), steps)| -> Job<'_> {
+        let runs = VARIANTS.iter().map(|variant| Steps::new(gpu, size, variant)).collect::<Result<Vec<_>, _>>()?;
+        let jobs = VARIANTS.iter().zip(&runs).map(|((what, ..), steps)| -> Job<'_> {
             let probe = Probe {
                 section: SECTION.into(),
                 what: (*what).into(),
@@ -74,7 +83,7 @@ struct Steps {
 }
 
 impl Steps {
-    fn new(gpu: &Gpu, size: (u32, u32), ray: &str) -> Result<Self, String> {
+    fn new(gpu: &Gpu, size: (u32, u32), (_, ray, constants): &Loading) -> Result<Self, String> {
         let features = Features { grid: true, perspective: true, ..Features::default() };
         let mut variant = Variant::new(Kernel::TraverseGrid, &features).map_err(|e| e.to_string())?;
         // A ray that is not intersected in between goes on at once.
@@ -82,26 +91,20 @@ impl Steps {
             replaced(&variant.source, "let tag = select(ISECT_NO_HIT, ISECT_HIT, has_hit);", "let tag = TRAV;")?;
         let source = replaced(&source, WORKED_OUT, ray)?;
         let (loads_origin, loads_direction) = (ray.contains("load_origin"), ray.contains("load_direction"));
-        let bytes_a_ray = {
-            // The origin is dead code where constants are worked out, and compilers know it.
-            let mut bytes = super::bytes::bytes_a_ray(&variant)? - 12;
-            if ray != WORKED_OUT {
-                bytes += 12 * (u64::from(loads_origin) + u64::from(loads_direction)) - 12;
-            }
-            bytes
-        };
+        // The origin is dead code where constants are worked out, and compilers know it.
+        let needs_origin = loads_origin && *ray != WORKED_OUT;
+        let dead = 12 * (u64::from(!needs_origin) + u64::from(!loads_direction));
+        let bytes_a_ray = super::bytes::bytes_a_ray(&variant)? - dead;
         variant.source = source;
 
         use wgpu::TextureFormat::{R32Float, R32Uint};
         let rays = Rays::new(size);
-        let constants = if ray == WORKED_OUT { [&rays.origin, &rays.direction] } else { [&rays.delta, &rays.step] };
-        let constants = if ray.contains("abs(delta)") { [&rays.signed_delta, &rays.step] } else { constants };
         let filled = |count, format, words: &[u32]| {
             let texture = texture(gpu, size, count, format);
             upload(gpu, &texture, words);
             texture
         };
-        let constants = constants.map(|words| filled(3, R32Float, words));
+        let constants = constants(&rays).map(|words| filled(3, R32Float, words));
         let streams = [(4, R32Uint, &rays.state), (3, R32Float, &rays.tmax)]
             .map(|(count, format, words)| [texture(gpu, size, count, format), filled(count, format, words)]);
         let pipeline = pipeline(gpu, &variant.source, "traverse_grid");
