@@ -29,7 +29,7 @@ pub use distance::distances;
 use overlap::Overlap;
 
 /// How fine the grid is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum GridSize {
     /// From the number of triangles and the scene's extent, see [`automatic_cells`].
     #[default]

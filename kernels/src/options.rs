@@ -77,7 +77,7 @@ impl ParseOptionError {
     }
 }
 
-/// The names of an enum's values, to write and to read.
+/// The names of an enum's values, to write and to read, for people and for serde.
 macro_rules! named {
     ($type:ident, $expected:literal, $($variant:ident $name:literal),*) => {
         impl $type {
@@ -101,6 +101,17 @@ macro_rules! named {
                     $($name => Ok(Self::$variant),)*
                     _ => Err($crate::options::ParseOptionError::new(value, $expected)),
                 }
+            }
+        }
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.name())
+            }
+        }
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let name = <std::borrow::Cow<'_, str>>::deserialize(deserializer)?;
+                name.parse().map_err(serde::de::Error::custom)
             }
         }
     };

@@ -5,6 +5,7 @@ mod books;
 mod device;
 mod fill;
 mod load;
+mod picture;
 mod pipelines;
 mod timers;
 
@@ -13,7 +14,7 @@ use std::sync::Arc;
 use wgpu::util::DeviceExt as _;
 
 use books::Books;
-pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, adapters};
+pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, GpuSource, adapters};
 use fill::Fill;
 pub(crate) use fill::{fill_bytes, given_bytes};
 pub use load::Load;

@@ -12,7 +12,18 @@ pub struct Gpu {
     pub info: wgpu::AdapterInfo,
     /// Nanoseconds a tick of the pass timers; `None` where the adapter has none.
     pub timestamp_period_ns: Option<f64>,
+    /// Where the device comes from: what a window needs to show what is drawn on it.
+    pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
+}
+
+/// Where a device comes from.
+#[derive(Clone, Debug)]
+pub struct GpuSource {
+    /// What listed the adapter.
+    pub instance: wgpu::Instance,
+    /// What opened the device.
+    pub adapter: wgpu::Adapter,
 }
 
 /// Which adapter to take.
@@ -145,7 +156,8 @@ impl Gpu {
     /// # Errors
     /// As [`new`](Self::new).
     pub async fn with_features(choice: &AdapterChoice, optional: wgpu::Features) -> Result<Arc<Self>, GpuError> {
-        let mut adapters = instance().enumerate_adapters(wgpu::Backends::PRIMARY).await;
+        let instance = instance();
+        let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
         adapters.sort_by_key(|a| rank(&a.get_info()));
         let names = adapters.iter().map(|a| a.get_info().name).collect::<Vec<_>>().join(", ");
         let adapter = match choice {
@@ -175,12 +187,17 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|e| refused(e.to_string()))?;
-        Ok(Self::from_device(device, queue, info))
+        Ok(Self::from_device(device, queue, info, Some(GpuSource { instance, adapter })))
     }
 
     /// Takes over a device that somebody else opened.
     #[must_use]
-    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Arc<Self> {
+    pub fn from_device(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        info: wgpu::AdapterInfo,
+        source: Option<GpuSource>,
+    ) -> Arc<Self> {
         let trouble = Arc::new(Mutex::new(None));
         let note = |trouble: &Arc<Mutex<Option<GpuError>>>, error: GpuError| {
             // The first trouble is the cause, what follows is its consequence.
@@ -195,7 +212,7 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&uncaptured, error.into())));
         let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
-        Arc::new(Self { device, queue, info, timestamp_period_ns, trouble })
+        Arc::new(Self { device, queue, info, timestamp_period_ns, source, trouble })
     }
 
     /// Whether the device still works.
