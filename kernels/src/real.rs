@@ -123,6 +123,23 @@ macro_rules! real {
 real!(f32, u32, 1.0 / (1u64 << 24) as f64);
 real!(f64, u64, 1.0 / (1u64 << 53) as f64);
 
+/// Distance of two f32, given as bits, in units in the last place; 0 for equal numbers and for two NaN.
+#[must_use]
+pub fn ulps(a: u32, b: u32) -> u64 {
+    let (x, y) = (f32::from_bits(a), f32::from_bits(b));
+    if x == y || (x.is_nan() && y.is_nan()) {
+        return 0;
+    }
+    if x.is_nan() || y.is_nan() {
+        return u64::MAX;
+    }
+    let ordered = |bits: u32| {
+        let magnitude = i64::from(bits & 0x7fff_ffff);
+        if bits >> 31 == 1 { -magnitude } else { magnitude }
+    };
+    ordered(a).abs_diff(ordered(b))
+}
+
 /// WGSL's `vec3f`, over any [`Real`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vec3<R> {

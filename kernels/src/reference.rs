@@ -17,6 +17,7 @@
 
 mod exact;
 mod report;
+pub mod rounding;
 
 use std::ops::ControlFlow;
 

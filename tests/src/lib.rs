@@ -94,23 +94,6 @@ pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
     }
 }
 
-/// Distance of two f32 in units in the last place; 0 for equal numbers and for two NaN.
-#[must_use]
-pub fn ulp(a: u32, b: u32) -> u64 {
-    let (x, y) = (f32::from_bits(a), f32::from_bits(b));
-    if x == y || (x.is_nan() && y.is_nan()) {
-        return 0;
-    }
-    if x.is_nan() || y.is_nan() {
-        return u64::MAX;
-    }
-    let ordered = |bits: u32| {
-        let magnitude = i64::from(bits & 0x7fff_ffff);
-        if bits >> 31 == 1 { -magnitude } else { magnitude }
-    };
-    ordered(a).abs_diff(ordered(b))
-}
-
 /// Every component of two streams that differs: (layer, ray, left, right).
 pub fn differences<'a>(
     left: &'a StreamData,

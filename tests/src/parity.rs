@@ -1,19 +1,16 @@
 //! One-step parity: the twin starts from the GPU's streams before a pass, and both must agree after it.
 
-mod rounding;
-
-use std::cell::OnceCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
+use raystep_kernels::reference::rounding::{Rounding, Verdict};
 use raystep_kernels::state::{self, StateCounts, Tag};
 use raystep_kernels::{Device, Gpu, Kernel, Limits, Options, Pass, Plan, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
-use rounding::Rounding;
 
-use crate::{block_on, differences, streams_of};
+use crate::{block_on, streams_of};
 
 /// A component that differs by more than it may.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -126,8 +123,8 @@ fn run(
             for &stream in &streams {
                 after.push((renderer.values(stream).await.expect("values"), twin.read(stream).expect("the same plan")));
             }
-            let (plan, data, kernel, nudged) = (renderer.plan(), renderer.data(), pass.kernel, OnceCell::new());
-            record(&mut found, &pass, &Rounding { plan, data, kernel, before: &before, nudged }, &after);
+            let (plan, data, kernel) = (renderer.plan(), renderer.data(), pass.kernel);
+            record(&mut found, &pass, &Rounding { plan, data, kernel, before: &before }, &after);
             before = after.into_iter().map(|(on_gpu, _)| on_gpu).collect();
         }
         found
@@ -144,10 +141,11 @@ fn record(found: &mut Parity, pass: &Pass, rules: &Rounding<'_>, after: &[(Strea
         pass.kernel.info().active
     };
     let tags = after.iter().find(|(s, _)| s.stream == Stream::State).map(|(s, _)| s.layer(0)).unwrap_or_default();
+    let tags_before = rules.before.iter().find(|s| s.stream == Stream::State).map(|s| s.layer(0)).unwrap_or_default();
     let mut counts = StateCounts::default();
     for (ray, &tag) in tags.iter().enumerate() {
         counts[tag as usize % state::COUNT] += 1;
-        let before = rules.component(Stream::State, 0, ray);
+        let before = tags_before.get(ray).copied().unwrap_or_default();
         if active.contains(&before) {
             found.transitions.insert((before, pass.kernel, tag));
         }
@@ -156,33 +154,25 @@ fn record(found: &mut Parity, pass: &Pass, rules: &Rounding<'_>, after: &[(Strea
         let kernel = pass.kernel.name();
         found.miscounts.push(format!("{kernel} (pass {}): {:?} booked, {counts:?} there", pass.index, pass.counts));
     }
-    let on_gpu: Vec<&StreamData> = after.iter().map(|(on_gpu, _)| on_gpu).collect();
-    // A ray that goes another way differs in several components: it is judged once, as a whole.
-    let hits = after.iter().map(|(_, on_cpu)| on_cpu).find(|s| s.stream == Stream::Hit);
-    let (mut parted, mut tested) = (BTreeMap::new(), BTreeMap::new());
-    for (on_gpu_now, on_cpu) in after {
-        let stream = on_gpu_now.stream;
-        found.components += on_gpu_now.bits.len() as u64;
-        for (layer, ray, gpu, twin) in differences(on_gpu_now, on_cpu) {
-            let possible = tested.entry(ray).or_insert_with(|| rules.tested(ray, hits.map_or(0, |s| s.get(2, ray))));
-            if rules.allows((stream, layer), gpu, twin, possible.as_ref()) {
-                found.tolerated += 1;
-                continue;
+    found.components += after.iter().map(|(on_gpu, _)| on_gpu.bits.len() as u64).sum::<u64>();
+    let pairs: Vec<_> = after.iter().map(|(on_gpu, on_cpu)| [on_gpu, on_cpu]).collect();
+    let judged = rules.judge(
+        &pairs,
+        |_, _| true,
+        |judged| {
+            found.tolerated += judged.components.iter().filter(|c| c.is_allowed).count() as u64;
+            found.undecided += u64::from(judged.verdict == Verdict::Tie);
+            if judged.verdict != Verdict::Breach {
+                return;
             }
-            // The count of repeated tests walks from the start again, through another first cell perhaps.
-            let is_repeats = (stream, layer) == (Stream::Counters, 2) && pass.kernel == Kernel::Intersect;
-            if is_repeats && rules.walk_may_begin_elsewhere(ray) {
-                found.undecided += 1;
-                continue;
+            for c in judged.components.iter().filter(|c| !c.is_allowed) {
+                let component = (c.stream, c.layer);
+                let (kernel, pass, ray) = (pass.kernel, pass.index, judged.ray);
+                if found.breaches.iter().filter(|b| b.kernel == kernel).count() < 20 {
+                    found.breaches.push(Breach { kernel, pass, component, ray, gpu: c.ours, twin: c.twin });
+                }
             }
-            if *parted.entry(ray).or_insert_with(|| rules.may_part(ray, &on_gpu)) {
-                continue;
-            }
-            let breach = Breach { kernel: pass.kernel, pass: pass.index, component: (stream, layer), ray, gpu, twin };
-            if found.breaches.iter().filter(|b| b.kernel == pass.kernel).count() < 20 {
-                found.breaches.push(breach);
-            }
-        }
-    }
-    found.undecided += parted.values().filter(|&&may| may).count() as u64;
+        },
+    );
+    judged.expect("memory");
 }

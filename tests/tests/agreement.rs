@@ -1,8 +1,9 @@
 //! Accelerators, schedules and executors end in the same hits.
 
+use raystep_kernels::real::ulps;
 use raystep_kernels::{Accelerator, Renderer, ScheduleKind, Skip};
 use raystep_tests::ways::EVERY;
-use raystep_tests::{check, devices, hits, options, scene, scene_files, traced, ulp};
+use raystep_tests::{check, devices, hits, options, scene, scene_files, traced};
 
 #[test]
 fn every_combination_ends_in_the_same_hits() {
@@ -66,7 +67,7 @@ fn every_combination_ends_in_the_same_hits() {
         }
         let [(_, gpu), (_, cpu)] = &by_device[..] else { panic!("two devices") };
         let differ = gpu[0].iter().zip(&cpu[0]).filter(|(a, b)| a != b).count();
-        let largest = gpu[0].iter().zip(&cpu[0]).map(|(&a, &b)| ulp(a, b)).max().unwrap_or(0);
+        let largest = gpu[0].iter().zip(&cpu[0]).map(|(&a, &b)| ulps(a, b)).max().unwrap_or(0);
         println!(
             "{file}: t differs between gpu and cpu on {differ} of {} rays, by {largest} ulp at most",
             gpu[0].len()
