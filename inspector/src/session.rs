@@ -3,6 +3,7 @@
 //! Kernels are deterministic per ray, so an earlier pass is reached by running the same passes again from
 //! the start: nothing is kept but the place. What is shown after going back is bit for bit what was there.
 
+pub mod compare;
 pub mod cost;
 pub mod grid_stats;
 pub mod stats;
