@@ -5,6 +5,7 @@
 
 pub mod compare;
 pub mod cost;
+pub mod divergence;
 pub mod grid_stats;
 pub mod stats;
 
