@@ -14,6 +14,8 @@ use crate::real::{Vec3, ulps};
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::finite_inverse;
 use crate::shared::constants::NO_TRIANGLE;
+use crate::shared::grid_walk::smallest_axis;
+use crate::shared::vector::smallest3;
 use crate::stream::{STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
 pub use judge::{Component, Judged, Verdict, judging_bytes};
 
@@ -148,6 +150,23 @@ impl Rounding<'_> {
         self.near_plane([0, 1, 2].map(|a| origin[a] + direction[a] * enter), axis)
     }
 
+    /// Whether f32 cannot tell in which cell a leap over empty ones ends. It ends on a face of the empty cube: two
+    /// faces that are crossed at nearly the same t are near the point where they are, too.
+    fn leap_may_end_elsewhere(&self, ray: usize) -> bool {
+        let (grid, cell) = (&self.data.grid, self.component(Stream::State, STATE_CELL, ray));
+        let distance = self.data.empty_distance(cell);
+        if distance <= 1 {
+            return false;
+        }
+        let [origin, direction] = self.ray(ray).map(Vec3::<f64>::from_f32);
+        let grid_ray = grid.ray(self.data.features.walk_rules(), origin, direction);
+        let forward = grid_ray.per_axis.map(|v| if v > 0.0 { distance - 1 } else { 1 - distance }).to_array();
+        let here = grid.cell_of_index(cell);
+        let exit = grid.cell_exit([0, 1, 2].map(|a| here[a].wrapping_add(forward[a])), &grid_ray);
+        let (t, axis) = (smallest3(exit), smallest_axis(exit).iter().position(|&is| is));
+        self.near_plane((origin + direction * t).to_array(), axis)
+    }
+
     /// Whether rounding alone may send the ray another way in this pass; `None` where only rays next to it can tell,
     /// see [`nudge`].
     fn is_undecided(&self, ray: usize) -> Option<bool> {
@@ -163,9 +182,9 @@ impl Rounding<'_> {
         match self.kernel {
             Kernel::Setup => Some(self.walk_may_begin_elsewhere(ray)),
             Kernel::Intersect => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
-            // Many cells, boxes and triangles, or the end of a leap.
+            // Many cells, boxes and triangles.
             Kernel::Walk | Kernel::Fused => None,
-            Kernel::TraverseGrid if self.data.features.skip => None,
+            Kernel::TraverseGrid if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
             Kernel::TraverseBvh => Some(self.grazes_a_box(ray, origin, direction)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
             Kernel::Generate | Kernel::TraverseGrid | Kernel::Shade => Some(false),
