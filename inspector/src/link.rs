@@ -1,0 +1,306 @@
+//! A permalink: what is looked at, in one line that the command line and the window both open.
+//!
+//! ```text
+//! raystep:1?scene=scenes/cornell-box.gltf&accelerator=bvh&pixel=270,256&pass=41&stream=tmax.x
+//! ```
+//!
+//! Keys are the command line's options without their dashes, in any order; a key that is left out has its
+//! default, which a version of the link never changes. What a shell would take as its own between double
+//! quotes is percent-encoded (RFC 3986). Numbers are decimal and come back bit for bit.
+//!
+//! | key | value | default |
+//! |---|---|---|
+//! | `scene`, `scene-index` | the scene's file as it was named, and which scene of it | |
+//! | `camera`; or `eye`, `look-at`, `up`, `fov` | number of the scene's camera; or points, and degrees | the first; up 0,1,0, fov 40 |
+//! | `size` | WxH, pixels | 512x512 |
+//! | `accelerator`, `schedule`, `numerics` | as the options | grid, compact, robust |
+//! | `grid`, `skip` | as the options | auto |
+//! | `steps-per-pass` | of the compact schedule | 1: every step is a pass |
+//! | `keep-all` | true, false | false |
+//! | `device`, `adapter` | auto, gpu, cpu; part of an adapter's name | auto |
+//! | `pixel`; or `ray` | X,Y; or origin and direction, decimal or the bits of an f32 in hex | |
+//! | `pass` | passes that have run | |
+//! | `stream` | NAME or NAME.LAYER | |
+//! | `zoom`, `pan` | screen points a texel; texel in the middle of the view, X,Y | |
+
+mod error;
+mod read;
+
+use std::fmt;
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, ScheduleKind, Skip, Stream};
+
+pub use error::LinkError;
+
+/// Version of the text.
+pub const VERSION: u32 = 1;
+
+/// Most pixels each way.
+pub const MOST_PIXELS: u32 = 32_768;
+/// Most cells of a grid along an axis.
+pub const MOST_CELLS: u32 = 4096;
+/// Most steps of a ray in one pass.
+pub const MOST_STEPS: u32 = 4096;
+
+/// Every key, in the order in which they are written.
+pub const KEYS: [&str; 23] = [
+    "scene",
+    "scene-index",
+    "camera",
+    "eye",
+    "look-at",
+    "up",
+    "fov",
+    "size",
+    "accelerator",
+    "schedule",
+    "numerics",
+    "grid",
+    "skip",
+    "steps-per-pass",
+    "keep-all",
+    "device",
+    "adapter",
+    "pixel",
+    "ray",
+    "pass",
+    "stream",
+    "zoom",
+    "pan",
+];
+
+/// What no shell takes as its own between double quotes, and what separates nothing here.
+const KEPT: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'-')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~')
+    .remove(b'/')
+    .remove(b',')
+    .remove(b':')
+    .remove(b'@');
+
+/// What is looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// The scene's file as it was named.
+    pub scene: Option<String>,
+    /// Which scene of a file that holds several; `None` for the file's own choice.
+    pub scene_index: Option<usize>,
+    /// From where.
+    pub camera: LinkCamera,
+    /// Pixels a row, and rows.
+    pub size: [u32; 2],
+    /// What keeps a ray from testing every triangle.
+    pub accelerator: Accelerator,
+    /// How a ray's walk is cut into passes.
+    pub schedule: ScheduleKind,
+    /// Rules for planes, steps and hits.
+    pub numerics: Numerics,
+    /// Cells of the grid.
+    pub grid: GridSize,
+    /// Whether rays leap over empty cells.
+    pub skip: Skip,
+    /// Most steps of a ray in one pass of the compact schedule.
+    pub steps_per_pass: u32,
+    /// Nothing is left out of the plan.
+    pub keep_all: bool,
+    /// Where passes run.
+    pub device: LinkDevice,
+    /// Part of the name of a GPU adapter.
+    pub adapter: Option<String>,
+    /// The ray that is followed.
+    pub ray: Option<LinkRay>,
+    /// Passes that have run.
+    pub pass: Option<usize>,
+    /// The stream that is shown.
+    pub stream: Option<LinkStream>,
+    /// Screen points a texel.
+    pub zoom: Option<f32>,
+    /// The texel in the middle of the view.
+    pub pan: Option<[f32; 2]>,
+}
+
+/// From where the scene is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum LinkCamera {
+    /// By the scene's first camera, or one that frames it.
+    #[default]
+    Default,
+    /// By a camera of the scene, counted from 0.
+    Index(usize),
+    /// By one of the user's own, in scene units.
+    Placed {
+        /// Where it is.
+        eye: [f64; 3],
+        /// What it looks at.
+        look_at: [f64; 3],
+        /// What is up.
+        up: [f64; 3],
+        /// Vertical angle of view, degrees.
+        fov_deg: f64,
+    },
+}
+
+impl LinkCamera {
+    /// What is up where a link does not say it.
+    pub const UP: [f64; 3] = [0.0, 1.0, 0.0];
+    /// The angle of view where a link does not say it, degrees.
+    pub const FOV_DEG: f64 = 40.0;
+}
+
+/// Where passes run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LinkDevice {
+    /// On the best GPU, else on the CPU.
+    #[default]
+    Auto,
+    /// On the best adapter, be it software.
+    Gpu,
+    /// On the CPU, by the kernels' twins.
+    Cpu,
+}
+
+impl LinkDevice {
+    /// Every value.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Gpu, Self::Cpu];
+
+    /// Its name in links and options.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Gpu => "gpu",
+            Self::Cpu => "cpu",
+        }
+    }
+}
+
+/// The ray that is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LinkRay {
+    /// The one through the centre of a pixel.
+    Pixel([u32; 2]),
+    /// This one, in scene units.
+    Given(Ray),
+}
+
+/// The stream that is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LinkStream {
+    /// Which.
+    pub stream: Stream,
+    /// One of its layers; `None` for all of them.
+    pub layer: Option<usize>,
+}
+
+impl Default for Link {
+    /// The defaults of [`VERSION`], which do not follow those of the options.
+    fn default() -> Self {
+        Self {
+            scene: None,
+            scene_index: None,
+            camera: LinkCamera::Default,
+            size: [512, 512],
+            accelerator: Accelerator::Grid,
+            schedule: ScheduleKind::Compact,
+            numerics: Numerics::Robust,
+            grid: GridSize::Auto,
+            skip: Skip::Auto,
+            steps_per_pass: 1,
+            keep_all: false,
+            device: LinkDevice::Auto,
+            adapter: None,
+            ray: None,
+            pass: None,
+            stream: None,
+            zoom: None,
+            pan: None,
+        }
+    }
+}
+
+impl Link {
+    /// The key and value of everything that is not as by default.
+    fn pairs(&self) -> Vec<(&'static str, String)> {
+        let default = Self::default();
+        let mut pairs = Vec::new();
+        let mut add = |key: &'static str, value: Option<String>| pairs.extend(value.map(|value| (key, value)));
+        add("scene", self.scene.clone());
+        add("scene-index", self.scene_index.map(|n| n.to_string()));
+        match self.camera {
+            LinkCamera::Default => {}
+            LinkCamera::Index(n) => add("camera", Some(n.to_string())),
+            LinkCamera::Placed { eye, look_at, up, fov_deg } => {
+                add("eye", Some(list(&eye)));
+                add("look-at", Some(list(&look_at)));
+                add("up", (up != LinkCamera::UP).then(|| list(&up)));
+                add("fov", (fov_deg != LinkCamera::FOV_DEG).then(|| number(fov_deg)));
+            }
+        }
+        let [width, height] = self.size;
+        add("size", (self.size != default.size).then(|| format!("{width}x{height}")));
+        add("accelerator", (self.accelerator != default.accelerator).then(|| self.accelerator.to_string()));
+        add("schedule", (self.schedule != default.schedule).then(|| self.schedule.to_string()));
+        add("numerics", (self.numerics != default.numerics).then(|| self.numerics.to_string()));
+        add(
+            "grid",
+            match self.grid {
+                GridSize::Auto => None,
+                GridSize::Cells(cells) => Some(list(&cells)),
+            },
+        );
+        add("skip", (self.skip != default.skip).then(|| self.skip.to_string()));
+        let steps = self.steps_per_pass;
+        add("steps-per-pass", (steps != default.steps_per_pass).then(|| steps.to_string()));
+        add("keep-all", self.keep_all.then(|| "true".into()));
+        add("device", (self.device != default.device).then(|| self.device.name().into()));
+        add("adapter", self.adapter.clone());
+        match self.ray {
+            None => {}
+            Some(LinkRay::Pixel(pixel)) => add("pixel", Some(list(&pixel))),
+            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })) => {
+                add("ray", Some(list(&[ox, oy, oz, dx, dy, dz])));
+            }
+        }
+        add("pass", self.pass.map(|n| n.to_string()));
+        add("stream", self.stream.map(|s| s.to_string()));
+        add("zoom", self.zoom.map(number));
+        add("pan", self.pan.map(|p| list(&p)));
+        pairs
+    }
+}
+
+impl fmt::Display for Link {
+    /// One line, safe between double quotes in a shell.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "raystep:{VERSION}")?;
+        for (i, (key, value)) in self.pairs().into_iter().enumerate() {
+            let separator = if i == 0 { '?' } else { '&' };
+            write!(f, "{separator}{key}={}", utf8_percent_encode(&value, KEPT))?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for LinkStream {
+    /// `tmax`, or `tmax.x` for one layer.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let info = self.stream.info();
+        match self.layer.and_then(|layer| info.layers.get(layer)) {
+            Some(layer) => write!(f, "{}.{layer}", info.name),
+            None => f.write_str(info.name),
+        }
+    }
+}
+
+/// The shorter of the two ways to write a number; both come back as the same bits.
+fn number(value: impl fmt::Display + fmt::Debug) -> String {
+    let (plain, short) = (format!("{value}"), format!("{value:?}"));
+    if short.len() < plain.len() { short } else { plain }
+}
+
+fn list<T: fmt::Display + fmt::Debug>(values: &[T]) -> String {
+    values.iter().map(number).collect::<Vec<_>>().join(",")
+}

@@ -1,0 +1,214 @@
+//! From a text to a [`Link`]. The text comes from anybody: it may be wrong in every way, and nothing panics.
+
+use std::str::FromStr;
+
+use percent_encoding::percent_decode_str;
+use raystep_kernels::{GridSize, Ray, Stream};
+
+use super::error::start;
+use super::{
+    KEYS, Link, LinkCamera, LinkDevice, LinkError, LinkRay, LinkStream, MOST_CELLS, MOST_PIXELS, MOST_STEPS, VERSION,
+};
+
+/// The pairs of a link; a key is there once.
+struct Pairs(Vec<(&'static str, String)>);
+
+impl FromStr for Link {
+    type Err = LinkError;
+
+    fn from_str(text: &str) -> Result<Self, LinkError> {
+        let text = text.trim();
+        let rest = text.strip_prefix("raystep:").ok_or_else(|| LinkError::NotALink(start(text)))?;
+        let (version, query) = rest.split_once('?').unwrap_or((rest, ""));
+        if version.parse() != Ok(VERSION) {
+            return Err(LinkError::Version(start(version)));
+        }
+        let pairs = Pairs::read(query)?;
+        let default = Self::default();
+        let link = Self {
+            scene: pairs.take("scene", |v| not_empty(v).ok_or("a file is wanted".into()))?,
+            scene_index: pairs.take("scene-index", count)?,
+            camera: camera(&pairs)?,
+            size: pairs.take("size", size)?.unwrap_or(default.size),
+            accelerator: pairs.take("accelerator", named)?.unwrap_or(default.accelerator),
+            schedule: pairs.take("schedule", named)?.unwrap_or(default.schedule),
+            numerics: pairs.take("numerics", named)?.unwrap_or(default.numerics),
+            grid: pairs.take("grid", grid)?.unwrap_or(default.grid),
+            skip: pairs.take("skip", named)?.unwrap_or(default.skip),
+            steps_per_pass: pairs.take("steps-per-pass", steps)?.unwrap_or(default.steps_per_pass),
+            keep_all: pairs.take("keep-all", |v| v.parse().map_err(|_| "true or false is wanted".into()))?
+                == Some(true),
+            device: pairs.take("device", device)?.unwrap_or(default.device),
+            adapter: pairs.take("adapter", |v| not_empty(v).ok_or("part of an adapter's name is wanted".into()))?,
+            ray: ray(&pairs)?,
+            pass: pairs.take("pass", count)?,
+            stream: pairs.take("stream", stream)?,
+            zoom: pairs.take("zoom", |v| {
+                let points = finite::<f32, 1>(v).map(|[points]| points).filter(|&points| points > 0.0);
+                points.ok_or("a number above 0 is wanted".into())
+            })?,
+            pan: pairs.take("pan", |v| finite(v).ok_or("two numbers are wanted, such as 12.5,30".into()))?,
+        };
+        if let Some(LinkRay::Pixel([x, y])) = link.ray
+            && (x >= link.size[0] || y >= link.size[1])
+        {
+            let (right, bottom) = (link.size[0] - 1, link.size[1] - 1);
+            let wanted = format!("the image has pixels 0,0 to {right},{bottom}; size makes it larger");
+            return Err(LinkError::Value { key: "pixel", value: format!("{x},{y}"), wanted });
+        }
+        Ok(link)
+    }
+}
+
+impl Pairs {
+    fn read(query: &str) -> Result<Self, LinkError> {
+        let mut pairs: Vec<(&'static str, String)> = Vec::new();
+        for part in query.split('&').filter(|_| !query.is_empty()) {
+            let (key, value) = part.split_once('=').ok_or_else(|| LinkError::NoValue(start(part)))?;
+            let known = KEYS.iter().find(|&&known| known == key);
+            let &key = known.ok_or_else(|| LinkError::UnknownKey(start(key)))?;
+            if pairs.iter().any(|(other, _)| *other == key) {
+                return Err(LinkError::Twice(key));
+            }
+            let decoded = percent_decode_str(value).decode_utf8().map_err(|_| LinkError::Value {
+                key,
+                value: start(value),
+                wanted: "this is no UTF-8 once its percent signs are decoded".into(),
+            })?;
+            pairs.push((key, decoded.into_owned()));
+        }
+        Ok(Self(pairs))
+    }
+
+    fn has(&self, key: &str) -> bool {
+        self.0.iter().any(|(k, _)| *k == key)
+    }
+
+    /// The value of a key by `parse`, which says what would be right.
+    fn take<T>(
+        &self,
+        key: &'static str,
+        parse: impl FnOnce(&str) -> Result<T, String>,
+    ) -> Result<Option<T>, LinkError> {
+        let Some((_, value)) = self.0.iter().find(|(k, _)| *k == key) else { return Ok(None) };
+        parse(value).map(Some).map_err(|wanted| LinkError::Value { key, value: start(value), wanted })
+    }
+}
+
+fn camera(pairs: &Pairs) -> Result<LinkCamera, LinkError> {
+    const POINT: &str = "three numbers are wanted, such as 0,1.5,-3";
+    let point = |key| pairs.take(key, |v| finite::<f64, 3>(v).ok_or(POINT.into()));
+    let index = pairs.take("camera", count)?;
+    let (eye, look_at, up) = (point("eye")?, point("look-at")?, point("up")?);
+    let fov_deg = pairs.take("fov", |v| {
+        let angle = finite::<f64, 1>(v).map(|[degrees]| degrees).filter(|&degrees| degrees > 0.0 && degrees < 180.0);
+        angle.ok_or("an angle between 0 and 180 degrees is wanted".into())
+    })?;
+    if index.is_some()
+        && let Some(other) = ["eye", "look-at", "up", "fov"].into_iter().find(|key| pairs.has(key))
+    {
+        return Err(LinkError::Both("camera", other));
+    }
+    match (eye, look_at) {
+        (Some(eye), Some(look_at)) => Ok(LinkCamera::Placed {
+            eye,
+            look_at,
+            up: up.unwrap_or(LinkCamera::UP),
+            fov_deg: fov_deg.unwrap_or(LinkCamera::FOV_DEG),
+        }),
+        (Some(_), None) => Err(LinkError::Without("eye", "look-at")),
+        (None, _) => match ["look-at", "up", "fov"].into_iter().find(|key| pairs.has(key)) {
+            Some(key) => Err(LinkError::Without(key, "eye")),
+            None => Ok(index.map_or(LinkCamera::Default, LinkCamera::Index)),
+        },
+    }
+}
+
+fn ray(pairs: &Pairs) -> Result<Option<LinkRay>, LinkError> {
+    const RAY: &str = "six numbers are wanted, decimal or the bits of an f32 such as 0x3f800000, none of them infinite";
+    const PIXEL: &str = "two whole numbers are wanted, such as 256,256";
+    let pixel = pairs.take("pixel", |v| numbers(v, |part| part.parse::<u32>().ok()).ok_or(PIXEL.into()))?;
+    let given = pairs.take("ray", |v| {
+        let [ox, oy, oz, dx, dy, dz] = numbers(v, component).ok_or(RAY)?;
+        Ok(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })
+    })?;
+    match (pixel, given) {
+        (Some(_), Some(_)) => Err(LinkError::Both("pixel", "ray")),
+        (pixel, given) => Ok(pixel.map(LinkRay::Pixel).or(given.map(LinkRay::Given))),
+    }
+}
+
+/// A finite f32, decimal or by its bits.
+fn component(text: &str) -> Option<f32> {
+    let value = match text.strip_prefix("0x") {
+        Some(bits) => f32::from_bits(u32::from_str_radix(bits, 16).ok()?),
+        None => text.parse().ok()?,
+    };
+    value.is_finite().then_some(value)
+}
+
+fn size(value: &str) -> Result<[u32; 2], String> {
+    let sides = value.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let fits = |sides: &[u32; 2]| sides.iter().all(|side| (1..=MOST_PIXELS).contains(side));
+    sides.filter(fits).ok_or_else(|| format!("two numbers from 1 to {MOST_PIXELS} are wanted, such as 640x480"))
+}
+
+fn grid(value: &str) -> Result<GridSize, String> {
+    if value == "auto" {
+        return Ok(GridSize::Auto);
+    }
+    let number = |part: &str| part.parse::<u32>().ok().filter(|n| (1..=MOST_CELLS).contains(n));
+    let cells = numbers(value, number).or_else(|| numbers(value, number).map(|[n]| [n; 3]));
+    let wanted = || format!("auto, or one or three numbers from 1 to {MOST_CELLS} are wanted, such as 32 or 32,8,32");
+    cells.map(GridSize::Cells).ok_or_else(wanted)
+}
+
+fn steps(value: &str) -> Result<u32, String> {
+    let steps = value.parse().ok().filter(|n| (1..=MOST_STEPS).contains(n));
+    steps.ok_or_else(|| format!("a number from 1 to {MOST_STEPS} is wanted"))
+}
+
+fn stream(value: &str) -> Result<LinkStream, String> {
+    let (name, layer) = match value.split_once('.') {
+        Some((name, layer)) => (name, Some(layer)),
+        None => (value, None),
+    };
+    let stream = Stream::from_name(name).ok_or_else(|| {
+        let names: Vec<_> = raystep_kernels::stream::STREAMS.iter().map(|s| s.name).collect();
+        format!("one of {} is wanted", names.join(", "))
+    })?;
+    let layers = stream.info().layers;
+    let index = layer.map(|layer| layers.iter().position(|l| *l == layer));
+    match index {
+        Some(None) => Err(format!("layers of {name} are {}", layers.join(", "))),
+        _ => Ok(LinkStream { stream, layer: index.flatten() }),
+    }
+}
+
+fn device(value: &str) -> Result<LinkDevice, String> {
+    let device = LinkDevice::ALL.into_iter().find(|d| d.name() == value);
+    device.ok_or_else(|| format!("one of {} is wanted", LinkDevice::ALL.map(LinkDevice::name).join(", ")))
+}
+
+fn named<T: FromStr<Err: ToString>>(value: &str) -> Result<T, String> {
+    value.parse().map_err(|e: T::Err| e.to_string())
+}
+
+fn count(value: &str) -> Result<usize, String> {
+    value.parse().map_err(|_| "a whole number from 0 is wanted".into())
+}
+
+fn not_empty(value: &str) -> Option<String> {
+    (!value.is_empty()).then(|| value.to_owned())
+}
+
+/// As many numbers as are wanted, with commas between them.
+fn numbers<T, const N: usize>(value: &str, parse: impl Fn(&str) -> Option<T>) -> Option<[T; N]> {
+    let numbers = value.split(',').take(N + 1).map(parse).collect::<Option<Vec<_>>>()?;
+    numbers.try_into().ok()
+}
+
+/// The same, none of them infinite.
+fn finite<T: FromStr + Copy + Into<f64>, const N: usize>(value: &str) -> Option<[T; N]> {
+    numbers(value, |part| part.parse::<T>().ok().filter(|&n| n.into().is_finite()))
+}

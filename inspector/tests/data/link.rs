@@ -1,0 +1,214 @@
+//! Links come back as what they were written from, and no text makes reading one panic.
+
+use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
+use raystep_kernels::stream::STREAMS;
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, ScheduleKind, Skip, Stream};
+
+/// xorshift64*.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.bits() >> 16) as usize % n
+    }
+
+    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())]
+    }
+
+    fn maybe<T>(&mut self, make: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        (self.below(2) == 0).then(|| make(self))
+    }
+
+    /// Any finite number, whatever its exponent.
+    fn f64(&mut self) -> f64 {
+        let value = f64::from_bits(self.bits());
+        if value.is_finite() { value } else { -0.0 }
+    }
+
+    fn f32(&mut self) -> f32 {
+        let value = f32::from_bits(self.bits() as u32);
+        if value.is_finite() { value } else { -0.0 }
+    }
+
+    fn text(&mut self) -> String {
+        let signs = ['a', '/', '.', ' ', '&', '=', '?', '%', '"', '$', '`', '\\', '!', '\n', 'ø', '深', '🜁', '\0'];
+        (0..=self.below(12)).map(|_| self.of(&signs)).collect()
+    }
+
+    fn link(&mut self) -> Link {
+        let size = [1 + self.below(32_768) as u32, 1 + self.below(32_768) as u32];
+        let index = self.maybe(|r| r.below(usize::MAX));
+        let camera = match self.below(3) {
+            0 => LinkCamera::Default,
+            1 => LinkCamera::Index(self.below(9)),
+            _ => LinkCamera::Placed {
+                eye: [0; 3].map(|_| self.f64()),
+                look_at: [0; 3].map(|_| self.f64()),
+                up: if self.below(2) == 0 { LinkCamera::UP } else { [0; 3].map(|_| self.f64()) },
+                fov_deg: self.of(&[40.0, 0.1, 1e-300, 179.999_999_999_9]),
+            },
+        };
+        Link {
+            scene: self.maybe(Self::text),
+            scene_index: index,
+            camera,
+            size,
+            accelerator: self.of(Accelerator::ALL),
+            schedule: self.of(ScheduleKind::ALL),
+            numerics: self.of(Numerics::ALL),
+            grid: self.maybe(|r| [0; 3].map(|_| 1 + r.below(4096) as u32)).map_or(GridSize::Auto, GridSize::Cells),
+            skip: self.of(Skip::ALL),
+            steps_per_pass: 1 + self.below(4096) as u32,
+            keep_all: self.below(2) == 0,
+            device: self.of(&LinkDevice::ALL),
+            adapter: self.maybe(Self::text),
+            ray: match self.below(3) {
+                0 => None,
+                1 => Some(LinkRay::Pixel(size.map(|side| self.below(side as usize) as u32))),
+                _ => Some(LinkRay::Given(Ray {
+                    origin: [0; 3].map(|_| self.f32()),
+                    direction: [0; 3].map(|_| self.f32()),
+                })),
+            },
+            pass: self.maybe(|r| r.below(usize::MAX)),
+            stream: self.maybe(|r| {
+                let stream = r.of(&STREAMS).stream;
+                LinkStream { stream, layer: r.maybe(|r| r.below(stream.layers())) }
+            }),
+            zoom: self.maybe(|r| r.f32().abs().max(f32::MIN_POSITIVE)),
+            pan: self.maybe(|r| [r.f32(), r.f32()]),
+        }
+    }
+}
+
+/// Every number as its bits, so that -0 is not 0.
+fn exactly(link: &Link) -> String {
+    format!("{link:?}")
+}
+
+#[test]
+fn every_link_comes_back_bit_for_bit_and_is_safe_in_a_shell() {
+    let mut random = Random(1);
+    for _ in 0..20_000 {
+        let link = random.link();
+        let text = link.to_string();
+        assert!(text.bytes().all(|b| b.is_ascii_graphic() && !b"\"$`\\!'<>|;*".contains(&b)), "{text}");
+        let back: Link = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));
+        assert_eq!(exactly(&back), exactly(&link), "{text}");
+    }
+}
+
+#[test]
+fn a_link_reads_as_the_options_do() {
+    let link = Link {
+        scene: Some("scenes/cornell-box.gltf".into()),
+        accelerator: Accelerator::Bvh,
+        ray: Some(LinkRay::Pixel([270, 256])),
+        pass: Some(41),
+        stream: Some(LinkStream { stream: Stream::TMax, layer: Some(0) }),
+        ..Link::default()
+    };
+    let text = "raystep:1?scene=scenes/cornell-box.gltf&accelerator=bvh&pixel=270,256&pass=41&stream=tmax.x";
+    assert_eq!(link.to_string(), text);
+    let other =
+        "raystep:1?stream=tmax.x&pass=41&size=512x512&pixel=270,256&accelerator=bvh&scene=scenes%2Fcornell-box.gltf";
+    assert_eq!(other.parse(), Ok(link));
+    assert_eq!("raystep:1".parse(), Ok(Link::default()));
+    assert_eq!("raystep:1?".parse(), Ok(Link::default()));
+    let ray = "raystep:1?ray=-0.5,0x3e800000,5,0,0,-1".parse::<Link>().map(|l| l.to_string());
+    assert_eq!(ray.as_deref(), Ok("raystep:1?ray=-0.5,0.25,5,0,0,-1"));
+    assert_eq!("raystep:1?grid=8".parse::<Link>().map(|l| l.grid), Ok(GridSize::Cells([8; 3])));
+}
+
+/// What a link of version 1 leaves out means the same for ever: a change here is a new version.
+#[test]
+fn the_defaults_of_version_1_stay() {
+    let all = "raystep:1?size=512x512&accelerator=grid&schedule=compact&numerics=robust&grid=auto&skip=auto\
+               &steps-per-pass=1&keep-all=false&device=auto";
+    assert_eq!(all.parse(), Ok(Link::default()));
+    let placed = |more: &str| format!("raystep:1?eye=1,2,3&look-at=0,0,0{more}").parse::<Link>();
+    assert_eq!(placed(""), placed("&up=0,1,0&fov=40"));
+}
+
+#[test]
+fn a_wrong_link_says_in_one_line_what_would_be_right() {
+    let cases = [
+        ("", "raystep:1?"),
+        ("https://example.org/?scene=a", "raystep:1?"),
+        ("raystep:2?scene=a", "version \"2\", and this raystep reads version 1"),
+        ("raystep:?scene=a", "version"),
+        ("raystep:1?scene", "a key, = and a value"),
+        ("raystep:1?scene=a&", "a key, = and a value"),
+        ("raystep:1?scene=a&colour=red", "\"colour\" is no key of a link; the keys are scene, "),
+        ("raystep:1?Scene=a", "no key"),
+        ("raystep:1?scene=", "a file is wanted"),
+        ("raystep:1?scene=%ff", "no UTF-8"),
+        ("raystep:1?pass=1&pass=1", "pass is there twice"),
+        ("raystep:1?pass=-1", "pass=\"-1\": a whole number from 0"),
+        ("raystep:1?pass=99999999999999999999999", "a whole number"),
+        ("raystep:1?size=0x8", "1 to 32768"),
+        ("raystep:1?size=512", "640x480"),
+        ("raystep:1?accelerator=kd", "auto, grid, bvh, none"),
+        ("raystep:1?schedule=", "first, second, compact, fused"),
+        ("raystep:1?numerics=exact", "robust, paper"),
+        ("raystep:1?skip=yes", "auto, on, off"),
+        ("raystep:1?device=tpu", "auto, gpu, cpu"),
+        ("raystep:1?keep-all=1", "true or false"),
+        ("raystep:1?grid=1,2", "32,8,32"),
+        ("raystep:1?grid=4097", "1 to 4096"),
+        ("raystep:1?steps-per-pass=0", "1 to 4096"),
+        ("raystep:1?camera=0&fov=30", "camera and fov are both there"),
+        ("raystep:1?eye=0,0,0", "eye is there without look-at"),
+        ("raystep:1?look-at=0,0,0", "look-at is there without eye"),
+        ("raystep:1?fov=30", "fov is there without eye"),
+        ("raystep:1?eye=0,0,inf&look-at=0,0,0", "three numbers"),
+        ("raystep:1?eye=0,0,1e999&look-at=0,0,0", "three numbers"),
+        ("raystep:1?eye=0,0,1&look-at=0,0,0&fov=180", "between 0 and 180"),
+        ("raystep:1?pixel=512,0", "0,0 to 511,511"),
+        ("raystep:1?pixel=1", "256,256"),
+        ("raystep:1?pixel=1,2&ray=0,0,0,0,0,1", "pixel and ray are both there"),
+        ("raystep:1?ray=0,0,0,0,0,0x7f800000", "none of them infinite"),
+        ("raystep:1?ray=0,0,0,0,0,1,0", "six numbers"),
+        ("raystep:1?stream=depth", "ray_origin, ray_direction, state"),
+        ("raystep:1?stream=tmax.w", "layers of tmax are x, y, z"),
+        ("raystep:1?zoom=0", "above 0"),
+        ("raystep:1?pan=1", "two numbers"),
+    ];
+    for (text, wanted) in cases {
+        let error = text.parse::<Link>().expect_err(text).to_string();
+        assert!(error.contains(wanted) && !error.contains('\n') && error.len() < 400, "{text}: {error}");
+    }
+}
+
+#[test]
+fn no_text_panics() {
+    let mut random = Random(2);
+    let values = ["", "x", ",", ",,", "0x", "NaN", "1e999", "-", "%", "%f", "tmax.", ".x", "0,0,0", "深,深", "1x1"];
+    for _ in 0..20_000 {
+        // A link with a piece taken out, put in or doubled, or pairs of a key and anything.
+        let mut text: Vec<char> = random.link().to_string().chars().collect();
+        for _ in 0..=random.below(4) {
+            let at = random.below(text.len().max(1));
+            match random.below(3) {
+                0 => text.truncate(at),
+                1 => text.extend(random.text().chars()),
+                _ => text.insert(at.min(text.len()), random.of(&['=', '&', '%', '0', ',', '深', '.'])),
+            }
+        }
+        let _ = text.into_iter().collect::<String>().parse::<Link>();
+        let key = random.of(&KEYS);
+        for value in values {
+            let _ = format!("raystep:1?{key}={value}{}", random.text()).parse::<Link>();
+        }
+    }
+    let long = "raystep:1?".to_owned() + &"深".repeat(100_000);
+    assert!(long.parse::<Link>().expect_err("no pair").to_string().len() < 400);
+}
