@@ -3,6 +3,7 @@
 //! [`session::Session`] knows no user interface and blocks on nothing, so that a desktop window, a
 //! browser and a test can drive the same thing.
 
+pub mod dataflow;
 pub mod link;
 pub mod session;
 

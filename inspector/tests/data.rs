@@ -1,4 +1,8 @@
 //! What the inspector knows without a window: links, data flow, sources, exports.
 
+#[path = "data/common.rs"]
+mod common;
+#[path = "data/dataflow.rs"]
+mod dataflow;
 #[path = "data/link.rs"]
 mod link;

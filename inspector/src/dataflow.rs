@@ -1,0 +1,164 @@
+//! The data flow of a run, drawn from reflection: which kernel reads, writes or updates which stream and buffer (the
+//! paper's Figure 4 and Table 1).
+//!
+//! ```text
+//!   [ray_origin] [state] [tmax] [hit] [color]      streams
+//!        |    \   /  |      |     |      ^
+//!   (generate) (setup) (intersect) (shade)         kernels, in the order in which they first run
+//!        ^        ^         ^         ^
+//!   [camera]   [grid]  [grid_cells] [materials]    buffers of the scene, uniforms among them
+//! ```
+//!
+//! Edges join neighbouring rows only, so none runs through a node.
+
+mod layout;
+mod svg;
+
+use raystep_kernels::kernel::KernelInfo;
+use raystep_kernels::plan::Bytes;
+use raystep_kernels::shader::{Binding, Resource};
+use raystep_kernels::{Kernel, Plan, Stream, buffer};
+
+/// The graph and where it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataFlow {
+    /// Kernels first, in the order in which they first run, then streams, then buffers, each from left to right.
+    pub nodes: Vec<Node>,
+    /// Every binding of every kernel.
+    pub edges: Vec<Edge>,
+    /// Width and height in points at which labels fit their nodes; places are fractions of it.
+    pub size: [f32; 2],
+}
+
+/// What a node is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeKind {
+    /// A kernel.
+    Kernel(Kernel),
+    /// A per-ray stream.
+    Stream(Stream),
+    /// A buffer of scene data, or a uniform, by its name.
+    Buffer(&'static str),
+}
+
+/// A kernel, or what one works on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// What it is.
+    pub kind: NodeKind,
+    /// Its name.
+    pub label: String,
+    /// A second line: the layers of a stream, the bytes of a buffer; of a kernel nothing.
+    pub detail: String,
+    /// What it is for, in a sentence.
+    pub about: String,
+    /// Left and upper side, from 0 to 1.
+    pub min: [f32; 2],
+    /// Right and lower side, from 0 to 1.
+    pub max: [f32; 2],
+}
+
+/// What a kernel does with a stream or buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Access {
+    /// Only reads it.
+    Read,
+    /// Only writes it.
+    Write,
+    /// Reads and writes it: an update in place.
+    Update,
+}
+
+/// A binding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// The kernel, as an index of a node.
+    pub kernel: usize,
+    /// The stream or buffer, as an index of a node.
+    pub data: usize,
+    /// What is done.
+    pub access: Access,
+    /// The end at the kernel, from 0 to 1.
+    pub at_kernel: [f32; 2],
+    /// The end at the stream or buffer, from 0 to 1.
+    pub at_data: [f32; 2],
+}
+
+impl Access {
+    fn of(binding: &Binding) -> Self {
+        match (binding.reads, binding.writes) {
+            (true, true) => Self::Update,
+            (false, true) => Self::Write,
+            (_, false) => Self::Read,
+        }
+    }
+
+    /// As in "the kernel … it".
+    #[must_use]
+    pub fn verb(self) -> &'static str {
+        match self {
+            Self::Read => "reads",
+            Self::Write => "writes",
+            Self::Update => "updates in place",
+        }
+    }
+}
+
+impl DataFlow {
+    /// The data flow of a run. What the plan leaves out is not there, and neither are the books of live rays.
+    #[must_use]
+    pub fn new(plan: &Plan) -> Self {
+        let kernels = plan.variants.iter().map(|v| kernel_node(v.kernel.info()));
+        let streams = plan.streams.iter().map(|s| stream_node(s.what));
+        let buffers = plan.buffers.iter().filter_map(|b| buffer_node(b.what, b.bytes));
+        let nodes: Vec<Node> = kernels.chain(streams).chain(buffers).collect();
+        let mut edges = Vec::new();
+        for (kernel, variant) in plan.variants.iter().enumerate() {
+            for binding in variant.bindings.iter().filter(|b| !matches!(b.resource, Resource::Live { .. })) {
+                let is_bound = |n: &Node| !matches!(n.kind, NodeKind::Kernel(_)) && n.label == binding.name;
+                if let Some(data) = nodes.iter().position(is_bound) {
+                    let access = Access::of(binding);
+                    edges.push(Edge { kernel, data, access, at_kernel: [0.0; 2], at_data: [0.0; 2] });
+                }
+            }
+        }
+        layout::place(nodes, edges)
+    }
+
+    /// What a kernel does with what, in the order in which it is drawn.
+    pub fn of(&self, kernel: Kernel) -> impl Iterator<Item = (&Node, Access)> {
+        let is_its = move |edge: &&Edge| self.nodes[edge.kernel].kind == NodeKind::Kernel(kernel);
+        self.edges.iter().filter(is_its).map(|edge| (&self.nodes[edge.data], edge.access))
+    }
+
+    /// How many pairs of edges cross.
+    #[must_use]
+    pub fn crossings(&self) -> usize {
+        let row = |edge: &Edge| matches!(self.nodes[edge.data].kind, NodeKind::Stream(_));
+        let pairs = self.edges.iter().enumerate().flat_map(|(i, a)| self.edges[..i].iter().map(move |b| (a, b)));
+        let side = |a: f32, b: f32| a.total_cmp(&b);
+        let cross = |&(a, b): &(&Edge, &Edge)| {
+            row(a) == row(b) && side(a.at_kernel[0], b.at_kernel[0]) == side(b.at_data[0], a.at_data[0])
+        };
+        pairs.filter(cross).count()
+    }
+}
+
+fn node(kind: NodeKind, label: &str, detail: String, about: String) -> Node {
+    Node { kind, label: label.into(), detail, about, min: [0.0; 2], max: [0.0; 2] }
+}
+
+fn kernel_node(info: &KernelInfo) -> Node {
+    node(NodeKind::Kernel(info.kernel), info.name, String::new(), info.summary.into())
+}
+
+fn stream_node(stream: Stream) -> Node {
+    let info = stream.info();
+    node(NodeKind::Stream(stream), info.name, info.layers.join(" "), info.unit.into())
+}
+
+/// `None` for what is no scene data: the executor's own buffers.
+fn buffer_node(name: &'static str, bytes: u64) -> Option<Node> {
+    let info = buffer::info(name)?;
+    Some(node(NodeKind::Buffer(info.name), info.name, Bytes(bytes).to_string(), info.element.into()))
+}

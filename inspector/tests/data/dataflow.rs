@@ -1,0 +1,155 @@
+//! The data flow as it is drawn: what the paper's Table 1 says, and nothing over anything else.
+
+use raystep_inspector::dataflow::{Access, DataFlow, Edge, Node, NodeKind};
+use raystep_kernels::{Accelerator, Kernel, Limits, Options, Plan, ScheduleKind, Stream};
+use raystep_scenes::generate;
+
+use crate::common::{options, scenes};
+
+fn graph(options: &Options, scene: &raystep_scenes::Scene) -> DataFlow {
+    DataFlow::new(&Plan::new(scene, options, &Limits::CPU).expect("a plan").0)
+}
+
+/// The paper's Table 1, with the deviations named.
+#[test]
+fn the_papers_schedule_is_drawn_as_table_1_says() {
+    use Access::{Update, Write};
+    use Stream::{Color, Hit, RayDirection, RayOrigin, State, TMax};
+    let scene = generate::cornell_box();
+    let graph = graph(&options(&scene, Accelerator::Grid, ScheduleKind::Second, [8, 8]), &scene);
+    let table: [(Kernel, &[(Stream, Access)]); 5] = [
+        // Hit is set to "no triangle" with the ray, and state read so that a ray is made once; the paper discards
+        // fragments instead.
+        (Kernel::Generate, &[(RayOrigin, Write), (RayDirection, Write), (State, Update), (Hit, Write)]),
+        // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
+        (Kernel::Setup, &[(State, Update), (TMax, Write)]),
+        // In the paper hit is written whole by every pass; here only where a triangle is nearer.
+        (Kernel::Intersect, &[(State, Update), (Hit, Update)]),
+        (Kernel::TraverseGrid, &[(State, Update), (TMax, Update)]),
+        // The state becomes DONE, so that the live counts tell when the image is complete.
+        (Kernel::Shade, &[(State, Update), (Color, Write)]),
+    ];
+    let kernels: Vec<_> =
+        graph.nodes.iter().map_while(|n| if let NodeKind::Kernel(k) = n.kind { Some(k) } else { None }).collect();
+    assert_eq!(kernels, table.map(|(kernel, _)| kernel), "in the order of the schedule");
+    for (kernel, expected) in table {
+        let written = graph.of(kernel).filter_map(|(node, access)| match node.kind {
+            NodeKind::Stream(stream) if access != Access::Read => Some((stream, access)),
+            _ => None,
+        });
+        let mut written: Vec<_> = written.collect();
+        let mut expected = expected.to_vec();
+        written.sort();
+        expected.sort();
+        assert_eq!(written, expected, "{kernel:?}");
+    }
+    let reads = |kernel, label: &str| graph.of(kernel).any(|(n, access)| n.label == label && access == Access::Read);
+    assert!(reads(Kernel::Intersect, "ray_origin") && reads(Kernel::Intersect, "vertices"));
+    assert!(reads(Kernel::TraverseGrid, "grid") && !reads(Kernel::TraverseGrid, "grid_items"));
+    assert!(!graph.nodes.iter().any(|n| n.label == "sent" || n.label == "fill"), "the executor's books are no data");
+}
+
+fn is_inside([x, y]: [f32; 2], node: &Node) -> bool {
+    x > node.min[0] && x < node.max[0] && y > node.min[1] && y < node.max[1]
+}
+
+fn overlap(a: &Node, b: &Node) -> bool {
+    (0..2).all(|axis| a.min[axis] < b.max[axis] && b.min[axis] < a.max[axis])
+}
+
+fn assert_is_readable(graph: &DataFlow, what: &str) {
+    for (i, node) in graph.nodes.iter().enumerate() {
+        assert!(
+            (0..2).all(|a| node.min[a] > 0.0 && node.max[a] < 1.0 && node.min[a] < node.max[a]),
+            "{what}: {node:?}"
+        );
+        assert!(!graph.nodes[..i].iter().any(|other| overlap(node, other)), "{what}: {} is over another", node.label);
+        let is_drawn = graph.edges.iter().any(|e| e.kernel == i || e.data == i);
+        assert!(is_drawn, "{what}: nothing leads to {}", node.label);
+    }
+    for edge in &graph.edges {
+        let Edge { at_kernel: [x0, y0], at_data: [x1, y1], .. } = *edge;
+        for step in 1..1000 {
+            let s = step as f32 / 1000.0;
+            let at = [x0 + (x1 - x0) * s, y0 + (y1 - y0) * s];
+            let through = graph.nodes.iter().find(|n| is_inside(at, n));
+            assert!(through.is_none(), "{what}: an edge runs through {through:?}");
+        }
+        let ends_at = |node: &Node, [x, y]: [f32; 2]| {
+            x > node.min[0] && x < node.max[0] && (y == node.min[1] || y == node.max[1])
+        };
+        assert!(ends_at(&graph.nodes[edge.kernel], [x0, y0]) && ends_at(&graph.nodes[edge.data], [x1, y1]), "{what}");
+        let twice = graph.edges.iter().filter(|e| e.at_kernel == [x0, y0] || e.at_data == [x1, y1]).count();
+        assert_eq!(twice, 1, "{what}: two edges end at one place");
+    }
+}
+
+#[test]
+fn nothing_lies_over_anything_for_any_scene_and_way() {
+    for (name, scene) in scenes() {
+        for (accelerator, schedule) in Accelerator::ALL.iter().flat_map(|a| ScheduleKind::ALL.iter().map(|s| (*a, *s)))
+        {
+            let what = format!("{name} {accelerator} {schedule}");
+            let mut options = options(&scene, accelerator, schedule, [8, 8]);
+            let all = graph(&options, &scene);
+            assert_is_readable(&all, &what);
+            assert_eq!(graph(&options, &scene), all, "{what}: another layout the second time");
+            (options.counters, options.keep_all) = (true, true);
+            if schedule == ScheduleKind::Compact {
+                options.steps_per_pass = 8;
+            }
+            assert_is_readable(&graph(&options, &scene), &format!("{what} keep-all"));
+        }
+    }
+}
+
+/// Crossings of the edges to a row in this order.
+fn crossings(row: &[usize], edges: &[Edge]) -> usize {
+    let rank = |e: &Edge| row.iter().position(|&node| node == e.data);
+    let pairs = edges.iter().flat_map(|a| edges.iter().map(move |b| (a, b)));
+    pairs.filter(|(a, b)| a.kernel < b.kernel && rank(b).is_some_and(|b| rank(a).is_some_and(|a| a > b))).count()
+}
+
+/// The fewest that any order has (Heap's algorithm).
+fn fewest(row: &mut Vec<usize>, permuted: usize, edges: &[Edge]) -> usize {
+    if permuted <= 1 {
+        return crossings(row, edges);
+    }
+    let mut least = fewest(row, permuted - 1, edges);
+    for i in 0..permuted - 1 {
+        row.swap(if permuted.is_multiple_of(2) { i } else { 0 }, permuted - 1);
+        least = least.min(fewest(row, permuted - 1, edges));
+    }
+    least
+}
+
+#[test]
+fn as_few_edges_cross_as_any_order_of_the_streams_allows() {
+    let scene = generate::cornell_box();
+    for (accelerator, schedule) in Accelerator::ALL.iter().flat_map(|a| ScheduleKind::ALL.iter().map(|s| (*a, *s))) {
+        let graph = graph(&options(&scene, accelerator, schedule, [8, 8]), &scene);
+        let row = |of: fn(&NodeKind) -> bool| -> Vec<usize> {
+            (0..graph.nodes.len()).filter(|&i| of(&graph.nodes[i].kind)).collect()
+        };
+        let streams = row(|kind| matches!(kind, NodeKind::Stream(_)));
+        let drawn = crossings(&streams, &graph.edges);
+        assert_eq!(drawn, fewest(&mut streams.clone(), streams.len(), &graph.edges), "{accelerator} {schedule}");
+        let buffers = crossings(&row(|kind| matches!(kind, NodeKind::Buffer(_))), &graph.edges);
+        assert_eq!(graph.crossings(), drawn + buffers, "the count is of what is drawn");
+    }
+}
+
+#[test]
+fn the_svg_has_every_node_and_shows_where_the_run_is() {
+    let scene = generate::cornell_box();
+    let graph = graph(&options(&scene, Accelerator::Grid, ScheduleKind::Second, [8, 8]), &scene);
+    let svg = graph.svg(Some(Kernel::Intersect), &[(Kernel::Intersect, 4096), (Kernel::Setup, 77)]);
+    for node in &graph.nodes {
+        assert!(svg.contains(&format!(">{}</text>", node.label)), "{}", node.label);
+    }
+    assert!(svg.contains(">4096 rays</text>") && svg.contains(">77 rays</text>"));
+    assert_eq!(svg.matches("stroke-width=\"4\"").count(), 1, "one kernel is the current one");
+    let faded = graph.edges.len() - graph.of(Kernel::Intersect).count();
+    assert_eq!(svg.matches("stroke=\"#dcdcdc\"").count(), faded);
+    assert_eq!(graph.svg(None, &[]).matches("stroke=\"#dcdcdc\"").count(), 0);
+}
