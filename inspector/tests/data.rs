@@ -4,5 +4,7 @@
 mod common;
 #[path = "data/dataflow.rs"]
 mod dataflow;
+#[path = "data/exports.rs"]
+mod exports;
 #[path = "data/link.rs"]
 mod link;

@@ -1,0 +1,150 @@
+//! What the window offers to take away, as bytes: where they go is the caller's.
+//!
+//! The formats are those of [`raystep_kernels::export`], the same that the command line writes.
+
+use std::io::Cursor;
+
+use raystep_kernels::export::csv::{PassWork, PassesCsv, RunContext};
+use raystep_kernels::export::trace::Trace;
+use raystep_kernels::export::trace_events::trace_events;
+use raystep_kernels::export::{exr, npy};
+use raystep_kernels::{Kernel, Pass, StreamData};
+use serde::Serialize;
+
+use crate::dataflow::DataFlow;
+use crate::link::Link;
+
+/// A file to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Export {
+    /// A name to offer, without the extension; fit for every file system.
+    pub name: String,
+    /// The extension, without a dot.
+    pub extension: &'static str,
+    /// What it holds.
+    pub bytes: Vec<u8>,
+}
+
+/// Nothing was exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// As CSV.
+    #[error("cannot write as CSV: {0}")]
+    Csv(String),
+    /// As JSON.
+    #[error("cannot write as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// As a NumPy array.
+    #[error("cannot write as npy: {0}")]
+    Npy(#[from] std::io::Error),
+    /// As OpenEXR.
+    #[error("cannot write as EXR: {0}")]
+    Exr(#[from] exr::ExrError),
+}
+
+impl Export {
+    fn new(name: &str, extension: &'static str, bytes: Vec<u8>) -> Self {
+        // Scenes are named by anybody.
+        let name: String =
+            name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' }).take(100).collect();
+        let name = name.trim_matches('.');
+        Self { name: if name.is_empty() { "raystep".into() } else { name.into() }, extension, bytes }
+    }
+
+    fn json(name: &str, value: &impl Serialize) -> Result<Self, ExportError> {
+        let mut bytes = serde_json::to_vec_pretty(value)?;
+        bytes.push(b'\n');
+        Ok(Self::new(name, "json", bytes))
+    }
+
+    /// The name with its extension.
+    #[must_use]
+    pub fn file_name(&self) -> String {
+        format!("{}.{}", self.name, self.extension)
+    }
+}
+
+/// Passes as rows of the bench's `passes.csv`. `work` has what each pass did, where counters were asked for.
+///
+/// # Errors
+/// [`ExportError::Csv`].
+pub fn passes_csv(run: &RunContext, passes: &[Pass], work: &[PassWork]) -> Result<Export, ExportError> {
+    let mut bytes = Vec::new();
+    let failed = |e: std::io::Error| ExportError::Csv(e.to_string());
+    let mut csv = PassesCsv::new(&mut bytes).map_err(failed)?;
+    for (i, pass) in passes.iter().enumerate() {
+        csv.write(run, pass, work.get(i).copied()).map_err(failed)?;
+    }
+    csv.finish().map_err(failed)?;
+    Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes))
+}
+
+/// Passes as Chrome trace events, which Perfetto opens.
+///
+/// # Errors
+/// [`ExportError::Json`].
+pub fn passes_trace(run: &RunContext, passes: &[Pass]) -> Result<Export, ExportError> {
+    let bytes = serde_json::to_vec(&trace_events(run, passes))?;
+    Ok(Export::new(&format!("{}.trace", run.scene), "json", bytes))
+}
+
+/// As `dump` names a stream: after pass `pass`, or before the first.
+fn stream_name(data: &StreamData, pass: Option<usize>) -> String {
+    let name = data.stream.name();
+    pass.map_or_else(|| format!("start.{name}"), |pass| format!("pass-{pass:06}.{name}"))
+}
+
+/// A stream as a NumPy array (layer, row, column). `pass` is the one that it was read after, if any.
+///
+/// # Errors
+/// [`ExportError::Npy`].
+pub fn stream_npy(data: &StreamData, pass: Option<usize>) -> Result<Export, ExportError> {
+    let mut bytes = Vec::new();
+    npy::write_stream(&mut bytes, data)?;
+    Ok(Export::new(&stream_name(data, pass), "npy", bytes))
+}
+
+/// A stream as OpenEXR, a channel a layer. `pass` is the one that it was read after, if any.
+///
+/// # Errors
+/// [`ExportError::Exr`].
+pub fn stream_exr(data: &StreamData, pass: Option<usize>) -> Result<Export, ExportError> {
+    let mut bytes = Cursor::new(Vec::new());
+    exr::write_stream(&mut bytes, data)?;
+    Ok(Export::new(&stream_name(data, pass), "exr", bytes.into_inner()))
+}
+
+fn life_name(life: &Trace) -> String {
+    let [x, y] = life.pixel;
+    format!("ray-{x}-{y}")
+}
+
+/// A ray's life as rows of CSV, as `trace --format csv` writes it.
+///
+/// # Errors
+/// [`ExportError::Csv`].
+pub fn life_csv(life: &Trace) -> Result<Export, ExportError> {
+    let mut bytes = Vec::new();
+    life.write_csv(&mut bytes).map_err(|e| ExportError::Csv(e.to_string()))?;
+    Ok(Export::new(&life_name(life), "csv", bytes))
+}
+
+/// A ray's life as `trace --format json` writes it.
+///
+/// # Errors
+/// [`ExportError::Json`].
+pub fn life_json(life: &Trace) -> Result<Export, ExportError> {
+    Export::json(&life_name(life), life)
+}
+
+/// The data flow as SVG; see [`DataFlow::svg`].
+#[must_use]
+pub fn data_flow_svg(graph: &DataFlow, current: Option<Kernel>, rays: &[(Kernel, u64)]) -> Export {
+    Export::new("data-flow", "svg", graph.svg(current, rays).into_bytes())
+}
+
+/// A link as a line of text.
+#[must_use]
+pub fn link_text(link: &Link) -> Export {
+    Export::new("link", "txt", format!("{link}\n").into_bytes())
+}

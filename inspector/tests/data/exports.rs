@@ -1,0 +1,77 @@
+//! What is taken away has the formats of the command line, and names that every file system takes.
+
+use std::ops::ControlFlow;
+
+use raystep_inspector::exports::{self, Export};
+use raystep_inspector::link::Link;
+use raystep_kernels::export::csv::{COLUMNS, PassWork, RunContext, Timer};
+use raystep_kernels::export::trace::trace;
+use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Stream};
+use raystep_scenes::generate;
+
+use crate::common::options;
+
+fn run() -> (RunContext, Renderer) {
+    let scene = generate::cornell_box();
+    let mut options = options(&scene, Accelerator::Grid, ScheduleKind::Second, [9, 7]);
+    options.timings = true;
+    let renderer =
+        pollster::block_on(Renderer::new(&scene, &options, &Device::Cpu(Some(|| 7)))).expect("a small scene");
+    let run = RunContext {
+        run_id: "1".into(),
+        scene: "a/b \"c\"\n深".into(),
+        accelerator: "grid",
+        schedule: "second",
+        numerics: "robust",
+        device: "cpu".into(),
+        width_px: 9,
+        height_px: 7,
+        repeat: 0,
+        is_warmup: false,
+        timer: Some(Timer::CpuClock { resolution_ns: None }),
+    };
+    (run, renderer)
+}
+
+fn named(export: &Export) -> String {
+    assert!(export.name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c)), "{export:?}");
+    export.file_name()
+}
+
+#[test]
+fn exports_are_the_command_lines_formats() {
+    let (run, mut renderer) = run();
+    let life = pollster::block_on(trace(&mut renderer, 3, 4, |_| ControlFlow::Continue(()))).expect("a ray");
+    let passes = renderer.passes();
+
+    let csv = exports::passes_csv(&run, passes, &[PassWork { cells_visited: 5, triangles_tested: 6 }]).expect("CSV");
+    assert_eq!(named(&csv), "a-b--c--深.passes.csv");
+    let mut reader = csv::Reader::from_reader(csv.bytes.as_slice());
+    assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
+    let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+    assert_eq!(rows.len(), passes.len());
+    assert_eq!((&rows[0][20], &rows[1][20], &rows[0][2]), ("5", "", "a/b \"c\"\n深"));
+
+    let events = exports::passes_trace(&run, passes).expect("JSON");
+    assert_eq!(named(&events), "a-b--c--深.trace.json");
+    let events: serde_json::Value = serde_json::from_slice(&events.bytes).expect("JSON");
+    let slices = events["traceEvents"].as_array().expect("events").iter().filter(|e| e["cat"] == "pass");
+    assert_eq!(slices.count(), passes.len());
+
+    let hit = pollster::block_on(renderer.values(Stream::Hit)).expect("a stream");
+    let npy = exports::stream_npy(&hit, Some(41)).expect("npy");
+    assert_eq!((named(&npy).as_str(), npy.bytes.len()), ("pass-000041.hit.npy", 128 + 4 * 3 * 63));
+    let exr = exports::stream_exr(&hit, None).expect("EXR");
+    assert_eq!((named(&exr).as_str(), &exr.bytes[..4]), ("start.hit.exr", &[0x76, 0x2f, 0x31, 0x01][..]));
+
+    let json = exports::life_json(&life).expect("JSON");
+    assert_eq!(named(&json), "ray-3-4.json");
+    let json: serde_json::Value = serde_json::from_slice(&json.bytes).expect("JSON");
+    let csv = exports::life_csv(&life).expect("CSV");
+    let mut reader = csv::Reader::from_reader(csv.bytes.as_slice());
+    assert_eq!(reader.records().count(), life.rows.len());
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(life.rows.len()));
+
+    let link = exports::link_text(&Link { scene: Some("a.glb".into()), ..Link::default() });
+    assert_eq!((named(&link).as_str(), link.bytes.as_slice()), ("link.txt", &b"raystep:1?scene=a.glb\n"[..]));
+}
