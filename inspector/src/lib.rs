@@ -6,6 +6,7 @@
 pub mod dataflow;
 pub mod exports;
 pub mod link;
+pub mod saved;
 pub mod session;
 
 pub use session::{Session, Target};

@@ -1,0 +1,216 @@
+//! What the inspector keeps from one start to the next, as a RON file.
+//!
+//! Layout, settings and watches are the user interface's own texts: they are kept as they are. Where the file comes
+//! from, and where it goes, is the caller's.
+
+use ron::ser::PrettyConfig;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::link::Link;
+
+/// Version of the file; it rises when something in it changes its meaning.
+pub const VERSION: u32 = 1;
+/// Most files that are remembered.
+pub const MOST_RECENT: usize = 10;
+/// Largest file that is read or written, bytes.
+pub const MOST_BYTES: usize = 1 << 20;
+
+/// What is kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Saved {
+    version: u32,
+    /// Which panels are where.
+    pub layout: Option<String>,
+    /// What the user has set.
+    pub settings: Option<String>,
+    /// What was looked at last.
+    #[serde(serialize_with = "write_link", deserialize_with = "read_link")]
+    pub link: Option<Link>,
+    /// What a run stops at.
+    pub watches: Option<String>,
+    /// Files that were opened, the latest first.
+    recent: Vec<String>,
+}
+
+/// Nothing can be read from a file, or written to it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SavedError {
+    /// It is too large.
+    #[error("saved settings of {0} bytes: at most {MOST_BYTES} are kept")]
+    TooLarge(usize),
+    /// It is no text.
+    #[error("saved settings are no text: they are not UTF-8")]
+    NoText,
+    /// It is of another version.
+    #[error("saved settings are of version {0}, and this raystep reads version {VERSION}")]
+    Version(u32),
+    /// It is no RON, or other RON.
+    #[error("saved settings cannot be read: line {line}, column {column}: {message}")]
+    Broken {
+        /// From 1.
+        line: usize,
+        /// From 1.
+        column: usize,
+        /// What is wrong there.
+        message: String,
+    },
+    /// It cannot be written.
+    #[error("settings cannot be saved: {0}")]
+    Write(String),
+}
+
+impl Default for Saved {
+    fn default() -> Self {
+        Self { version: VERSION, layout: None, settings: None, link: None, watches: None, recent: Vec::new() }
+    }
+}
+
+impl Saved {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Where it is too large, broken, or of another version.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedError> {
+        /// What every version has.
+        #[derive(Deserialize)]
+        struct Head {
+            version: u32,
+        }
+        if bytes.len() > MOST_BYTES {
+            return Err(SavedError::TooLarge(bytes.len()));
+        }
+        let text = std::str::from_utf8(bytes).map_err(|_| SavedError::NoText)?;
+        // Another version may have other fields: which version it is is said first.
+        let head: Head = ron::from_str(text).map_err(broken)?;
+        if head.version != VERSION {
+            return Err(SavedError::Version(head.version));
+        }
+        let mut saved: Self = ron::from_str(text).map_err(broken)?;
+        saved.recent.truncate(MOST_RECENT);
+        Ok(saved)
+    }
+
+    /// Reads a file; where that fails, the defaults and the reason.
+    #[must_use]
+    pub fn from_bytes_or_default(bytes: &[u8]) -> (Self, Option<SavedError>) {
+        match Self::from_bytes(bytes) {
+            Ok(saved) => (saved, None),
+            Err(error) => (Self::default(), Some(error)),
+        }
+    }
+
+    /// The file.
+    ///
+    /// # Errors
+    /// Where it would be too large to be read again.
+    pub fn to_text(&self) -> Result<String, SavedError> {
+        let pretty = PrettyConfig::new().new_line("\n");
+        let text = ron::ser::to_string_pretty(self, pretty).map_err(|e| SavedError::Write(e.to_string()))? + "\n";
+        if text.len() > MOST_BYTES { Err(SavedError::TooLarge(text.len())) } else { Ok(text) }
+    }
+
+    /// Files that were opened, the latest first; at most [`MOST_RECENT`], each once.
+    #[must_use]
+    pub fn recent(&self) -> &[String] {
+        &self.recent
+    }
+
+    /// A file was opened.
+    pub fn opened(&mut self, path: &str) {
+        self.forget(path);
+        self.recent.insert(0, path.into());
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    /// A file is no longer there.
+    pub fn forget(&mut self, path: &str) {
+        self.recent.retain(|other| other != path);
+    }
+}
+
+fn broken(error: ron::error::SpannedError) -> SavedError {
+    let at = error.span.start;
+    SavedError::Broken { line: at.line, column: at.col, message: error.code.to_string() }
+}
+
+/// A link is kept as its text: one line that can be copied out of the file.
+fn write_link<S: Serializer>(link: &Option<Link>, serializer: S) -> Result<S::Ok, S::Error> {
+    link.as_ref().map(Link::to_string).serialize(serializer)
+}
+
+fn read_link<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Link>, D::Error> {
+    let text = Option::<String>::deserialize(deserializer)?;
+    text.map(|text| text.parse().map_err(serde::de::Error::custom)).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::LinkRay;
+
+    fn some() -> Saved {
+        let mut saved = Saved {
+            layout: Some("(tabs: [\"passes\", \"ray\"])".into()),
+            settings: Some("say \"hi\"\n\\ \u{7f} ø".into()),
+            link: Some(Link { scene: Some("a b.glb".into()), ray: Some(LinkRay::Pixel([1, 2])), ..Link::default() }),
+            watches: Some(String::new()),
+            ..Saved::default()
+        };
+        saved.opened("a b.glb");
+        saved
+    }
+
+    #[test]
+    fn what_is_saved_comes_back() {
+        for saved in [Saved::default(), some()] {
+            let text = saved.to_text().expect("small");
+            assert_eq!(Saved::from_bytes(text.as_bytes()), Ok(saved), "{text}");
+        }
+        assert!(some().to_text().expect("small").contains("raystep:1?scene=a%20b.glb&pixel=1,2"));
+        assert_eq!(Saved::from_bytes(b"(version: 1)"), Ok(Saved::default()), "what is not there is as by default");
+    }
+
+    #[test]
+    fn recent_files_are_few_and_each_is_there_once() {
+        let mut saved = Saved::default();
+        (0..30).for_each(|i| saved.opened(&format!("{}.glb", i % 12)));
+        saved.opened("3.glb");
+        assert_eq!(
+            (saved.recent().len(), saved.recent()[0].as_str(), saved.recent()[1].as_str()),
+            (10, "3.glb", "5.glb")
+        );
+        assert_eq!(saved.recent().iter().filter(|p| *p == "3.glb").count(), 1);
+        saved.forget("3.glb");
+        assert_eq!(saved.recent()[0], "5.glb");
+        let many: Vec<_> = (0..50).map(|i| format!("\"{i}\"")).collect();
+        let text = format!("(version: 1, recent: [{}])", many.join(", "));
+        assert_eq!(Saved::from_bytes(text.as_bytes()).expect("RON").recent().len(), MOST_RECENT);
+    }
+
+    #[test]
+    fn a_broken_file_says_where_and_gives_defaults() {
+        let deep = format!("(version: 1, layout: {}", "Some(".repeat(100_000));
+        let large = format!("(version: 1, layout: Some(\"{}\"))", "x".repeat(MOST_BYTES));
+        let cases: &[(&[u8], &str)] = &[
+            (b"", "line 1, column 1"),
+            (b"(version: 1,\n layout: 7)", "line 2, column 9: Expected option"),
+            (b"(version: 1, colour: 7)", "colour"),
+            (b"(version: 1, link: Some(\"raystep:9?\"))", "version \"9\""),
+            (b"(layout: None)", "version"),
+            (b"(version: 2, whatever: [1, 2])", "of version 2, and this raystep reads version 1"),
+            (b"\xff\xfe", "not UTF-8"),
+            (b"{\"version\": 1}", "line 1"),
+            (deep.as_bytes(), "line 1"),
+            (large.as_bytes(), "at most 1048576"),
+        ];
+        for (bytes, wanted) in cases {
+            let (saved, error) = Saved::from_bytes_or_default(bytes);
+            let error = error.expect("an error").to_string();
+            assert!(error.contains(wanted) && !error.contains('\n') && error.len() < 300, "{wanted}: {error}");
+            assert_eq!(saved, Saved::default());
+        }
+        let too_large = Saved { layout: Some("x".repeat(MOST_BYTES)), ..Saved::default() };
+        assert!(matches!(too_large.to_text(), Err(SavedError::TooLarge(_))));
+    }
+}
