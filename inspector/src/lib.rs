@@ -8,5 +8,6 @@ pub mod exports;
 pub mod link;
 pub mod saved;
 pub mod session;
+pub mod source;
 
 pub use session::{Session, Target};

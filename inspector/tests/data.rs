@@ -8,3 +8,5 @@ mod dataflow;
 mod exports;
 #[path = "data/link.rs"]
 mod link;
+#[path = "data/source.rs"]
+mod source;

@@ -1,0 +1,110 @@
+//! What every condition of a kernel's file means for a ray's streams before and after the pass.
+//!
+//! A condition is named by its own text, so a kernel that changes makes a test fail before a line is marked wrongly.
+//! A condition with one text has one meaning in its file. `None` is for what the streams do not tell.
+
+use raystep_kernels::Kernel;
+use raystep_kernels::export::trace::RayState;
+use raystep_kernels::features::Features;
+use raystep_kernels::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, Tag, UNWRITTEN};
+
+/// A ray in one pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Case<'a> {
+    /// The run's options.
+    pub features: &'a Features,
+    /// The ray before the pass.
+    pub before: &'a RayState,
+    /// The ray after it.
+    pub after: &'a RayState,
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Condition {
+    /// In whose file it is.
+    pub kernel: Kernel,
+    /// What is between its parentheses, spaces made one.
+    pub text: &'static str,
+    /// Whether it held; of a loop, whether its body ran at all.
+    pub held: fn(&Case) -> Option<bool>,
+}
+
+const fn row(kernel: Kernel, text: &'static str, held: fn(&Case) -> Option<bool>) -> Condition {
+    Condition { kernel, text, held }
+}
+
+/// A ray that has streams lies in the image.
+const OUTSIDE: &str = "any(texel >= textureDimensions(state))";
+
+/// Every condition that a ray's pass through a kernel of the paper's can meet.
+pub const CONDITIONS: &[Condition] = &[
+    row(Kernel::Generate, OUTSIDE, |_| Some(false)),
+    row(Kernel::Generate, "textureLoad(state, texel, 0).x != UNWRITTEN", |c| Some(!c.was(&[UNWRITTEN]))),
+    row(Kernel::Setup, OUTSIDE, |_| Some(false)),
+    row(Kernel::Setup, "textureLoad(state, texel, 0).x != TRAV_SETUP", |c| Some(!c.was(&[TRAV_SETUP]))),
+    // The one way to BACKGROUND where there is a grid; without one, this line is left out.
+    row(Kernel::Setup, "!walk.inside", |c| Some(c.is(&[BACKGROUND]))),
+    row(Kernel::TraverseGrid, OUTSIDE, |_| Some(false)),
+    row(Kernel::TraverseGrid, "textureLoad(state, texel, 0).x != TRAV", |c| Some(!c.was(&[TRAV]))),
+    row(Kernel::TraverseGrid, "!walk.inside", |c| Some(c.is(&[SHADE, BACKGROUND]))),
+    row(Kernel::TraverseBvh, OUTSIDE, |_| Some(false)),
+    row(Kernel::TraverseBvh, "textureLoad(state, texel, 0).x != TRAV", |c| Some(!c.was(&[TRAV]))),
+    row(Kernel::TraverseBvh, "at.node == NO_NODE", |c| Some(c.is(&[SHADE, BACKGROUND]))),
+    // Of the cells before this one there is nothing in the streams.
+    row(Kernel::Intersect, "var step = 0; step < bound && walk.inside; step++", |_| None),
+    row(Kernel::Intersect, "index == cell", |_| None),
+    row(Kernel::Intersect, "var item = grid_cells[index]; item < grid_cells[index + 1u]; item++", |_| None),
+    row(Kernel::Intersect, "grid_items[item] == triangle", |_| None),
+    row(Kernel::Intersect, OUTSIDE, |_| Some(false)),
+    row(Kernel::Intersect, "tag != ISECT_NO_HIT && tag != ISECT_HIT", |c| Some(!c.was(&[ISECT_NO_HIT, ISECT_HIT]))),
+    row(Kernel::Intersect, "in_list", |c| Some(c.after.item != c.before.item)),
+    row(Kernel::Intersect, "candidate.is_hit && accepted", |c| Some(c.has_new_hit())),
+    row(Kernel::Intersect, "ended", |c| match c.is(&[ISECT_NO_HIT, ISECT_HIT]) {
+        true => Some(false),
+        // Any hit goes to SHADE, whether the list has ended or not.
+        false if c.features.any_hit && c.has_nearer_hit() => None,
+        false => Some(true),
+    }),
+    row(Kernel::Intersect, "nearest_t < nearest_before", |c| Some(c.has_nearer_hit())),
+    row(Kernel::Shade, "light.kind == 1u", |_| None),
+    row(Kernel::Shade, "light.kind == 2u", |_| None),
+    row(Kernel::Shade, OUTSIDE, |_| Some(false)),
+    row(Kernel::Shade, "tag != SHADE && tag != BACKGROUND", |c| Some(!c.was(&[SHADE, BACKGROUND]))),
+    row(Kernel::Shade, "tag == SHADE", |c| Some(c.was(&[SHADE]))),
+    row(Kernel::Shade, "material.texture != 0xffffffffu", |_| None),
+    row(Kernel::Shade, "material.double_sided != 0u && dot3(normal, direction) > 0.0", |_| None),
+    row(Kernel::Shade, "var i = 0u; i < shading.lights; i++", |_| None),
+    // Of a kernel that takes several steps, only what lies around them.
+    row(Kernel::Walk, OUTSIDE, |_| Some(false)),
+    row(Kernel::Walk, "place.tag != TRAV && place.tag != ISECT_NO_HIT && place.tag != ISECT_HIT", |c| {
+        Some(!c.was(&[TRAV, ISECT_NO_HIT, ISECT_HIT]))
+    }),
+    row(Kernel::Walk, "place.trace.triangle != triangle_before || place.trace.t != t_before", |c| {
+        Some(c.has_new_hit())
+    }),
+];
+
+impl Case<'_> {
+    fn was(&self, tags: &[Tag]) -> bool {
+        tags.contains(&self.before.tag)
+    }
+
+    fn is(&self, tags: &[Tag]) -> bool {
+        tags.contains(&self.after.tag)
+    }
+
+    fn has_nearer_hit(&self) -> bool {
+        self.after.t != self.before.t
+    }
+
+    /// Another triangle at the same t counts too: the order of hits is (t, triangle).
+    fn has_new_hit(&self) -> bool {
+        self.has_nearer_hit() || self.after.triangle != self.before.triangle
+    }
+
+    /// Whether a condition held; `None` where the streams do not tell, or the table does not know it.
+    pub(super) fn held(&self, kernel: Kernel, text: &str) -> Option<bool> {
+        CONDITIONS.iter().find(|c| c.kernel == kernel && c.text == text).and_then(|c| (c.held)(self))
+    }
+}
