@@ -74,5 +74,5 @@ pub use kernel::Kernel;
 pub use options::{Accelerator, Numerics, Options, Ray, RaySource, ScheduleKind, Skip};
 pub use plan::{Limits, Plan, PlanError};
 pub use ray_kinds::RayKind;
-pub use renderer::{Device, Pass, Progress, RayHit, RenderError, Renderer};
-pub use stream::{Stream, StreamData};
+pub use renderer::{Checkpoint, Device, Pass, Progress, RayHit, RenderError, Renderer};
+pub use stream::{Region, Stream, StreamData};

@@ -1,29 +1,28 @@
 //! A run that a program drives: one pass at a time or to the end, with every stream in the open.
 
+mod checkpoint;
+mod edit;
 mod given;
+mod passes;
 mod results;
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use raystep_scenes::Scene;
 
-use crate::executor::PassResult;
 use crate::executor::cpu::{CpuExecutor, OutOfMemory};
-use crate::executor::gpu::{Gpu, GpuError, GpuExecutor, MOST_PASSES};
+use crate::executor::gpu::{Gpu, GpuError, GpuExecutor};
 use crate::kernel::Kernel;
 use crate::options::{Options, RaySource};
 use crate::plan::{Limits, Plan, PlanError};
 use crate::scene_data::SceneData;
 use crate::schedule::Cursor;
 use crate::state::{self, StateCounts};
-use crate::stream::{STATE_TAG, Stream, StreamData};
+use crate::stream::Region;
+pub use checkpoint::Checkpoint;
 pub(crate) use given::GIVEN;
 use given::GivenRays;
 pub use results::RayHit;
-
-/// Rays times passes of one submission at most, or two passes.
-const RAYS_A_BATCH: u64 = 1 << 26;
 
 /// Where passes run.
 #[derive(Clone)]
@@ -63,6 +62,27 @@ pub enum RenderError {
     /// The stream is not part of the plan.
     #[error("stream {0:?} is left out of this run's plan")]
     NoStream(&'static str),
+    /// The image has no such pixels.
+    #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]
+    NoPixel {
+        /// What was asked for.
+        region: Region,
+        /// Columns of the image.
+        width: u32,
+        /// Its rows.
+        height: u32,
+    },
+    /// The stream has no such layer.
+    #[error("stream {stream:?} has no layer {layer}")]
+    NoLayer {
+        /// The stream's name.
+        stream: &'static str,
+        /// What was asked for.
+        layer: usize,
+    },
+    /// The streams to take over are another plan's, or another device's.
+    #[error("streams of another run do not fit this one")]
+    OtherRun,
     /// A pass that was submitted ahead changed something. This is a defect of raystep.
     #[error("pass {0}, submitted ahead of its turn, was not idle")]
     Overshoot(usize),
@@ -107,8 +127,8 @@ pub struct Progress {
 
 /// A scene, its options and a device, between two passes.
 pub struct Renderer {
-    plan: Plan,
-    data: SceneData,
+    plan: Arc<Plan>,
+    data: Arc<SceneData>,
     executor: Executor,
     given: Option<GivenRays>,
     cursor: Cursor,
@@ -134,16 +154,17 @@ impl Renderer {
         Self::from_plan(plan, data, options, device).await
     }
 
-    /// The same from a plan that was made before.
+    /// The same from a plan that was made before. Runs of one scene can share what they only read.
     ///
     /// # Errors
     /// Where the device fails.
     pub async fn from_plan(
-        plan: Plan,
-        data: SceneData,
+        plan: impl Into<Arc<Plan>>,
+        data: impl Into<Arc<SceneData>>,
         options: &Options,
         device: &Device,
     ) -> Result<Self, RenderError> {
+        let (plan, data) = (plan.into(), data.into());
         let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| options.timings);
         let executor = match device {
             Device::Gpu(gpu) => {
@@ -210,131 +231,28 @@ impl Renderer {
         }
     }
 
-    /// Runs one pass. `None` when the run is complete.
-    ///
-    /// # Errors
-    /// Where the device fails.
-    pub async fn step(&mut self) -> Result<Option<Pass>, RenderError> {
-        let before = self.passes.len();
-        self.advance(1).await?;
-        Ok(self.passes.get(before).copied())
-    }
-
-    /// The kernel that [`step`](Self::step) would run.
-    #[must_use]
-    pub fn next_kernel(&self) -> Option<Kernel> {
-        self.cursor.clone().next(&self.plan.schedule, &self.counts)
-    }
-
-    /// Runs to the end. `progress` is called between batches of passes and may stop the run.
-    ///
-    /// # Errors
-    /// Where the device fails, or `progress` said so.
-    pub async fn run(&mut self, mut progress: impl FnMut(&Progress) -> ControlFlow<()>) -> Result<(), RenderError> {
-        // Enough passes to hide the read-back, few enough rays to report often.
-        let most = match self.executor {
-            Executor::Gpu(_) => MOST_PASSES,
-            Executor::Cpu(_) | Executor::CpuF64(_) => 1,
-        };
-        let mut batch = 8.min(most);
-        loop {
-            let recorded = self.advance(batch).await?;
-            if recorded == 0 {
-                break;
-            }
-            // Where fewer were needed than submitted, a kernel is idle soon; the rest was for nothing.
-            let wanted = if 2 * recorded < batch { 2 * recorded } else { 2 * batch };
-            // Passes that launch every ray cost as much at the end as at the beginning.
-            let launched = if self.plan.features.live_lists { self.undecided() } else { self.plan.rays };
-            batch = wanted.min((RAYS_A_BATCH / launched.max(1)) as usize).max(2).min(most);
-            if progress(&self.progress()).is_break() && self.next_kernel().is_some() {
-                return Err(RenderError::Cancelled { passes: self.passes.len() });
-            }
-        }
-        Ok(())
-    }
-
-    /// Submits up to `most` passes and records those that the schedule asked for.
-    async fn advance(&mut self, most: usize) -> Result<usize, RenderError> {
-        if self.is_ahead {
-            // The streams are past what was recorded. Passes are deterministic: run the recorded ones again.
-            let place = self.passes.len();
-            self.restart();
-            while self.passes.len() < place && self.submit(1).await? > 0 {}
-        }
-        self.submit(most).await
-    }
-
-    async fn submit(&mut self, most: usize) -> Result<usize, RenderError> {
-        if self.passes.len() as u64 >= self.pass_bound && self.unfinished == 0 {
-            // Only the paper's numerics can get here: a ray that wraps over a face of the grid.
-            self.unfinished = self.undecided();
-            self.cursor.leave_loop();
-        }
-        let guess = self.cursor.guess(&self.plan.schedule, &self.counts, most);
-        if guess.is_empty() {
-            return Ok(0);
-        }
-        self.is_ahead = true;
-        let results: Vec<PassResult> = match &mut self.executor {
-            Executor::Gpu(e) => e.run(&guess, &self.counts).await?,
-            Executor::Cpu(e) => vec![e.run(guess[0], &self.data)],
-            Executor::CpuF64(e) => vec![e.run(guess[0], &self.data)],
-        };
-        let mut recorded = 0;
-        for result in &results {
-            let mut ahead = self.cursor.clone();
-            if ahead.next(&self.plan.schedule, &self.counts) != Some(result.kernel) {
-                // What follows was submitted ahead for rays that are no longer there.
-                if results[recorded..].iter().any(|r| r.counts != self.counts) {
-                    return Err(RenderError::Overshoot(self.passes.len()));
-                }
-                break;
-            }
-            let rays_in = result.kernel.live(&self.counts);
-            self.cursor = ahead;
-            self.counts = result.counts;
-            self.passes.push(Pass {
-                index: self.passes.len(),
-                iteration: self.cursor.iteration,
-                kernel: result.kernel,
-                rays_in,
-                counts: result.counts,
-                threads_launched: result.threads_launched,
-                begin_ns: result.begin_ns,
-                duration_ns: result.duration_ns,
-            });
-            recorded += 1;
-        }
-        self.is_ahead = false;
-        Ok(recorded)
-    }
-
-    fn undecided(&self) -> u64 {
-        [state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT]
-            .iter()
-            .map(|&tag| u64::from(self.counts[tag as usize]))
-            .sum()
-    }
-
-    /// How far the run is.
-    #[must_use]
-    pub fn progress(&self) -> Progress {
-        let decided = [state::SHADE, state::BACKGROUND, state::DONE];
-        let rays_decided = decided.iter().map(|&tag| u64::from(self.counts[tag as usize])).sum();
-        Progress { passes: self.passes.len(), rays_decided, rays: self.plan.rays }
-    }
-
     /// The plan.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
+    /// The plan, for another run of the same scene and options.
+    #[must_use]
+    pub fn shared_plan(&self) -> Arc<Plan> {
+        self.plan.clone()
+    }
+
     /// The scene as the kernels read it.
     #[must_use]
     pub fn data(&self) -> &SceneData {
         &self.data
+    }
+
+    /// The scene as the kernels read it, for another run.
+    #[must_use]
+    pub fn shared_data(&self) -> Arc<SceneData> {
+        self.data.clone()
     }
 
     /// Every pass so far.
@@ -381,21 +299,5 @@ impl Renderer {
             Executor::CpuF64(e) => Some(e),
             _ => None,
         }
-    }
-
-    /// Replaces a stream's values; the next pass works on them. False where the plan left it out or the
-    /// size differs.
-    pub fn write(&mut self, data: &StreamData) -> bool {
-        let is_written = match &mut self.executor {
-            Executor::Gpu(e) => e.write(data),
-            Executor::Cpu(e) => e.write(data),
-            Executor::CpuF64(e) => e.write(data),
-        };
-        if is_written && data.stream == Stream::State {
-            // Which kernel is next follows from the counts.
-            self.counts = StateCounts::default();
-            data.layer(STATE_TAG).iter().for_each(|&tag| self.counts[(tag as usize).min(state::COUNT - 1)] += 1);
-        }
-        is_written
     }
 }

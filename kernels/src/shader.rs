@@ -109,6 +109,14 @@ pub enum ShaderError {
 }
 
 impl Variant {
+    /// The streams that the kernel changes.
+    pub fn written_streams(&self) -> impl Iterator<Item = Stream> + '_ {
+        self.bindings.iter().filter_map(|binding| match binding.resource {
+            Resource::WriteStream { stream, .. } if binding.writes => Some(stream),
+            _ => None,
+        })
+    }
+
     /// Composes, validates and reflects a kernel. Needs no device.
     ///
     /// # Errors

@@ -18,10 +18,13 @@
 //! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
 //! of a primary ray is its depth.
 
+use serde::{Deserialize, Serialize};
+
 use crate::shared::constants::{INF, NO_NODE, NO_TRIANGLE};
 
 /// A per-ray stream.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stream {
     /// Where the ray starts.
     RayOrigin,
@@ -30,6 +33,7 @@ pub enum Stream {
     /// Tag, nearest t, cell, item offset.
     State,
     /// t at which the ray leaves its cell, per axis.
+    #[serde(rename = "tmax")]
     TMax,
     /// Node visited before this one.
     Previous,
@@ -154,7 +158,30 @@ impl Stream {
     }
 }
 
-/// The values of one stream after some pass: layer-major, then rows from the top.
+/// A part of an image, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// Its first column.
+    pub x: u32,
+    /// Its first row.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl Region {
+    /// Whether it has pixels, all of them in an image of this size.
+    #[must_use]
+    pub fn is_in(&self, width: u32, height: u32) -> bool {
+        let fits =
+            |first: u32, count: u32, all: u32| count > 0 && first.checked_add(count).is_some_and(|end| end <= all);
+        fits(self.x, self.width, width) && fits(self.y, self.height, height)
+    }
+}
+
+/// The values of one stream, or of a part of it, after some pass: layer-major, then rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StreamData {
     /// Which stream.

@@ -116,14 +116,19 @@ pub fn devices() -> Vec<(&'static str, Device)> {
     vec![("gpu", Device::Gpu(gpu())), ("cpu", Device::Cpu(None))]
 }
 
+/// The GPU of a device that is one.
+#[must_use]
+pub fn gpu_of(device: &Device) -> Option<&Gpu> {
+    match device {
+        Device::Gpu(gpu) => Some(gpu),
+        _ => None,
+    }
+}
+
 /// Runs to the end without shading and returns the renderer.
 #[must_use]
 pub fn traced(scene: &Scene, options: &Options, device: &Device) -> Renderer {
-    let gpu = match device {
-        Device::Gpu(gpu) => Some(&**gpu),
-        _ => None,
-    };
-    block_on(gpu, async {
+    block_on(gpu_of(device), async {
         let mut renderer = Renderer::new(scene, options, device).await.expect("a renderer");
         renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
         renderer

@@ -7,7 +7,7 @@ use crate::plan::{Bytes, Plan};
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
 use crate::state::{self, StateCounts};
-use crate::stream::{STATE_TAG, STREAMS, Stream, StreamData};
+use crate::stream::{Region, STATE_TAG, STREAMS, Stream, StreamData};
 
 /// A kernel's twin: one ray's work.
 pub type Twin<R> = fn(&mut Texels<'_, R>, &SceneData);
@@ -194,25 +194,30 @@ impl<R: Real> CpuExecutor<R> {
     /// The values of a stream; f64 is rounded to f32. `None` where the plan left it out.
     #[must_use]
     pub fn read(&self, stream: Stream) -> Option<StreamData> {
-        let first = self.layout.first[stream as usize]?;
-        let rays = self.width as usize * self.height as usize;
-        let mut bits = Vec::with_capacity(rays * stream.layers());
-        for layer in 0..stream.layers() {
-            let rows = self.texels.chunks_exact(self.layout.stride);
-            bits.extend(rows.map(|row| Self::to_stream_bits(stream, layer, row[first + layer])));
-        }
-        Some(StreamData { stream, width: self.width, height: self.height, bits })
+        self.read_region(stream, Region { x: 0, y: 0, width: self.width, height: self.height })
     }
 
-    /// One ray's texel in a stream; `None` where the plan left the stream out or the image has no such pixel.
+    /// A part of a stream; `None` where the plan left the stream out or the image has no such part.
     #[must_use]
-    pub fn read_texel(&self, stream: Stream, x: u32, y: u32) -> Option<Vec<u32>> {
-        let first = self.layout.first[stream as usize]?;
-        if x >= self.width || y >= self.height {
-            return None;
+    pub fn read_region(&self, stream: Stream, region: Region) -> Option<StreamData> {
+        let first = self.layout.first[stream as usize].filter(|_| region.is_in(self.width, self.height))?;
+        let Region { x, y, width, height } = region;
+        let row_words = self.width as usize * self.layout.stride;
+        let (begin, end) = (x as usize * self.layout.stride, (x + width) as usize * self.layout.stride);
+        let mut bits = Vec::with_capacity(width as usize * height as usize * stream.layers());
+        for layer in 0..stream.layers() {
+            let rows = self.texels.chunks_exact(row_words).skip(y as usize).take(height as usize);
+            let texels = rows.flat_map(|row| row[begin..end].chunks_exact(self.layout.stride));
+            bits.extend(texels.map(|texel| Self::to_stream_bits(stream, layer, texel[first + layer])));
         }
-        let row = (y as usize * self.width as usize + x as usize) * self.layout.stride + first;
-        Some((0..stream.layers()).map(|l| Self::to_stream_bits(stream, l, self.texels[row + l])).collect())
+        Some(StreamData { stream, width, height, bits })
+    }
+
+    /// One ray's texels in some streams; `None` where the plan left one of them out or the image has no such pixel.
+    #[must_use]
+    pub fn read_texels(&self, streams: &[Stream], x: u32, y: u32) -> Option<Vec<Vec<u32>>> {
+        let read = |&stream: &Stream| self.read_region(stream, Region { x, y, width: 1, height: 1 }).map(|d| d.bits);
+        streams.iter().map(read).collect()
     }
 
     /// A float component of a ray at the executor's own precision.
@@ -220,6 +225,39 @@ impl<R: Real> CpuExecutor<R> {
     pub fn component(&self, stream: Stream, layer: usize, ray: usize) -> Option<R> {
         let first = self.layout.first[stream as usize]?;
         self.texels.get(ray * self.layout.stride + first + layer).map(|&bits| R::from_bits(bits))
+    }
+
+    /// A copy, to come back to.
+    pub(crate) fn snapshot(&self) -> Result<Self, OutOfMemory> {
+        let mut texels = Vec::new();
+        let bytes = self.bytes();
+        texels.try_reserve_exact(self.texels.len()).map_err(|_| OutOfMemory { bytes })?;
+        texels.extend_from_slice(&self.texels);
+        let Self { width, height, layout, texels: _, ref counts, clock } = *self;
+        Ok(Self { width, height, layout, texels, counts: counts.clone(), clock })
+    }
+
+    /// Back to a copy of an executor of the same plan.
+    pub(crate) fn restore(&mut self, snapshot: &Self) {
+        self.texels.copy_from_slice(&snapshot.texels);
+        self.counts.copy_from_slice(&snapshot.counts);
+    }
+
+    /// What the streams take.
+    pub(crate) fn bytes(&self) -> u64 {
+        size_of_val(self.texels.as_slice()) as u64
+    }
+
+    /// Replaces one component of one ray. False where the plan left the stream out or the image has no such pixel.
+    pub(crate) fn write_component(&mut self, stream: Stream, layer: usize, x: u32, y: u32, bits: u32) -> bool {
+        let is_there = x < self.width && y < self.height && layer < stream.layers();
+        let Some(first) = self.layout.first[stream as usize].filter(|_| is_there) else { return false };
+        let ray = y as usize * self.width as usize + x as usize;
+        self.texels[ray * self.layout.stride + first + layer] = Self::from_stream_bits(stream, layer, bits);
+        if stream == Stream::State && layer == STATE_TAG {
+            self.count();
+        }
+        true
     }
 
     /// Replaces a stream. False where the plan left it out or the size differs.

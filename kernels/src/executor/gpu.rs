@@ -7,6 +7,8 @@ mod fill;
 mod load;
 mod picture;
 mod pipelines;
+mod read;
+mod snapshot;
 mod timers;
 
 use std::sync::Arc;
@@ -19,9 +21,10 @@ use fill::Fill;
 pub(crate) use fill::{fill_bytes, given_bytes};
 pub use load::Load;
 use pipelines::{Counting, Pipelines};
+use snapshot::Copies;
+pub(crate) use snapshot::Snapshot;
 use timers::Timers;
 
-use super::readback::Readback;
 use crate::options::Accelerator;
 use crate::plan::{COUNT_SLOTS, Plan};
 use crate::scene_data::SceneData;
@@ -40,6 +43,7 @@ pub struct GpuExecutor {
     fill: Fill,
     timers: Option<Timers>,
     device_ns: Option<u64>,
+    copies: Copies,
     /// Rays that one dispatch of the fused kernel traces at most.
     rays_a_dispatch: u64,
 }
@@ -86,6 +90,7 @@ impl GpuExecutor {
             fill,
             timers,
             device_ns: Some(0),
+            copies: Copies::default(),
             rays_a_dispatch,
         };
         executor.clear();
@@ -131,6 +136,7 @@ impl GpuExecutor {
     /// Every stream to its unwritten value.
     pub fn clear(&mut self) {
         self.books.clear();
+        self.copies.forget_all();
         self.device_ns = self.timers.as_ref().map(|_| 0);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.fill.clear(&mut encoder, &self.streams);
@@ -155,6 +161,17 @@ impl GpuExecutor {
         );
     }
 
+    /// Replaces one component of one ray, but not its tag, which lists follow from. False where the plan left the
+    /// stream out or the image has no such pixel.
+    pub(crate) fn write_component(&mut self, stream: Stream, layer: usize, x: u32, y: u32, bits: u32) -> bool {
+        let is_there = x < self.width && y < self.height && layer < stream.layers();
+        let Some(texture) = self.texture(stream).filter(|_| is_there) else { return false };
+        let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
+        self.upload(texture, wgpu::Origin3d { x, y, z: layer as u32 }, size, &[bits]);
+        self.copies.forget(stream);
+        true
+    }
+
     /// Replaces a stream. False where the plan left it out or the size differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
         let Some(texture) = self.texture(data.stream) else { return false };
@@ -165,78 +182,11 @@ impl GpuExecutor {
         }
         let size = wgpu::Extent3d { width: self.width, height: self.height, depth_or_array_layers: layers };
         self.upload(texture, wgpu::Origin3d::ZERO, size, &data.bits);
+        self.copies.forget(data.stream);
         if data.stream == Stream::State {
             self.books.relist(&self.gpu.queue, data.layer(STATE_TAG), self.width);
         }
         true
-    }
-
-    /// The values of a stream, once the GPU has finished what was submitted. `None` where the plan left it out.
-    ///
-    /// # Errors
-    /// Where the device is lost or refuses.
-    pub async fn read(&self, stream: Stream) -> Result<Option<StreamData>, GpuError> {
-        let full = (0, 0, self.width, self.height);
-        let Some(bits) = self.read_region(stream, full).await? else { return Ok(None) };
-        Ok(Some(StreamData { stream, width: self.width, height: self.height, bits }))
-    }
-
-    /// One ray's texel in a stream; `None` where the plan left the stream out or the image has no such pixel.
-    ///
-    /// # Errors
-    /// Where the device is lost or refuses.
-    pub async fn read_texel(&self, stream: Stream, x: u32, y: u32) -> Result<Option<Vec<u32>>, GpuError> {
-        if x >= self.width || y >= self.height {
-            return Ok(None);
-        }
-        self.read_region(stream, (x, y, 1, 1)).await
-    }
-
-    async fn read_region(&self, stream: Stream, region: (u32, u32, u32, u32)) -> Result<Option<Vec<u32>>, GpuError> {
-        let (x, y, width, height) = region;
-        let Some(texture) = self.texture(stream) else { return Ok(None) };
-        self.gpu.health()?;
-        let layers = stream.layers() as u32;
-        let row_bytes = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let layer_bytes = u64::from(row_bytes) * u64::from(height);
-        let scopes = self.gpu.push_scopes();
-        let buffer = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("readback"),
-            // One layer at a time: a stream may be larger than the largest buffer.
-            size: layer_bytes,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        self.gpu.pop_scopes(scopes).await?;
-        let mut bits = Vec::with_capacity((layers * width * height) as usize);
-        for layer in 0..layers {
-            let scopes = self.gpu.push_scopes();
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z: layer }, ..texture.as_image_copy() },
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &buffer,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(row_bytes),
-                        rows_per_image: Some(height),
-                    },
-                },
-                wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            );
-            self.gpu.queue.submit([encoder.finish()]);
-            let readback = Readback::start(&self.gpu, buffer.clone(), layer_bytes);
-            self.gpu.pop_scopes(scopes).await?;
-            readback
-                .finish(layer_bytes, |bytes| {
-                    for row in bytes.chunks_exact(row_bytes as usize) {
-                        let words = row[..4 * width as usize].chunks_exact(4);
-                        bits.extend(words.map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])));
-                    }
-                })
-                .await?;
-        }
-        Ok(Some(bits))
     }
 }
 

@@ -98,16 +98,14 @@ pub async fn trace(
         // A kernel leaves alone every ray that is not in its states: nothing to read back then.
         if pass.kernel.info().active.contains(&before.tag) {
             let after = ray_state(renderer, x, y).await?;
-            rows.push(row(&pass, renderer.data(), &before, &after));
+            rows.push(TraceRow::new(&pass, renderer.data(), &before, &after));
             before = after;
         }
         if progress(&pass).is_break() {
             return Err(RenderError::Cancelled { passes: renderer.passes().len() });
         }
     }
-    let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();
-    let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
-    Ok(Trace { pixel: [x, y], scene_units_per_stream_unit, t_scale, passes: renderer.passes().len(), rows })
+    Ok(Trace::new(renderer, [x, y], rows))
 }
 
 /// Decodes a ray's texels as they are now.
@@ -115,20 +113,21 @@ pub async fn trace(
 /// # Errors
 /// Where the image has no such pixel, or the device fails.
 pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, RenderError> {
+    use Stream::{Color, Hit, Previous, RayDirection, RayOrigin, State, TMax};
     let plan = renderer.plan();
-    let read = async |stream: Stream| match plan.has_stream(stream) {
-        true => renderer.texel(stream, x, y).await.map(Some),
-        false => Ok(None),
-    };
-    let floats = |texel: Option<Vec<u32>>| texel.map(|t| [t[0], t[1], t[2]].map(f32::from_bits));
-    let state = renderer.texel(Stream::State, x, y).await?;
-    let hit = renderer.texel(Stream::Hit, x, y).await?;
-    let origin = floats(read(Stream::RayOrigin).await?).unwrap_or_default();
-    let direction = floats(read(Stream::RayDirection).await?).unwrap_or_default();
-    let tmax = floats(read(Stream::TMax).await?);
-    let previous = read(Stream::Previous).await?.map(|texel| texel[0]);
+    let optional = [RayOrigin, RayDirection, TMax, Previous, Color];
+    let streams: Vec<Stream> =
+        [State, Hit].into_iter().chain(optional.into_iter().filter(|&s| plan.has_stream(s))).collect();
+    let texels = renderer.texels(&streams, x, y).await?;
+    let texel = |stream: Stream| streams.iter().position(|&s| s == stream).map(|i| &texels[i]);
+    let floats = |stream: Stream| texel(stream).map(|t| [t[0], t[1], t[2]].map(f32::from_bits));
+    let (state, hit) = (&texels[0], &texels[1]);
+    let origin = floats(RayOrigin).unwrap_or_default();
+    let direction = floats(RayDirection).unwrap_or_default();
+    let tmax = floats(TMax);
+    let previous = texel(Previous).map(|texel| texel[0]);
     let tag = state[0];
-    let color = if tag == state::DONE { floats(read(Stream::Color).await?) } else { None };
+    let color = if tag == state::DONE { floats(Color) } else { None };
     let t = f32::from_bits(state[1]);
     let is_hit = hit[2] != NO_TRIANGLE;
     Ok(RayState {
@@ -147,21 +146,33 @@ pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, 
     })
 }
 
-fn row(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> TraceRow {
-    let walks = pass.kernel.is_walk();
-    let (tested, why) = explain(pass.kernel, data, before, after);
-    TraceRow {
-        pass: pass.index,
-        kernel: pass.kernel.name(),
-        state_before: before.state,
-        cell: (data.features.grid && walks).then(|| data.grid.cell_of_index(before.cell_index)),
-        tested,
-        after: *after,
-        why,
+impl TraceRow {
+    /// What a pass did to a ray that it worked on.
+    #[must_use]
+    pub fn new(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> Self {
+        let walks = pass.kernel.is_walk();
+        let (tested, why) = explain(pass.kernel, data, before, after);
+        Self {
+            pass: pass.index,
+            kernel: pass.kernel.name(),
+            state_before: before.state,
+            cell: (data.features.grid && walks).then(|| data.grid.cell_of_index(before.cell_index)),
+            tested,
+            after: *after,
+            why,
+        }
     }
 }
 
 impl Trace {
+    /// The rows of a ray of a run that is at its end.
+    #[must_use]
+    pub fn new(renderer: &Renderer, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
+        let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();
+        let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
+        Self { pixel: [x, y], scene_units_per_stream_unit, t_scale, passes: renderer.passes().len(), rows }
+    }
+
     /// A table for people: a line a row.
     #[must_use]
     pub fn table(&self) -> String {

@@ -3,7 +3,7 @@
 use super::{Executor, RenderError, Renderer};
 use crate::image::Image;
 use crate::shared::constants::{INF, NO_TRIANGLE};
-use crate::stream::{HIT_TRIANGLE, STATE_T, Stream, StreamData};
+use crate::stream::{HIT_TRIANGLE, Region, STATE_T, Stream, StreamData};
 use crate::units::exp2;
 
 /// What one ray hit, in scene units.
@@ -44,12 +44,44 @@ impl Renderer {
     /// # Errors
     /// Where the plan left the stream out, the image has no such pixel, or the device fails.
     pub async fn texel(&self, stream: Stream, x: u32, y: u32) -> Result<Vec<u32>, RenderError> {
-        let texel = match &self.executor {
-            Executor::Gpu(e) => e.read_texel(stream, x, y).await?,
-            Executor::Cpu(e) => e.read_texel(stream, x, y),
-            Executor::CpuF64(e) => e.read_texel(stream, x, y),
+        self.texels(&[stream], x, y).await?.pop().ok_or(RenderError::NoStream(stream.name()))
+    }
+
+    /// One ray's texels in some streams after the last pass, one word a layer: one submission, and one trip to
+    /// the host, for all of them.
+    ///
+    /// # Errors
+    /// Where the plan left one of the streams out, the image has no such pixel, or the device fails.
+    pub async fn texels(&self, streams: &[Stream], x: u32, y: u32) -> Result<Vec<Vec<u32>>, RenderError> {
+        self.check_part(streams, Region { x, y, width: 1, height: 1 })?;
+        let texels = match &self.executor {
+            Executor::Gpu(e) => e.read_texels(streams, x, y).await?,
+            Executor::Cpu(e) => e.read_texels(streams, x, y),
+            Executor::CpuF64(e) => e.read_texels(streams, x, y),
         };
-        texel.ok_or(RenderError::NoStream(stream.name()))
+        texels.ok_or(RenderError::NoStream(streams.first().map_or("", |s| s.name())))
+    }
+
+    /// A part of a stream after the last pass.
+    ///
+    /// # Errors
+    /// Where the plan left it out, the image has no such part, or the device fails.
+    pub async fn region(&self, stream: Stream, region: Region) -> Result<StreamData, RenderError> {
+        self.check_part(&[stream], region)?;
+        let data = match &self.executor {
+            Executor::Gpu(e) => e.read_region(stream, region).await?,
+            Executor::Cpu(e) => e.read_region(stream, region),
+            Executor::CpuF64(e) => e.read_region(stream, region),
+        };
+        data.ok_or(RenderError::NoStream(stream.name()))
+    }
+
+    pub(super) fn check_part(&self, streams: &[Stream], region: Region) -> Result<(), RenderError> {
+        if let Some(missing) = streams.iter().find(|&&s| !self.plan.has_stream(s)) {
+            return Err(RenderError::NoStream(missing.name()));
+        }
+        let (width, height) = (self.plan.width, self.plan.height);
+        if region.is_in(width, height) { Ok(()) } else { Err(RenderError::NoPixel { region, width, height }) }
     }
 
     /// The image so far, linear; alpha is 1 where a ray hit something.

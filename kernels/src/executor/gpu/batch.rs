@@ -26,6 +26,7 @@ impl GpuExecutor {
         if passes.is_empty() {
             return Ok(Vec::new());
         }
+        self.forget_written(passes);
         let scopes = self.gpu.push_scopes();
         let places = self.books.lay_out(&self.gpu.queue, passes, counts);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

@@ -44,6 +44,19 @@ pub(super) struct Books {
     kernels: [Kernel; 2],
 }
 
+/// The lists as they were after some pass.
+pub(super) struct KeptLists {
+    turns: [u64; 2],
+    rays: [Option<wgpu::Buffer>; 2],
+}
+
+impl KeptLists {
+    /// What they take on the GPU.
+    pub(super) fn bytes(&self) -> u64 {
+        self.rays.iter().flatten().map(wgpu::Buffer::size).sum()
+    }
+}
+
 /// Where one pass finds its slots.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
@@ -108,7 +121,7 @@ impl Books {
             sent: own("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             copy: own("sent_copy", U::COPY_DST | U::MAP_READ),
             lists: [list("intersect_list_even", "intersect_list_odd"), list("traverse_list_even", "traverse_list_odd")],
-            live_rays: buffer("live_rays", U::STORAGE | U::COPY_DST),
+            live_rays: buffer("live_rays", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             texels: plan.width * plan.height,
             kernels: [
                 if plan.features.many_steps { Kernel::Walk } else { Kernel::Intersect },
@@ -148,6 +161,43 @@ impl Books {
     /// No ray is in any list.
     pub(super) fn clear(&mut self) {
         self.lists.iter_mut().flatten().for_each(|list| list.turn = 0);
+    }
+
+    /// Copies the lists, which hold these rays.
+    pub(super) fn keep(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        counts: &StateCounts,
+    ) -> KeptLists {
+        let mut kept = KeptLists { turns: [0; 2], rays: [None, None] };
+        for (index, list) in self.lists.iter().enumerate() {
+            let (Some(list), Some(live_rays)) = (list, &self.live_rays) else { continue };
+            kept.turns[index] = list.turn;
+            let size = 4 * u64::from(self.kernels[index].live(counts));
+            if size > 0 {
+                let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+                let label = Some("checkpoint of a list");
+                let rays =
+                    device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false });
+                let first = 4 * u64::from(self.first_ray(index, list.turn));
+                encoder.copy_buffer_to_buffer(live_rays, first, &rays, 0, size);
+                kept.rays[index] = Some(rays);
+            }
+        }
+        kept
+    }
+
+    /// Copies the lists back.
+    pub(super) fn restore(&mut self, encoder: &mut wgpu::CommandEncoder, kept: &KeptLists) {
+        for index in 0..2 {
+            let Some(list) = &mut self.lists[index] else { continue };
+            list.turn = kept.turns[index];
+            if let (Some(live_rays), Some(rays)) = (&self.live_rays, &kept.rays[index]) {
+                let first = 4 * u64::from(self.first_ray(index, kept.turns[index]));
+                encoder.copy_buffer_to_buffer(rays, 0, live_rays, first, rays.size());
+            }
+        }
     }
 
     /// Where the list of a kernel's pass begins in `live_rays`, in words.

@@ -12,6 +12,8 @@ use crate::stream::{Stream, Texel};
 pub(super) struct KernelPipeline {
     kernel: Kernel,
     pub(super) pipeline: wgpu::ComputePipeline,
+    /// The streams that it changes.
+    pub(super) writes: Vec<Stream>,
     /// Groups 0 and 1: streams, and scene data.
     pub(super) groups: Vec<wgpu::BindGroup>,
     /// Group 2: the books, one for each combination of even and odd slots; empty where it binds none.
@@ -112,7 +114,8 @@ impl KernelPipeline {
             },
             cache: None,
         });
-        Ok(Self { kernel: variant.kernel, pipeline, groups, live, offsets })
+        let writes = variant.written_streams().collect();
+        Ok(Self { kernel: variant.kernel, pipeline, writes, groups, live, offsets })
     }
 
     /// Binds the books for a pass.

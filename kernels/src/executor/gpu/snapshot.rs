@@ -1,0 +1,118 @@
+//! Streams and lists as they were after some pass, kept on the GPU: copies of textures, nothing goes to the host.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Weak};
+
+use super::books::KeptLists;
+use super::{GpuError, GpuExecutor, stream_format};
+use crate::kernel::Kernel;
+use crate::state::StateCounts;
+use crate::stream::Stream;
+
+/// Streams and lists after some pass.
+pub(crate) struct Snapshot {
+    gpu: Arc<super::Gpu>,
+    streams: Vec<(Stream, Arc<wgpu::Texture>)>,
+    lists: KeptLists,
+    device_ns: Option<u64>,
+}
+
+/// The copies that hold what streams hold now. What no pass has written since is not copied again.
+#[derive(Default)]
+pub(super) struct Copies(BTreeMap<Stream, Weak<wgpu::Texture>>);
+
+impl Copies {
+    /// A stream has changed.
+    pub(super) fn forget(&mut self, stream: Stream) {
+        self.0.remove(&stream);
+    }
+
+    /// Every stream has changed.
+    pub(super) fn forget_all(&mut self) {
+        self.0.clear();
+    }
+
+    fn of(&self, stream: Stream) -> Option<Arc<wgpu::Texture>> {
+        self.0.get(&stream)?.upgrade()
+    }
+}
+
+fn bytes(texture: &wgpu::Texture) -> u64 {
+    4 * u64::from(texture.width()) * u64::from(texture.height()) * u64::from(texture.depth_or_array_layers())
+}
+
+impl Snapshot {
+    /// Everything that it holds: which one, and its bytes. Two snapshots may hold the same.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let streams = self.streams.iter().map(|(_, texture)| (Arc::as_ptr(texture).addr(), bytes(texture)));
+        streams.chain(std::iter::once((std::ptr::from_ref(self).addr(), self.lists.bytes())))
+    }
+
+    /// Whether it was made on this device.
+    pub(crate) fn is_on(&self, gpu: &Arc<super::Gpu>) -> bool {
+        Arc::ptr_eq(&self.gpu, gpu)
+    }
+}
+
+impl GpuExecutor {
+    /// Keeps streams and lists as they are now. `counts` are the rays in each state.
+    ///
+    /// # Errors
+    /// Where there is no room for it, or the device is lost.
+    pub(crate) async fn snapshot(&mut self, counts: &StateCounts) -> Result<Snapshot, GpuError> {
+        self.gpu.health()?;
+        let scopes = self.gpu.push_scopes();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let keep = |(stream, texture): &(Stream, wgpu::Texture)| {
+            let copy = self.copies.of(*stream).unwrap_or_else(|| {
+                let copy = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some("checkpoint"),
+                    size: texture.size(),
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format: stream_format(*stream),
+                    usage: wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST,
+                    view_formats: &[],
+                });
+                encoder.copy_texture_to_texture(texture.as_image_copy(), copy.as_image_copy(), texture.size());
+                Arc::new(copy)
+            });
+            (*stream, copy)
+        };
+        let streams: Vec<_> = self.streams.iter().map(keep).collect();
+        let lists = self.books.keep(&self.gpu.device, &mut encoder, counts);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.pop_scopes(scopes).await?;
+        self.note_copies(&streams);
+        Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, device_ns: self.device_ns })
+    }
+
+    /// Streams and lists to what they were. The snapshot is of the same plan, on the same device.
+    pub(crate) fn restore(&mut self, snapshot: &Snapshot) {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        for (stream, copy) in &snapshot.streams {
+            let is_there = self.copies.of(*stream).is_some_and(|there| Arc::ptr_eq(&there, copy));
+            if let Some(texture) = self.texture(*stream).filter(|_| !is_there) {
+                encoder.copy_texture_to_texture(copy.as_image_copy(), texture.as_image_copy(), copy.size());
+            }
+        }
+        self.books.restore(&mut encoder, &snapshot.lists);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.note_copies(&snapshot.streams);
+        self.device_ns = snapshot.device_ns;
+    }
+
+    fn note_copies(&mut self, streams: &[(Stream, Arc<wgpu::Texture>)]) {
+        self.copies = Copies(streams.iter().map(|(stream, copy)| (*stream, Arc::downgrade(copy))).collect());
+    }
+
+    /// Passes of these kernels are about to run.
+    pub(super) fn forget_written(&mut self, passes: &[Kernel]) {
+        for kernel in passes {
+            for &stream in self.pipelines.get(*kernel).map_or(&[][..], |pipeline| &pipeline.writes) {
+                self.copies.forget(stream);
+            }
+        }
+    }
+}

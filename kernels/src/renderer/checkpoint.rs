@@ -1,0 +1,104 @@
+//! A place in a run to come back to without running its passes again.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{Executor, Pass, RenderError, Renderer};
+use crate::executor::cpu::CpuExecutor;
+use crate::executor::gpu::Snapshot;
+use crate::plan::Plan;
+use crate::schedule::Cursor;
+use crate::state::StateCounts;
+
+/// Everything that the passes to come depend on, after some pass of a run. What runs on a GPU is kept on the GPU.
+pub struct Checkpoint {
+    plan: Arc<Plan>,
+    kept: Kept,
+    cursor: Cursor,
+    counts: StateCounts,
+    passes: Vec<Pass>,
+    unfinished: u64,
+}
+
+enum Kept {
+    Gpu(Box<Snapshot>),
+    Cpu(Box<CpuExecutor<f32>>),
+    CpuF64(Box<CpuExecutor<f64>>),
+}
+
+impl Checkpoint {
+    /// Passes before it.
+    #[must_use]
+    pub fn place(&self) -> usize {
+        self.passes.len()
+    }
+
+    /// Bytes that it holds, on the GPU or on the host.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        Self::bytes_of([self])
+    }
+
+    /// Bytes that some checkpoints hold together: a stream that did not change from one to the next is kept once.
+    #[must_use]
+    pub fn bytes_of<'a>(checkpoints: impl IntoIterator<Item = &'a Self>) -> u64 {
+        let parts: BTreeMap<usize, u64> = checkpoints.into_iter().flat_map(Self::parts).collect();
+        parts.values().sum()
+    }
+
+    /// What it holds: which one, and its bytes.
+    fn parts(&self) -> Vec<(usize, u64)> {
+        let mut parts = match &self.kept {
+            Kept::Gpu(snapshot) => snapshot.parts().collect(),
+            Kept::Cpu(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
+            Kept::CpuF64(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
+        };
+        parts.push((self.passes.as_ptr().addr(), size_of_val(self.passes.as_slice()) as u64));
+        parts
+    }
+}
+
+impl Renderer {
+    /// Keeps where the run is. [`restore`](Self::restore) brings it back, bit for bit.
+    ///
+    /// # Errors
+    /// Where there is no room for it, or the device fails.
+    pub async fn checkpoint(&mut self) -> Result<Checkpoint, RenderError> {
+        self.settle().await?;
+        let kept = match &mut self.executor {
+            Executor::Gpu(e) => Kept::Gpu(Box::new(e.snapshot(&self.counts).await?)),
+            Executor::Cpu(e) => Kept::Cpu(Box::new(e.snapshot()?)),
+            Executor::CpuF64(e) => Kept::CpuF64(Box::new(e.snapshot()?)),
+        };
+        Ok(Checkpoint {
+            plan: self.plan.clone(),
+            kept,
+            cursor: self.cursor.clone(),
+            counts: self.counts,
+            passes: self.passes.clone(),
+            unfinished: self.unfinished,
+        })
+    }
+
+    /// Goes to where the run was; from there it lies behind or ahead. The passes that follow are those that followed.
+    ///
+    /// # Errors
+    /// Where the checkpoint is not of this run, or of one that shares its plan and device. Nothing is changed then.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), RenderError> {
+        if !Arc::ptr_eq(&self.plan, &checkpoint.plan) {
+            return Err(RenderError::OtherRun);
+        }
+        match (&mut self.executor, &checkpoint.kept) {
+            (Executor::Gpu(e), Kept::Gpu(snapshot)) if snapshot.is_on(e.gpu()) => e.restore(snapshot),
+            (Executor::Cpu(e), Kept::Cpu(kept)) => e.restore(kept),
+            (Executor::CpuF64(e), Kept::CpuF64(kept)) => e.restore(kept),
+            _ => return Err(RenderError::OtherRun),
+        }
+        self.cursor = checkpoint.cursor.clone();
+        self.counts = checkpoint.counts;
+        self.passes.clone_from(&checkpoint.passes);
+        self.unfinished = checkpoint.unfinished;
+        self.is_ahead = false;
+        Ok(())
+    }
+}

@@ -1,0 +1,87 @@
+//! Streams changed from outside, between two passes.
+
+use std::sync::Arc;
+
+use super::{Executor, RenderError, Renderer};
+use crate::state::{self, StateCounts};
+use crate::stream::{Region, STATE_TAG, Stream, StreamData};
+
+impl Renderer {
+    /// Replaces a stream's values; the next pass works on them. False where the plan left it out or the
+    /// size differs.
+    pub fn write(&mut self, data: &StreamData) -> bool {
+        let is_written = match &mut self.executor {
+            Executor::Gpu(e) => e.write(data),
+            Executor::Cpu(e) => e.write(data),
+            Executor::CpuF64(e) => e.write(data),
+        };
+        if is_written && data.stream == Stream::State {
+            // Which kernel is next follows from the counts.
+            self.counts = StateCounts::default();
+            data.layer(STATE_TAG).iter().for_each(|&tag| self.counts[(tag as usize).min(state::COUNT - 1)] += 1);
+        }
+        is_written
+    }
+    /// Replaces one component of one ray; the next pass works on it.
+    ///
+    /// # Errors
+    /// Where the plan left the stream out, there is no such layer or pixel, or the device fails.
+    pub async fn write_component(
+        &mut self,
+        stream: Stream,
+        layer: usize,
+        x: u32,
+        y: u32,
+        bits: u32,
+    ) -> Result<(), RenderError> {
+        self.check_part(&[stream], Region { x, y, width: 1, height: 1 })?;
+        if layer >= stream.layers() {
+            return Err(RenderError::NoLayer { stream: stream.name(), layer });
+        }
+        let is_tag = stream == Stream::State && layer == STATE_TAG;
+        match &mut self.executor {
+            // Counts and lists of live rays follow from every ray's tag.
+            Executor::Gpu(_) if is_tag => {
+                let mut data = self.values(Stream::State).await?;
+                data.bits[y as usize * data.width as usize + x as usize] = bits;
+                self.write(&data);
+            }
+            Executor::Gpu(e) => {
+                e.write_component(stream, layer, x, y, bits);
+            }
+            Executor::Cpu(e) => {
+                e.write_component(stream, layer, x, y, bits);
+                self.counts = e.counts();
+            }
+            Executor::CpuF64(e) => {
+                e.write_component(stream, layer, x, y, bits);
+                self.counts = e.counts();
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes over where another run is, which shares this one's plan: its streams as f32, and its place. The
+    /// passes that follow run here.
+    ///
+    /// # Errors
+    /// Where the other run has another plan, or a device fails.
+    pub async fn adopt(&mut self, other: &mut Self) -> Result<(), RenderError> {
+        if !Arc::ptr_eq(&self.plan, &other.plan) {
+            return Err(RenderError::OtherRun);
+        }
+        other.settle().await?;
+        // Until all is copied, streams and place do not belong together.
+        self.is_ahead = true;
+        for planned in &self.plan.clone().streams {
+            let data = other.values(planned.what).await?;
+            self.write(&data);
+        }
+        self.cursor = other.cursor.clone();
+        self.counts = other.counts;
+        self.passes.clone_from(&other.passes);
+        self.unfinished = other.unfinished;
+        self.is_ahead = false;
+        Ok(())
+    }
+}

@@ -1,0 +1,171 @@
+//! Running passes: one, some, or all that are left, in batches where that hides the way to the device.
+
+use std::ops::ControlFlow;
+
+use super::{Executor, Pass, Progress, RenderError, Renderer};
+use crate::executor::PassResult;
+use crate::executor::gpu::MOST_PASSES;
+use crate::kernel::Kernel;
+use crate::state;
+
+/// Rays times passes of one submission at most, or two passes.
+const RAYS_A_BATCH: u64 = 1 << 26;
+
+impl Renderer {
+    /// Runs one pass. `None` when the run is complete.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub async fn step(&mut self) -> Result<Option<Pass>, RenderError> {
+        let before = self.passes.len();
+        self.advance(1).await?;
+        Ok(self.passes.get(before).copied())
+    }
+
+    /// The kernel that [`step`](Self::step) would run.
+    #[must_use]
+    pub fn next_kernel(&self) -> Option<Kernel> {
+        self.next_pass().map(|(kernel, _)| kernel)
+    }
+
+    /// Kernel and iteration of the pass that [`step`](Self::step) would run; see [`Pass::iteration`].
+    #[must_use]
+    pub fn next_pass(&self) -> Option<(Kernel, u32)> {
+        let mut cursor = self.cursor.clone();
+        if self.is_over_bound() {
+            cursor.leave_loop();
+        }
+        let kernel = cursor.next(&self.plan.schedule, &self.counts)?;
+        Some((kernel, cursor.iteration))
+    }
+
+    /// Runs to the end. `progress` is called between batches of passes and may stop the run.
+    ///
+    /// # Errors
+    /// Where the device fails, or `progress` said so.
+    pub async fn run(&mut self, progress: impl FnMut(&Progress) -> ControlFlow<()>) -> Result<(), RenderError> {
+        self.run_to(usize::MAX, progress).await
+    }
+
+    /// Runs until so many passes have run in all, or to the end where that comes first; never beyond. `progress` is
+    /// called between batches of passes and may stop the run, which can go on from there.
+    ///
+    /// # Errors
+    /// Where the device fails, or `progress` said so.
+    pub async fn run_to(
+        &mut self,
+        place: usize,
+        mut progress: impl FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
+        // Enough passes to hide the read-back, few enough rays to report often.
+        let most = match self.executor {
+            Executor::Gpu(_) => MOST_PASSES,
+            Executor::Cpu(_) | Executor::CpuF64(_) => 1,
+        };
+        let mut batch = 8.min(most);
+        while self.passes.len() < place {
+            let submitted = batch.min(place - self.passes.len());
+            let recorded = self.advance(submitted).await?;
+            if recorded == 0 {
+                break;
+            }
+            // Where fewer were needed than submitted, a kernel is idle soon; the rest was for nothing.
+            let wanted = if 2 * recorded < submitted { 2 * recorded } else { 2 * batch };
+            // Passes that launch every ray cost as much at the end as at the beginning.
+            let launched = if self.plan.features.live_lists { self.undecided() } else { self.plan.rays };
+            batch = wanted.min((RAYS_A_BATCH / launched.max(1)) as usize).max(2).min(most);
+            let is_over = self.passes.len() >= place || self.next_kernel().is_none();
+            if progress(&self.progress()).is_break() && !is_over {
+                return Err(RenderError::Cancelled { passes: self.passes.len() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Submits up to `most` passes and records those that the schedule asked for.
+    async fn advance(&mut self, most: usize) -> Result<usize, RenderError> {
+        self.settle().await?;
+        self.submit(most).await
+    }
+
+    /// Whether the streams are not what [`passes`](Self::passes) made of them, because a caller dropped a future that
+    /// waited for passes. The next pass runs all of them again, from unwritten streams.
+    #[must_use]
+    pub fn is_ahead(&self) -> bool {
+        self.is_ahead
+    }
+
+    /// Makes streams and recorded passes agree. Passes are deterministic: the recorded ones are run again.
+    pub(super) async fn settle(&mut self) -> Result<(), RenderError> {
+        if self.is_ahead {
+            let place = self.passes.len();
+            self.restart();
+            while self.passes.len() < place && self.submit(1).await? > 0 {}
+        }
+        Ok(())
+    }
+
+    async fn submit(&mut self, most: usize) -> Result<usize, RenderError> {
+        if self.is_over_bound() {
+            self.unfinished = self.undecided();
+            self.cursor.leave_loop();
+        }
+        let guess = self.cursor.guess(&self.plan.schedule, &self.counts, most);
+        if guess.is_empty() {
+            return Ok(0);
+        }
+        self.is_ahead = true;
+        let results: Vec<PassResult> = match &mut self.executor {
+            Executor::Gpu(e) => e.run(&guess, &self.counts).await?,
+            Executor::Cpu(e) => vec![e.run(guess[0], &self.data)],
+            Executor::CpuF64(e) => vec![e.run(guess[0], &self.data)],
+        };
+        let mut recorded = 0;
+        for result in &results {
+            let mut ahead = self.cursor.clone();
+            if ahead.next(&self.plan.schedule, &self.counts) != Some(result.kernel) {
+                // What follows was submitted ahead for rays that are no longer there.
+                if results[recorded..].iter().any(|r| r.counts != self.counts) {
+                    return Err(RenderError::Overshoot(self.passes.len()));
+                }
+                break;
+            }
+            let rays_in = result.kernel.live(&self.counts);
+            self.cursor = ahead;
+            self.counts = result.counts;
+            self.passes.push(Pass {
+                index: self.passes.len(),
+                iteration: self.cursor.iteration,
+                kernel: result.kernel,
+                rays_in,
+                counts: result.counts,
+                threads_launched: result.threads_launched,
+                begin_ns: result.begin_ns,
+                duration_ns: result.duration_ns,
+            });
+            recorded += 1;
+        }
+        self.is_ahead = false;
+        Ok(recorded)
+    }
+
+    /// Only the paper's numerics can get here: a ray that wraps over a face of the grid.
+    fn is_over_bound(&self) -> bool {
+        self.passes.len() as u64 >= self.pass_bound && self.unfinished == 0
+    }
+
+    fn undecided(&self) -> u64 {
+        [state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT]
+            .iter()
+            .map(|&tag| u64::from(self.counts[tag as usize]))
+            .sum()
+    }
+
+    /// How far the run is.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        let decided = [state::SHADE, state::BACKGROUND, state::DONE];
+        let rays_decided = decided.iter().map(|&tag| u64::from(self.counts[tag as usize])).sum();
+        Progress { passes: self.passes.len(), rays_decided, rays: self.plan.rays }
+    }
+}

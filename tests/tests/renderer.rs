@@ -1,0 +1,164 @@
+//! A run can be stopped at any pass, looked at in part, shared with others, and brought back to where it was.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::export::trace::ray_state;
+use raystep_kernels::{
+    Accelerator, Device, Region, RenderError, Renderer, ScheduleKind, Stream, StreamData, state::STATES,
+};
+use raystep_tests::ways::{STEPPED, Way, stepped};
+use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
+
+const WAYS: [Way; 5] = [
+    STEPPED,
+    Way::new(Accelerator::Grid, ScheduleKind::First, 1),
+    Way::new(Accelerator::Grid, ScheduleKind::Compact, 1),
+    Way::new(Accelerator::Bvh, ScheduleKind::Compact, 1),
+    Way::new(Accelerator::None, ScheduleKind::Compact, 2),
+];
+
+async fn all(renderer: &Renderer) -> Vec<StreamData> {
+    let mut all = Vec::new();
+    for stream in streams_of(renderer.plan()) {
+        all.push(renderer.values(stream).await.expect("values"));
+    }
+    all
+}
+
+/// What must be the same in two runs: all but the times.
+fn books(renderer: &Renderer) -> Vec<(raystep_kernels::Kernel, u32, u32, [u32; STATES.len()], u64)> {
+    renderer.passes().iter().map(|p| (p.kernel, p.iteration, p.rays_in, p.counts, p.threads_launched)).collect()
+}
+
+#[test]
+fn a_run_stops_where_it_is_told_to_and_never_later() {
+    let scene = scene("cornell-box.gltf");
+    for (name, device) in devices() {
+        for way in WAYS {
+            let options = way.of(&options(&scene, 24, 20));
+            block_on(gpu_of(&device), async {
+                let mut one_by_one = Renderer::new(&scene, &options, &device).await.expect("a renderer");
+                let (plan, data) = (one_by_one.shared_plan(), one_by_one.shared_data());
+                let mut at_once = Renderer::from_plan(plan, data, &options, &device).await.expect("a renderer");
+                assert!(std::ptr::eq(one_by_one.data(), at_once.data()), "the scene is there once");
+                for place in [1, 2, 3, 7, 8, 30] {
+                    while one_by_one.passes().len() < place && one_by_one.step().await.expect("a pass").is_some() {}
+                    let place = one_by_one.passes().len();
+                    at_once.run_to(place, |_| ControlFlow::Continue(())).await.expect("passes");
+                    assert_eq!(at_once.passes().len(), place, "{name} {way}");
+                    assert_eq!(books(&at_once), books(&one_by_one), "{name} {way} after {place} passes");
+                    assert!(all(&at_once).await == all(&one_by_one).await, "{name} {way} after {place} passes");
+                }
+                at_once.restart();
+                let mut stopped = at_once.run_to(usize::MAX, |_| ControlFlow::Break(())).await;
+                let place = at_once.passes().len();
+                assert!(
+                    matches!(stopped, Err(RenderError::Cancelled { passes }) if passes == place),
+                    "{name} {way}: {stopped:?}"
+                );
+                stopped = at_once.run_to(usize::MAX, |_| ControlFlow::Continue(())).await;
+                assert!(stopped.is_ok() && at_once.next_kernel().is_none());
+            });
+        }
+    }
+}
+
+#[test]
+fn a_part_of_a_stream_is_that_part() {
+    let scene = scene("cornell-box.gltf");
+    for (name, device) in devices() {
+        block_on(gpu_of(&device), async {
+            let options = STEPPED.of(&options(&scene, 70, 9));
+            let mut renderer = Renderer::new(&scene, &options, &device).await.expect("a renderer");
+            renderer.run_to(12, |_| ControlFlow::Continue(())).await.expect("passes");
+            let streams = streams_of(renderer.plan());
+            let texels = renderer.texels(&streams, 65, 7).await.expect("texels");
+            let region = Region { x: 63, y: 2, width: 7, height: 6 };
+            for (stream, texel) in streams.into_iter().zip(texels) {
+                let whole = renderer.values(stream).await.expect("values");
+                let expected: Vec<u32> = (0..stream.layers()).map(|l| whole.get(l, 7 * 70 + 65)).collect();
+                assert_eq!(texel, expected, "{name} {}", stream.name());
+                let part = renderer.region(stream, region).await.expect("a part");
+                assert_eq!((part.width, part.height), (7, 6));
+                for layer in 0..stream.layers() {
+                    for (i, &bits) in part.layer(layer).iter().enumerate() {
+                        let at = (2 + i / 7) * 70 + 63 + i % 7;
+                        assert_eq!(bits, whole.get(layer, at), "{name} {} {layer} {i}", stream.name());
+                    }
+                }
+            }
+            let beside = renderer.region(Stream::State, Region { x: 64, ..region }).await;
+            assert!(matches!(beside, Err(RenderError::NoPixel { .. })), "{beside:?}");
+            let left_out = renderer.texels(&[Stream::State, Stream::Counters], 0, 0).await;
+            assert!(matches!(left_out, Err(RenderError::NoStream("counters"))), "{left_out:?}");
+            let ray = ray_state(&renderer, 65, 7).await.expect("a ray");
+            assert!(ray.tmax[0].is_some() && ray.direction != [0.0; 3]);
+        });
+    }
+}
+
+#[test]
+fn a_future_of_a_run_can_go_to_another_thread() {
+    fn can_move<T: Send>(value: T) -> T {
+        value
+    }
+    let scene = scene("cornell-box.gltf");
+    let options = stepped(&scene, 8, 8);
+    let device = Device::Cpu(None);
+    block_on(None, async {
+        let mut renderer = can_move(Renderer::new(&scene, &options, &device)).await.expect("a renderer");
+        can_move(renderer.run_to(9, |_| ControlFlow::Continue(()))).await.expect("passes");
+        can_move(ray_state(&renderer, 4, 4)).await.expect("a ray");
+        let kept = can_move(renderer.checkpoint()).await.expect("a checkpoint");
+        can_move(renderer.values(Stream::Hit)).await.expect("values");
+        renderer.restore(&can_move(kept)).expect("the same run");
+    });
+}
+
+#[test]
+fn after_a_checkpoint_the_same_passes_follow() {
+    let scene = scene("cornell-box.gltf");
+    for (name, device) in devices() {
+        for way in WAYS {
+            let options = way.of(&options(&scene, 24, 20));
+            block_on(gpu_of(&device), async {
+                let go_on = |_: &raystep_kernels::Progress| ControlFlow::Continue(());
+                let mut renderer = Renderer::new(&scene, &options, &device).await.expect("a renderer");
+                let (mut kept, mut seen) = (Vec::new(), Vec::new());
+                loop {
+                    seen.push((all(&renderer).await, renderer.live()));
+                    if [0, 1, 2, 5, 12, 13].contains(&renderer.passes().len()) {
+                        kept.push(renderer.checkpoint().await.expect("a checkpoint"));
+                    }
+                    if renderer.step().await.expect("a pass").is_none() {
+                        break;
+                    }
+                }
+                let passes = books(&renderer);
+                // In any order, forward and back.
+                for i in [5, 0, 3, 4, 1, 2, 2] {
+                    let place = kept[i].place();
+                    renderer.restore(&kept[i]).expect("the same run");
+                    assert_eq!(renderer.passes().len(), place);
+                    for at in [place, place + 1, place + 4].map(|at| at.min(passes.len())) {
+                        renderer.run_to(at, go_on).await.expect("passes");
+                        assert!(all(&renderer).await == seen[at].0, "{name} {way}: {at} from {place}");
+                        assert_eq!(renderer.live(), seen[at].1);
+                    }
+                    renderer.run(go_on).await.expect("passes");
+                    assert_eq!(books(&renderer), passes, "{name} {way} from {place}");
+                    assert!(all(&renderer).await == seen[passes.len()].0, "{name} {way} from {place}");
+                }
+                // What a pass does not change is not kept again.
+                let bytes: u64 = kept.iter().map(raystep_kernels::Checkpoint::bytes).sum();
+                let together = raystep_kernels::Checkpoint::bytes_of(&kept);
+                assert!(together <= bytes && together >= kept[0].bytes());
+                if name == "gpu" {
+                    assert!(together < bytes * 9 / 10, "{together} of {bytes}");
+                }
+                let mut other = Renderer::new(&scene, &options, &device).await.expect("a renderer");
+                assert!(matches!(other.restore(&kept[0]), Err(RenderError::OtherRun)));
+            });
+        }
+    }
+}
