@@ -10,4 +10,4 @@ pub mod saved;
 pub mod session;
 pub mod source;
 
-pub use session::{Session, Target};
+pub use session::{Edit, Fired, OnProgress, Session, Target, Watch, Way, go_on};

@@ -1,7 +1,18 @@
-//! A run that can be stepped forward and back, and the ray that is looked at.
+//! A run that can be stepped forward and back, the ray that is looked at, and what was changed by hand.
 //!
-//! Kernels are deterministic per ray, so an earlier pass is reached by running the same passes again from
-//! the start: nothing is kept but the place. What is shown after going back is bit for bit what was there.
+//! Kernels are deterministic per ray, so an earlier pass is reached by running the same passes again, from the start
+//! or from a checkpoint where that alone would take too long. What is shown after going back is bit for bit what was
+//! there.
+
+mod edit;
+mod follow;
+mod history;
+mod target;
+mod travel;
+mod twins;
+mod watch;
+
+use std::ops::ControlFlow;
 
 pub mod compare;
 pub mod cost;
@@ -10,32 +21,36 @@ pub mod grid_stats;
 pub mod stats;
 
 use raystep_kernels::export::trace::{RayState, ray_state};
-use raystep_kernels::{Device, Kernel, Options, Pass, RenderError, Renderer, Stream, StreamData};
+use raystep_kernels::{Device, Options, Pass, Progress, Region, RenderError, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
 
-/// Where to step to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
-    /// One pass on.
-    Next,
-    /// One pass back.
-    Previous,
-    /// After the next pass of a kernel.
-    NextOf(Kernel),
-    /// After the previous pass of a kernel.
-    PreviousOf(Kernel),
-    /// After so many passes in all.
-    Pass(usize),
-    /// Before the first pass.
-    Start,
-    /// After the last pass.
-    End,
+pub use edit::Edit;
+pub use history::DEFAULT_BUDGET;
+use history::History;
+pub use target::Target;
+use twins::Twins;
+pub use watch::{Fired, Watch, Way};
+
+/// Is told how far a run is, and may stop it. It is called between batches of passes.
+pub type OnProgress<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + Send + 'a;
+
+/// For [`OnProgress`]: nobody watches, nobody stops.
+pub fn go_on(_: &Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
 }
 
 /// A run in progress.
 pub struct Session {
     renderer: Renderer,
+    options: Options,
     pixel: Option<[u32; 2]>,
+    history: History,
+    /// In order of their places, those of one place in the order in which they were made.
+    edits: Vec<Edit>,
+    twins: Option<Twins>,
+    /// The streams are those of [`place`](Self::place), edits included. Not so where a future that was on its way was
+    /// dropped, or the device failed.
+    is_settled: bool,
 }
 
 impl Session {
@@ -44,7 +59,23 @@ impl Session {
     /// # Errors
     /// Where the scene or options do not fit the device, or the device fails.
     pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
-        Ok(Self { renderer: Renderer::new(scene, options, device).await?, pixel: None })
+        Ok(Self::from_renderer(Renderer::new(scene, options, device).await?, options))
+    }
+
+    /// Takes over a run, which was made with these options, where it is now. Passes before it are known from the run.
+    #[must_use]
+    pub fn from_renderer(renderer: Renderer, options: &Options) -> Self {
+        let mut history = History::new(&renderer);
+        history.note(renderer.passes());
+        Self {
+            renderer,
+            options: options.clone(),
+            pixel: None,
+            history,
+            edits: Vec::new(),
+            twins: None,
+            is_settled: true,
+        }
     }
 
     /// Passes so far: the session is after pass `place() - 1`.
@@ -59,40 +90,50 @@ impl Session {
         self.renderer.passes()
     }
 
+    /// The passes so far, and those that ran before the session went back: they will run again.
+    #[must_use]
+    pub fn known(&self) -> &[Pass] {
+        self.history.known()
+    }
+
     /// The run, for everything that only looks.
     #[must_use]
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
     }
 
-    /// Goes to `target`, or as near as the run allows; returns the place reached.
-    ///
-    /// # Errors
-    /// Where the device fails.
-    pub async fn step(&mut self, target: Target) -> Result<usize, RenderError> {
-        match target {
-            Target::Next => drop(self.renderer.step().await?),
-            Target::NextOf(kernel) => while self.renderer.step().await?.is_some_and(|p| p.kernel != kernel) {},
-            Target::End => while self.renderer.step().await?.is_some() {},
-            Target::Start => self.replay(0).await?,
-            Target::Pass(place) => self.replay(place).await?,
-            Target::Previous => self.replay(self.place().saturating_sub(1)).await?,
-            Target::PreviousOf(kernel) => {
-                let earlier = &self.passes()[..self.place().saturating_sub(1)];
-                let place = earlier.iter().rposition(|p| p.kernel == kernel).map_or(0, |i| i + 1);
-                self.replay(place).await?;
-            }
-        }
-        Ok(self.place())
+    /// The options that the run was made with.
+    #[must_use]
+    pub fn options(&self) -> &Options {
+        &self.options
     }
 
-    /// Runs the same passes again up to `place`, or on to it where it lies ahead.
-    async fn replay(&mut self, place: usize) -> Result<(), RenderError> {
-        if place < self.place() {
-            self.renderer.restart();
-        }
-        while self.place() < place && self.renderer.step().await?.is_some() {}
-        Ok(())
+    /// How many bytes checkpoints may take, on the GPU where passes run there. Going back takes longer with fewer.
+    pub fn set_budget(&mut self, bytes: u64) {
+        self.history.set_budget(bytes);
+    }
+
+    /// How many bytes checkpoints may take.
+    #[must_use]
+    pub fn budget(&self) -> u64 {
+        self.history.budget()
+    }
+
+    /// How many threads passes may launch between two checkpoints, as far as the budget allows; each launches one a
+    /// ray, or one a ray that waits for it. At first what takes a device like this one a short while.
+    pub fn set_span(&mut self, threads: u64) {
+        self.history.set_span(threads);
+    }
+
+    /// How many bytes checkpoints take.
+    #[must_use]
+    pub fn kept_bytes(&self) -> u64 {
+        self.history.bytes()
+    }
+
+    /// The places of the checkpoints, in order.
+    pub fn kept_places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.history.places()
     }
 
     /// Looks at one ray. `None` where the image has no such pixel: the ray that was looked at stays.
@@ -128,5 +169,13 @@ impl Session {
     /// Where the plan left it out, or the device fails.
     pub async fn stream(&self, stream: Stream) -> Result<StreamData, RenderError> {
         self.renderer.values(stream).await
+    }
+
+    /// A part of a stream as it is now.
+    ///
+    /// # Errors
+    /// Where the plan left it out, the image has no such part, or the device fails.
+    pub async fn region(&self, stream: Stream, region: Region) -> Result<StreamData, RenderError> {
+        self.renderer.region(stream, region).await
     }
 }

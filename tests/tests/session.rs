@@ -1,58 +1,80 @@
-//! Going back shows bit for bit what was there.
+//! Going back shows bit for bit what was there, however much of it is kept; a kernel and a turn are found.
 
-use raystep_inspector::{Session, Target};
-use raystep_kernels::{Accelerator, Kernel, ScheduleKind, StreamData};
+use std::ops::ControlFlow;
+
+use raystep_inspector::{Session, Target, go_on};
+use raystep_kernels::{Accelerator, Device, Kernel, RenderError, ScheduleKind, Stream, StreamData};
 use raystep_tests::ways::{STEPPED, Way, stepped};
-use raystep_tests::{block_on, devices, options, scene, streams_of};
+use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
+
+const TREE: Way = Way::new(Accelerator::Bvh, ScheduleKind::Second, 1);
+
+async fn go(session: &mut Session, target: Target) -> usize {
+    session.step(target, &mut go_on).await.expect("a step")
+}
+
+async fn streams(session: &Session) -> Vec<StreamData> {
+    let mut all = Vec::new();
+    for stream in streams_of(session.renderer().plan()) {
+        all.push(session.stream(stream).await.expect("values"));
+    }
+    all
+}
+
+/// Streams after every pass, from none to all.
+async fn history(session: &mut Session) -> Vec<Vec<StreamData>> {
+    let mut seen = vec![streams(session).await];
+    while go(session, Target::Next).await == seen.len() {
+        seen.push(streams(session).await);
+    }
+    seen
+}
 
 #[test]
 fn every_pass_looks_the_same_when_it_is_reached_again() {
     let ways = [
         ("cornell-box.gltf", STEPPED),
+        ("cornell-box.gltf", TREE),
         ("flat.gltf", STEPPED),
+        ("flat.gltf", TREE),
+        ("teapot.glb", STEPPED),
+        ("teapot.glb", TREE),
         // In lists of live rays, rays lie in another order each time; what becomes of them must not depend on it.
+        ("cornell-box.gltf", Way::new(Accelerator::Grid, ScheduleKind::Compact, 1)),
         ("cornell-box.gltf", Way::new(Accelerator::Bvh, ScheduleKind::Compact, 1)),
         ("cornell-box.gltf", Way::new(Accelerator::None, ScheduleKind::Compact, 2)),
     ];
     for (name, device) in devices() {
         for (file, way) in ways {
             let scene = scene(file);
-            let options = way.of(&options(&scene, 24, 20));
-            let gpu = match &device {
-                raystep_kernels::Device::Gpu(gpu) => Some(&**gpu),
-                _ => None,
-            };
-            block_on(gpu, async {
+            let options = way.of(&options(&scene, 12, 10));
+            block_on(gpu_of(&device), async {
                 let mut session = Session::new(&scene, &options, &device).await.expect("a session");
-                let streams = streams_of(session.renderer().plan());
-                let mut seen: Vec<Vec<StreamData>> = Vec::new();
-                loop {
-                    let mut now = Vec::new();
-                    for &stream in &streams {
-                        now.push(session.stream(stream).await.expect("values"));
-                    }
-                    seen.push(now);
-                    let place = session.place();
-                    if session.step(Target::Next).await.expect("a pass") == place {
-                        break;
-                    }
-                }
-                assert!(seen.len() > 10, "{file} {way}: {} passes", seen.len());
-                // Back from the end, one pass at a time, over the last and the first few, and some far jumps.
+                // As if these few rays were many: a checkpoint every few passes.
+                session.set_span(3 * 120);
+                let seen = history(&mut session).await;
                 let last = seen.len() - 1;
-                let places = (0..6).map(|i| last - 1 - i).chain([3, last, 1, last / 2, 0]);
-                for (i, place) in places.enumerate() {
-                    let target = if i < 6 { Target::Previous } else { Target::Pass(place) };
-                    assert_eq!(session.step(target).await.expect("a pass"), place, "{file} {name} {way}");
-                    for (j, &stream) in streams.iter().enumerate() {
-                        let again = session.stream(stream).await.expect("values");
-                        assert_eq!(
-                            again,
-                            seen[place][j],
-                            "{file} {name} {way}: {} after {place} passes",
-                            stream.name()
-                        );
+                assert!(last > 10, "{file} {way}: {last} passes");
+                let (all, most) = (session.kept_bytes(), session.kept_places().count());
+                assert!(most > 1, "{file} {name} {way}: nothing was kept of {last} passes");
+                for budget in [u64::MAX, all / 2, 0] {
+                    session.set_budget(budget);
+                    assert!(session.kept_bytes() <= budget);
+                    assert_eq!(go(&mut session, Target::End).await, last);
+                    // One pass at a time as far as the start; with nothing kept that takes long, so not each.
+                    let every = if budget == 0 { 1 + last / 12 } else { 1 };
+                    for place in (0..last).rev().step_by(every) {
+                        let target = if every == 1 { Target::Previous } else { Target::Pass(place) };
+                        assert_eq!(go(&mut session, target).await, place, "{file} {name} {way}");
+                        let now = streams(&session).await;
+                        assert!(now == seen[place], "{file} {name} {way}: after {place} passes, budget {budget}");
+                        assert!(session.kept_bytes() <= budget);
                     }
+                    for place in [3, last, 1, last / 2, last / 3] {
+                        assert_eq!(go(&mut session, Target::Pass(place)).await, place);
+                        assert!(streams(&session).await == seen[place], "{file} {name} {way}: at {place}");
+                    }
+                    assert_eq!(session.known().len(), last);
                 }
             });
         }
@@ -60,25 +82,156 @@ fn every_pass_looks_the_same_when_it_is_reached_again() {
 }
 
 #[test]
+fn what_is_kept_lies_evenly() {
+    let scene = scene("teapot.glb");
+    block_on(None, async {
+        let options = stepped(&scene, 16, 16);
+        let mut session = Session::new(&scene, &options, &Device::Cpu(None)).await.expect("a session");
+        session.set_span(1);
+        let last = go(&mut session, Target::End).await;
+        assert_eq!(session.kept_places().count(), last, "after every pass");
+        session.set_budget(session.kept_bytes() / 20);
+        for _ in 0..2 {
+            let places: Vec<usize> = [0].into_iter().chain(session.kept_places()).chain([last]).collect();
+            let cost = |place: usize| session.known()[..place].iter().map(|p| p.threads_launched).sum::<u64>();
+            let gaps: Vec<u64> = places.windows(2).map(|w| cost(w[1]) - cost(w[0])).collect();
+            let longest = gaps.iter().max().copied().unwrap_or(0);
+            assert!(places.len() > 8, "{places:?}");
+            assert!(longest < 4 * cost(last) / places.len() as u64, "{places:?}: {longest} of {}", cost(last));
+            // Once more from nothing, with this budget all the while.
+            session = Session::new(&scene, &options, &Device::Cpu(None)).await.expect("a session");
+            session.set_span(1);
+            session.set_budget(session.renderer().plan().bytes() * 12);
+            go(&mut session, Target::End).await;
+        }
+    });
+}
+
+#[test]
 fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
     let scene = scene("cornell-box.gltf");
-    let device = raystep_kernels::Device::Cpu(None);
+    let device = Device::Cpu(None);
     block_on(None, async {
         let mut session = Session::new(&scene, &stepped(&scene, 16, 16), &device).await.expect("a session");
         let traverse = Target::NextOf(Kernel::TraverseGrid);
-        let first = session.step(traverse).await.expect("a pass");
-        let second = session.step(traverse).await.expect("a pass");
+        let first = go(&mut session, traverse).await;
+        let second = go(&mut session, traverse).await;
         assert!(first < second && session.passes()[second - 1].kernel == Kernel::TraverseGrid);
-        let back = session.step(Target::PreviousOf(Kernel::TraverseGrid)).await.expect("a pass");
-        assert_eq!(back, first);
+        assert_eq!(go(&mut session, Target::PreviousOf(Kernel::TraverseGrid)).await, first);
+        assert_eq!(go(&mut session, traverse).await, second, "from what is known");
 
         assert_eq!(session.select(16, 0), None, "outside");
         assert_eq!(session.ray().await.expect("a ray"), None);
         assert_eq!(session.select(8, 8), Some([8, 8]));
-        session.step(Target::End).await.expect("the end");
+        let last = go(&mut session, Target::End).await;
         let ray = session.ray().await.expect("a ray").expect("selected");
         assert!(ray.state == "DONE" && ray.triangle.is_some() && ray.color.is_some());
-        assert_eq!(session.step(Target::Start).await.expect("the start"), 0);
+        assert_eq!(go(&mut session, Target::Start).await, 0);
         assert_eq!(session.ray().await.expect("a ray").expect("selected").state, "UNWRITTEN");
+
+        go(&mut session, Target::Pass(5)).await;
+        let life = session.follow(8, 8, &mut go_on).await.expect("a life");
+        assert_eq!((session.place(), life.passes), (5, last), "it comes back");
+        let mut renderer =
+            raystep_kernels::Renderer::new(&scene, session.options(), &device).await.expect("a renderer");
+        let go_on = |_: &raystep_kernels::Pass| ControlFlow::Continue(());
+        let told = raystep_kernels::export::trace::trace(&mut renderer, 8, 8, go_on).await.expect("a trace");
+        assert_eq!(life, told);
     });
+}
+
+#[test]
+fn turns_of_the_loop_begin_and_end() {
+    let scene = scene("cornell-box.gltf");
+    for schedule in [ScheduleKind::First, ScheduleKind::Second] {
+        block_on(None, async {
+            let options = Way::new(Accelerator::Grid, schedule, 1).of(&options(&scene, 16, 16));
+            let mut session = Session::new(&scene, &options, &Device::Cpu(None)).await.expect("a session");
+            let mut ends = vec![0];
+            loop {
+                let place = go(&mut session, Target::IterationEnd).await;
+                if Some(&place) == ends.last() {
+                    break;
+                }
+                ends.push(place);
+            }
+            let passes = session.passes().to_vec();
+            assert_eq!(ends.last(), Some(&passes.len()));
+            assert_eq!(ends[1], 2, "generate and setup are a turn of their own");
+            for w in ends[1..ends.len() - 1].windows(2) {
+                let turn = &passes[w[0]..w[1]];
+                assert!(turn.iter().all(|p| p.iteration == turn[0].iteration), "{turn:?}");
+                assert_eq!(turn.iter().filter(|p| p.kernel == Kernel::TraverseGrid).count(), 1, "{schedule}");
+            }
+            for &end in ends[..ends.len() - 1].iter().rev() {
+                assert_eq!(go(&mut session, Target::IterationStart).await, end, "{schedule}");
+            }
+            // The same forward, now that it is known.
+            for &end in &ends[1..] {
+                assert_eq!(go(&mut session, Target::IterationEnd).await, end, "{schedule}");
+            }
+        });
+    }
+}
+
+#[test]
+fn a_step_that_is_stopped_ends_at_a_whole_pass() {
+    let scene = scene("cornell-box.gltf");
+    for (name, device) in devices() {
+        let gpu = gpu_of(&device);
+        block_on(gpu, async {
+            let options = STEPPED.of(&options(&scene, 16, 16));
+            let mut session = Session::new(&scene, &options, &device).await.expect("a session");
+            let seen = history(&mut session).await;
+            let mut calls = 0;
+            let mut stop = |_: &raystep_kernels::Progress| {
+                calls += 1;
+                if calls == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            go(&mut session, Target::Start).await;
+            let stopped = session.step(Target::End, &mut stop).await;
+            let place = session.place();
+            assert!(matches!(stopped, Err(RenderError::Cancelled { passes }) if passes == place), "{stopped:?}");
+            assert!(place > 0 && place < seen.len() - 1, "{name}: {place}");
+            assert!(streams(&session).await == seen[place], "{name}: {place}");
+            go(&mut session, Target::Next).await;
+            assert!(streams(&session).await == seen[place + 1], "{name}: {place}");
+        });
+        // A caller that drops the future has stopped it too.
+        let Some(gpu) = gpu else { continue };
+        let options = STEPPED.of(&raystep_tests::options(&scene, 16, 16));
+        let mut session = block_on(Some(gpu), Session::new(&scene, &options, &device)).expect("a session");
+        let seen = block_on(Some(gpu), history(&mut session));
+        block_on(Some(gpu), go(&mut session, Target::Pass(6)));
+        {
+            let mut nobody = go_on;
+            let mut on_its_way = std::pin::pin!(session.step(Target::Pass(20), &mut nobody));
+            let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+            assert!(on_its_way.as_mut().poll(&mut context).is_pending());
+        }
+        block_on(Some(gpu), async {
+            let place = go(&mut session, Target::Next).await;
+            assert!(streams(&session).await == seen[place], "{name}: after {place}");
+            assert!(session.stream(Stream::State).await.is_ok());
+        });
+    }
+}
+
+#[test]
+fn a_session_can_go_to_another_thread() {
+    fn can_move<T: Send>(value: T) -> T {
+        value
+    }
+    let scene = scene("cornell-box.gltf");
+    let mut session = block_on(None, Session::new(&scene, &stepped(&scene, 8, 8), &Device::Cpu(None))).expect("one");
+    block_on(None, async {
+        can_move(session.step(Target::Pass(4), &mut go_on)).await.expect("a step");
+        can_move(session.follow(4, 4, &mut go_on)).await.expect("a life");
+        can_move(session.twins_until(Some(2), &mut go_on)).await.expect("twins");
+        can_move(session.edit(Stream::Hit, 0, 0, 0, 1)).await.expect("an edit");
+        can_move(session.clear_edits(&mut go_on)).await.expect("no edit");
+        let forward = raystep_inspector::Way::Forward;
+        can_move(session.run_to_watch(&[], forward, &mut go_on)).await.expect("nothing");
+    });
+    let _session = can_move(session);
 }

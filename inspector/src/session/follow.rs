@@ -1,0 +1,42 @@
+//! One ray's whole life, from the session's own passes: edits and twins included.
+
+use raystep_kernels::RenderError;
+use raystep_kernels::export::trace::{Trace, TraceRow, ray_state};
+
+use super::travel::Guide;
+use super::{OnProgress, Session};
+
+impl Session {
+    /// Follows one ray from the first pass to the last, and comes back. What was changed by hand right after a pass
+    /// counts as that pass's work.
+    ///
+    /// # Errors
+    /// Where the image has no such pixel; [`RenderError::Cancelled`] with the place reached where `progress` stopped
+    /// it; else where the device fails.
+    pub async fn follow(&mut self, x: u32, y: u32, progress: &mut OnProgress<'_>) -> Result<Trace, RenderError> {
+        let mut guide = Guide::new(progress);
+        ray_state(&self.renderer, x, y).await?;
+        let here = self.place();
+        self.go(0, &mut guide).await?;
+        let mut before = ray_state(&self.renderer, x, y).await?;
+        let mut rows = Vec::new();
+        while self.renderer.next_kernel().is_some() {
+            guide.check(self.place())?;
+            self.go(self.place() + 1, &mut guide).await?;
+            let place = self.place();
+            let Some(pass) = self.passes().last().copied() else { break };
+            let is_worked_on = pass.kernel.info().active.contains(&before.tag);
+            // A kernel leaves alone every ray that is not in its states: nothing to read back then.
+            if is_worked_on || self.edits.iter().any(|e| (e.place, e.x, e.y) == (place, x, y)) {
+                let after = ray_state(&self.renderer, x, y).await?;
+                if is_worked_on {
+                    rows.push(TraceRow::new(&pass, self.renderer.data(), &before, &after));
+                }
+                before = after;
+            }
+        }
+        let trace = Trace::new(&self.renderer, [x, y], rows);
+        self.go(here, &mut guide).await?;
+        Ok(trace)
+    }
+}

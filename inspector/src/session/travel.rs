@@ -1,0 +1,106 @@
+//! From one place of a run to another, through its passes, checkpoints and edits.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::{Progress, RenderError};
+
+use super::{OnProgress, Session};
+
+/// Who follows the way, and may call a halt.
+pub(super) struct Guide<'a> {
+    progress: &'a mut OnProgress<'a>,
+    is_halted: bool,
+}
+
+impl<'a> Guide<'a> {
+    pub(super) fn new(progress: &'a mut OnProgress<'_>) -> Self {
+        Self { progress, is_halted: false }
+    }
+
+    fn tell(&mut self, progress: &Progress) -> ControlFlow<()> {
+        let answer = (self.progress)(progress);
+        self.is_halted |= answer.is_break();
+        answer
+    }
+
+    /// Whether to go on.
+    ///
+    /// # Errors
+    /// After a halt, with the place reached.
+    pub(super) fn check(&self, place: usize) -> Result<(), RenderError> {
+        if self.is_halted { Err(RenderError::Cancelled { passes: place }) } else { Ok(()) }
+    }
+}
+
+impl Session {
+    /// Goes to a place, or to the end where that comes first.
+    pub(super) async fn go(&mut self, place: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
+        let result = self.travel(place, guide).await;
+        // A halt is called between two legs, where all is in order.
+        self.is_settled = matches!(result, Ok(()) | Err(RenderError::Cancelled { .. }));
+        result
+    }
+
+    async fn travel(&mut self, place: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
+        let is_here = self.is_settled && !self.renderer.is_ahead() && self.place() <= place;
+        self.is_settled = false;
+        let nearest = self.history.nearest(place).filter(|kept| !is_here || kept.place() > self.place());
+        if let Some(checkpoint) = nearest {
+            self.renderer.restore(checkpoint)?;
+            self.leave_twins();
+        } else if !is_here {
+            self.renderer.restart();
+            self.leave_twins();
+            self.apply_edits().await?;
+        }
+        while self.place() < place && self.renderer.next_kernel().is_some() {
+            self.leg(place, guide).await?;
+            if self.place() < place {
+                guide.check(self.place())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// As far as the next thing to do between two passes.
+    async fn leg(&mut self, place: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
+        let here = self.place();
+        let mut stop = place.min(here.saturating_add(self.history.passes_to_checkpoint(here)));
+        if let Some(edit) = self.edits.iter().find(|e| e.place > here) {
+            stop = stop.min(edit.place);
+        }
+        let result = self.run_to(stop, guide).await;
+        self.history.note(self.renderer.passes());
+        if self.place() == stop {
+            self.apply_edits().await?;
+        }
+        result?;
+        if self.history.is_due(self.place()) {
+            let checkpoint = self.renderer.checkpoint().await;
+            self.history.keep(checkpoint)?;
+        }
+        Ok(())
+    }
+
+    /// Runs passes where they are to run: on the twins first, if so many of them are, else on the session's device.
+    async fn run_to(&mut self, stop: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
+        let here = self.place();
+        let mut tell = |progress: &Progress| guide.tell(progress);
+        match &mut self.twins {
+            Some(twins) if here < twins.until => twins.run_to(&mut self.renderer, stop, &mut tell).await,
+            _ => self.renderer.run_to(stop, tell).await,
+        }
+    }
+
+    /// Makes the changes of this place.
+    async fn apply_edits(&mut self) -> Result<(), RenderError> {
+        let here = self.place();
+        for edit in self.edits.iter().filter(|e| e.place == here) {
+            self.renderer.write_component(edit.stream, edit.layer, edit.x, edit.y, edit.bits).await?;
+        }
+        if self.edits.iter().any(|e| e.place == here) {
+            self.leave_twins();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,146 @@
+//! What a run can be stopped at.
+
+mod look;
+
+use raystep_kernels::RenderError;
+use serde::{Deserialize, Serialize};
+
+use super::travel::Guide;
+use super::{OnProgress, Session};
+use look::Look;
+
+/// Something to stop at. It fires after the pass that brings it about, and not again while it lasts; what was changed
+/// by hand right after a pass counts as that pass's work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Watch {
+    /// A float of any ray, in any stream, becomes infinite or not a number. No layer may hold such a value: t without
+    /// a hit, and `tmax` along an axis that is never crossed, are [`INF`](raystep_kernels::shared::constants::INF),
+    /// which is a finite number.
+    NonFinite,
+    /// `tmax` of any ray that is walking becomes smaller along any axis: a walk that turns back.
+    TMaxBackwards,
+    /// Any ray visits more cells, or nodes, than this.
+    MoreSteps(u32),
+    /// The selected ray's state changes.
+    RayState,
+    /// The selected ray's hit changes: its triangle, or t.
+    RayHit,
+    /// The selected ray goes to another cell or node.
+    RayCell,
+}
+
+impl Watch {
+    /// One of each kind.
+    pub const ALL: [Self; 6] =
+        [Self::NonFinite, Self::TMaxBackwards, Self::MoreSteps(64), Self::RayState, Self::RayHit, Self::RayCell];
+
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            Self::NonFinite => "any ray: a number that is not finite".into(),
+            Self::TMaxBackwards => "any ray: tmax goes backwards".into(),
+            Self::MoreSteps(steps) => format!("any ray: more than {steps} steps"),
+            Self::RayState => "selected ray: its state changes".into(),
+            Self::RayHit => "selected ray: its hit changes".into(),
+            Self::RayCell => "selected ray: another cell".into(),
+        }
+    }
+
+    /// Whether it looks at the selected ray only, which takes far less time.
+    #[must_use]
+    pub fn is_of_ray(self) -> bool {
+        matches!(self, Self::RayState | Self::RayHit | Self::RayCell)
+    }
+}
+
+/// Which way to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// To the next place at which a watch fires.
+    Forward,
+    /// To the last place before this one at which a watch fired.
+    Back,
+}
+
+/// A watch that fired.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fired {
+    /// Which.
+    pub watch: Watch,
+    /// Passes so far.
+    pub place: usize,
+    /// Pixel of the ray; of the first one in reading order where there are more.
+    pub ray: [u32; 2],
+    /// How many rays it fired for.
+    pub rays: u32,
+    /// What happened, with the numbers.
+    pub value: String,
+}
+
+impl Session {
+    /// Runs to a place at which one of the watches fires: of several there, the first in the list. `None` where none
+    /// does: the session is then after the last pass, or before the first.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`] with the place reached where `progress` stopped it. Else where the device fails.
+    pub async fn run_to_watch(
+        &mut self,
+        watches: &[Watch],
+        way: Way,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<Option<Fired>, RenderError> {
+        let mut guide = Guide::new(progress);
+        if watches.is_empty() {
+            return Ok(None);
+        }
+        let here = self.place();
+        if way == Way::Forward {
+            return self.last_fired(watches, [here, usize::MAX], true, &mut guide).await;
+        }
+        // From checkpoint to checkpoint, the last first, so that little is run for nothing.
+        let mut starts: Vec<usize> = match Look::needs_start(&self.renderer, watches) {
+            true => Vec::new(),
+            false => self.kept_places().filter(|&place| place > 0 && place + 1 < here).collect(),
+        };
+        starts.insert(0, 0);
+        let mut end = here.saturating_sub(1);
+        for start in starts.into_iter().rev() {
+            if let Some(fired) = self.last_fired(watches, [start, end], false, &mut guide).await? {
+                self.go(fired.place, &mut guide).await?;
+                return Ok(Some(fired));
+            }
+            end = start;
+        }
+        self.go(0, &mut guide).await?;
+        Ok(None)
+    }
+
+    /// What fires at places after `start` and not after `end`: the first if `is_first`, else the last.
+    async fn last_fired(
+        &mut self,
+        watches: &[Watch],
+        [start, end]: [usize; 2],
+        is_first: bool,
+        guide: &mut Guide<'_>,
+    ) -> Result<Option<Fired>, RenderError> {
+        let begin = if Look::needs_start(&self.renderer, watches) { 0 } else { start };
+        self.go(begin, guide).await?;
+        let mut look = Look::new(&self.renderer, watches, self.pixel).await?;
+        let mut last = None;
+        while self.place() < end && self.renderer.next_kernel().is_some() {
+            guide.check(self.place())?;
+            self.go(self.place() + 1, guide).await?;
+            let place = self.place();
+            let edited = self.edits.iter().filter(|e| e.place == place).map(|e| e.stream).collect::<Vec<_>>();
+            let fired = look.after_pass(&self.renderer, &edited).await?;
+            if place > start && fired.is_some() {
+                last = fired;
+                if is_first {
+                    break;
+                }
+            }
+        }
+        Ok(last)
+    }
+}
