@@ -6,8 +6,10 @@
 pub mod dataflow;
 pub mod exports;
 pub mod link;
+pub mod orbit;
 pub mod saved;
 pub mod session;
 pub mod source;
+pub mod walk;
 
 pub use session::{Edit, Fired, OnProgress, Session, Target, Watch, Way, go_on};

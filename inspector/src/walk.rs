@@ -1,0 +1,275 @@
+//! The walk of one ray as plain geometry: the cells, nodes and triangles of the first rows of a [`Trace`], in
+//! traced units, for pictures of any kind.
+//!
+//! What the device decided is taken from its streams (which cell came next, the tmax that chose it, which triangle was
+//! the nearest); only what the streams do not keep is worked out here, in f64: where a ray enters a box, and
+//! where it meets the plane of a triangle that it missed.
+
+mod aabb;
+mod cells;
+mod events;
+mod nodes;
+mod projected;
+mod svg;
+mod tested;
+mod unfolded;
+
+use std::ops::Range;
+
+use glam::DVec3;
+use raystep_kernels::Kernel;
+use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::constants::INF;
+use raystep_kernels::state;
+
+pub use aabb::Aabb;
+pub use cells::{CellVisit, Crossing, Entry};
+pub use events::{Event, EventKind, events, next_event, previous_event, row_after_passes};
+pub use nodes::NodeVisit;
+pub use projected::{Projected, ProjectedTriangle, Square};
+pub use svg::{SvgOptions, walk_svg};
+pub use tested::{Outcome, TestedTriangle};
+pub use unfolded::{Spacing, Strip, StripCell, StripNode, StripTest, letters};
+
+/// What the ray walks through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Structure {
+    /// The cells of a uniform grid.
+    Grid,
+    /// The nodes of a tree of boxes.
+    Tree,
+    /// Nothing: every triangle is tested.
+    Nothing,
+}
+
+/// The nearest hit so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearestHit {
+    /// The triangle.
+    pub triangle: u32,
+    /// Where on the ray.
+    pub t: f64,
+    /// Where in space.
+    pub point: DVec3,
+    /// Weights of vertices 1 and 2.
+    pub barycentric: [f64; 2],
+    /// Its corners.
+    pub corners: [DVec3; 3],
+}
+
+/// The walk of a ray up to one row of its trace, that row included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WalkGeometry {
+    /// What the ray walks through.
+    pub structure: Structure,
+    /// The row; the last one where the trace has fewer, `None` where it has none.
+    pub row: Option<usize>,
+    /// Where the ray starts.
+    pub origin: DVec3,
+    /// Where it goes.
+    pub direction: DVec3,
+    /// The box of the grid, of the tree's root, or of all triangles.
+    pub bounds: Aabb,
+    /// The t at which the ray is in `bounds`, from 0 on.
+    pub inside: Option<[f64; 2]>,
+    /// Size of a cell; zero without a grid.
+    pub cell_size: DVec3,
+    /// Cells along each axis; zero without a grid.
+    pub grid_cells: [i32; 3],
+    /// The cells visited, in order. The last is where the ray is, unless it has left the grid.
+    pub cells: Vec<CellVisit>,
+    /// The planes crossed between them, in order.
+    pub crossings: Vec<Crossing>,
+    /// The nodes whose boxes were tested, in order.
+    pub nodes: Vec<NodeVisit>,
+    /// The node at which the ray is.
+    pub current_node: Option<u32>,
+    /// Its box.
+    pub current_box: Option<Aabb>,
+    /// The triangles tested, in order.
+    pub tested: Vec<TestedTriangle>,
+    /// The nearest hit so far.
+    pub hit: Option<NearestHit>,
+    /// How far the ray has come: the t at which it entered the cell or node where it is, or at which the walk ended.
+    pub t: f64,
+    /// Whether the walk has ended.
+    pub is_over: bool,
+}
+
+impl WalkGeometry {
+    /// The walk up to row `row` of the trace, that row included.
+    #[must_use]
+    pub fn new(trace: &Trace, data: &SceneData, row: usize) -> Self {
+        let row = trace.rows.len().checked_sub(1).map(|last| row.min(last));
+        let rows = row.map_or(&[][..], |row| &trace.rows[..=row]);
+        let mut walk = Self::before_the_walk(data, rows.last().map(|row| &row.after), row);
+        for (i, row) in rows.iter().enumerate() {
+            let before = i.checked_sub(1).map(|previous| &rows[previous].after);
+            match walk.structure {
+                Structure::Grid => walk.move_to_cell(data, i, row, before),
+                Structure::Tree => walk.move_to_node(data, i, row, before),
+                Structure::Nothing => {}
+            }
+            walk.test_triangle(data, i, row, before);
+        }
+        walk.hit = rows.last().and_then(|row| nearest_hit(data, &row.after));
+        walk.t = walk.how_far();
+        walk
+    }
+
+    /// The point of the ray at t.
+    #[must_use]
+    pub fn point(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+
+    /// Where the ray is.
+    #[must_use]
+    pub fn current_point(&self) -> DVec3 {
+        self.point(self.t)
+    }
+
+    /// The cell where the ray is.
+    #[must_use]
+    pub fn current_cell(&self) -> Option<&CellVisit> {
+        self.cells.last().filter(|cell| cell.is_current)
+    }
+
+    /// Where the ray would leave its cell along each axis: the tmax that the next step compares.
+    #[must_use]
+    pub fn next_crossings(&self) -> Vec<Crossing> {
+        let Some(cell) = self.current_cell() else { return Vec::new() };
+        let from = self.cells.len() - 1;
+        (0..3)
+            .filter_map(|axis| Some(Crossing { from, axis, t: cell.tmax[axis]?, point: self.point(cell.tmax[axis]?) }))
+            .collect()
+    }
+
+    /// The last t that a picture of the ray has to show: the hit, or where the ray leaves the scene.
+    #[must_use]
+    pub fn last_t(&self) -> f64 {
+        let crossed = self.crossings.last().map_or(0.0, |crossing| crossing.t);
+        let leaves = self.inside.map_or(0.0, |[_, leave]| leave);
+        let last = if self.is_over { self.hit.map_or(leaves, |hit| hit.t) } else { leaves };
+        if last.max(crossed) > 0.0 {
+            return last.max(crossed);
+        }
+        // A ray that misses the scene: on to beside it.
+        let length = self.direction.length();
+        if length > 0.0 { (self.bounds.center() - self.origin).length() / length } else { 0.0 }
+    }
+
+    fn before_the_walk(data: &SceneData, ray: Option<&RayState>, row: Option<usize>) -> Self {
+        let features = &data.features;
+        let structure = match (features.grid && data.grid.cells.iter().all(|&n| n > 0), features.bvh) {
+            (true, _) => Structure::Grid,
+            (_, true) => Structure::Tree,
+            _ => Structure::Nothing,
+        };
+        let bounds = match (structure, data.bvh_nodes.first()) {
+            (Structure::Grid, _) => Aabb::of_cells(&data.grid, [0; 3], data.grid.cells),
+            (Structure::Tree, Some(root)) if data.info.triangles > 0 => Aabb::of_f32(root.min, root.max),
+            _ => Aabb::of_vertices(&data.vertices),
+        };
+        let has_grid = structure == Structure::Grid;
+        let [origin, direction] = ray.map_or([DVec3::ZERO; 2], |ray| [ray.origin, ray.direction].map(to_f64));
+        Self {
+            structure,
+            row,
+            origin,
+            direction,
+            bounds,
+            inside: bounds.interval(origin, direction),
+            cell_size: if has_grid { to_f64(data.grid.width) } else { DVec3::ZERO },
+            grid_cells: if has_grid { data.grid.cells } else { [0; 3] },
+            cells: Vec::new(),
+            crossings: Vec::new(),
+            nodes: Vec::new(),
+            current_node: None,
+            current_box: None,
+            tested: Vec::new(),
+            hit: None,
+            t: 0.0,
+            is_over: ray.is_some_and(|ray| matches!(ray.tag, state::SHADE | state::BACKGROUND | state::DONE)),
+        }
+    }
+
+    fn how_far(&self) -> f64 {
+        if self.is_over {
+            let left = self.crossings.last().map(|crossing| crossing.t);
+            let leaves = self.inside.map(|[_, leave]| leave);
+            return self.hit.map(|hit| hit.t).or(left).or(leaves).unwrap_or(0.0);
+        }
+        match self.structure {
+            Structure::Grid => self.cells.last().map_or(0.0, |cell| cell.t_in),
+            Structure::Tree => {
+                let inside = self.current_box.and_then(|bounds| bounds.interval(self.origin, self.direction));
+                let last_met = self.nodes.iter().rev().find_map(|node| node.inside.filter(|_| node.is_met));
+                inside.or(last_met).map_or(0.0, |[enter, _]| enter)
+            }
+            Structure::Nothing => self.hit.map_or(0.0, |hit| hit.t),
+        }
+    }
+}
+
+/// The triangles that a cell or leaf lists; all of them where there is neither.
+pub fn listed(data: &SceneData, cell_or_node: u32) -> impl Iterator<Item = u32> {
+    list(data, cell_or_node).map(|place| {
+        let items = match (data.features.grid, data.features.bvh) {
+            (true, _) => &data.grid_items,
+            (_, true) => &data.bvh_items,
+            _ => return place,
+        };
+        items.get(place as usize).copied().unwrap_or(u32::MAX)
+    })
+}
+
+/// The places of a list; empty for a cell or node that there is not.
+fn list(data: &SceneData, cell_or_node: u32) -> Range<u32> {
+    let at = cell_or_node as usize;
+    if data.features.grid {
+        match (data.grid_cells.get(at), data.grid_cells.get(at + 1)) {
+            (Some(&first), Some(&end)) => first..end,
+            _ => 0..0,
+        }
+    } else if data.features.bvh {
+        data.bvh_nodes.get(at).map_or(0..0, |node| node.first..node.first.saturating_add(node.count()))
+    } else {
+        0..data.info.triangles
+    }
+}
+
+/// The corners of a triangle; `None` for one that there is not.
+fn corners(data: &SceneData, triangle: u32) -> Option<[DVec3; 3]> {
+    let first = (triangle as usize).checked_mul(9)?;
+    let v = data.vertices.get(first..first.checked_add(9)?)?;
+    Some([0, 3, 6].map(|c| to_f64([v[c], v[c + 1], v[c + 2]])))
+}
+
+fn nearest_hit(data: &SceneData, ray: &RayState) -> Option<NearestHit> {
+    let (triangle, t) = (ray.triangle?, f64::from(ray.t?));
+    let point = to_f64(ray.origin) + to_f64(ray.direction) * t;
+    let barycentric = ray.barycentric.unwrap_or_default().map(f64::from);
+    Some(NearestHit { triangle, t, point, barycentric, corners: corners(data, triangle)? })
+}
+
+fn to_f64(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+fn finite(t: f32) -> Option<f64> {
+    (t < INF).then_some(f64::from(t))
+}
+
+fn is_kernel(row: &TraceRow, kernel: Kernel) -> bool {
+    row.kernel == kernel.name()
+}
+
+/// Whether the ray is at work in a cell or at a node.
+fn is_walking(ray: &RayState) -> bool {
+    matches!(ray.tag, state::TRAV | state::ISECT_HIT | state::ISECT_NO_HIT)
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,157 @@
+//! The cells of a walk through the grid.
+
+use glam::DVec3;
+use raystep_kernels::Kernel;
+use raystep_kernels::export::trace::{RayState, TraceRow};
+use raystep_kernels::real::Vec3;
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::constants::INF;
+use raystep_kernels::shared::grid_walk::smallest_axis;
+use raystep_kernels::state;
+
+use super::{Aabb, WalkGeometry, finite, is_kernel, is_walking, list};
+
+/// How a ray came into a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// The walk starts here.
+    Start,
+    /// Through the face that it shares with the cell before it.
+    Face {
+        /// The axis along which it went.
+        axis: usize,
+        /// 1 or -1.
+        step: i32,
+    },
+    /// Over cells between that were not visited one by one: they are empty, or the pass took several steps.
+    Leap,
+}
+
+/// A cell that the ray visited.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellVisit {
+    /// The row that brought the ray here.
+    pub row: usize,
+    /// Cell coordinates.
+    pub cell: [i32; 3],
+    /// The cell's number, x fastest.
+    pub index: u32,
+    /// Its box.
+    pub bounds: Aabb,
+    /// How the ray came here.
+    pub entry: Entry,
+    /// t at which the ray enters.
+    pub t_in: f64,
+    /// t at which it leaves: the smallest tmax. As `t_in` where it crosses no plane.
+    pub t_out: f64,
+    /// t at which the ray leaves the cell, per axis; `None` for an axis that it never crosses.
+    pub tmax: [Option<f64>; 3],
+    /// The axis whose tmax is the smallest.
+    pub exit_axis: usize,
+    /// Triangles in the cell's list.
+    pub listed: u32,
+    /// Whether the ray is here now, or ended its walk here.
+    pub is_current: bool,
+}
+
+/// Where the ray crosses a plane between cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Index of the cell visit that it leaves.
+    pub from: usize,
+    /// The axis across which the plane lies.
+    pub axis: usize,
+    /// Where on the ray: a tmax of that cell.
+    pub t: f64,
+    /// Where in space.
+    pub point: DVec3,
+}
+
+impl WalkGeometry {
+    /// Follows a row that may bring the ray to another cell, or out of the grid.
+    pub(super) fn move_to_cell(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
+        let starts = is_kernel(row, Kernel::Setup);
+        let steps = is_kernel(row, Kernel::TraverseGrid) || is_kernel(row, Kernel::Walk);
+        if !starts && !steps {
+            return;
+        }
+        let after = &row.after;
+        let moved = starts || before.is_none_or(|before| before.cell_index != after.cell_index);
+        // A pass of many steps may end the walk in the cell where it was, or in another one.
+        let left = is_kernel(row, Kernel::TraverseGrid) || moved || after.tag == state::BACKGROUND;
+        if steps && left {
+            self.leave_cell();
+        }
+        if moved && (steps || is_walking(after)) {
+            let visit = self.visit(data, i, after);
+            self.cells.push(visit);
+        }
+    }
+
+    fn leave_cell(&mut self) {
+        let from = self.cells.len().wrapping_sub(1);
+        let Some(cell) = self.cells.last_mut() else { return };
+        cell.is_current = false;
+        let (axis, t) = (cell.exit_axis, cell.t_out);
+        if cell.tmax[axis].is_some() {
+            let point = self.point(t);
+            self.crossings.push(Crossing { from, axis, t, point });
+        }
+    }
+
+    fn visit(&self, data: &SceneData, row: usize, ray: &RayState) -> CellVisit {
+        let grid = &data.grid;
+        let index = ray.cell_index;
+        let cell = grid.cell_of_index(index);
+        let bounds = Aabb::of_cells(grid, cell, [1; 3]);
+        let tmax = self.tmax(data, cell, ray);
+        let [x, y, _] = smallest_axis(Vec3::from(tmax.map(|t| t.unwrap_or(f64::from(INF)))));
+        let exit_axis = if x {
+            0
+        } else if y {
+            1
+        } else {
+            2
+        };
+        let entry = self.cells.last().map_or(Entry::Start, |from| entry(from.cell, cell));
+        let own = bounds.interval(self.origin, self.direction).map(|[enter, _]| enter);
+        let t_in = match (entry, self.cells.last()) {
+            (Entry::Face { .. }, Some(from)) => from.t_out,
+            (_, from) => own.or(from.map(|from| from.t_out)).unwrap_or(0.0),
+        };
+        let list = list(data, index);
+        CellVisit {
+            row,
+            cell,
+            index,
+            bounds,
+            entry,
+            t_in,
+            t_out: tmax[exit_axis].unwrap_or(t_in),
+            tmax,
+            exit_axis,
+            listed: list.end.saturating_sub(list.start),
+            is_current: true,
+        }
+    }
+
+    /// From the stream, or, where a run keeps none, from the cell as its kernel does.
+    fn tmax(&self, data: &SceneData, cell: [i32; 3], ray: &RayState) -> [Option<f64>; 3] {
+        if ray.tmax.iter().any(Option::is_some) {
+            return ray.tmax.map(|t| t.map(f64::from));
+        }
+        let [origin, direction] = [ray.origin, ray.direction].map(Vec3::<f32>::from_f32);
+        let grid_ray = data.grid.ray(data.features.walk_rules(), origin, direction);
+        if data.features.robust { data.grid.cell_exit(cell, &grid_ray).to_array().map(finite) } else { [None; 3] }
+    }
+}
+
+fn entry(from: [i32; 3], to: [i32; 3]) -> Entry {
+    let step = [0, 1, 2].map(|a| to[a].saturating_sub(from[a]));
+    match step.map(i32::abs) {
+        [1, 0, 0] => Entry::Face { axis: 0, step: step[0] },
+        [0, 1, 0] => Entry::Face { axis: 1, step: step[1] },
+        [0, 0, 1] => Entry::Face { axis: 2, step: step[2] },
+        _ => Entry::Leap,
+    }
+}

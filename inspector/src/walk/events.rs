@@ -1,0 +1,80 @@
+//! The rows of a trace in which something happens to the ray: what F11 steps through.
+
+use raystep_kernels::Kernel;
+use raystep_kernels::export::trace::Trace;
+use raystep_kernels::scene_data::SceneData;
+
+use super::{is_kernel, is_walking};
+
+/// What happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// The ray comes into a cell.
+    Cell([i32; 3]),
+    /// The ray comes to a node.
+    Node(u32),
+    /// A triangle is tested.
+    Test(u32),
+    /// The ray has left the grid or the tree.
+    Left,
+}
+
+/// Something that happens to the ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The row of the trace.
+    pub row: usize,
+    /// What happens.
+    pub kind: EventKind,
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.kind {
+            EventKind::Cell([x, y, z]) => write!(f, "cell ({x}, {y}, {z})"),
+            EventKind::Node(node) => write!(f, "node {node}"),
+            EventKind::Test(triangle) => write!(f, "triangle {triangle}"),
+            EventKind::Left => write!(f, "left"),
+        }
+    }
+}
+
+/// The rows in which the ray moves or tests a triangle, in order.
+#[must_use]
+pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
+    let has_grid = data.features.grid && data.grid.cells.iter().all(|&n| n > 0);
+    let kind = |row: &raystep_kernels::export::trace::TraceRow| {
+        if let Some(triangle) = row.tested {
+            return Some(EventKind::Test(triangle));
+        }
+        let moves = [Kernel::Setup, Kernel::TraverseGrid, Kernel::TraverseBvh, Kernel::Walk];
+        if !moves.iter().any(|&kernel| is_kernel(row, kernel)) || !(has_grid || data.features.bvh) {
+            return None;
+        }
+        let (after, index) = (&row.after, row.after.cell_index);
+        Some(match (is_walking(after), has_grid) {
+            (false, _) => EventKind::Left,
+            (true, true) => EventKind::Cell(data.grid.cell_of_index(index)),
+            (true, false) => EventKind::Node(index),
+        })
+    };
+    trace.rows.iter().enumerate().filter_map(|(row, r)| Some(Event { row, kind: kind(r)? })).collect()
+}
+
+/// The first event after a row; the first of all where no row is given.
+#[must_use]
+pub fn next_event(events: &[Event], row: Option<usize>) -> Option<Event> {
+    events.get(events.partition_point(|event| row.is_some_and(|row| event.row <= row))).copied()
+}
+
+/// The last event before a row.
+#[must_use]
+pub fn previous_event(events: &[Event], row: usize) -> Option<Event> {
+    events[..events.partition_point(|event| event.row < row)].last().copied()
+}
+
+/// The row that a ray is at after so many passes of its run; `None` before its first.
+#[must_use]
+pub fn row_after_passes(trace: &Trace, passes: usize) -> Option<usize> {
+    trace.rows.partition_point(|row| row.pass < passes).checked_sub(1)
+}

@@ -1,0 +1,79 @@
+//! The nodes of a walk through the tree.
+
+use raystep_kernels::Kernel;
+use raystep_kernels::export::trace::{RayState, TraceRow};
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::bvh_walk::parent_of;
+use raystep_kernels::shared::constants::NO_NODE;
+use raystep_kernels::state;
+
+use super::{Aabb, WalkGeometry, is_kernel, is_walking};
+
+/// A node whose box the ray was tested against. Coming back up through it is no visit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeVisit {
+    /// The row that tested it.
+    pub row: usize,
+    /// The node.
+    pub node: u32,
+    /// The node above; `None` for the root.
+    pub parent: Option<u32>,
+    /// Its box.
+    pub bounds: Aabb,
+    /// Levels below the root.
+    pub depth: u32,
+    /// Whether the ray meets the box before its nearest hit so far, as the device decided.
+    pub is_met: bool,
+    /// Whether it holds triangles.
+    pub is_leaf: bool,
+    /// Triangles that a leaf lists.
+    pub listed: u32,
+    /// The t, 0 or more, at which the ray is in the box, hit or no hit; worked out in f64.
+    pub inside: Option<[f64; 2]>,
+}
+
+impl WalkGeometry {
+    /// Follows a row that may test a node's box.
+    pub(super) fn move_to_node(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
+        let after = &row.after;
+        self.current_node = is_walking(after).then_some(after.cell_index);
+        let current = self.current_node.and_then(|node| data.bvh_nodes.get(node as usize));
+        self.current_box = current.map(|node| Aabb::of_f32(node.min, node.max));
+        let Some(before) = before.filter(|_| is_kernel(row, Kernel::TraverseBvh)) else { return };
+        let index = before.cell_index;
+        let Some(node) = data.bvh_nodes.get(index as usize) else { return };
+        let parent = parent(data, index);
+        // Back from a child, or from the leaf itself: its box is not tested again.
+        if before.previous != Some(parent.unwrap_or(NO_NODE)) {
+            return;
+        }
+        let is_leaf = node.count() != 0;
+        let went_down = after.previous == Some(index)
+            && (after.cell_index == node.first || Some(after.cell_index) == node.first.checked_add(1))
+            && is_walking(after);
+        let in_leaf = matches!(after.tag, state::ISECT_HIT | state::ISECT_NO_HIT);
+        let bounds = Aabb::of_f32(node.min, node.max);
+        self.nodes.push(NodeVisit {
+            row: i,
+            node: index,
+            parent,
+            bounds,
+            depth: depth(data, index),
+            is_met: if is_leaf { in_leaf } else { node.is_inner() && went_down },
+            is_leaf,
+            listed: node.count(),
+            inside: bounds.interval(self.origin, self.direction),
+        });
+    }
+}
+
+fn parent(data: &SceneData, node: u32) -> Option<u32> {
+    let above = parent_of(*data.bvh_parents.get(node as usize)?);
+    (above != NO_NODE).then_some(above)
+}
+
+fn depth(data: &SceneData, node: u32) -> u32 {
+    let above = std::iter::successors(parent(data, node), |&above| parent(data, above));
+    // Bounded, though no tree that is built has a cycle.
+    above.take(data.bvh_parents.len()).count() as u32
+}

@@ -1,0 +1,56 @@
+//! The walk as a drawing of its own: the picture seen along one axis, and under it the walk unfolded along t.
+
+mod picture;
+mod sheet;
+mod strip;
+
+use super::{Projected, Spacing, Strip, Structure, WalkGeometry};
+use sheet::Sheet;
+
+/// How the drawing looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SvgOptions {
+    /// Its width, in units of which a line of text is 12 high.
+    pub width: f64,
+    /// How wide cells are.
+    pub spacing: Spacing,
+    /// Light on dark.
+    pub is_dark: bool,
+}
+
+impl Default for SvgOptions {
+    fn default() -> Self {
+        Self { width: 900.0, spacing: Spacing::Equal, is_dark: false }
+    }
+}
+
+/// The drawing, as a whole SVG file. `title` is written above it.
+#[must_use]
+pub fn walk_svg(walk: &WalkGeometry, title: &str, options: &SvgOptions) -> String {
+    let width = if options.width.is_finite() { options.width.clamp(320.0, 8000.0) } else { 900.0 };
+    let mut sheet = Sheet::new(width, options.is_dark);
+    sheet.text(sheet.left, sheet.y + 18.0, "title", title);
+    sheet.text(sheet.left, sheet.y + 36.0, "note", &summary(walk));
+    sheet.y += 48.0;
+    picture::draw(&mut sheet, walk, &Projected::new(walk));
+    strip::draw(&mut sheet, &Strip::new(walk), options.spacing);
+    sheet.finish()
+}
+
+/// One sentence.
+fn summary(walk: &WalkGeometry) -> String {
+    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+    let visited = match walk.structure {
+        Structure::Grid => format!("{} visited, ", count(walk.cells.len(), "cell", "cells")),
+        Structure::Tree => format!("{} visited, ", count(walk.nodes.len(), "node", "nodes")),
+        Structure::Nothing => String::new(),
+    };
+    let tested = count(walk.tested.len(), "triangle tested", "triangles tested");
+    let end = match (walk.hit, walk.is_over) {
+        (Some(hit), true) => format!("hit triangle {} at t {}", hit.triangle, sheet::short(hit.t)),
+        (Some(hit), false) => format!("nearest hit so far: triangle {} at t {}", hit.triangle, sheet::short(hit.t)),
+        (None, true) => "nothing hit".into(),
+        (None, false) => "nothing hit yet".into(),
+    };
+    format!("{visited}{tested}; {end}. Lengths and t in traced units.")
+}

@@ -1,0 +1,174 @@
+//! The walk unfolded: cells side by side with the three tmax of each above them, or nodes under each other.
+
+use glam::DVec2;
+
+use super::super::{Outcome, Spacing, Strip, StripTest};
+use super::sheet::{Sheet, short, viridis};
+
+/// Heights of the bars of tmax, of a cell, and of a line of nodes.
+const BARS: f64 = 84.0;
+const CELL: f64 = 46.0;
+const LINE: f64 = 14.0;
+
+pub(super) fn draw(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
+    if strip.cells.is_empty() && strip.nodes.is_empty() {
+        return tests_alone(sheet, strip);
+    }
+    if strip.cells.is_empty() {
+        nodes(sheet, strip)
+    } else {
+        cells(sheet, strip, spacing)
+    }
+    axis(sheet, strip, spacing);
+}
+
+fn cells(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
+    let width = sheet.width - 2.0 * sheet.left;
+    let note = match spacing {
+        Spacing::ByT => "Unfolded: cells as long as the ray is in them",
+        Spacing::Equal => "Unfolded: cells equally wide",
+    };
+    let bars = "above each its tmax along x, y and z, the smallest in red; in it the triangles tested";
+    sheet.text(sheet.left, sheet.y + 8.0, "note", &format!("{note}; {bars}"));
+    let top = sheet.y + 30.0;
+    let cells_top = top + BARS + 16.0;
+    for (cell, [left, right]) in strip.cells.iter().zip(strip.columns(spacing)) {
+        let (x, wide) = (sheet.left + left * width, (right - left) * width);
+        let color = viridis(cell.visit, strip.cells.len());
+        let bar = (wide / 4.0).min(14.0);
+        for (axis, tmax) in cell.tmax.iter().enumerate() {
+            let Some(tmax) = tmax else { continue };
+            let height = (strip.tmax_height(*tmax).min(1.0) * BARS).max(1.0);
+            let at = x + wide * 0.5 + (axis as f64 - 1.5) * bar;
+            let class = if axis == cell.exit_axis { "bar-exit" } else { "bar" };
+            sheet.rect(DVec2::new(at + 0.5, top + BARS - height), DVec2::new(bar - 1.0, height), class, "");
+            if strip.tmax_height(*tmax) > 1.0 {
+                // Cut off.
+                for gap in [6.0, 10.0] {
+                    sheet.rect(DVec2::new(at, top + gap), DVec2::new(bar, 2.0), "paper", "");
+                }
+            }
+            if bar >= 8.0 {
+                sheet.text(at + bar * 0.5, top + BARS + 11.0, "small middle", ["x", "y", "z"][axis]);
+            }
+        }
+        let fill = format!("fill=\"{color}\" stroke=\"{color}\"");
+        sheet.rect(DVec2::new(x, cells_top), DVec2::new(wide, CELL), "cell", &fill);
+        if cell.is_current {
+            sheet.rect(DVec2::new(x, cells_top), DVec2::new(wide, CELL), "current", "");
+        }
+        if wide >= 12.0 {
+            sheet.text(x + wide * 0.5, cells_top + 14.0, "letter", &cell.letters);
+        }
+        if wide >= 44.0 {
+            let [i, j, k] = cell.cell;
+            sheet.text(x + wide * 0.5, cells_top + CELL + 12.0, "small middle", &format!("{i}, {j}, {k}"));
+        }
+        let count = cell.tests.len() as f64;
+        for (i, test) in cell.tests.iter().enumerate() {
+            // In the order of the tests: their t often lie outside of the cell.
+            let at = DVec2::new(x + wide * (i as f64 + 0.5) / count, cells_top + 31.0);
+            dot(sheet, at, (wide / (2.6 * count)).clamp(0.6, 4.0), test);
+        }
+    }
+    sheet.y = cells_top + CELL + 20.0;
+}
+
+fn nodes(sheet: &mut Sheet, strip: &Strip) {
+    let width = sheet.width - 2.0 * sheet.left;
+    let note =
+        "Unfolded: a bar for each node, from where the ray enters its box to where it leaves, under the node above it";
+    let more = "Outlines: boxes that the ray did not enter before its nearest hit. Dots: triangles tested";
+    sheet.text(sheet.left, sheet.y + 8.0, "note", note);
+    sheet.text(sheet.left, sheet.y + 23.0, "note", more);
+    let top = sheet.y + 34.0;
+    for node in &strip.nodes {
+        let Some(t) = node.t else { continue };
+        let [left, right] = t.map(|t| sheet.left + strip.place(t, Spacing::ByT) * width);
+        let at = DVec2::new(left, top + node.line as f64 * LINE);
+        let size = DVec2::new((right - left).max(1.0), LINE - 2.0);
+        let color = viridis(node.visit, strip.nodes.len());
+        let fill = if node.is_met { format!("fill=\"{color}\"") } else { "fill=\"none\"".into() };
+        sheet.rect(at, size, "cell", &format!("{fill} stroke=\"{color}\""));
+        if node.is_current {
+            sheet.rect(at, size, "current", "");
+        }
+        let name = node.node.to_string();
+        if size.x > 7.0 * name.len() as f64 + 8.0 {
+            // Beside the dots, which lie where the ray enters as often as not.
+            let (x, class) = if node.tests.is_empty() { (left + 4.0, "small") } else { (right - 4.0, "small end") };
+            sheet.text(x, at.y + 9.5, class, &name);
+        }
+        for test in &node.tests {
+            if let Some(t) = test.t.filter(|t| (strip.t[0]..=strip.t[1]).contains(t)) {
+                let x = sheet.left + strip.place(t, Spacing::ByT) * width;
+                dot(sheet, DVec2::new(x, at.y + size.y * 0.5), 3.0, test);
+            }
+        }
+    }
+    sheet.y = top + strip.lines() as f64 * LINE + 6.0;
+}
+
+fn tests_alone(sheet: &mut Sheet, strip: &Strip) {
+    let width = sheet.width - 2.0 * sheet.left;
+    sheet.text(sheet.left, sheet.y + 8.0, "note", "Unfolded: where the ray meets the planes of the triangles tested");
+    let middle = sheet.y + 34.0;
+    sheet.line(DVec2::new(sheet.left, middle), DVec2::new(sheet.left + width, middle), "grid");
+    for test in &strip.tests {
+        if let Some(t) = test.t.filter(|t| (strip.t[0]..=strip.t[1]).contains(t)) {
+            let x = sheet.left + strip.place(t, Spacing::ByT) * width;
+            dot(sheet, DVec2::new(x, middle), 3.5, test);
+        }
+    }
+    sheet.y = middle + 16.0;
+    axis(sheet, strip, Spacing::ByT);
+}
+
+fn dot(sheet: &mut Sheet, at: DVec2, radius: f64, test: &StripTest) {
+    let class = match test.outcome {
+        Outcome::Nearest => "dot-hit",
+        Outcome::NotNearest => "dot-farther",
+        Outcome::Missed => "dot-missed",
+    };
+    let t = test.t.map_or_else(|| "never meets its plane".into(), |t| format!("t {}", short(t)));
+    sheet.circle(at, radius, class, &format!("triangle {}: {}, {t}", test.triangle, test.outcome.name()));
+}
+
+/// A scale of t: at the ends of cells where they are equally wide, else evenly.
+fn axis(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
+    let width = sheet.width - 2.0 * sheet.left;
+    let y = sheet.y + 2.0;
+    let marks: Vec<f64> = match spacing {
+        Spacing::Equal if !strip.cells.is_empty() => {
+            let every = strip.cells.len().div_ceil((width / 52.0) as usize);
+            let ends = strip.cells.iter().map(|cell| cell.t[1]).skip(every - 1).step_by(every);
+            std::iter::once(strip.t[0]).chain(ends).collect()
+        }
+        _ => (0..=8).map(|i| strip.t[0] + (strip.t[1] - strip.t[0]) * f64::from(i) / 8.0).collect(),
+    };
+    sheet.line(DVec2::new(sheet.left, y), DVec2::new(sheet.left + width, y), "frame");
+    let last = marks.len().saturating_sub(1);
+    let mut written = f64::NEG_INFINITY;
+    for (i, t) in marks.into_iter().enumerate() {
+        let x = sheet.left + strip.place(t, spacing) * width;
+        sheet.line(DVec2::new(x, y), DVec2::new(x, y + 4.0), "frame");
+        // Cells that the ray only touches end at the same t.
+        if x - written < 40.0 {
+            continue;
+        }
+        written = x;
+        let class = if i == 0 {
+            "small"
+        } else if i == last {
+            "small end"
+        } else {
+            "small middle"
+        };
+        sheet.text(x, y + 14.0, class, &if i == 0 { format!("t {}", short(t)) } else { short(t) });
+    }
+    if let Some(hit) = strip.hit.filter(|t| (strip.t[0]..=strip.t[1]).contains(t)) {
+        let x = sheet.left + strip.place(hit, spacing) * width;
+        sheet.circle(DVec2::new(x, y), 4.0, "dot-hit", &format!("the nearest hit, t {}", short(hit)));
+    }
+    sheet.y = y + 20.0;
+}

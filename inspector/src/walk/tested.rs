@@ -1,0 +1,116 @@
+//! The triangles that a walk tests.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use raystep_kernels::export::trace::{RayState, TraceRow};
+use raystep_kernels::real::Vec3;
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::triangle::{Shear, hit_triangle, plane_hit};
+
+use super::{Structure, WalkGeometry, corners};
+
+/// What became of a test, the best last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Outcome {
+    /// The ray passes the triangle by.
+    Missed,
+    /// A hit, but not the nearest so far, or not one that this cell may accept.
+    NotNearest,
+    /// The nearest hit so far.
+    Nearest,
+}
+
+impl Outcome {
+    /// Whether the ray meets the triangle.
+    #[must_use]
+    pub fn is_hit(self) -> bool {
+        self != Self::Missed
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Missed => "missed",
+            Self::NotNearest => "hit, not the nearest",
+            Self::Nearest => "hit",
+        }
+    }
+}
+
+/// A test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TestedTriangle {
+    /// The row of the test.
+    pub row: usize,
+    /// The triangle.
+    pub triangle: u32,
+    /// Its corners.
+    pub corners: [DVec3; 3],
+    /// Index of the cell visit, or of the node visit, that lists it; `None` without either.
+    pub visit: Option<usize>,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// Where the ray meets the triangle's plane; `None` where it never does.
+    pub t: Option<f64>,
+    /// Weights of vertices 1 and 2 there.
+    pub barycentric: Option<[f64; 2]>,
+}
+
+impl WalkGeometry {
+    /// Indices into [`tested`](Self::tested) with each triangle once, by its id; of several tests of one, the first of
+    /// those with the best outcome.
+    #[must_use]
+    pub fn distinct_tested(&self) -> Vec<usize> {
+        let mut best = BTreeMap::new();
+        for (i, tested) in self.tested.iter().enumerate() {
+            let entry = best.entry(tested.triangle).or_insert((tested.outcome, i));
+            if tested.outcome > entry.0 {
+                *entry = (tested.outcome, i);
+            }
+        }
+        best.into_values().map(|(_, i)| i).collect()
+    }
+
+    /// Follows a row that may test a triangle.
+    pub(super) fn test_triangle(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
+        let Some((triangle, at)) = row.tested.and_then(|triangle| Some((triangle, corners(data, triangle)?))) else {
+            return;
+        };
+        let after = &row.after;
+        let [origin, direction] = [after.origin, after.direction].map(Vec3::<f32>::from_f32);
+        let (robust, shear) = (data.features.robust, Shear::of(direction));
+        let vertices = data.corners(triangle);
+        let mut candidate = hit_triangle::<f32>(robust, origin, direction, &shear, vertices);
+        let is_hit = candidate.is_hit;
+        if robust && !is_hit {
+            candidate = plane_hit(origin, &shear, vertices);
+        }
+        let is_new = before.is_none_or(|b| b.triangle != after.triangle || b.t != after.t);
+        let outcome = match (after.triangle == Some(triangle) && is_new, is_hit) {
+            (true, _) => Outcome::Nearest,
+            (false, true) => Outcome::NotNearest,
+            (false, false) => Outcome::Missed,
+        };
+        // The device's own numbers where it kept them.
+        let (t, barycentric) = match (outcome, after.t, after.barycentric) {
+            (Outcome::Nearest, Some(t), Some(barycentric)) => (t, barycentric),
+            _ => (candidate.t, [candidate.u, candidate.v]),
+        };
+        let visit = match self.structure {
+            Structure::Grid => self.cells.len().checked_sub(1),
+            Structure::Tree => self.nodes.iter().rposition(|node| node.is_leaf && node.is_met),
+            Structure::Nothing => None,
+        };
+        self.tested.push(TestedTriangle {
+            row: i,
+            triangle,
+            corners: at,
+            visit,
+            outcome,
+            t: t.is_finite().then_some(f64::from(t)),
+            barycentric: barycentric.iter().all(|w| w.is_finite()).then(|| barycentric.map(f64::from)),
+        });
+    }
+}

@@ -1,0 +1,292 @@
+//! The geometry against traces of known rays.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::export::trace::trace;
+use raystep_kernels::{Accelerator, Device, Numerics, Options, RaySource, Renderer, Skip};
+use raystep_scenes::{Camera, LoadOptions, NoFiles, Scene};
+
+use super::*;
+
+pub(crate) const CORNELL: &[u8] = include_bytes!("../../../scenes/cornell-box.gltf");
+pub(crate) const TEAPOT: &[u8] = include_bytes!("../../../scenes/teapot.glb");
+
+pub(crate) fn scene(bytes: &[u8]) -> Scene {
+    raystep_scenes::load("scene", bytes, &NoFiles, &LoadOptions::default()).expect("a scene")
+}
+
+pub(crate) fn options(scene: &Scene) -> Options {
+    let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()));
+    Options { steps_per_pass: 1, skip: Skip::Off, ..Options::new(RaySource::Camera { camera, width: 64, height: 64 }) }
+}
+
+/// Traces one pixel's ray by the twins.
+pub(crate) fn traced(scene: &Scene, options: &Options, [x, y]: [u32; 2]) -> (Trace, SceneData) {
+    pollster::block_on(async {
+        let mut renderer = Renderer::new(scene, options, &Device::Cpu(None)).await.expect("a run");
+        let trace = trace(&mut renderer, x, y, |_| ControlFlow::Continue(())).await.expect("a trace");
+        (trace, renderer.data().clone())
+    })
+}
+
+/// Rays of several kinds: a wall, a box, a corner, the light's surroundings.
+const PIXELS: [[u32; 2]; 5] = [[20, 40], [44, 50], [3, 3], [32, 8], [60, 33]];
+
+fn whole(trace: &Trace, data: &SceneData) -> WalkGeometry {
+    WalkGeometry::new(trace, data, usize::MAX)
+}
+
+#[test]
+fn cells_follow_each_other_and_their_intervals_meet() {
+    let scene = scene(CORNELL);
+    for numerics in [Numerics::Robust, Numerics::Paper] {
+        for pixel in PIXELS {
+            let (trace, data) = traced(&scene, &Options { numerics, ..options(&scene) }, pixel);
+            let walk = whole(&trace, &data);
+            assert!(walk.cells.len() > 2 || numerics == Numerics::Paper, "{pixel:?}");
+            for pair in walk.cells.windows(2) {
+                let [from, to] = pair else { continue };
+                let Entry::Face { axis, step } = to.entry else { panic!("{pixel:?}: {:?}", to.entry) };
+                let mut next = from.cell;
+                next[axis] += step;
+                assert_eq!((next, axis), (to.cell, from.exit_axis));
+                assert_eq!(from.t_out, to.t_in);
+                assert!(to.t_in <= to.t_out);
+            }
+            for (i, crossing) in walk.crossings.iter().enumerate() {
+                let from = &walk.cells[crossing.from];
+                assert_eq!((crossing.from, Some(crossing.t)), (i, from.tmax[crossing.axis]));
+                let plane = if walk.direction[crossing.axis] > 0.0 { from.bounds.max } else { from.bounds.min };
+                // The bound by which cells are grown: 40 roundings of the largest distance, in a walk that does not
+                // accumulate.
+                let most = if numerics == Numerics::Robust { f64::from(data.growth) } else { 1e-5 };
+                let off = (crossing.point - plane)[crossing.axis].abs();
+                assert!(off <= most, "{pixel:?}: {off}");
+                for axis in (0..3).filter(|&axis| axis != crossing.axis) {
+                    assert!(crossing.point[axis] >= from.bounds.min[axis] - most);
+                    assert!(crossing.point[axis] <= from.bounds.max[axis] + most);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_walk_grows_row_by_row_to_the_hit_of_the_trace() {
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
+    let mut before = WalkGeometry::new(&trace, &data, 0);
+    assert!(before.cells.is_empty() && before.tested.is_empty() && !before.is_over);
+    for row in 1..trace.rows.len() {
+        let walk = WalkGeometry::new(&trace, &data, row);
+        assert!(walk.t >= before.t, "{row}: {} {}", walk.t, before.t);
+        assert!(walk.cells.len() - before.cells.len() <= 1 && walk.tested.len() - before.tested.len() <= 1);
+        if let Some(cell) = walk.current_cell() {
+            assert_eq!(cell.index, trace.rows[row].after.cell_index);
+            assert_eq!(listed(&data, cell.index).count() as u32, cell.listed);
+            assert_eq!(walk.cells.iter().filter(|cell| cell.is_current).count(), 1);
+            assert_eq!(walk.next_crossings().len(), cell.tmax.iter().flatten().count());
+        }
+        before = walk;
+    }
+    let end = &trace.rows.last().expect("rows").after;
+    let hit = before.hit.expect("the box is closed behind");
+    assert_eq!((Some(hit.triangle), Some(hit.t as f32)), (end.triangle, end.t));
+    assert!(before.is_over && before.t == hit.t);
+    let [u, v] = hit.barycentric;
+    let on_triangle = hit.corners[0] * (1.0 - u - v) + hit.corners[1] * u + hit.corners[2] * v;
+    assert!((on_triangle - hit.point).length() < 1e-6);
+    let nearest = before.tested.iter().rev().find(|test| test.outcome == Outcome::Nearest).expect("a hit");
+    assert_eq!((nearest.triangle, nearest.t), (hit.triangle, Some(hit.t)));
+    assert!(before.tested.iter().any(|test| test.outcome == Outcome::Missed));
+    for test in &before.tested {
+        assert!(listed(&data, before.cells[test.visit.expect("a cell")].index).any(|id| id == test.triangle));
+    }
+}
+
+#[test]
+fn a_node_is_visited_after_the_node_above_it_was_met() {
+    for (bytes, pixel) in [(CORNELL, [20, 40]), (TEAPOT, [32, 32])] {
+        let scene = scene(bytes);
+        let (trace, data) = traced(&scene, &Options { accelerator: Accelerator::Bvh, ..options(&scene) }, pixel);
+        let walk = whole(&trace, &data);
+        assert_eq!((walk.nodes[0].node, walk.nodes[0].parent, walk.nodes[0].depth), (0, None, 0));
+        assert!(walk.nodes.len() > 8);
+        let mut seen = std::collections::BTreeSet::new();
+        for (i, node) in walk.nodes.iter().enumerate() {
+            assert!(seen.insert(node.node), "node {} is visited once", node.node);
+            if let Some(parent) = node.parent {
+                let above = walk.nodes[..i].iter().find(|above| above.node == parent).expect("visited before");
+                assert!(above.is_met && !above.is_leaf && above.depth + 1 == node.depth);
+            }
+            assert!(!node.is_met || node.inside.is_some(), "node {}: met, but not in f64", node.node);
+            assert_eq!(node.is_leaf, listed(&data, node.node).count() > 0);
+        }
+        let in_leaves = walk.tested.iter().all(|test| {
+            let leaf = &walk.nodes[test.visit.expect("a leaf")];
+            leaf.is_leaf && leaf.is_met && listed(&data, leaf.node).any(|id| id == test.triangle)
+        });
+        assert!(in_leaves && !walk.tested.is_empty());
+        // Every row of the tree's walk either tests a box or comes back up.
+        let steps = trace.rows.iter().filter(|row| row.kernel == "traverse_bvh").count();
+        assert!(walk.nodes.len() <= steps && steps <= 2 * walk.nodes.len() + walk.tested.len());
+        let strip = Strip::new(&walk);
+        let bars: Vec<_> = strip.nodes.iter().filter_map(|node| Some((node, node.t?))).collect();
+        for (i, (a, [start, end])) in bars.iter().enumerate() {
+            for (b, [from, to]) in &bars[..i] {
+                assert!(a.line != b.line || (a.depth == b.depth && (end <= from || to <= start)), "{a:?} on {b:?}");
+                assert!(a.depth <= b.depth || a.line > b.line);
+            }
+        }
+        assert!(strip.lines() > 4);
+        assert_eq!(whole(&trace, &data).hit.map(|hit| hit.triangle), trace.rows.last().expect("rows").after.triangle);
+    }
+}
+
+#[test]
+fn without_grid_and_tree_only_triangles_are_tested() {
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &Options { accelerator: Accelerator::None, ..options(&scene) }, [20, 40]);
+    let walk = whole(&trace, &data);
+    assert_eq!((walk.cells.len(), walk.nodes.len(), walk.tested.len()), (0, 0, scene.triangles.len()));
+    assert!(walk.hit.is_some() && walk.bounds.radius() > 0.5);
+}
+
+#[test]
+fn leaps_and_passes_of_many_steps_are_said_to_be_leaps() {
+    let scene = scene(TEAPOT);
+    for steps_per_pass in [1, 8] {
+        let (trace, data) = traced(&scene, &Options { skip: Skip::On, steps_per_pass, ..options(&scene) }, [32, 32]);
+        let walk = whole(&trace, &data);
+        assert!(walk.cells.iter().any(|cell| cell.entry == Entry::Leap), "{steps_per_pass}");
+        for cell in &walk.cells {
+            let [enter, leave] = cell.bounds.interval(walk.origin, walk.direction).unwrap_or([cell.t_in; 2]);
+            let off = (cell.t_in - enter).abs().max((cell.t_out - leave).abs());
+            assert!(off < 1e-5, "{steps_per_pass}, {:?}: {off}", cell.cell);
+        }
+    }
+}
+
+#[test]
+fn a_ray_that_misses_and_an_empty_trace_have_a_walk_too() {
+    let scene = scene(TEAPOT);
+    let (mut trace, data) = traced(&scene, &options(&scene), [0, 0]);
+    let walk = whole(&trace, &data);
+    assert!(walk.is_over && walk.hit.is_none() && walk.last_t() > 0.0);
+    trace.rows.clear();
+    let nothing = whole(&trace, &data);
+    assert!(nothing.row.is_none() && nothing.cells.is_empty());
+    assert!(Strip::new(&nothing).cells.is_empty() && Projected::new(&nothing).squares.is_empty());
+    // A trace of another scene: indices that are not there.
+    let (foreign, _) = traced(&scene, &options(&scene), [32, 32]);
+    let _ = whole(&foreign, &SceneData::default());
+    let (small, data) = traced(&self::scene(CORNELL), &options(&self::scene(CORNELL)), [20, 40]);
+    let _ = (whole(&foreign, &data), small);
+}
+
+#[test]
+fn events_are_the_moves_and_tests_in_order() {
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
+    let events = events(&trace, &data);
+    let walk = whole(&trace, &data);
+    assert_eq!(events.iter().filter(|e| matches!(e.kind, EventKind::Cell(_))).count(), walk.cells.len());
+    assert_eq!(events.iter().filter(|e| matches!(e.kind, EventKind::Test(_))).count(), walk.tested.len());
+    let mut row = None;
+    for &event in &events {
+        assert_eq!(next_event(&events, row), Some(event));
+        row = Some(event.row);
+    }
+    assert_eq!(next_event(&events, row), None);
+    assert_eq!(previous_event(&events, events[1].row), Some(events[0]));
+    assert_eq!(previous_event(&events, events[0].row), None);
+    assert_eq!(row_after_passes(&trace, 0), None);
+    assert_eq!(row_after_passes(&trace, 1), Some(0));
+    assert_eq!(row_after_passes(&trace, usize::MAX), Some(trace.rows.len() - 1));
+}
+
+#[test]
+fn the_strip_lays_cells_side_by_side_along_t() {
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
+    let walk = whole(&trace, &data);
+    let strip = Strip::new(&walk);
+    for spacing in [Spacing::ByT, Spacing::Equal] {
+        let columns = strip.columns(spacing);
+        assert_eq!((columns[0][0], columns.len()), (0.0, walk.cells.len()));
+        assert!(columns.windows(2).all(|pair| (pair[0][1] - pair[1][0]).abs() < 1e-12), "{spacing:?}");
+        assert!((columns[columns.len() - 1][1] - 1.0).abs() < 1e-12);
+        // The eye lies on two planes of the grid: its first cells are left at once.
+        for (cell, [left, right]) in strip.cells.iter().zip(columns).filter(|(cell, _)| cell.t[1] > cell.t[0]) {
+            let middle = strip.place((cell.t[0] + cell.t[1]) * 0.5, spacing);
+            assert!((left..=right).contains(&middle), "{spacing:?}: {left} {middle} {right}");
+        }
+    }
+    let tests: usize = strip.cells.iter().map(|cell| cell.tests.len()).sum();
+    assert_eq!(tests, walk.tested.len());
+    for cell in &strip.cells {
+        let least = cell.tmax.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        assert_eq!(cell.tmax[cell.exit_axis], Some(least));
+    }
+    assert_eq!([0, 25, 26, 701, 702].map(unfolded::letters), ["a", "z", "aa", "zz", "aaa"]);
+}
+
+#[test]
+fn the_picture_shows_the_two_axes_along_which_the_ray_moves_most() {
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &options(&scene), [3, 34]);
+    let walk = whole(&trace, &data);
+    let picture = Projected::new(&walk);
+    assert_eq!(picture.axes, [0, 2], "{}", walk.direction);
+    let visits: Vec<usize> = picture.squares.iter().flat_map(|square| square.visits.clone()).collect();
+    assert_eq!(visits, (0..walk.cells.len()).collect::<Vec<_>>());
+    for (point, axis) in &picture.crossings {
+        let on = picture.lines[usize::from(*axis == picture.axes[1])]
+            .iter()
+            .any(|line| (line - point[usize::from(*axis == picture.axes[1])]).abs() < 1e-5);
+        assert!(on, "{point} of {axis} on a line of {:?}", picture.lines);
+    }
+    assert!(picture.hit.is_some_and(|hit| hit.cmpge(picture.min).all() && hit.cmple(picture.max).all()));
+}
+
+/// Keeps a drawing where `RAYSTEP_PICTURES` names a folder.
+fn keep(name: &str, svg: &str) {
+    if let Ok(folder) = std::env::var("RAYSTEP_PICTURES") {
+        std::fs::write(std::path::Path::new(&folder).join(format!("{name}.svg")), svg).expect("a file");
+    }
+}
+
+#[test]
+fn a_drawing_names_what_it_shows_and_is_sound_xml() {
+    for (bytes, file) in [(CORNELL, "cornell"), (TEAPOT, "teapot")] {
+        let scene = scene(bytes);
+        for (accelerator, name) in [(Accelerator::Grid, "grid"), (Accelerator::Bvh, "bvh"), (Accelerator::None, "none")]
+        {
+            if (file, name) == ("teapot", "none") {
+                continue;
+            }
+            let (trace, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, [20, 34]);
+            for (row, part) in [(trace.rows.len() / 2, "half"), (usize::MAX, "end")] {
+                let walk = WalkGeometry::new(&trace, &data, row);
+                for (spacing, is_dark) in [(Spacing::Equal, false), (Spacing::ByT, true)] {
+                    let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
+                    let svg = walk_svg(&walk, "pixel 20,34 of <\"scene\" & more>\u{1}", &options);
+                    keep(&format!("{file}-{name}-{part}-{spacing:?}"), &svg);
+                    assert!(svg.contains("of &lt;&quot;scene&quot; &amp; more&gt; </text>"));
+                    for nonsense in ["NaN", "inf", "\u{1}"] {
+                        assert!(!svg.contains(nonsense), "{file} {name}: {nonsense}");
+                    }
+                    for element in ["g", "text", "svg", "circle", "polygon", "clipPath", "style"] {
+                        let begun =
+                            svg.matches(&format!("<{element} ")).count() + svg.matches(&format!("<{element}>")).count();
+                        assert_eq!(begun, svg.matches(&format!("</{element}>")).count(), "{file} {name}: {element}");
+                    }
+                    if name == "grid" && part == "end" && file == "cornell" && spacing == Spacing::Equal {
+                        assert!(svg.contains(">a</text>") && svg.contains("Seen along"));
+                        assert!(svg.contains(&format!("{} cells visited", walk.cells.len())));
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! The walk unfolded: what a ray visits laid out along t, whatever way it takes through space.
+
+use super::{Outcome, Structure, WalkGeometry};
+
+/// How wide cells are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spacing {
+    /// As long as the ray is in them.
+    #[default]
+    ByT,
+    /// All the same: a ray that only cuts the corner of a cell is in it too.
+    Equal,
+}
+
+/// A test, at its place on the strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StripTest {
+    /// Index into [`WalkGeometry::tested`].
+    pub test: usize,
+    /// The triangle.
+    pub triangle: u32,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// Where the ray meets the triangle's plane.
+    pub t: Option<f64>,
+}
+
+/// A cell of the strip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StripCell {
+    /// Index into [`WalkGeometry::cells`].
+    pub visit: usize,
+    /// Its letter, see [`letters`].
+    pub letters: String,
+    /// Cell coordinates.
+    pub cell: [i32; 3],
+    /// t at which the ray enters and leaves.
+    pub t: [f64; 2],
+    /// The axis across which it leaves.
+    pub exit_axis: usize,
+    /// tmax per axis; `None` for an axis that is never crossed.
+    pub tmax: [Option<f64>; 3],
+    /// Triangles in its list.
+    pub listed: u32,
+    /// The tests made in it.
+    pub tests: Vec<StripTest>,
+    /// Whether the ray is here.
+    pub is_current: bool,
+}
+
+/// A node of the strip: a bar from where the ray enters its box to where it leaves, under the bar of the node above it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StripNode {
+    /// Index into [`WalkGeometry::nodes`].
+    pub visit: usize,
+    /// The node.
+    pub node: u32,
+    /// Levels below the root.
+    pub depth: u32,
+    /// The line that its bar is on, from 0 on: every level of the tree has as many as it needs for bars that overlap.
+    pub line: usize,
+    /// t at which the ray is in the box; `None` where it passes it by: it has no bar.
+    pub t: Option<[f64; 2]>,
+    /// Whether the device let the ray in.
+    pub is_met: bool,
+    /// Whether it holds triangles.
+    pub is_leaf: bool,
+    /// The tests made in it.
+    pub tests: Vec<StripTest>,
+    /// Whether the ray is here.
+    pub is_current: bool,
+}
+
+/// The walk along t.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// The t shown.
+    pub t: [f64; 2],
+    /// How far the ray has come.
+    pub at: f64,
+    /// Cells in the order of the walk; none without a grid.
+    pub cells: Vec<StripCell>,
+    /// Nodes in the order of the walk; none without a tree.
+    pub nodes: Vec<StripNode>,
+    /// Tests that belong to neither.
+    pub tests: Vec<StripTest>,
+    /// t of the nearest hit so far.
+    pub hit: Option<f64>,
+}
+
+impl Strip {
+    /// Lays a walk out.
+    #[must_use]
+    pub fn new(walk: &WalkGeometry) -> Self {
+        let mut of_visit = vec![Vec::new(); walk.cells.len().max(walk.nodes.len())];
+        let mut loose = Vec::new();
+        for (i, tested) in walk.tested.iter().enumerate() {
+            let test = StripTest { test: i, triangle: tested.triangle, outcome: tested.outcome, t: tested.t };
+            match tested.visit.and_then(|visit| of_visit.get_mut(visit)) {
+                Some(tests) => tests.push(test),
+                None => loose.push(test),
+            }
+        }
+        let mut of_visit = of_visit.into_iter();
+        let mut tests = || of_visit.next().unwrap_or_default();
+        let cells: Vec<StripCell> = (walk.cells.iter().enumerate())
+            .map(|(visit, cell)| StripCell {
+                visit,
+                letters: letters(visit),
+                cell: cell.cell,
+                t: [cell.t_in, cell.t_out.max(cell.t_in)],
+                exit_axis: cell.exit_axis,
+                tmax: cell.tmax,
+                listed: cell.listed,
+                tests: if walk.structure == Structure::Grid { tests() } else { Vec::new() },
+                is_current: cell.is_current,
+            })
+            .collect();
+        let mut nodes: Vec<StripNode> = (walk.nodes.iter().enumerate())
+            .map(|(visit, node)| StripNode {
+                visit,
+                node: node.node,
+                depth: node.depth,
+                line: 0,
+                t: node.inside,
+                is_met: node.is_met,
+                is_leaf: node.is_leaf,
+                tests: if walk.structure == Structure::Tree { tests() } else { Vec::new() },
+                is_current: walk.current_node == Some(node.node),
+            })
+            .collect();
+        put_on_lines(&mut nodes);
+        let first = cells.first().map(|cell| cell.t[0]).or(walk.inside.map(|[enter, _]| enter)).unwrap_or(0.0);
+        let last = match walk.structure {
+            Structure::Grid => cells.last().map_or(first, |cell| cell.t[1]).max(walk.hit.map_or(first, |hit| hit.t)),
+            _ => walk.inside.map_or_else(|| walk.last_t(), |[_, leave]| leave),
+        };
+        Self { t: [first, last.max(first)], at: walk.t, cells, nodes, tests: loose, hit: walk.hit.map(|hit| hit.t) }
+    }
+
+    /// Where each cell lies, from 0 at the strip's left end to 1 at its right.
+    #[must_use]
+    pub fn columns(&self, spacing: Spacing) -> Vec<[f64; 2]> {
+        let count = self.cells.len() as f64;
+        let equal = |i: usize| [i as f64 / count, (i + 1) as f64 / count];
+        (self.cells.iter().enumerate())
+            .map(|(i, cell)| match spacing {
+                Spacing::ByT => cell.t.map(|t| self.share(t)),
+                Spacing::Equal => equal(i),
+            })
+            .collect()
+    }
+
+    /// Where a t of the ray lies on the strip, from 0 to 1.
+    #[must_use]
+    pub fn place(&self, t: f64, spacing: Spacing) -> f64 {
+        if spacing == Spacing::ByT || self.cells.is_empty() {
+            return self.share(t);
+        }
+        let cell = self.cells.partition_point(|cell| cell.t[1] < t).min(self.cells.len() - 1);
+        let [from, to] = self.cells[cell].t;
+        let within = if to > from { ((t - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        (cell as f64 + within) / self.cells.len() as f64
+    }
+
+    /// How high the bar of a tmax is: 0 at the strip's first t, 1 at half as far again as its last. Above 1 where the bar
+    /// has to be cut off, as the tmax of an axis along which the ray hardly moves is.
+    #[must_use]
+    pub fn tmax_height(&self, tmax: f64) -> f64 {
+        let range = (self.t[1] - self.t[0]) * 1.5;
+        if range > 0.0 { ((tmax - self.t[0]) / range).max(0.0) } else { 0.0 }
+    }
+
+    /// Lines that the bars of nodes are on.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        self.nodes.iter().map(|node| node.line + 1).max().unwrap_or(0)
+    }
+
+    fn share(&self, t: f64) -> f64 {
+        let range = self.t[1] - self.t[0];
+        if range > 0.0 { ((t - self.t[0]) / range).clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
+/// Level by level, each bar on the first line of its level where no earlier bar is in its way.
+fn put_on_lines(nodes: &mut [StripNode]) {
+    let deepest = nodes.iter().map(|node| node.depth).max().unwrap_or(0);
+    let mut levels = vec![Vec::new(); deepest as usize + 1];
+    for (i, node) in nodes.iter().enumerate().filter(|(_, node)| node.t.is_some()) {
+        levels[node.depth as usize].push(i);
+    }
+    let mut first_line = 0;
+    for level in levels {
+        let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
+        for i in level {
+            let Some([from, to]) = nodes[i].t else { continue };
+            let is_free = |taken: &Vec<[f64; 2]>| taken.iter().all(|&[start, end]| to <= start || end <= from);
+            let line = lines.iter().position(is_free).unwrap_or(lines.len());
+            if line == lines.len() {
+                lines.push(Vec::new());
+            }
+            lines[line].push([from, to]);
+            nodes[i].line = first_line + line;
+        }
+        first_line += lines.len();
+    }
+}
+
+/// The name of the nth cell of a walk, as in the paper's Figure 3, where cells are visited in alphabetical order: a to
+/// z, then aa to zz, and so on.
+#[must_use]
+pub fn letters(n: usize) -> String {
+    let mut name = Vec::new();
+    let mut left = n + 1;
+    while left > 0 {
+        left -= 1;
+        name.push(char::from(b'a' + (left % 26) as u8));
+        left /= 26;
+    }
+    name.iter().rev().collect()
+}
