@@ -4,6 +4,7 @@
 //! browser and a test can drive the same thing.
 
 pub mod dataflow;
+pub mod draw;
 pub mod exports;
 pub mod link;
 pub mod orbit;

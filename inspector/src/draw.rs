@@ -1,0 +1,4 @@
+//! Pictures on the GPU, without a user interface.
+
+pub mod picture;
+pub mod scene3d;

@@ -1,0 +1,217 @@
+//! The scene and one ray's walk through it, in 3D.
+//!
+//! Drawn in this order: the scene's triangles, what fills areas (tested triangles, the current cell), then lines and
+//! dots. What lies behind an opaque scene is drawn too, but faintly, so that the walk is never out of sight. Depth is 1
+//! near the eye and 0 far away. Only what every WebGPU adapter has is used: 4 samples a pixel, and corners read from
+//! storage buffers that are cut where a binding ends.
+
+mod overlay;
+mod pipelines;
+mod settings;
+mod triangles;
+
+use glam::{DVec3, Vec3};
+use raystep_kernels::scene_data::SceneData;
+use wgpu::util::DeviceExt as _;
+
+use crate::orbit::{Lens, Orbit};
+use crate::walk::{Aabb, WalkGeometry};
+use overlay::{FillVertex, Frustum, LineInstance, Overlay};
+use pipelines::{Pipelines, SAMPLES, View};
+pub use settings::{Settings, TriangleStyle};
+use triangles::Triangles;
+pub use triangles::{MOST_TRIANGLES, Shown};
+
+/// Draws a scene and a walk into textures.
+pub struct Scene3d {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    pipelines: Pipelines,
+    view: wgpu::Buffer,
+    view_group: wgpu::BindGroup,
+    triangles: Triangles,
+    frustum: Option<Frustum>,
+    bounds: Aabb,
+    targets: Option<Targets>,
+}
+
+/// What a picture is drawn into before its samples are averaged.
+struct Targets {
+    size: [u32; 2],
+    color: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+impl Scene3d {
+    /// Makes the pipelines; there is nothing to draw yet.
+    #[must_use]
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        let pipelines = Pipelines::new(device);
+        let view = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("3D view"),
+            size: size_of::<View>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let view_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("3D view"),
+            layout: &pipelines.view_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
+        });
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            pipelines,
+            view,
+            view_group,
+            triangles: Triangles::default(),
+            frustum: None,
+            bounds: Aabb { min: DVec3::ZERO, max: DVec3::ZERO },
+            targets: None,
+        }
+    }
+
+    /// Uploads a scene's triangles; once a scene. Returns how many of them will be seen.
+    pub fn set_scene(&mut self, data: &SceneData) -> Shown {
+        self.bounds = Aabb::of_vertices(&data.vertices);
+        self.frustum = Frustum::of(data);
+        // The old buffers go first: both may not fit.
+        self.triangles = Triangles::default();
+        self.triangles = Triangles::new(&self.device, &self.pipelines.triangles_layout, data);
+        self.triangles.shown
+    }
+
+    /// The box of the scene's triangles, traced units: what a camera frames first.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// How many of the scene's triangles are drawn.
+    #[must_use]
+    pub fn shown(&self) -> Shown {
+        self.triangles.shown
+    }
+
+    /// Draws into `target`, a view of a texture of [`FORMAT`](crate::draw::picture::FORMAT) and of `size` pixels. The
+    /// camera is in traced units. A size of 0 draws nothing.
+    pub fn draw(
+        &mut self,
+        target: &wgpu::TextureView,
+        size: [u32; 2],
+        camera: &Orbit,
+        walk: Option<&WalkGeometry>,
+        settings: &Settings,
+    ) {
+        if size.contains(&0) {
+            return;
+        }
+        let center = self.bounds.center().as_vec3();
+        let view = view(camera, settings, center, size);
+        self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        let overlay = Overlay::new(walk, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
+        let lines = self.buffer("lines", bytemuck::cast_slice::<LineInstance, u8>(&overlay.lines));
+        let fills = self.buffer("fills", bytemuck::cast_slice::<FillVertex, u8>(&overlay.fills));
+
+        let targets = match self.targets.take().filter(|targets| targets.size == size) {
+            Some(targets) => targets,
+            None => Targets::new(&self.device, size),
+        };
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("3D view") });
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("3D view"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &targets.color,
+                    depth_slice: None,
+                    resolve_target: Some(target),
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(settings.background()),
+                        store: wgpu::StoreOp::Discard,
+                    },
+                })],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &targets.depth,
+                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                    stencil_ops: None,
+                }),
+                ..wgpu::RenderPassDescriptor::default()
+            });
+            pass.set_bind_group(0, &self.view_group, &[]);
+            if let Some(pipeline) = self.pipelines.of_triangles(settings.triangles) {
+                pass.set_pipeline(pipeline);
+                self.triangles.draw(&mut pass);
+            }
+            for hidden in [true, false] {
+                if let Some(fills) = &fills {
+                    pass.set_pipeline(if hidden { &self.pipelines.hidden_fills } else { &self.pipelines.fills });
+                    pass.set_vertex_buffer(0, fills.slice(..));
+                    pass.draw(0..overlay.fills.len() as u32, 0..1);
+                }
+            }
+            for hidden in [true, false] {
+                if let Some(lines) = &lines {
+                    pass.set_pipeline(if hidden { &self.pipelines.hidden_lines } else { &self.pipelines.lines });
+                    pass.set_vertex_buffer(0, lines.slice(..));
+                    pass.draw(0..6, 0..overlay.lines.len() as u32);
+                }
+            }
+        }
+        self.queue.submit([encoder.finish()]);
+        self.targets = Some(targets);
+    }
+
+    fn buffer(&self, label: &str, contents: &[u8]) -> Option<wgpu::Buffer> {
+        if contents.is_empty() {
+            return None;
+        }
+        let usage = wgpu::BufferUsages::VERTEX;
+        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        Some(self.device.create_buffer_init(&descriptor))
+    }
+}
+
+fn view(camera: &Orbit, settings: &Settings, center: Vec3, size: [u32; 2]) -> View {
+    let [width, height] = size.map(f64::from);
+    let [right, up, forward] = camera.pose.axes();
+    let clip = camera.clip_from_world(center.as_dvec3(), width / height);
+    let is_perspective = matches!(camera.pose.lens, Lens::Perspective { .. });
+    View {
+        clip_from_world: clip.as_mat4().to_cols_array(),
+        // Over the viewer's right shoulder: every side of a box has a shade of its own.
+        light: (up * 0.45 + right * 0.25 - forward).normalize().as_vec3().to_array(),
+        opacity: settings.opacity(),
+        center: center.to_array(),
+        edges: if settings.edges { 1.0 } else { 0.0 },
+        size_px: [size[0] as f32, size[1] as f32],
+        near: if is_perspective { camera.near() as f32 } else { 0.0 },
+        hidden: 0.28,
+        nearer: if is_perspective { [1.004, 0.0] } else { [1.0, 0.0015] },
+        wire_px: settings.line_width_px,
+        padding: 0.0,
+    }
+}
+
+impl Targets {
+    fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
+        let texture = |label, format| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: SAMPLES,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            });
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let color = texture("3D view, samples", crate::draw::picture::FORMAT);
+        Self { size, color, depth: texture("3D view, depth", pipelines::DEPTH_FORMAT) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

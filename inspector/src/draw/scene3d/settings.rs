@@ -1,0 +1,83 @@
+//! What is drawn, and how.
+
+use serde::{Deserialize, Serialize};
+
+/// How the scene's triangles are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TriangleStyle {
+    /// Not at all.
+    Hidden,
+    /// Their edges.
+    Wireframe,
+    /// Like glass: what is behind them is seen.
+    #[default]
+    Translucent,
+    /// Solid: what is behind them is faint.
+    Opaque,
+}
+
+/// What is drawn, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// The scene's triangles.
+    pub triangles: TriangleStyle,
+    /// Darker edges on triangles that are not drawn as wireframe.
+    pub edges: bool,
+    /// The box of the grid or of the tree's root.
+    pub bounds: bool,
+    /// The cells or nodes visited.
+    pub visited: bool,
+    /// Nodes whose boxes the ray missed.
+    pub missed_nodes: bool,
+    /// Where the ray crosses planes, and where it would leave its cell along each axis.
+    pub crossings: bool,
+    /// Triangles tested.
+    pub tested: bool,
+    /// The ray and its hit.
+    pub ray: bool,
+    /// The camera that the rays come from.
+    pub camera: bool,
+    /// The directions of x, y and z, beside a lower corner of the scene.
+    pub axes: bool,
+    /// Width of the thinnest lines.
+    pub line_width_px: f32,
+    /// Light on dark.
+    pub is_dark: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            triangles: TriangleStyle::default(),
+            edges: true,
+            bounds: true,
+            visited: true,
+            missed_nodes: false,
+            crossings: true,
+            tested: true,
+            ray: true,
+            camera: true,
+            axes: true,
+            line_width_px: 1.25,
+            is_dark: true,
+        }
+    }
+}
+
+impl Settings {
+    pub(super) fn opacity(&self) -> f32 {
+        match self.triangles {
+            TriangleStyle::Hidden => 0.0,
+            TriangleStyle::Wireframe => 0.5,
+            TriangleStyle::Translucent => 0.22,
+            TriangleStyle::Opaque => 1.0,
+        }
+    }
+
+    pub(super) fn background(&self) -> wgpu::Color {
+        let [r, g, b] = if self.is_dark { [0x15, 0x18, 0x1d] } else { [0xf4, 0xf5, 0xf7] };
+        let share = |byte: u8| f64::from(byte) / 255.0;
+        wgpu::Color { r: share(r), g: share(g), b: share(b), a: 1.0 }
+    }
+}

@@ -1,0 +1,181 @@
+//! Pictures of known walks: a few pixels that have to be as they are, on whatever adapter there is.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use raystep_kernels::{Accelerator, AdapterChoice, Gpu, Options};
+
+use super::*;
+use crate::draw::picture::picture;
+use crate::walk::tests::{CORNELL, TEAPOT, options, scene, traced};
+
+const SIZE: [u32; 2] = [960, 640];
+
+struct Picture(Vec<u8>);
+
+impl Picture {
+    /// The pixel at which a point is seen.
+    fn at(&self, camera: &Orbit, point: DVec3) -> [u8; 3] {
+        let (pixel, _) = camera.pixel(point, DVec2::new(f64::from(SIZE[0]), f64::from(SIZE[1]))).expect("in front");
+        let at = 4 * (pixel.y as usize * SIZE[0] as usize + pixel.x as usize);
+        [self.0[at], self.0[at + 1], self.0[at + 2]]
+    }
+}
+
+fn gpu() -> Arc<Gpu> {
+    let gpu = pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter");
+    eprintln!("adapter: {} ({})", gpu.info.name, gpu.info.backend);
+    gpu
+}
+
+/// Draws; keeps the picture where `RAYSTEP_PICTURES` names a folder.
+fn drawn(
+    gpu: &Gpu,
+    view: &mut Scene3d,
+    camera: &Orbit,
+    walk: Option<&WalkGeometry>,
+    settings: &Settings,
+    name: String,
+) -> Picture {
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let texture = picture(&gpu.device, SIZE);
+    view.draw(&texture.create_view(&wgpu::TextureViewDescriptor::default()), SIZE, camera, walk, settings);
+    let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("pixels"),
+        size: bytes,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SIZE[0] * 4), rows_per_image: None };
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        texture.size(),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device");
+    assert_eq!(pollster::block_on(scope.pop()).map(|error| error.to_string()), None, "{name}");
+    let pixels = buffer.get_mapped_range(..).expect("mapped").to_vec();
+    if let Ok(folder) = std::env::var("RAYSTEP_PICTURES") {
+        let file = std::path::Path::new(&folder).join(format!("{name}.png"));
+        image::save_buffer(file, &pixels, SIZE[0], SIZE[1], image::ColorType::Rgba8).expect("a file");
+    }
+    Picture(pixels)
+}
+
+fn view_of(gpu: &Gpu, data: &SceneData) -> (Scene3d, Orbit) {
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let mut view = Scene3d::new(&gpu.device, &gpu.queue);
+    assert_eq!(pollster::block_on(scope.pop()).map(|error| error.to_string()), None);
+    assert_eq!(
+        view.set_scene(data),
+        Shown { drawn: data.info.triangles as usize, of: data.info.triangles as usize, every: 1 }
+    );
+    let camera = Orbit::framing(&view.bounds(), f64::from(SIZE[0]) / f64::from(SIZE[1]));
+    (view, camera)
+}
+
+fn is_near(color: [u8; 3], wanted: [u8; 3], most: u8) -> bool {
+    color.iter().zip(wanted).all(|(&c, w)| c.abs_diff(w) <= most)
+}
+
+#[test]
+fn the_walk_through_the_cornell_box_is_seen() {
+    let gpu = gpu();
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
+    let (mut view, camera) = view_of(&gpu, &data);
+    let middle = WalkGeometry::new(&trace, &data, trace.rows.len() / 2);
+    let end = WalkGeometry::new(&trace, &data, usize::MAX);
+    let background = [0x15, 0x18, 0x1d];
+    let mut shown = |walk: Option<&WalkGeometry>, triangles, name: String| {
+        let settings = Settings { triangles, ..Settings::default() };
+        drawn(&gpu, &mut view, &camera, walk, &settings, name)
+    };
+    for (style, name) in [
+        (TriangleStyle::Hidden, "hidden"),
+        (TriangleStyle::Wireframe, "wireframe"),
+        (TriangleStyle::Translucent, "translucent"),
+        (TriangleStyle::Opaque, "opaque"),
+    ] {
+        let empty = shown(None, style, format!("cornell-{name}-empty"));
+        let half = shown(Some(&middle), style, format!("cornell-{name}-half"));
+        let whole = shown(Some(&end), style, format!("cornell-{name}-end"));
+        assert_eq!(&whole.0[..3], background, "{name}: a corner of the picture");
+        let hit = end.hit.expect("a hit").point;
+        let [r, g, b] = whole.at(&camera, hit);
+        if style != TriangleStyle::Opaque {
+            assert!(is_near([r, g, b], [80, 225, 130], 12), "{name}: {r} {g} {b} at the hit");
+        }
+        assert!(whole.at(&camera, hit) != empty.at(&camera, hit), "{name}: the hit");
+        // Half-way through a cell, away from the dots at its planes.
+        let on_ray = middle.point((middle.cells[3].t_in + middle.cells[3].t_out) * 0.5);
+        let [seen, before] = [half.at(&camera, on_ray), empty.at(&camera, on_ray)];
+        match style {
+            // Behind the walls: faint.
+            TriangleStyle::Opaque => assert!(seen != before, "{name}: {seen:?}"),
+            _ => assert!(is_near(seen, [255; 3], 10), "{name}: {seen:?}"),
+        }
+        assert!(whole.0 != half.0);
+    }
+}
+
+#[test]
+fn the_teapot_is_seen_with_its_cells_its_tree_and_its_triangles() {
+    let gpu = gpu();
+    let scene = scene(TEAPOT);
+    for (accelerator, name) in [(Accelerator::Grid, "grid"), (Accelerator::Bvh, "bvh")] {
+        let (trace, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, [28, 30]);
+        let (mut view, mut camera) = view_of(&gpu, &data);
+        for (at, part) in [(trace.rows.len() * 2 / 3, "two-thirds"), (trace.rows.len(), "end")] {
+            let walk = WalkGeometry::new(&trace, &data, at);
+            for (triangles, style) in [(TriangleStyle::Translucent, "translucent"), (TriangleStyle::Opaque, "opaque")] {
+                let settings = Settings { triangles, ..Settings::default() };
+                let file = format!("teapot-{name}-{style}-{part}");
+                let with = drawn(&gpu, &mut view, &camera, Some(&walk), &settings, file.clone());
+                let without = drawn(&gpu, &mut view, &camera, None, &settings, format!("{file}-scene"));
+                let triangle = walk.tested.iter().find(|test| test.outcome.is_hit());
+                if let Some(test) = triangle.filter(|_| triangles == TriangleStyle::Translucent) {
+                    let middle = (test.corners[0] + test.corners[1] + test.corners[2]) / 3.0;
+                    assert!(with.at(&camera, middle) != without.at(&camera, middle), "{file}: the triangle hit");
+                }
+                assert!(without.0.as_chunks::<4>().0.iter().filter(|p| p[0] > 40).count() > 20_000, "{file}");
+            }
+        }
+        // From where the rays come from, and very near, where lines end behind the eye.
+        let traced_camera =
+            scene.cameras.first().cloned().unwrap_or_else(|| raystep_scenes::Camera::framing(&scene.bounds()));
+        let walk = WalkGeometry::new(&trace, &data, usize::MAX);
+        camera.zoom(0.12, walk.hit.map_or(DVec3::ZERO, |hit| hit.point));
+        drawn(&gpu, &mut view, &camera, Some(&walk), &Settings::default(), format!("teapot-{name}-near"));
+        let scale = data.units.scale();
+        let bounds = Aabb { min: view.bounds().min / scale, max: view.bounds().max / scale };
+        let eye = Orbit::from_camera(&traced_camera, &bounds).scaled(scale);
+        drawn(
+            &gpu,
+            &mut view,
+            &eye,
+            Some(&walk),
+            &Settings { is_dark: false, ..Settings::default() },
+            format!("teapot-{name}-eye"),
+        );
+        let mut parallel = Orbit::framing(&view.bounds(), 1.5);
+        parallel.pose.lens = Lens::Orthographic { half_height: 1.0 };
+        parallel.frame(&view.bounds(), 1.5);
+        let settings = Settings { triangles: TriangleStyle::Opaque, ..Settings::default() };
+        drawn(&gpu, &mut view, &parallel, Some(&walk), &settings, format!("teapot-{name}-parallel"));
+    }
+}
+
+#[test]
+fn of_more_triangles_than_can_be_drawn_every_nth_is() {
+    assert_eq!(Shown::of(0), Shown { drawn: 0, of: 0, every: 1 });
+    assert_eq!(Shown::of(MOST_TRIANGLES).every, 1);
+    assert_eq!(Shown::of(MOST_TRIANGLES).to_string(), "");
+    let many = Shown::of(2 * MOST_TRIANGLES + 1);
+    assert_eq!((many.every, many.drawn), (3, (2 * MOST_TRIANGLES + 1).div_ceil(3)));
+    assert!(many.to_string().contains("one of 3"), "{many}");
+}

@@ -1,0 +1,56 @@
+// The scene's triangles, flat: corners are read from storage, so that each vertex knows its triangle's normal.
+
+@group(1) @binding(0) var<storage, read> corners: array<f32>;
+@group(1) @binding(1) var<storage, read> colors: array<u32>;
+
+struct Varying {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) color: vec3f,
+    // Weights of the corners.
+    @location(1) weights: vec3f,
+}
+
+fn corner(triangle: u32, i: u32) -> vec3f {
+    let first = 9u * triangle + 3u * i;
+    return vec3f(corners[first], corners[first + 1u], corners[first + 2u]) - view.center;
+}
+
+@vertex
+fn vs_triangle(@builtin(vertex_index) index: u32) -> Varying {
+    let triangle = index / 3u;
+    let i = index % 3u;
+    let a = corner(triangle, 0u);
+    let normal = cross(corner(triangle, 1u) - a, corner(triangle, 2u) - a);
+    // Both sides alike; a triangle without area has no normal and no pixels.
+    let facing = abs(dot(normal, view.light)) * inverseSqrt(max(dot(normal, normal), 1e-36));
+    let base = unpack4x8unorm(colors[triangle]).rgb;
+    var weights = vec3f();
+    weights[i] = 1.0;
+    return Varying(view.clip_from_world * vec4f(corner(triangle, i), 1.0), base * (0.3 + 0.7 * facing), weights);
+}
+
+// How much of the pixel an edge of the triangle covers; nothing where the triangles are about as small as pixels.
+fn edge(weights: vec3f, width_px: f32) -> f32 {
+    let change = max(fwidth(weights), vec3f(1e-12));
+    let distance_px = weights / change;
+    let covered = clamp(width_px * 0.5 + 0.5 - min(distance_px.x, min(distance_px.y, distance_px.z)), 0.0, 1.0);
+    let crowded = max(change.x, max(change.y, change.z));
+    return covered * clamp(1.5 - 4.0 * crowded, 0.0, 1.0);
+}
+
+@fragment
+fn fs_solid(in: Varying) -> @location(0) vec4f {
+    let covered = edge(in.weights, 1.0) * view.edges;
+    let color = in.color * (1.0 - 0.3 * covered);
+    let opacity = mix(view.opacity, 1.0, 0.35 * covered);
+    return vec4f(color * opacity, opacity);
+}
+
+@fragment
+fn fs_wire(in: Varying) -> @location(0) vec4f {
+    let change = max(fwidth(in.weights), vec3f(1e-12));
+    let distance_px = in.weights / change;
+    let nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
+    let opacity = clamp(view.wire_px * 0.5 + 0.5 - nearest, 0.0, 1.0) * view.opacity;
+    return vec4f(in.color * opacity, opacity);
+}
