@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::commands::{bench, completions, dump, extension, info, plan, render, scene, stability, trace};
+use crate::commands::{bench, completions, dump, extension, info, inspect, plan, render, scene, stability, trace};
 use crate::error::Error;
 
 /// Trace rays as a stream program, step by step, with every stream in the open
@@ -37,6 +37,7 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
+    Inspect(Box<inspect::InspectArgs>),
     Render(Box<render::RenderArgs>),
     Trace(Box<trace::TraceArgs>),
     Dump(Box<dump::DumpArgs>),

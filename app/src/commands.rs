@@ -4,6 +4,7 @@ pub(crate) mod bench;
 pub(crate) mod completions;
 pub(crate) mod dump;
 pub(crate) mod info;
+pub(crate) mod inspect;
 pub(crate) mod plan;
 pub(crate) mod render;
 pub(crate) mod scene;

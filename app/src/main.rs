@@ -10,6 +10,7 @@ mod output;
 mod scene_file;
 mod session;
 mod terminal;
+mod window;
 
 use std::process::ExitCode;
 
@@ -45,6 +46,7 @@ fn run() -> Result<(), Error> {
     match cli::parse(std::env::args_os())? {
         Request::Show(text) => terminal::print(&text),
         Request::Run(command) => match command {
+            Command::Inspect(args) => commands::inspect::run(&args),
             Command::Render(args) => commands::render::run(&args),
             Command::Trace(args) => commands::trace::run(&args),
             Command::Dump(args) => commands::dump::run(&args),

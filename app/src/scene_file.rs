@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::output::{folder_of, reason};
 
 /// Vertical angle of view of `--eye` without `--fov`, degrees.
-const DEFAULT_FOV_DEG: f64 = 40.0;
+pub(crate) const DEFAULT_FOV_DEG: f64 = 40.0;
 
 /// A scene, and where it came from.
 pub(crate) struct SceneFile {
@@ -25,9 +25,13 @@ pub(crate) struct SceneFile {
 
 /// Reads a scene.
 pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
-    let path = &args.scene;
+    read_path(&args.scene, args.scene_index)
+}
+
+/// Reads a scene by its path, and one of a file that holds several.
+pub(crate) fn read_path(path: &Path, index: Option<usize>) -> Result<SceneFile, Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let options = LoadOptions { scene: args.scene_index, ..LoadOptions::default() };
+    let options = LoadOptions { scene: index, ..LoadOptions::default() };
     let bytes = read_file(path, options.max_bytes).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
     if extension == "obj" || extension == "ply" {
         return Err(Error::usage(format!(
@@ -36,7 +40,7 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
         )));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let files = Beside { folder: folder_of(path).to_owned(), read: RefCell::new(vec![path.clone()]) };
+    let files = Beside { folder: folder_of(path).to_owned(), read: RefCell::new(vec![path.to_owned()]) };
     let scene = load(&stem, &bytes, &files, &options).map_err(|e| match e {
         raystep_scenes::LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
         _ => Error::failed(format!("{}: {e}", path.display())),

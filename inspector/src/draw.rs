@@ -2,3 +2,4 @@
 
 pub mod picture;
 pub mod scene3d;
+pub mod stream;

@@ -4,21 +4,23 @@
 //! or from a checkpoint where that alone would take too long. What is shown after going back is bit for bit what was
 //! there.
 
+pub mod compare;
+pub mod cost;
+pub mod divergence;
 mod edit;
+pub mod engine;
 mod follow;
+pub mod grid_stats;
 mod history;
+mod model;
+pub mod request;
+pub mod stats;
 mod target;
 mod travel;
 mod twins;
 mod watch;
 
 use std::ops::ControlFlow;
-
-pub mod compare;
-pub mod cost;
-pub mod divergence;
-pub mod grid_stats;
-pub mod stats;
 
 use raystep_kernels::export::trace::{RayState, ray_state};
 use raystep_kernels::{Device, Options, Pass, Progress, Region, RenderError, Renderer, Stream, StreamData};
@@ -27,6 +29,7 @@ use raystep_scenes::Scene;
 pub use edit::Edit;
 pub use history::DEFAULT_BUDGET;
 use history::History;
+pub use model::{Model, Pinned, Work};
 pub use target::Target;
 use twins::Twins;
 pub use watch::{Fired, Watch, Way};

@@ -53,10 +53,13 @@ enum Format {
     Csv,
 }
 
+/// `--pixel`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Pixel {
-    x: u32,
-    y: u32,
+pub(crate) struct Pixel {
+    /// Column.
+    pub(crate) x: u32,
+    /// Row, from the top.
+    pub(crate) y: u32,
 }
 
 impl FromStr for Pixel {

@@ -1,0 +1,157 @@
+//! `raystep inspect`
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+use raystep_inspector::settings::{DeviceKind as RunOn, Settings, View};
+use raystep_inspector::ui::Arrival;
+use raystep_inspector::ui::command::{COMMANDS, Command};
+use raystep_kernels::{AdapterChoice, Gpu};
+
+use super::trace::Pixel;
+use crate::args::{CameraArgs, DeviceArgs, DeviceKind, RunArgs, ViewArgs};
+use crate::device::block_on;
+use crate::error::Error;
+use crate::output::{Target, write};
+use crate::scene_file;
+use crate::terminal::print;
+use crate::window::{self, SceneChoice, Start};
+
+/// Open the inspector: step through passes, see every stream, walk with a ray
+///
+/// The same as 'raystep SCENE'. With --screenshot it draws its window without a display, and exits.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep inspect scenes/cornell-box.gltf
+  raystep inspect scenes/teapot.glb --accelerator bvh --pixel 200,260 --pass 40
+  raystep inspect scenes/cornell-box.gltf --screenshot box.png --window 1600x1000 --do \"Full layout\"")]
+pub(crate) struct InspectArgs {
+    /// The scene: glTF 2.0, .gltf or .glb
+    scene: Option<PathBuf>,
+    /// Which scene of a file that holds several, counted from 0 [default: the file's own]
+    #[arg(long, value_name = "N", requires = "scene", help_heading = "Scene and view")]
+    scene_index: Option<usize>,
+    /// The ray to look at, by its pixel from the top left
+    #[arg(long, value_name = "X,Y")]
+    pixel: Option<Pixel>,
+    /// Go there first: after so many passes
+    #[arg(long, value_name = "N")]
+    pass: Option<usize>,
+    /// Draw the window into a PNG without a display, and exit
+    #[arg(long, value_name = "F.png")]
+    screenshot: Option<PathBuf>,
+    /// The window's size in points
+    #[arg(long, value_name = "WxH", default_value = "1280x800")]
+    window: Size,
+    /// Pixels a point of a screenshot
+    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "screenshot")]
+    scale: f32,
+    /// Before the screenshot, do this command of the palette; may be given again and again
+    #[arg(long = "do", value_name = "COMMAND", requires = "screenshot", value_parser = parse_command)]
+    commands: Vec<Command>,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// `--window`
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Size([f32; 2]);
+
+impl FromStr for Size {
+    type Err = &'static str;
+
+    fn from_str(value: &str) -> Result<Self, Self::Err> {
+        const WRONG: &str = "two whole numbers from 16 to 16384 with an x between them are wanted, such as 1280x800";
+        let (width, height) = value.split_once(['x', 'X']).ok_or(WRONG)?;
+        let side =
+            |text: &str| text.parse::<u16>().ok().filter(|n| (16..=16384).contains(n)).map(f32::from).ok_or(WRONG);
+        Ok(Self([side(width)?, side(height)?]))
+    }
+}
+
+fn parse_command(name: &str) -> Result<Command, String> {
+    let wanted = name.trim_end_matches('…').to_lowercase();
+    let found = COMMANDS.iter().find(|info| info.name.trim_end_matches('…').to_lowercase() == wanted);
+    found.map(|info| info.command).ok_or_else(|| {
+        let names: Vec<&str> = COMMANDS.iter().map(|info| info.name).collect();
+        format!("no command is called {name:?}; there are: {}", names.join(", "))
+    })
+}
+
+pub(crate) fn run(args: &InspectArgs) -> Result<(), Error> {
+    let start = start(args)?;
+    if args.screenshot.is_none() && !window::has_display() {
+        return Err(Error::failed(
+            "there is no display to open a window on; --screenshot F.png draws it into a file, 'raystep render' an image",
+        ));
+    }
+    let target = args.screenshot.as_deref().map(Target::new).transpose()?;
+    if let (Some(target), Some(scene)) = (&target, &args.scene) {
+        crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(std::slice::from_ref(scene)))?;
+    }
+    let gpu = block_on(None, Gpu::new(&adapter(&args.run.device)))?;
+    let Some(target) = target else { return window::open(gpu, start) };
+    if !(0.25..=8.0).contains(&args.scale) {
+        return Err(Error::usage(format!("--scale {}: a number from 0.25 to 8 is wanted", args.scale)));
+    }
+    let picture = window::screenshot(&gpu, start, args.scale, &args.commands)?;
+    let mut png = Vec::new();
+    picture
+        .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
+        .map_err(|e| Error::failed(format!("cannot write as PNG: {e}")))?;
+    let (name, [width, height]) = (target.path().display().to_string(), [picture.width(), picture.height()]);
+    write(vec![(target, png)])?;
+    print(&format!("{name}: {width} x {height}, drawn on {}\n", gpu.info.name))
+}
+
+fn adapter(args: &DeviceArgs) -> AdapterChoice {
+    args.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named)
+}
+
+/// What the options ask for.
+fn start(args: &InspectArgs) -> Result<Start, Error> {
+    let run = &args.run;
+    run.tuning.check(&[run.accelerator], &[run.schedule])?;
+    if !run.schedule.is_stepped() {
+        return Err(Error::usage(
+            "--schedule fused takes a ray to its end in one pass, which cannot be stepped; first, second and compact can",
+        ));
+    }
+    let size = [args.view.size.width, args.view.size.height];
+    if let Some(Pixel { x, y }) = args.pixel
+        && (x >= size[0] || y >= size[1])
+    {
+        let (w, h) = (size[0] - 1, size[1] - 1);
+        return Err(Error::usage(format!(
+            "--pixel {x},{y}: the image has pixels 0,0 to {w},{h}; --size makes it larger"
+        )));
+    }
+    let settings = Settings {
+        accelerator: run.accelerator,
+        schedule: run.schedule,
+        numerics: run.tuning.numerics,
+        grid: run.tuning.grid,
+        skip: run.tuning.skip,
+        steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),
+        size,
+        view: view(&args.view.camera)?,
+        keep_all: run.tuning.keep_all,
+        device: if run.device.device == DeviceKind::Cpu { RunOn::Cpu } else { RunOn::Gpu },
+        ..Settings::default()
+    };
+    let scene = args.scene.clone().map(|path| SceneChoice { path, index: args.scene_index });
+    let arrival = Arrival { pixel: args.pixel.map(|p| [p.x, p.y]), place: args.pass, stream: None };
+    Ok(Start { scene, settings, arrival, size: args.window.0 })
+}
+
+fn view(args: &CameraArgs) -> Result<View, Error> {
+    let (Some(eye), Some(look_at)) = (args.eye, args.look_at) else { return Ok(View::Scene(args.camera.unwrap_or(0))) };
+    // The same checks as everywhere; the scene has no say in a camera of one's own.
+    let (camera, _) = scene_file::camera(args, &raystep_scenes::Scene::default())?;
+    let fov_deg = args.fov.or(Some(scene_file::DEFAULT_FOV_DEG));
+    Ok(View::Free { eye: eye.0, look_at: look_at.0, up: camera.up.to_array(), fov_deg, half_height: 1.0 })
+}

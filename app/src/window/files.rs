@@ -1,0 +1,42 @@
+//! What a desktop keeps for the next time.
+
+use std::path::PathBuf;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
+use std::time::Duration;
+
+/// Largest file that is read back.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Waits for a dialog, on a thread that has nothing else to do.
+pub(super) fn wait<T>(dialog: impl Future<Output = T>) -> T {
+    let mut dialog = pin!(dialog);
+    loop {
+        if let Poll::Ready(value) = dialog.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
+            return value;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// The file of saved sessions, where this system keeps such things.
+fn place() -> Option<PathBuf> {
+    directories::ProjectDirs::from("", "", "raystep").map(|folders| folders.data_dir().join("inspector.ron"))
+}
+
+/// What was kept the last time; nothing where there is nothing that can be read.
+pub(crate) fn recall() -> Option<String> {
+    let bytes = crate::scene_file::read_file(&place()?, MOST_BYTES).ok()?;
+    String::from_utf8(bytes).ok()
+}
+
+/// Keeps it. Where that fails, the next window begins as the first did.
+pub(super) fn remember(saved: &str) {
+    let Some(place) = place() else { return };
+    let folder = place.parent().map(std::fs::create_dir_all);
+    if folder.is_some_and(|made| made.is_ok())
+        && let Ok(target) = crate::output::Target::new(&place)
+    {
+        let _ = crate::output::write(vec![(target, saved.as_bytes().to_vec())]);
+    }
+}

@@ -1,0 +1,316 @@
+//! A stream as a picture, drawn from the stream's own texture: nothing is read back for it.
+
+use raystep_kernels::shared::constants::INF;
+use raystep_kernels::stream::Texel;
+use raystep_kernels::{Stream, state};
+use serde::{Deserialize, Serialize};
+use wgpu::util::DeviceExt as _;
+
+use super::picture::FORMAT;
+
+/// How numbers become colours. NaN and infinities have colours and a hatch of their own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Colors {
+    /// Counts and cost (van der Walt and Smith 2015).
+    #[default]
+    Viridis,
+    /// As viridis, told apart by more eyes (Nuñez, Anderton and Renslow 2018).
+    Cividis,
+    /// Distances along rays.
+    Magma,
+    /// Signed errors: blue below 0, orange above.
+    Diverging,
+    /// Black to white.
+    Gray,
+}
+
+impl Colors {
+    /// Every map.
+    pub const ALL: [Self; 5] = [Self::Viridis, Self::Cividis, Self::Magma, Self::Diverging, Self::Gray];
+
+    /// What people read.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viridis => "viridis",
+            Self::Cividis => "cividis",
+            Self::Magma => "magma",
+            Self::Diverging => "blue–orange",
+            Self::Gray => "gray",
+        }
+    }
+
+    /// The colour at `at` in \[0, 1\], sRGB.
+    #[must_use]
+    pub fn at(self, at: f64) -> [u8; 3] {
+        let at = if at.is_nan() { 0.0 } else { at.clamp(0.0, 1.0) };
+        let color = match self {
+            Self::Viridis => colorous::VIRIDIS.eval_continuous(at),
+            Self::Cividis => colorous::CIVIDIS.eval_continuous(at),
+            Self::Magma => colorous::MAGMA.eval_continuous(at),
+            // Both begin at nearly white.
+            Self::Diverging if at < 0.5 => colorous::BLUES.eval_continuous(1.0 - 2.0 * at),
+            Self::Diverging => colorous::ORANGES.eval_continuous(2.0 * at - 1.0),
+            Self::Gray => {
+                let level = (at * 255.0).round() as u8;
+                return [level; 3];
+            }
+        };
+        [color.r, color.g, color.b]
+    }
+}
+
+/// The colours of rays' states, by tag: the same in every panel.
+pub const STATE_COLORS: [[u8; 3]; state::COUNT] = [
+    [40, 40, 46],
+    [190, 174, 212],
+    [56, 108, 176],
+    [253, 192, 134],
+    [240, 120, 40],
+    [127, 201, 127],
+    [102, 102, 120],
+    [225, 225, 230],
+];
+
+/// What a component means for its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// A float.
+    Scalar,
+    /// A whole number that counts.
+    Count,
+    /// A name: equal or not.
+    Id,
+    /// Three layers, linear light.
+    Color,
+    /// A state's tag.
+    Tag,
+}
+
+impl Meaning {
+    /// What a layer means; without a layer all of them together, where that is a colour.
+    #[must_use]
+    pub fn of(stream: Stream, layer: Option<usize>) -> Self {
+        let Some(layer) = layer else {
+            return if stream == Stream::Color { Self::Color } else { Self::of(stream, Some(0)) };
+        };
+        match (stream, layer) {
+            (Stream::State, 0) => Self::Tag,
+            (Stream::State, 3) | (Stream::Counters, _) => Self::Count,
+            _ if stream.is_float_layer(layer) => Self::Scalar,
+            _ => Self::Id,
+        }
+    }
+}
+
+/// A picture to draw.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// Which stream.
+    pub stream: Stream,
+    /// Its texture.
+    pub texture: &'a wgpu::Texture,
+    /// Taken from it, texel by texel: the same stream of another run.
+    pub minus: Option<&'a wgpu::Texture>,
+    /// Which component; the first of three for a colour.
+    pub layer: usize,
+    /// What it means.
+    pub meaning: Meaning,
+    /// Where the first colour is, and the last.
+    pub range: [f32; 2],
+    /// Factor of a colour.
+    pub exposure: f32,
+    /// Which colours.
+    pub colors: Colors,
+    /// Pixel of the target at which texel (0, 0) begins.
+    pub offset: [f32; 2],
+    /// Pixels of the target a texel.
+    pub scale: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Uniform {
+    offset: [f32; 2],
+    scale: f32,
+    layer: u32,
+    range: [f32; 2],
+    exposure: f32,
+    mode: u32,
+    is_float: u32,
+    has_other: u32,
+    unwritten: u32,
+    inf: f32,
+}
+
+/// Draws streams.
+pub struct StreamPainter {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    no_floats: wgpu::TextureView,
+    no_words: wgpu::TextureView,
+}
+
+impl StreamPainter {
+    /// Compiles its shader.
+    #[must_use]
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        let module = device.create_shader_module(wgpu::include_wgsl!("stream.wgsl"));
+        let uniform = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        };
+        let (floats, words) = (wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureSampleType::Uint);
+        let types = [uniform, uniform, texture(floats), texture(words), texture(floats), texture(words)];
+        let entries: Vec<_> = (0..)
+            .zip(types)
+            .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty,
+                count: None,
+            })
+            .collect();
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("stream view"),
+            entries: &entries,
+        });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("stream view"),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("stream view"),
+            layout: Some(&pipeline_layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("corner"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("paint"),
+                compilation_options: Default::default(),
+                targets: &[Some(FORMAT.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let nothing = |format| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("no stream"),
+                size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            });
+            array_view(&texture)
+        };
+        Self {
+            no_floats: nothing(wgpu::TextureFormat::R32Float),
+            no_words: nothing(wgpu::TextureFormat::R32Uint),
+            device: device.clone(),
+            queue: queue.clone(),
+            pipeline,
+            layout,
+        }
+    }
+
+    /// Draws all of `target`, whose format is [`FORMAT`]; where there is no texel it is left transparent.
+    pub fn draw(&self, picture: &Picture<'_>, target: &wgpu::TextureView) {
+        let info = picture.stream.info();
+        let is_float = info.texel == Texel::F32;
+        let uniform = Uniform {
+            offset: picture.offset,
+            scale: picture.scale,
+            layer: picture.layer as u32,
+            range: picture.range,
+            exposure: picture.exposure,
+            mode: picture.meaning as u32,
+            is_float: u32::from(is_float),
+            has_other: u32::from(picture.minus.is_some()),
+            // Where an id is missing; a count of all ones cannot be.
+            unwritten: u32::MAX,
+            inf: INF,
+        };
+        let colors: Vec<[f32; 4]> = (0..256)
+            .map(|i| {
+                let [r, g, b] = match picture.meaning {
+                    Meaning::Tag => STATE_COLORS[i.min(state::COUNT - 1)],
+                    _ => picture.colors.at(i as f64 / 255.0),
+                };
+                [r, g, b, 255].map(|c| f32::from(c) / 255.0)
+            })
+            .collect();
+        let buffer = |contents: &[u8]| {
+            self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("stream view"),
+                contents,
+                usage: wgpu::BufferUsages::UNIFORM,
+            })
+        };
+        let (uniform, colors) = (buffer(bytemuck::bytes_of(&uniform)), buffer(bytemuck::cast_slice(&colors)));
+        let (texture, minus) = (array_view(picture.texture), picture.minus.map(array_view));
+        let minus = minus.as_ref();
+        let or_none = |wanted: bool, view: Option<&wgpu::TextureView>, none: &wgpu::TextureView| {
+            view.filter(|_| wanted).unwrap_or(none).clone()
+        };
+        let views = [
+            or_none(is_float, Some(&texture), &self.no_floats),
+            or_none(!is_float, Some(&texture), &self.no_words),
+            or_none(is_float, minus, &self.no_floats),
+            or_none(!is_float, minus, &self.no_words),
+        ];
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let mut entries = vec![entry(0, uniform.as_entire_binding()), entry(1, colors.as_entire_binding())];
+        entries.extend((2..).zip(&views).map(|(i, view)| entry(i, wgpu::BindingResource::TextureView(view))));
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("stream view"),
+            layout: &self.layout,
+            entries: &entries,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("stream view"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: target,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        self.queue.submit([encoder.finish()]);
+    }
+}
+
+fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}

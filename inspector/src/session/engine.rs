@@ -1,0 +1,378 @@
+//! Serves a run: one task that does what it is asked, says how far it is, and can be told to stop.
+//!
+//! The task blocks on nothing. On a desktop it gets a thread of its own, in a browser it is polled there.
+
+use std::ops::ControlFlow;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
+use raystep_kernels::executor::gpu::stream_format;
+use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Stream, StreamData};
+use raystep_scenes::Scene;
+
+use super::Session;
+use super::request::{At, JobContext, Opened, Request, Texels, Update};
+use crate::settings::{DeviceKind, Settings};
+
+/// A task that serves requests until nobody can send any.
+pub type EngineTask = Pin<Box<dyn Future<Output = ()> + Send>>;
+
+/// What an engine runs on.
+#[derive(Clone)]
+pub struct Devices {
+    /// The adapter that the window draws with.
+    pub gpu: Arc<Gpu>,
+    /// Nanoseconds from any start, to time the twins' passes.
+    pub clock: Option<fn() -> u64>,
+    /// Called after every answer: asks whoever shows it to look.
+    pub wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+/// The engine's ends of the channels.
+pub struct Engine {
+    inbox: UnboundedReceiver<Request>,
+    outbox: UnboundedSender<Update>,
+    cancel: Arc<AtomicBool>,
+    moving: Arc<AtomicU64>,
+}
+
+struct Run {
+    scene: Arc<Scene>,
+    settings: Settings,
+    session: Session,
+    device: Device,
+    /// Copies of the twins' streams.
+    copies: Vec<(Stream, wgpu::Texture)>,
+    /// Passes that the other side knows.
+    known: usize,
+    /// The pixel whose ray is looked at.
+    followed: Option<[u32; 2]>,
+}
+
+/// Why a request was not served.
+enum Trouble {
+    Cancelled,
+    Failed(String),
+}
+
+impl From<RenderError> for Trouble {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Cancelled { .. } => Self::Cancelled,
+            other => Self::Failed(other.to_string()),
+        }
+    }
+}
+
+impl Engine {
+    pub(super) fn new(
+        inbox: UnboundedReceiver<Request>,
+        outbox: UnboundedSender<Update>,
+        cancel: Arc<AtomicBool>,
+        moving: Arc<AtomicU64>,
+    ) -> Self {
+        Self { inbox, outbox, cancel, moving }
+    }
+
+    /// Serves requests on these devices.
+    #[must_use]
+    pub fn serve(self, devices: Devices) -> EngineTask {
+        Box::pin(async move {
+            let Self { mut inbox, outbox, cancel, moving } = self;
+            let mut server = Server { outbox, cancel, moving, devices, run: None };
+            while let Ok(request) = inbox.recv().await {
+                let what = name(&request);
+                if server.cancel.load(Ordering::Relaxed) {
+                    server.say(Update::Cancelled(what));
+                } else {
+                    match server.answer(request).await {
+                        Ok(()) => {}
+                        Err(Trouble::Cancelled) => server.say(Update::Cancelled(what)),
+                        Err(Trouble::Failed(message)) => server.say(Update::Failed(what, message)),
+                    }
+                }
+                server.say(Update::Idle);
+            }
+        })
+    }
+}
+
+/// What a request is called where people read of it.
+fn name(request: &Request) -> &'static str {
+    match request {
+        Request::Open { .. } => "opening the scene",
+        Request::Plan(_) | Request::Share(..) => "preparing the run",
+        Request::Step(_) => "stepping",
+        Request::RunToWatch { .. } => "running to a watch",
+        Request::Edit(..) => "changing a texel",
+        Request::ClearEdits => "taking changes back",
+        Request::TwinsUntil(_) => "running passes on the twins",
+        Request::Follow(_) => "following the ray",
+        Request::Read { .. } | Request::ReadAll(_) => "reading a stream",
+        Request::Pin(_) => "pinning a stream",
+        Request::Job(what, _) => what,
+    }
+}
+
+struct Server {
+    outbox: UnboundedSender<Update>,
+    cancel: Arc<AtomicBool>,
+    moving: Arc<AtomicU64>,
+    devices: Devices,
+    run: Option<Run>,
+}
+
+/// Says, while it lives, that the streams are between places.
+struct Moving(Arc<AtomicU64>);
+
+impl Moving {
+    fn new(count: &Arc<AtomicU64>) -> Self {
+        count.fetch_add(1, Ordering::AcqRel);
+        Self(count.clone())
+    }
+}
+
+impl Drop for Moving {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+impl Server {
+    fn say(&self, update: Update) {
+        // Nobody listens any more: the inbox ends next.
+        let _ = self.outbox.unbounded_send(update);
+        (self.devices.wake)();
+    }
+
+    /// What work reports to; it goes on while this says so.
+    fn reporter(&self, what: &'static str) -> impl FnMut(u64, u64) -> bool + Send + use<> {
+        let (outbox, cancel, wake) = (self.outbox.clone(), self.cancel.clone(), self.devices.wake.clone());
+        let mut last = u64::MAX;
+        move |done, of| {
+            // A hundred reports are enough for a bar; without an end in sight, every hundredth.
+            let mark = if of == 0 { done / 100 } else { done.saturating_mul(100) / of };
+            if mark != last {
+                last = mark;
+                let _ = outbox.unbounded_send(Update::Progress(what, done, of));
+                wake();
+            }
+            !cancel.load(Ordering::Relaxed)
+        }
+    }
+
+    fn device(&self, kind: DeviceKind) -> Device {
+        match kind {
+            DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
+            DeviceKind::Cpu => Device::Cpu(self.devices.clock),
+            DeviceKind::CpuF64 => Device::CpuF64(self.devices.clock),
+        }
+    }
+
+    async fn answer(&mut self, request: Request) -> Result<(), Trouble> {
+        match request {
+            Request::Open { load, settings } => {
+                self.say(Update::Progress("reading the scene", 0, 0));
+                let scene = load().map_err(Trouble::Failed)?;
+                self.open(Arc::new(scene), *settings).await
+            }
+            Request::Share(scene, settings) => self.open(scene, *settings).await,
+            Request::Plan(settings) => match &self.run {
+                Some(run) => self.open(run.scene.clone(), *settings).await,
+                None => Ok(()),
+            },
+            Request::Step(target) => {
+                let mut report = self.reporter("stepping");
+                let _moving = Moving::new(&self.moving);
+                let Some(run) = &mut self.run else { return Ok(()) };
+                let stepped = run.session.step(target, &mut |p: &Progress| flow(report(p.rays_decided, p.rays))).await;
+                self.arrived().await?;
+                stepped.map(drop).map_err(Trouble::from)
+            }
+            Request::RunToWatch { watches, way } => {
+                let mut report = self.reporter("running to a watch");
+                let _moving = Moving::new(&self.moving);
+                let Some(run) = &mut self.run else { return Ok(()) };
+                if let Some([x, y]) = run.followed {
+                    run.session.select(x, y);
+                }
+                let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
+                let fired = run.session.run_to_watch(&watches, way, tell).await;
+                self.arrived().await?;
+                self.say(Update::Fired(fired?));
+                Ok(())
+            }
+            Request::Edit(stream, layer, [x, y], bits) => {
+                let Some(run) = &mut self.run else { return Ok(()) };
+                run.known = run.session.place();
+                run.session.edit(stream, layer, x, y, bits).await?;
+                self.arrived().await
+            }
+            Request::ClearEdits => {
+                let mut report = self.reporter("taking changes back");
+                let _moving = Moving::new(&self.moving);
+                let Some(run) = &mut self.run else { return Ok(()) };
+                let cleared = run.session.clear_edits(&mut |p: &Progress| flow(report(p.rays_decided, p.rays))).await;
+                run.known = 0;
+                self.arrived().await?;
+                cleared.map(drop).map_err(Trouble::from)
+            }
+            Request::TwinsUntil(passes) => {
+                let mut report = self.reporter("running passes on the twins");
+                let _moving = Moving::new(&self.moving);
+                let Some(run) = &mut self.run else { return Ok(()) };
+                let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
+                let changed = run.session.twins_until(passes, tell).await;
+                run.known = 0;
+                self.arrived().await?;
+                changed.map(drop).map_err(Trouble::from)
+            }
+            Request::Follow([x, y]) => {
+                let mut report = self.reporter("following the ray");
+                let _moving = Moving::new(&self.moving);
+                let Some(run) = &mut self.run else { return Ok(()) };
+                run.followed = Some([x, y]);
+                let followed = run.session.follow(x, y, &mut |p: &Progress| flow(report(p.rays_decided, p.rays))).await;
+                self.arrived().await?;
+                self.say(Update::Followed(Box::new(followed?)));
+                Ok(())
+            }
+            Request::Read { stream, region } => {
+                let Some(run) = &self.run else { return Ok(()) };
+                let [x, y, width, height] = region;
+                let bits = run.session.region(stream, Region { x, y, width, height }).await?.bits;
+                self.say(Update::Texels(Texels { stream, place: run.session.place(), region, bits }));
+                Ok(())
+            }
+            Request::ReadAll(stream) => {
+                let Some(run) = &self.run else { return Ok(()) };
+                let StreamData { width, height, bits, .. } = run.session.stream(stream).await?;
+                let place = run.session.place();
+                self.say(Update::Texels(Texels { stream, place, region: [0, 0, width, height], bits }));
+                Ok(())
+            }
+            Request::Pin(stream) => self.pin(stream),
+            Request::Job(what, job) => {
+                let mut progress = self.reporter(what);
+                let _moving = Moving::new(&self.moving);
+                let Some(run) = &mut self.run else { return Ok(()) };
+                let Run { session, scene, settings, device, .. } = run;
+                let context = JobContext { session, scene, settings, device: device.clone(), progress: &mut progress };
+                let answer = job(context).await;
+                self.arrived().await?;
+                match answer {
+                    Ok(answer) => self.say(Update::Done(what, answer)),
+                    Err(_) if self.cancel.load(Ordering::Relaxed) => return Err(Trouble::Cancelled),
+                    Err(message) => return Err(Trouble::Failed(message)),
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The old run stays until the new one is ready.
+    async fn open(&mut self, scene: Arc<Scene>, settings: Settings) -> Result<(), Trouble> {
+        self.say(Update::Progress("building and compiling", 0, 0));
+        let device = self.device(settings.device);
+        let session = Session::new(&scene, &settings.options(&scene), &device).await?;
+        let renderer = session.renderer();
+        let mut copies = Vec::new();
+        let textures = match renderer.gpu() {
+            Some(gpu) => {
+                renderer.plan().streams.iter().filter_map(|s| Some((s.what, gpu.texture(s.what)?.clone()))).collect()
+            }
+            None => {
+                copies = renderer.plan().streams.iter().map(|s| (s.what, self.copy_of(&session, s.what))).collect();
+                copies.clone()
+            }
+        };
+        let device_name = match &device {
+            Device::Gpu(gpu) => gpu.info.name.clone(),
+            Device::Cpu(_) | Device::CpuF64(_) => settings.device.name().into(),
+        };
+        self.say(Update::Opened(Box::new(Opened {
+            scene: scene.clone(),
+            settings: settings.clone(),
+            plan: renderer.shared_plan(),
+            data: renderer.shared_data(),
+            textures,
+            device: device_name,
+        })));
+        self.run = Some(Run { scene, settings, session, device, copies, known: 0, followed: None });
+        self.arrived().await
+    }
+
+    /// Says where the run is, after its streams were made visible.
+    async fn arrived(&mut self) -> Result<(), Trouble> {
+        let Some(run) = &mut self.run else { return Ok(()) };
+        for (stream, texture) in &run.copies {
+            let data = run.session.stream(*stream).await?;
+            fill(&self.devices.gpu, texture, &data);
+        }
+        let (place, passes) = (run.session.place(), run.session.passes());
+        // One that is known goes along: it tells whether the rest is still what it was.
+        let first = run.known.min(place.saturating_sub(1));
+        let at = At {
+            place,
+            first,
+            passes: passes[first..].to_vec(),
+            next: run.session.renderer().next_kernel(),
+            kept_bytes: run.session.kept_bytes(),
+            budget: run.session.budget(),
+            edits: run.session.edits().to_vec(),
+        };
+        run.known = place;
+        self.say(Update::At(at));
+        Ok(())
+    }
+
+    fn copy_of(&self, session: &Session, stream: Stream) -> wgpu::Texture {
+        let plan = session.renderer().plan();
+        stream_copy(&self.devices.gpu, stream, plan.width, plan.height)
+    }
+
+    fn pin(&self, stream: Stream) -> Result<(), Trouble> {
+        let Some(run) = &self.run else { return Ok(()) };
+        let source = match run.session.renderer().gpu() {
+            Some(gpu) => gpu.texture(stream),
+            None => run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture),
+        };
+        let source = source.ok_or_else(|| Trouble::Failed(RenderError::NoStream(stream.name()).to_string()))?;
+        let texture = self.copy_of(&run.session, stream);
+        let gpu = &self.devices.gpu;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_texture(source.as_image_copy(), texture.as_image_copy(), source.size());
+        gpu.queue.submit([encoder.finish()]);
+        self.say(Update::Pinned { stream, place: run.session.place(), texture });
+        Ok(())
+    }
+}
+
+fn flow(goes_on: bool) -> ControlFlow<()> {
+    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+}
+
+/// A texture like a stream's own, to draw from.
+fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(stream.name()),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: stream.layers() as u32 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: stream_format(stream),
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn fill(gpu: &Gpu, texture: &wgpu::Texture, data: &StreamData) {
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * data.width),
+        rows_per_image: Some(data.height),
+    };
+    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&data.bits), layout, texture.size());
+}

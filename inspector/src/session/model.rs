@@ -1,0 +1,213 @@
+//! What is known of a run: plain data that panels look at, kept up to date by an engine's answers.
+
+use std::any::Any;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender, unbounded};
+use raystep_kernels::export::trace::Trace;
+use raystep_kernels::{Kernel, Pass, Stream};
+
+use super::engine::{Engine, EngineTask};
+use super::request::{At, Opened, Request, Texels, Update};
+use super::{Edit, Fired};
+
+/// Work in progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Work {
+    /// What is done.
+    pub what: &'static str,
+    /// How much of it.
+    pub done: u64,
+    /// Of how much; 0 where that is not known.
+    pub of: u64,
+}
+
+/// A copy of a stream after some pass.
+#[derive(Clone)]
+pub struct Pinned {
+    /// Which stream.
+    pub stream: Stream,
+    /// After so many passes.
+    pub place: usize,
+    /// The copy.
+    pub texture: wgpu::Texture,
+}
+
+/// A run as it is known here, and the way to its engine.
+pub struct Model {
+    requests: UnboundedSender<Request>,
+    updates: UnboundedReceiver<Update>,
+    cancel: Arc<AtomicBool>,
+    moving: Arc<AtomicU64>,
+    waiting: usize,
+    /// The run; `None` until a scene is open.
+    pub opened: Option<Opened>,
+    /// Grows with every run that is opened.
+    pub generation: u64,
+    /// Every pass that is known, also those after `place` where the run was there before.
+    pub passes: Vec<Pass>,
+    /// Passes so far.
+    pub place: usize,
+    /// Whether all passes are known.
+    pub is_complete: bool,
+    /// The kernel of the next pass; `None` at the end.
+    pub next: Option<Kernel>,
+    /// Bytes of what is kept for going back.
+    pub kept_bytes: u64,
+    /// Bytes that may be kept.
+    pub budget: u64,
+    /// What was changed by hand.
+    pub edits: Vec<Edit>,
+    /// What a run to a watch stopped at, for whom shows it to take; within, `None` where nothing fired.
+    pub fired: Option<Option<Fired>>,
+    /// The life of the ray that is looked at.
+    pub life: Option<Arc<Trace>>,
+    /// The texels that were read last, of each stream.
+    pub texels: Vec<Texels>,
+    /// Copies that were asked for, oldest first.
+    pub pinned: Vec<Pinned>,
+    /// What goes on.
+    pub work: Option<Work>,
+    /// What jobs answered, for whom they were done to take.
+    pub answers: Vec<(&'static str, Box<dyn Any + Send>)>,
+    /// What went wrong, for whom shows it to take.
+    pub failures: Vec<(&'static str, String)>,
+}
+
+impl Model {
+    /// A model, and the task that serves it: the caller gives it a thread, or polls it.
+    #[must_use]
+    pub fn new(make: impl FnOnce(Engine) -> EngineTask) -> (Self, EngineTask) {
+        let (requests, inbox) = unbounded();
+        let (outbox, updates) = unbounded();
+        let (cancel, moving) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
+        let task = make(Engine::new(inbox, outbox, cancel.clone(), moving.clone()));
+        let model = Self {
+            requests,
+            updates,
+            cancel,
+            moving,
+            waiting: 0,
+            opened: None,
+            generation: 0,
+            passes: Vec::new(),
+            place: 0,
+            is_complete: false,
+            next: None,
+            kept_bytes: 0,
+            budget: 0,
+            edits: Vec::new(),
+            fired: None,
+            life: None,
+            texels: Vec::new(),
+            pinned: Vec::new(),
+            work: None,
+            answers: Vec::new(),
+            failures: Vec::new(),
+        };
+        (model, task)
+    }
+
+    /// Asks the engine. False where it is gone.
+    pub fn ask(&mut self, request: Request) -> bool {
+        if self.waiting == 0 {
+            self.cancel.store(false, Ordering::Relaxed);
+        }
+        let is_sent = self.requests.unbounded_send(request).is_ok();
+        self.waiting += usize::from(is_sent);
+        is_sent
+    }
+
+    /// Stops what goes on, and what waits.
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether requests wait for their answer.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.waiting > 0
+    }
+
+    /// Whether the streams are on their way from one place to another: what is drawn of them now belongs to none.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        self.moving.load(Ordering::Acquire) > 0
+    }
+
+    /// Takes in what the engine has said. Whether it said anything.
+    pub fn update(&mut self) -> bool {
+        let mut is_new = false;
+        while let Ok(update) = self.updates.try_recv() {
+            self.apply(update);
+            is_new = true;
+        }
+        is_new
+    }
+
+    fn apply(&mut self, update: Update) {
+        match update {
+            Update::Opened(opened) => {
+                self.opened = Some(*opened);
+                self.generation += 1;
+                self.passes.clear();
+                self.texels.clear();
+                self.pinned.clear();
+                (self.place, self.is_complete, self.next, self.life) = (0, false, None, None);
+            }
+            Update::At(at) => self.arrive(at),
+            Update::Fired(fired) => self.fired = Some(fired),
+            Update::Followed(life) => self.life = Some(Arc::new(*life)),
+            Update::Texels(texels) => {
+                self.texels.retain(|t| t.stream != texels.stream);
+                self.texels.push(texels);
+            }
+            Update::Pinned { stream, place, texture } => self.pinned.push(Pinned { stream, place, texture }),
+            Update::Done(what, answer) => self.answers.push((what, answer)),
+            Update::Progress(what, done, of) => self.work = Some(Work { what, done, of }),
+            Update::Failed(what, message) => self.failures.push((what, message)),
+            Update::Cancelled(_) => {}
+            Update::Idle => {
+                self.waiting = self.waiting.saturating_sub(1);
+                self.work = None;
+            }
+        }
+    }
+
+    fn arrive(&mut self, at: At) {
+        let end = at.first + at.passes.len();
+        // Other passes than those known: an edit, or another plan.
+        let same = self.passes.get(at.first..end.min(self.passes.len())).is_some_and(|known| {
+            known.iter().zip(&at.passes).all(|(a, b)| (a.kernel, a.counts) == (b.kernel, b.counts))
+        });
+        if !same {
+            self.is_complete = false;
+        }
+        if !same || end > self.passes.len() {
+            self.passes.truncate(at.first);
+            self.passes.extend(at.passes);
+        }
+        (self.place, self.next, self.kept_bytes, self.budget) = (at.place, at.next, at.kept_bytes, at.budget);
+        self.edits = at.edits;
+        self.is_complete |= at.next.is_none();
+    }
+
+    /// A stream's texture, to draw from.
+    #[must_use]
+    pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
+        self.opened.as_ref()?.textures.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture)
+    }
+
+    /// The pass that was run last.
+    #[must_use]
+    pub fn last_pass(&self) -> Option<&Pass> {
+        self.place.checked_sub(1).and_then(|i| self.passes.get(i))
+    }
+
+    /// Takes the answer of a job, where it has come.
+    pub fn take_answer<T: 'static>(&mut self, what: &'static str) -> Option<Box<T>> {
+        let at = self.answers.iter().position(|(name, answer)| *name == what && answer.is::<T>())?;
+        self.answers.remove(at).1.downcast().ok()
+    }
+}

@@ -1,0 +1,224 @@
+//! What a run is asked for, as plain data: what the options panel edits, and what is saved.
+
+use glam::DVec3;
+use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, ScheduleKind, Skip};
+use raystep_scenes::{Camera, Projection, Scene};
+use serde::{Deserialize, Serialize};
+
+use crate::link::{Link, LinkCamera, LinkDevice, LinkRay};
+
+/// Where passes run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DeviceKind {
+    /// The adapter that the window draws with.
+    #[default]
+    Gpu,
+    /// The twins in f32.
+    Cpu,
+    /// The twins in f64.
+    CpuF64,
+}
+
+impl DeviceKind {
+    /// Every value.
+    pub const ALL: [Self; 3] = [Self::Gpu, Self::Cpu, Self::CpuF64];
+
+    /// What people read.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gpu => "GPU",
+            Self::Cpu => "CPU twins, f32",
+            Self::CpuF64 => "CPU twins, f64",
+        }
+    }
+}
+
+/// What is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum View {
+    /// A camera of the scene, counted from 0; one that frames the scene where it has none.
+    Scene(usize),
+    /// A camera of the user's own.
+    Free {
+        /// World position.
+        eye: [f64; 3],
+        /// A point that it looks at.
+        look_at: [f64; 3],
+        /// What is up.
+        up: [f64; 3],
+        /// Vertical angle of view, degrees; `None` for parallel rays.
+        fov_deg: Option<f64>,
+        /// Half the picture's height in scene units, for parallel rays.
+        half_height: f64,
+    },
+}
+
+/// Everything that decides a run but the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// What keeps a ray from testing every triangle.
+    pub accelerator: Accelerator,
+    /// In which order kernels run: a stepped one.
+    pub schedule: ScheduleKind,
+    /// The rules for planes, steps and hits.
+    pub numerics: Numerics,
+    /// How fine the grid is.
+    pub grid: GridSize,
+    /// Whether rays leap over empty cells.
+    pub skip: Skip,
+    /// Most steps of a ray in one pass of the compact schedule; 1 shows a cell, node or triangle a pass.
+    pub steps_per_pass: u32,
+    /// Pixels a row and rows.
+    pub size: [u32; 2],
+    /// What is seen.
+    pub view: View,
+    /// One ray instead of a picture: origin and direction in scene units.
+    pub ray: Option<[f32; 6]>,
+    /// Count cells, tests and repeated tests per ray.
+    pub counters: bool,
+    /// Leave nothing out of the plan.
+    pub keep_all: bool,
+    /// Where passes run.
+    pub device: DeviceKind,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            accelerator: Accelerator::Grid,
+            schedule: ScheduleKind::Compact,
+            numerics: Numerics::Robust,
+            grid: GridSize::Auto,
+            skip: Skip::Auto,
+            steps_per_pass: 1,
+            size: [512, 512],
+            view: View::Scene(0),
+            ray: None,
+            counters: true,
+            keep_all: false,
+            device: DeviceKind::Gpu,
+        }
+    }
+}
+
+impl View {
+    /// The camera, of a scene. A view that cannot be is replaced by one that frames the scene.
+    #[must_use]
+    pub fn camera(&self, scene: &Scene) -> Camera {
+        let framing = || Camera::framing(&scene.bounds());
+        match *self {
+            Self::Scene(index) => scene.cameras.get(index).cloned().unwrap_or_else(framing),
+            Self::Free { eye, look_at, up, fov_deg, half_height } => {
+                let projection = match fov_deg {
+                    Some(degrees) => Projection::Perspective { vertical_fov: degrees.clamp(0.01, 179.0).to_radians() },
+                    None => Projection::Orthographic { half_height: half_height.max(f64::MIN_POSITIVE) },
+                };
+                let [eye, target, up] = [eye, look_at, up].map(DVec3::from_array);
+                Camera::look_at(eye, target, up, projection).unwrap_or_else(framing)
+            }
+        }
+    }
+
+    /// A camera as a view of one's own.
+    #[must_use]
+    pub fn of(camera: &Camera) -> Self {
+        let (fov_deg, half_height) = match camera.projection {
+            Projection::Perspective { vertical_fov } => (Some(vertical_fov.to_degrees()), 1.0),
+            Projection::Orthographic { half_height } => (None, half_height),
+        };
+        let look_at = (camera.eye + camera.forward).to_array();
+        Self::Free { eye: camera.eye.to_array(), look_at, up: camera.up.to_array(), fov_deg, half_height }
+    }
+}
+
+impl From<&Link> for Settings {
+    fn from(link: &Link) -> Self {
+        let view = match link.camera {
+            LinkCamera::Default => View::Scene(0),
+            LinkCamera::Index(index) => View::Scene(index),
+            LinkCamera::Placed { eye, look_at, up, fov_deg } => {
+                View::Free { eye, look_at, up, fov_deg: Some(fov_deg), half_height: 1.0 }
+            }
+        };
+        let ray = match link.ray {
+            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })) => {
+                Some([ox, oy, oz, dx, dy, dz])
+            }
+            _ => None,
+        };
+        Self {
+            accelerator: link.accelerator,
+            schedule: link.schedule,
+            numerics: link.numerics,
+            grid: link.grid,
+            skip: link.skip,
+            steps_per_pass: link.steps_per_pass,
+            size: link.size,
+            view,
+            ray,
+            keep_all: link.keep_all,
+            device: if link.device == LinkDevice::Cpu { DeviceKind::Cpu } else { DeviceKind::Gpu },
+            ..Self::default()
+        }
+    }
+}
+
+impl Settings {
+    /// A link with these settings, to no scene and no place. Parallel rays of a camera of one's own cannot be said
+    /// in a link: it then has the scene's camera.
+    #[must_use]
+    pub fn link(&self) -> Link {
+        let camera = match self.view {
+            View::Scene(0) => LinkCamera::Default,
+            View::Scene(index) => LinkCamera::Index(index),
+            View::Free { eye, look_at, up, fov_deg: Some(fov_deg), .. } => {
+                LinkCamera::Placed { eye, look_at, up, fov_deg }
+            }
+            View::Free { .. } => LinkCamera::Default,
+        };
+        let given = self
+            .ray
+            .map(|[ox, oy, oz, dx, dy, dz]| LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] }));
+        Link {
+            camera,
+            size: self.size,
+            accelerator: self.accelerator,
+            schedule: self.schedule,
+            numerics: self.numerics,
+            grid: self.grid,
+            skip: self.skip,
+            steps_per_pass: self.steps_per_pass,
+            keep_all: self.keep_all,
+            device: if self.device == DeviceKind::Gpu { LinkDevice::Gpu } else { LinkDevice::Cpu },
+            ray: given,
+            ..Link::default()
+        }
+    }
+
+    /// A run's options. Passes are timed where the device can.
+    #[must_use]
+    pub fn options(&self, scene: &Scene) -> Options {
+        let rays = match self.ray {
+            Some([ox, oy, oz, dx, dy, dz]) => {
+                RaySource::Given(vec![Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] }])
+            }
+            None => {
+                let [width, height] = self.size;
+                RaySource::Camera { camera: self.view.camera(scene), width, height }
+            }
+        };
+        Options {
+            accelerator: self.accelerator,
+            schedule: if self.schedule.is_stepped() { self.schedule } else { ScheduleKind::Compact },
+            numerics: self.numerics,
+            grid: self.grid,
+            skip: self.skip,
+            steps_per_pass: self.steps_per_pass.clamp(1, 4096),
+            counters: self.counters,
+            timings: true,
+            keep_all: self.keep_all,
+            ..Options::new(rays)
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! The window: menus, keys and panels over a run.
+
+pub mod canvas;
+pub mod command;
+mod dialogs;
+pub mod host;
+mod layout;
+mod lessons;
+mod menu;
+mod palette;
+pub mod pane;
+mod panels;
+mod perform;
+mod places;
+mod shared;
+mod take;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use egui_notify::Toasts;
+use egui_tiles::Tree;
+
+use crate::link::LinkStream;
+use crate::session::engine::Devices;
+use crate::session::request::Request;
+use crate::session::{Model, Target};
+use crate::settings::Settings;
+use canvas::Canvas;
+use command::Command;
+use dialogs::Dialog;
+use host::{Host, HostEvent};
+use layout::Layout;
+use lessons::Lesson;
+use pane::{Context, Pane};
+use shared::Shared;
+
+/// The inspector. Whoever has a window calls [`ui`](Self::ui) once a frame.
+pub struct Inspector {
+    model: Model,
+    other: Option<Model>,
+    devices: Devices,
+    canvas: Arc<Canvas>,
+    host: Box<dyn Host>,
+    shared: Shared,
+    tree: Tree<Pane>,
+    dialog: Option<Dialog>,
+    todo: VecDeque<Command>,
+    toasts: Toasts,
+    is_playing: bool,
+    /// The scene's path as the user gave it, for links and the title.
+    path: Option<String>,
+    /// Runs known to the panels: a new one is followed from its selected pixel.
+    generation: u64,
+    /// What to do once the scene that is being opened is there.
+    arrival: Option<Arrival>,
+    lesson: Option<Lesson>,
+}
+
+/// Where to go in a scene that is still being opened.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Arrival {
+    /// The ray to look at.
+    pub pixel: Option<[u32; 2]>,
+    /// After so many passes.
+    pub place: Option<usize>,
+    /// The stream to show.
+    pub stream: Option<LinkStream>,
+}
+
+impl Inspector {
+    /// An inspector without a scene. `renderer` is egui's own, on the device of `devices`.
+    #[must_use]
+    pub fn new(
+        devices: Devices,
+        renderer: Arc<egui::mutex::RwLock<egui_wgpu::Renderer>>,
+        mut host: Box<dyn Host>,
+    ) -> Self {
+        let canvas = Arc::new(Canvas::new(devices.gpu.clone(), renderer));
+        let for_engine = devices.clone();
+        let (model, task) = Model::new(|engine| engine.serve(for_engine));
+        host.spawn(task);
+        Self {
+            model,
+            other: None,
+            devices,
+            canvas,
+            host,
+            shared: Shared::default(),
+            tree: Layout::Simple.tree(),
+            dialog: None,
+            todo: VecDeque::new(),
+            toasts: Toasts::default().with_anchor(egui_notify::Anchor::BottomRight),
+            is_playing: false,
+            path: None,
+            generation: 0,
+            arrival: None,
+            lesson: None,
+        }
+    }
+
+    /// Opens a scene by its path; the one that is open stays until the new one has been read.
+    pub fn open(&mut self, path: &str, settings: Settings, arrival: Arrival) {
+        let load = match path {
+            lessons::BUILT_IN => Box::new(|| Ok(raystep_scenes::generate::cornell_box())),
+            path => self.host.loader(path),
+        };
+        self.path = Some(path.to_owned());
+        self.arrival = Some(arrival);
+        self.model.ask(Request::Open { load, settings: Box::new(settings) });
+    }
+
+    /// Does a command, as a menu would.
+    pub fn perform(&mut self, command: Command) {
+        self.todo.push_back(command);
+    }
+
+    /// Whether work goes on.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.model.is_busy()
+            || self.other.as_ref().is_some_and(Model::is_busy)
+            || !self.todo.is_empty()
+            || self.lesson.as_ref().is_some_and(Lesson::is_waiting)
+    }
+
+    /// The run that is shown.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The ray that is looked at.
+    #[must_use]
+    pub fn pixel(&self) -> Option<[u32; 2]> {
+        self.shared.pixel
+    }
+
+    /// The window's title.
+    #[must_use]
+    pub fn title(&self) -> String {
+        self.model.opened.as_ref().map_or_else(|| "raystep".into(), |opened| format!("{} – raystep", opened.scene.name))
+    }
+
+    /// For whoever lost the window: how to come back to this place; empty without a scene.
+    #[must_use]
+    pub fn how_to_go_on(&self) -> String {
+        let Some(path) = &self.path else { return String::new() };
+        format!("; to go on: raystep inspect '{path}' --pass {}", self.model.place)
+    }
+
+    /// Shows everything, and does what was asked for.
+    pub fn ui(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        self.listen(&ctx);
+        if self.dialog.is_none() {
+            self.todo.extend(command::pressed(&ctx));
+        }
+        self.menu_bar(ui);
+        self.status_bar(ui);
+        egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.panes(ui));
+        self.show_dialog(&ctx);
+        self.toasts.show(&ctx);
+        self.show_lesson(&ctx);
+        self.follow_up();
+        self.hand_over();
+        self.tell_fired();
+        while let Some(command) = self.todo.pop_front() {
+            self.execute(&ctx, command);
+        }
+        if self.is_playing && !self.model.is_busy() {
+            if self.model.next.is_some() {
+                self.model.ask(Request::Step(Target::Next));
+            } else {
+                self.is_playing = false;
+            }
+        }
+        if self.is_playing {
+            ctx.request_repaint();
+        }
+    }
+
+    /// Takes in what engines and host have said.
+    fn listen(&mut self, ctx: &egui::Context) {
+        self.model.update();
+        if let Some(other) = &mut self.other {
+            other.update();
+        }
+        let failures = self.model.failures.drain(..).chain(self.other.iter_mut().flat_map(|m| m.failures.drain(..)));
+        let failures: Vec<String> = failures.map(|(what, message)| format!("{what}: {message}")).collect();
+        failures.into_iter().for_each(|message| self.fail(message));
+        for event in self.host.events() {
+            match event {
+                HostEvent::Chosen(path) => self.open_file(&path),
+                HostEvent::Saved(path) => {
+                    self.toasts.success(format!("saved {path}"));
+                    self.shared.say(false, format!("saved {path}"));
+                }
+                HostEvent::Failed(message) => self.fail(message),
+            }
+        }
+        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        if let Some(path) = dropped {
+            self.open_file(&path.to_string_lossy());
+        }
+        if self.generation != self.model.generation {
+            self.generation = self.model.generation;
+            self.arrived();
+        }
+    }
+
+    /// A file from a dialog, a drop or the list of recent ones: with the settings in use, seen as it wants.
+    fn open_file(&mut self, path: &str) {
+        let settings = self.model.opened.as_ref().map(|o| o.settings.clone()).unwrap_or_default();
+        let settings = Settings { view: Settings::default().view, ray: None, ..settings };
+        self.open(path, settings, Arrival::default());
+    }
+
+    /// A new run is there.
+    fn arrived(&mut self) {
+        let Some(opened) = &self.model.opened else { return };
+        let plan = &opened.plan;
+        for note in &opened.scene.notes {
+            self.shared.say(false, format!("note: {}", note.0));
+        }
+        let text =
+            format!("{}: {} triangles, {} rays on {}", opened.scene.name, plan.triangles, plan.rays, opened.device);
+        self.shared.say(false, text);
+        let Arrival { pixel, place, stream } = self.arrival.take().unwrap_or_default();
+        let inside = |[x, y]: &[u32; 2]| *x < plan.width && *y < plan.height;
+        let pixel = pixel.or(self.shared.pixel).filter(inside).or(Some([plan.width / 2, plan.height / 2]));
+        self.shared.pixel = None;
+        self.shared.select = pixel;
+        self.shared.show = stream;
+        if let Some(place) = place {
+            self.model.ask(Request::Step(Target::Pass(place)));
+        }
+    }
+
+    fn panes(&mut self, ui: &mut egui::Ui) {
+        let mut todo = Vec::new();
+        let cx = Context {
+            model: &mut self.model,
+            other: self.other.as_mut(),
+            canvas: &self.canvas,
+            shared: &mut self.shared,
+            todo: &mut todo,
+        };
+        self.tree.ui(&mut layout::Panes { cx }, ui);
+        self.todo.extend(todo);
+    }
+
+    fn fail(&mut self, message: String) {
+        self.shared.say(true, message.clone());
+        self.toasts.error(message);
+    }
+
+    /// What panels asked for through what they share.
+    fn follow_up(&mut self) {
+        for copy in self.model.pinned.drain(..) {
+            layout::add(&mut self.tree, Pane::pinned(copy));
+        }
+        if let Some(place) = self.shared.go_to.take()
+            && place != self.model.place
+        {
+            self.model.ask(Request::Step(Target::Pass(place)));
+        }
+        if let Some(pixel) = self.shared.select.take()
+            && self.shared.pixel != Some(pixel)
+        {
+            self.shared.pixel = Some(pixel);
+            self.shared.row = None;
+            self.model.ask(Request::Follow(pixel));
+            if let Some(other) = &mut self.other {
+                other.ask(Request::Follow(pixel));
+            }
+        }
+    }
+}

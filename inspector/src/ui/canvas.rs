@@ -1,0 +1,87 @@
+//! Pictures that are drawn on the GPU and shown by egui.
+
+use std::sync::Arc;
+
+use egui::mutex::RwLock;
+use raystep_kernels::Gpu;
+
+use crate::draw::picture::picture;
+use crate::draw::stream::StreamPainter;
+
+/// What draws pictures, and how egui gets to see them.
+pub struct Canvas {
+    /// The device.
+    pub gpu: Arc<Gpu>,
+    /// egui's own renderer.
+    pub renderer: Arc<RwLock<egui_wgpu::Renderer>>,
+    /// Draws streams.
+    pub streams: StreamPainter,
+}
+
+impl Canvas {
+    /// Pictures on this device, for this renderer of egui's.
+    #[must_use]
+    pub fn new(gpu: Arc<Gpu>, renderer: Arc<RwLock<egui_wgpu::Renderer>>) -> Self {
+        let streams = StreamPainter::new(&gpu.device, &gpu.queue);
+        Self { gpu, renderer, streams }
+    }
+
+    /// The largest side of a picture.
+    #[must_use]
+    pub fn most_side(&self) -> u32 {
+        self.gpu.device.limits().max_texture_dimension_2d
+    }
+}
+
+/// A picture of some size, kept from frame to frame.
+#[derive(Default)]
+pub struct Picture {
+    kept: Option<Kept>,
+}
+
+struct Kept {
+    canvas: Arc<Canvas>,
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    id: egui::TextureId,
+}
+
+impl Picture {
+    /// The view to draw into, of exactly this many pixels, and whether it is new and thus empty.
+    pub fn target(&mut self, canvas: &Arc<Canvas>, size: [u32; 2]) -> (&wgpu::TextureView, bool) {
+        let [width, height] = size.map(|side| side.clamp(1, canvas.most_side()));
+        let fits = self.kept.as_ref().is_some_and(|k| (k.texture.width(), k.texture.height()) == (width, height));
+        if !fits {
+            self.kept = None;
+        }
+        let kept = self.kept.get_or_insert_with(|| Kept::new(canvas, width, height));
+        (&kept.view, !fits)
+    }
+
+    /// The name by which egui shows it; `None` where nothing was drawn yet.
+    #[must_use]
+    pub fn id(&self) -> Option<egui::TextureId> {
+        self.kept.as_ref().map(|k| k.id)
+    }
+
+    /// The texture, to read it back.
+    #[must_use]
+    pub fn texture(&self) -> Option<&wgpu::Texture> {
+        self.kept.as_ref().map(|k| &k.texture)
+    }
+}
+
+impl Kept {
+    fn new(canvas: &Arc<Canvas>, width: u32, height: u32) -> Self {
+        let texture = picture(&canvas.gpu.device, [width, height]);
+        let view = texture.create_view(&Default::default());
+        let id = canvas.renderer.write().register_native_texture(&canvas.gpu.device, &view, wgpu::FilterMode::Nearest);
+        Self { canvas: canvas.clone(), texture, view, id }
+    }
+}
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        self.canvas.renderer.write().free_texture(&self.id);
+    }
+}

@@ -1,0 +1,146 @@
+//! Small windows over the panels.
+
+use egui::{ComboBox, Id, Key, Modal};
+use raystep_kernels::Stream;
+
+use super::Inspector;
+use super::command::{COMMANDS, Command, Menu};
+use super::palette::Palette;
+
+/// A window over the panels.
+pub(super) enum Dialog {
+    /// Commands by name.
+    Palette(Palette),
+    /// Keys.
+    Help,
+    /// A pixel's numbers as they are typed.
+    Pixel(String),
+    /// A ray's numbers as they are typed.
+    Ray(String),
+    /// A link as it is typed or pasted.
+    Link(String),
+    /// A component of the selected ray: stream, layer, its value as it is typed.
+    Edit(Stream, usize, String),
+    /// What can be taken away.
+    Export,
+}
+
+/// The commands of the export window.
+const EXPORTS: [Command; 8] = [
+    Command::ExportPasses,
+    Command::ExportTrace,
+    Command::ExportExr,
+    Command::ExportNpy,
+    Command::ExportRay,
+    Command::ExportView,
+    Command::ExportWalk,
+    Command::ExportDataflow,
+];
+
+impl Inspector {
+    pub(super) fn show_dialog(&mut self, ctx: &egui::Context) {
+        let Some(mut dialog) = self.dialog.take() else { return };
+        let mut stays = true;
+        let response = Modal::new(Id::unique("dialog")).show(ctx, |ui| match &mut dialog {
+            Dialog::Palette(palette) => {
+                if let Some(command) = palette.show(ui) {
+                    self.perform(command);
+                    stays = false;
+                }
+            }
+            Dialog::Help => help(ui),
+            Dialog::Pixel(text) => {
+                if let Some(text) = ask(ui, "Pixel, as column,row", text) {
+                    stays = self.go_to_pixel(&text);
+                }
+            }
+            Dialog::Ray(text) => {
+                ui.set_width(460.0);
+                ui.label("Origin and direction in scene units, decimal or as bits such as 0x3f800000.");
+                if let Some(text) = ask(ui, "Ray, as ox,oy,oz,dx,dy,dz", text) {
+                    stays = self.trace_ray(&text);
+                }
+            }
+            Dialog::Link(text) => {
+                ui.set_width(560.0);
+                if let Some(text) = ask(ui, "Link, as 'Copy link to this place' makes it", text) {
+                    stays = self.go_to_link(&text);
+                }
+            }
+            Dialog::Edit(stream, layer, text) => {
+                ui.set_width(420.0);
+                self.choose_component(ui, stream, layer);
+                if let Some(text) = ask(ui, "Value, decimal or as bits such as 0x3f800000", text) {
+                    stays = self.edit_texel(*stream, *layer, &text);
+                }
+            }
+            Dialog::Export => {
+                ui.heading("Export");
+                for command in EXPORTS {
+                    if ui.add_enabled(self.can(command), egui::Button::new(command.name())).clicked() {
+                        self.perform(command);
+                        stays = false;
+                    }
+                }
+            }
+        });
+        if stays && !response.should_close() {
+            self.dialog = Some(dialog);
+        }
+    }
+}
+
+impl Inspector {
+    fn choose_component(&self, ui: &mut egui::Ui, stream: &mut Stream, layer: &mut usize) {
+        let Some(opened) = &self.model.opened else { return };
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label("stream").id;
+            let shown = ComboBox::from_id_salt("edited stream").selected_text(stream.name());
+            let response = shown.show_ui(ui, |ui| {
+                for choice in &opened.plan.streams {
+                    ui.selectable_value(stream, choice.what, choice.what.name());
+                }
+            });
+            response.response.labelled_by(label);
+            *layer = (*layer).min(stream.layers() - 1);
+            for (i, name) in stream.info().layers.iter().enumerate() {
+                ui.selectable_value(layer, i, *name);
+            }
+        });
+        if let Some([x, y]) = self.shared.pixel {
+            ui.weak(format!("of the ray of pixel {x},{y}, after {} passes", self.model.place));
+        }
+    }
+}
+
+/// One line of text; what was entered, once it is.
+fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<String> {
+    let name = ui.label(label).id;
+    let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(name);
+    field.request_focus();
+    let enter = ui.input(|input| input.key_pressed(Key::Enter));
+    (ui.button("Go").clicked() || enter).then(|| text.clone())
+}
+
+fn help(ui: &mut egui::Ui) {
+    ui.heading("Keys");
+    egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+        for menu in Menu::ALL {
+            ui.strong(menu.name());
+            egui::Grid::new(menu.name()).num_columns(2).striped(true).show(ui, |ui| {
+                for info in COMMANDS.iter().filter(|info| info.menu == menu && !info.keys.is_empty()) {
+                    let keys = info.keys.iter().map(|&(modifiers, key)| {
+                        ui.ctx().format_shortcut(&egui::KeyboardShortcut::new(modifiers, key))
+                    });
+                    let keys: Vec<String> = keys.collect();
+                    ui.monospace(keys.join(", "));
+                    ui.label(info.name);
+                    ui.end_row();
+                }
+            });
+            ui.add_space(6.0);
+        }
+        ui.strong("In pictures");
+        ui.label("Click: select a ray. Drag: pan. Wheel: zoom. Double click: fit.");
+    });
+}

@@ -1,0 +1,161 @@
+//! The panels that there are, and what all of them look at.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::canvas::Canvas;
+use super::command::Command;
+use super::panels;
+use super::shared::Shared;
+use crate::session::{Model, Pinned};
+
+/// A kind of panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum PaneKind {
+    /// The passes.
+    Passes,
+    /// A stream.
+    Stream,
+    /// The selected ray's life.
+    Ray,
+    /// Its walk in space.
+    Walk3d,
+    /// Its walk, unfolded.
+    Walk2d,
+    /// Passes over time, and live rays.
+    Timeline,
+    /// The kernel's WGSL with the taken branch.
+    Kernel,
+    /// Kernels and streams.
+    Dataflow,
+    /// Durations.
+    Timings,
+    /// What the run needs, and what was left out.
+    Plan,
+    /// Where the cost is.
+    Cost,
+    /// Statistics of the grid or tree.
+    Structure,
+    /// Two runs.
+    Compare,
+    /// Where GPU and twins part.
+    Divergence,
+    /// What to stop at.
+    Watches,
+    /// What the run is asked for.
+    Options,
+    /// What happened.
+    Log,
+}
+
+impl PaneKind {
+    /// Every kind.
+    pub const ALL: &[Self] = &[
+        Self::Passes,
+        Self::Stream,
+        Self::Ray,
+        Self::Walk3d,
+        Self::Walk2d,
+        Self::Timeline,
+        Self::Kernel,
+        Self::Dataflow,
+        Self::Timings,
+        Self::Plan,
+        Self::Cost,
+        Self::Structure,
+        Self::Compare,
+        Self::Divergence,
+        Self::Watches,
+        Self::Options,
+        Self::Log,
+    ];
+
+    /// A new panel of this kind.
+    #[must_use]
+    pub fn make(self) -> Pane {
+        let panel: Box<dyn Panel> = match self {
+            Self::Passes => Box::<panels::passes::Passes>::default(),
+            Self::Stream => Box::<panels::stream::StreamView>::default(),
+            Self::Ray => Box::<panels::ray::RayView>::default(),
+            Self::Options => Box::<panels::options::Options>::default(),
+            Self::Timeline => Box::<panels::timeline::Timeline>::default(),
+            Self::Log => Box::<panels::log::Log>::default(),
+            Self::Compare => Box::<panels::compare::Compare>::default(),
+            Self::Divergence => Box::<panels::divergence::Divergence>::default(),
+            Self::Watches => Box::<panels::watches::Watches>::default(),
+            _ => Box::<panels::log::Log>::default(),
+        };
+        Pane { kind: self, panel }
+    }
+}
+
+/// What a panel looks at and may ask for.
+pub struct Context<'a> {
+    /// The run.
+    pub model: &'a mut Model,
+    /// The run that it is compared with.
+    pub other: Option<&'a mut Model>,
+    /// Pictures.
+    pub canvas: &'a Arc<Canvas>,
+    /// What panels have in common: the selected ray, the cursor, ranges.
+    pub shared: &'a mut Shared,
+    /// What is to be done once all panels are shown.
+    pub todo: &'a mut Vec<Command>,
+}
+
+/// A panel.
+pub trait Panel: Send {
+    /// Its title, for its tab.
+    fn title(&self) -> String;
+    /// Shows it.
+    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>);
+    /// What of it is saved, as RON; empty where there is nothing.
+    fn save(&self) -> String {
+        String::new()
+    }
+    /// Takes over what was saved; ignores what it cannot read.
+    fn load(&mut self, _saved: &str) {}
+    /// For a command about the view in focus: whether the panel did it.
+    fn command(&mut self, _command: Command, _cx: &mut Context<'_>) -> bool {
+        false
+    }
+}
+
+/// A panel in its place.
+pub struct Pane {
+    /// What it is.
+    pub kind: PaneKind,
+    /// The panel.
+    pub panel: Box<dyn Panel>,
+}
+
+impl Pane {
+    /// A view of a copy of a stream.
+    pub(super) fn pinned(copy: Pinned) -> Self {
+        Self { kind: PaneKind::Stream, panel: Box::new(panels::stream::StreamView::pinned(copy)) }
+    }
+}
+
+/// A pane as it is saved.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    kind: PaneKind,
+    #[serde(default)]
+    state: String,
+}
+
+impl Serialize for Pane {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Saved { kind: self.kind, state: self.panel.save() }.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Pane {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let saved = Saved::deserialize(deserializer)?;
+        let mut pane = saved.kind.make();
+        pane.panel.load(&saved.state);
+        Ok(pane)
+    }
+}

@@ -1,0 +1,11 @@
+//! One file a panel.
+
+pub(super) mod compare;
+pub(super) mod divergence;
+pub(super) mod log;
+pub(super) mod options;
+pub(super) mod passes;
+pub(super) mod ray;
+pub(super) mod stream;
+pub(super) mod timeline;
+pub(super) mod watches;

@@ -1,0 +1,357 @@
+//! Two runs of the same scene side by side: the same stream, the same ray, and the difference.
+
+use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
+use raystep_kernels::export::trace::Trace;
+use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
+
+use crate::draw::stream::{self, Colors, Meaning};
+use crate::session::compare::Comparison;
+use crate::session::request::Request;
+use crate::session::stats::LayerStats;
+use crate::session::{Model, Target};
+use crate::settings::{DeviceKind, Settings};
+use crate::ui::canvas::Picture;
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+
+/// What a side shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    A,
+    B,
+    Difference,
+}
+
+/// What the pictures were drawn from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Drawn {
+    runs: [(u64, usize); 2],
+    stream: Stream,
+    layer: usize,
+    range: [f32; 2],
+    spread: f32,
+    size: [u32; 2],
+    is_swapped: bool,
+}
+
+/// The comparison.
+pub(in crate::ui) struct Compare {
+    stream: Stream,
+    layer: usize,
+    pictures: [Picture; 3],
+    drawn: [Option<Drawn>; 3],
+    asked: Option<[(u64, usize); 2]>,
+    /// What was found, and of which places.
+    found: Option<([(u64, usize); 2], Stream, Vec<String>)>,
+    range: [f32; 2],
+    spread: f32,
+}
+
+impl Default for Compare {
+    fn default() -> Self {
+        Self {
+            stream: Stream::Hit,
+            layer: 2,
+            pictures: Default::default(),
+            drawn: [None; 3],
+            asked: None,
+            found: None,
+            range: [0.0, 1.0],
+            spread: 1.0,
+        }
+    }
+}
+
+impl Panel for Compare {
+    fn title(&self) -> String {
+        "Compare".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let (model, shared) = (&mut *cx.model, &mut *cx.shared);
+        let Some(other) = cx.other.as_deref_mut() else {
+            ui.weak("a second run of the same scene, beside this one");
+            if ui.add_enabled(model.opened.is_some(), egui::Button::new(Command::Compare.name())).clicked() {
+                cx.todo.push(Command::Compare);
+            }
+            return;
+        };
+        let (Some(a), Some(b)) = (model.opened.clone(), other.opened.clone()) else {
+            ui.spinner();
+            return;
+        };
+        ui.horizontal_wrapped(|ui| {
+            ui.strong("A").on_hover_text("the run that everything else shows");
+            ui.label(text_of(&a.settings));
+            ui.separator();
+            ui.strong("B");
+            if let Some(settings) = edit(ui, &b.settings) {
+                other.ask(Request::Plan(Box::new(settings)));
+                other.ask(Request::Step(Target::End));
+                if let Some(pixel) = shared.pixel {
+                    other.ask(Request::Follow(pixel));
+                }
+            }
+            if ui.button("End").on_hover_text(Command::EndCompare.name()).clicked() {
+                cx.todo.push(Command::EndCompare);
+            }
+        });
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("A after {} passes, B after {}", model.place, other.place));
+            if ui.button("Both to the end").clicked() {
+                model.ask(Request::Step(Target::End));
+                other.ask(Request::Step(Target::End));
+            }
+            if ui.button("Both one pass on").clicked() {
+                model.ask(Request::Step(Target::Next));
+                other.ask(Request::Step(Target::Next));
+            }
+            if ui.button("B to A's pass").clicked() {
+                other.ask(Request::Step(Target::Pass(model.place)));
+            }
+        });
+        let has = |stream: Stream| a.plan.has_stream(stream) && b.plan.has_stream(stream);
+        let streams: Vec<Stream> = a.plan.streams.iter().map(|s| s.what).filter(|&s| has(s)).collect();
+        if !streams.contains(&self.stream) {
+            (self.stream, self.layer) = (Stream::State, 0);
+        }
+        self.choose_stream(ui, &streams);
+        if (a.plan.width, a.plan.height) != (b.plan.width, b.plan.height) {
+            ui.label("the two pictures are not of the same size");
+            return;
+        }
+        self.count(model, other);
+        if let Some((.., lines)) = &self.found {
+            for line in lines {
+                ui.label(line);
+            }
+        }
+        lives(ui, model.life.as_deref(), other.life.as_deref());
+        let is_swapped = ui.input(|input| input.modifiers.shift) && ui.rect_contains_pointer(ui.max_rect());
+        let gap = 6.0;
+        let room = ui.available_size();
+        let width = ((room.x - 2.0 * gap) / 3.0).max(16.0);
+        let size = vec2(width, (room.y - 18.0).max(16.0));
+        ui.horizontal_top(|ui| {
+            ui.spacing_mut().item_spacing.x = gap;
+            for (i, side) in [Side::A, Side::B, Side::Difference].into_iter().enumerate() {
+                ui.vertical(|ui| {
+                    ui.set_width(width);
+                    let shown = match (side, is_swapped) {
+                        (Side::A, true) => Side::B,
+                        (Side::B, true) => Side::A,
+                        (side, _) => side,
+                    };
+                    let name = match shown {
+                        Side::A => format!("A: {}", a.settings.accelerator),
+                        Side::B => format!("B: {}", b.settings.accelerator),
+                        Side::Difference => "A − B".into(),
+                    };
+                    ui.small(name).on_hover_text("Shift shows the other run in its place");
+                    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+                    let plan = [a.plan.width, a.plan.height];
+                    let picture = self.draw(ui, cx.canvas, model, other, shown, i, rect, plan);
+                    let texel = response.hover_pos().and_then(|at| picture.texel(at, plan));
+                    if let Some(texel) = texel {
+                        shared.hovered = Some(texel);
+                        if response.clicked() {
+                            shared.select = Some(texel);
+                        }
+                    }
+                    picture.mark(ui, rect, shared.hovered, Color32::from_white_alpha(140));
+                    picture.mark(ui, rect, shared.pixel, Color32::WHITE);
+                    let text = format!("{} of {}", self.stream.name(), ["run A", "run B", "the difference"][i]);
+                    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+                });
+            }
+        });
+    }
+}
+
+/// What sets a run apart.
+fn text_of(settings: &Settings) -> String {
+    let Settings { accelerator, schedule, numerics, device, .. } = settings;
+    format!("{accelerator}, {schedule}, {numerics}, {}", device.name())
+}
+
+/// The settings of the other run, where they were changed.
+fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
+    let mut new = settings.clone();
+    fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, all: &[T], text: fn(T) -> &'static str, value: &mut T) {
+        let shown = ComboBox::from_id_salt(("compare", name)).selected_text(text(*value)).width(70.0);
+        let response = shown.show_ui(ui, |ui| {
+            for &one in all {
+                ui.selectable_value(value, one, text(one));
+            }
+        });
+        response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("B's {name}")));
+    }
+    let stepped: Vec<ScheduleKind> = ScheduleKind::ALL.iter().copied().filter(|s| s.is_stepped()).collect();
+    combo(ui, "accelerator", Accelerator::ALL, Accelerator::name, &mut new.accelerator);
+    combo(ui, "schedule", &stepped, ScheduleKind::name, &mut new.schedule);
+    combo(ui, "numerics", Numerics::ALL, Numerics::name, &mut new.numerics);
+    combo(ui, "device", &DeviceKind::ALL, DeviceKind::name, &mut new.device);
+    (new != *settings).then_some(new)
+}
+
+/// The ray's two lives, in a line each.
+fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
+    let line = |life: &Trace| {
+        let of = |part: &str| life.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
+        let tests = life.rows.iter().filter(|row| row.tested.is_some()).count();
+        let hit = life.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
+        let hit = hit.map_or_else(|| "hits nothing".into(), |(id, t)| format!("hits triangle {id} at t {t}"));
+        format!("{} steps, {tests} triangles tested, {} passes: {hit}", of("traverse"), life.rows.len())
+    };
+    for (name, life) in [("A", a), ("B", b)] {
+        if let Some(life) = life {
+            let [x, y] = life.pixel;
+            ui.small(format!("{name}: ray {x},{y}: {}", line(life)));
+        }
+    }
+}
+
+/// Where a picture is in its panel.
+struct Placed {
+    origin: egui::Pos2,
+    scale: f32,
+}
+
+impl Placed {
+    fn texel(&self, at: egui::Pos2, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
+        let texel = (at - self.origin) / self.scale;
+        let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < width as f32 && texel.y < height as f32;
+        inside.then_some([texel.x as u32, texel.y as u32])
+    }
+
+    fn mark(&self, ui: &Ui, rect: Rect, texel: Option<[u32; 2]>, color: Color32) {
+        let Some([x, y]) = texel else { return };
+        let middle = self.origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * self.scale;
+        let frame = Rect::from_center_size(middle, egui::Vec2::splat(self.scale.max(7.0)));
+        let stroke = egui::Stroke::new(1.5, color);
+        ui.painter().with_clip_rect(rect).rect_stroke(frame, 0.0, stroke, egui::StrokeKind::Outside);
+    }
+}
+
+impl Compare {
+    fn choose_stream(&mut self, ui: &mut Ui, streams: &[Stream]) {
+        ui.horizontal_wrapped(|ui| {
+            let shown = ComboBox::from_id_salt("compared stream").selected_text(self.stream.name());
+            let response = shown.show_ui(ui, |ui| {
+                for &choice in streams {
+                    if ui.selectable_label(choice == self.stream, choice.name()).clicked() {
+                        (self.stream, self.layer) = (choice, 0);
+                    }
+                }
+            });
+            response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "compared stream"));
+            self.layer = self.layer.min(self.stream.layers() - 1);
+            for (i, name) in self.stream.info().layers.iter().enumerate() {
+                ui.selectable_value(&mut self.layer, i, *name);
+            }
+        });
+    }
+
+    /// Reads both streams once they are there, and says how they differ.
+    fn count(&mut self, model: &mut Model, other: &mut Model) {
+        let now = [(model.generation, model.place), (other.generation, other.place)];
+        if model.is_busy() || other.is_busy() {
+            return;
+        }
+        let is_known = self.found.as_ref().is_some_and(|(places, stream, _)| *places == now && *stream == self.stream);
+        if is_known {
+            return;
+        }
+        let read = |model: &Model| {
+            let texels = model.texels.iter().find(|t| t.stream == self.stream && t.place == model.place)?;
+            let [_, _, width, height] = texels.region;
+            Some(StreamData { stream: texels.stream, width, height, bits: texels.bits.clone() })
+        };
+        let (Some(left), Some(right)) = (read(model), read(other)) else {
+            if self.asked != Some(now) || self.found.as_ref().is_some_and(|(_, stream, _)| *stream != self.stream) {
+                self.asked = Some(now);
+                model.ask(Request::ReadAll(self.stream));
+                other.ask(Request::ReadAll(self.stream));
+            }
+            return;
+        };
+        let mut lines = Vec::new();
+        match Comparison::new(&left, &right) {
+            Ok(comparison) => {
+                for (layer, found) in comparison.layers().iter().enumerate() {
+                    let name = self.stream.info().layers[layer];
+                    lines.push(match (&found.floats, found.differing) {
+                        (_, 0) => format!("{name}: the same bits for all rays"),
+                        (Some(floats), rays) => format!(
+                            "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:e} in value",
+                            floats.median_ulps, floats.max_ulps, floats.largest
+                        ),
+                        (None, rays) => format!("{name}: {rays} rays differ"),
+                    });
+                }
+            }
+            Err(error) => lines.push(error.to_string()),
+        }
+        let stats = LayerStats::of(self.stream, self.layer, left.layer(self.layer));
+        if let Some(span) = &stats.span {
+            self.range = [span.min as f32, span.max as f32];
+        }
+        self.found = Some((now, self.stream, lines));
+    }
+
+    #[expect(clippy::too_many_arguments)]
+    fn draw(
+        &mut self,
+        ui: &Ui,
+        canvas: &std::sync::Arc<crate::ui::canvas::Canvas>,
+        model: &Model,
+        other: &Model,
+        side: Side,
+        slot: usize,
+        rect: Rect,
+        [width, height]: [u32; 2],
+    ) -> Placed {
+        let points = ui.ctx().pixels_per_point();
+        let scale = (rect.width() / width as f32).min(rect.height() / height as f32).max(1e-3);
+        let origin = rect.center() - vec2(width as f32, height as f32) * (0.5 * scale);
+        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let drawn = Drawn {
+            runs: [(model.generation, model.place), (other.generation, other.place)],
+            stream: self.stream,
+            layer: self.layer,
+            range: self.range,
+            spread: self.spread,
+            size,
+            is_swapped: side == Side::B,
+        };
+        let (target, is_new) = self.pictures[slot].target(canvas, size);
+        let textures = model.texture(self.stream).zip(other.texture(self.stream));
+        let may_draw = !model.is_moving() && !other.is_moving();
+        if let Some((a, b)) = textures.filter(|_| may_draw && (is_new || self.drawn[slot] != Some(drawn))) {
+            let is_difference = side == Side::Difference;
+            let meaning = Meaning::of(self.stream, Some(self.layer));
+            let largest = (self.range[1] - self.range[0]).abs().max(f32::MIN_POSITIVE) * 1e-3;
+            let offset = (origin - rect.min) * points;
+            let picture = stream::Picture {
+                stream: self.stream,
+                texture: if side == Side::B { b } else { a },
+                minus: is_difference.then_some(b),
+                layer: self.layer,
+                meaning,
+                range: if is_difference { [-largest, largest] } else { self.range },
+                exposure: 1.0,
+                colors: if is_difference { Colors::Diverging } else { Colors::Viridis },
+                offset: [offset.x, offset.y],
+                scale: scale * points,
+            };
+            canvas.streams.draw(&picture, target);
+            self.drawn[slot] = Some(drawn);
+        } else if !may_draw {
+            ui.ctx().request_repaint();
+        }
+        if let Some(id) = self.pictures[slot].id() {
+            ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+        }
+        Placed { origin, scale }
+    }
+}

@@ -1,0 +1,167 @@
+//! Where GPU and twins part: per ray the first pass, as a map over the image.
+
+use std::ops::ControlFlow;
+
+use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, pos2, vec2};
+use raystep_kernels::Renderer;
+use raystep_kernels::plan::Bytes;
+
+use crate::session::divergence::{Class, DivergenceMap, divergence, divergence_bytes};
+use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+
+const WHAT: &str = "comparing every pass with the twins";
+
+/// The map.
+#[derive(Default)]
+pub(in crate::ui) struct Divergence {
+    map: Option<(u64, DivergenceMap)>,
+    picture: Option<TextureHandle>,
+    /// Classes that are hidden.
+    hidden: Vec<Class>,
+}
+
+fn color(class: Class) -> Color32 {
+    match class {
+        Class::Rounding => Color32::from_rgb(70, 90, 120),
+        Class::Tie => Color32::from_rgb(230, 200, 80),
+        Class::Precision => Color32::from_rgb(240, 130, 40),
+        Class::Excess => Color32::from_rgb(220, 60, 200),
+        Class::Decision => Color32::from_rgb(235, 50, 40),
+    }
+}
+
+/// A run of its own beside the one that is shown, compared pass by pass.
+fn job() -> Job {
+    fn work(context: JobContext<'_>) -> JobFuture<'_> {
+        Box::pin(async move {
+            let JobContext { session, device, progress, .. } = context;
+            let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
+            let options = session.options().clone();
+            let fail = |e: raystep_kernels::RenderError| e.to_string();
+            let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
+            let map = divergence(&mut renderer, |now| {
+                if progress(now.run.rays_decided, now.run.rays) {
+                    ControlFlow::Continue(())
+                } else {
+                    ControlFlow::Break(())
+                }
+            });
+            let map = map.await.map_err(fail)?;
+            Ok(Box::new(map) as Box<dyn std::any::Any + Send>)
+        })
+    }
+    Box::new(work)
+}
+
+impl Panel for Divergence {
+    fn title(&self) -> String {
+        "Divergence".into()
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        let Some(opened) = &cx.model.opened else {
+            ui.weak("open a scene first");
+            return;
+        };
+        let bytes = Bytes(divergence_bytes(&opened.plan));
+        if let Some(map) = cx.model.take_answer::<DivergenceMap>(WHAT) {
+            self.map = Some((cx.model.generation, *map));
+            self.picture = None;
+        }
+        if self.map.as_ref().is_some_and(|(generation, _)| *generation != cx.model.generation) {
+            (self.map, self.picture) = (None, None);
+        }
+        ui.horizontal_wrapped(|ui| {
+            let button = egui::Button::new("Compare every pass with the twins");
+            let about = format!(
+                "each pass is run by the f32 and f64 twins too, from the device's own streams before it; takes {bytes} of memory"
+            );
+            if ui.add_enabled(!cx.model.is_busy(), button).on_hover_text(about).clicked() {
+                cx.model.ask(Request::Job(WHAT, job()));
+            }
+        });
+        let Some((_, map)) = &self.map else {
+            ui.weak("the first pass in which each ray leaves its twin, or in which f32 and f64 decide otherwise");
+            return;
+        };
+        ui.horizontal_wrapped(|ui| {
+            for class in Class::ALL {
+                let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+                ui.painter().rect_filled(rect, 2.0, color(class));
+                let mut is_shown = !self.hidden.contains(&class);
+                let text = format!("{} {}", map.count(class), class.name());
+                if ui.checkbox(&mut is_shown, text).on_hover_text(class.summary()).changed() {
+                    if is_shown {
+                        self.hidden.retain(|c| *c != class)
+                    } else {
+                        self.hidden.push(class)
+                    }
+                    self.picture = None;
+                }
+            }
+        });
+        if map.counts().iter().all(|&count| count == 0) {
+            ui.strong("no ray parts from its twin in any pass, and f32 decides as f64 does");
+        }
+        let (width, height) = (map.width(), map.height());
+        let hidden = &self.hidden;
+        let shown =
+            |ray: usize| Class::ALL.into_iter().rev().find(|c| !hidden.contains(c) && map.first(*c, ray).is_some());
+        let picture = self.picture.get_or_insert_with(|| {
+            let rays = width as usize * height as usize;
+            let pixels = (0..rays).map(|ray| shown(ray).map_or(Color32::from_gray(24), color)).collect();
+            let image = ColorImage::new([width as usize, height as usize], pixels);
+            ui.ctx().load_texture("divergence", image, TextureOptions::NEAREST)
+        });
+        let room = ui.available_size().max(vec2(16.0, 16.0));
+        let scale = (room.x / width as f32).min(room.y / height as f32);
+        let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::click());
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().image(picture.id(), rect, whole, Color32::WHITE);
+        let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
+        let texel = texel.map(|at| [(at.x as u32).min(width - 1), (at.y as u32).min(height - 1)]);
+        let text = format!("{} of {} rays part from their twins", map.counts().iter().sum::<u64>(), width * height);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+        let Some([x, y]) = texel else { return };
+        cx.shared.hovered = Some([x, y]);
+        let ray = (y * width + x) as usize;
+        let parting = shown(ray).and_then(|class| map.first(class, ray));
+        let is_clicked = response.clicked();
+        if let Some(parting) = parting {
+            response.on_hover_ui_at_pointer(|ui| {
+                ui.strong(format!("{}: {}", parting.class.name(), parting.class.summary()));
+                let layer = parting.stream.info().layers[parting.layer];
+                ui.label(format!(
+                    "pass {}, {}: {}.{layer}",
+                    parting.pass,
+                    parting.kernel.name(),
+                    parting.stream.name()
+                ));
+                let value = |bits: u32| match parting.stream.is_float_layer(parting.layer) {
+                    true => f32::from_bits(bits).to_string(),
+                    false => bits.to_string(),
+                };
+                ui.label(format!("{} here, {} in the f32 twin", value(parting.theirs), value(parting.twin)));
+                if let Some(ulps) = parting.ulps {
+                    ui.label(format!("{ulps} ulp apart"));
+                }
+            });
+        }
+        if is_clicked {
+            cx.shared.select = Some([x, y]);
+            cx.shared.go_to = parting.map(|p| p.pass + 1);
+        }
+    }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if command != Command::Divergence {
+            return false;
+        }
+        if !cx.model.is_busy() {
+            cx.model.ask(Request::Job(WHAT, job()));
+        }
+        true
+    }
+}

@@ -1,0 +1,169 @@
+//! What the run is asked for. A change prepares the run anew, without losing the view.
+
+use std::fmt::Display;
+
+use egui::{ComboBox, DragValue, Ui};
+use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip};
+
+use crate::session::request::Request;
+use crate::settings::{DeviceKind, Settings, View};
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+
+/// Most pixels each way that the panel offers.
+const MOST_PIXELS: u32 = 16_384;
+
+/// The options.
+#[derive(Default)]
+pub(in crate::ui) struct Options {
+    /// As edited, and the run that it was taken from.
+    draft: Option<(u64, Settings)>,
+}
+
+impl Panel for Options {
+    fn title(&self) -> String {
+        "Options".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let Some(opened) = cx.model.opened.clone() else {
+            ui.weak("open a scene first");
+            return;
+        };
+        let generation = cx.model.generation;
+        if self.draft.as_ref().is_none_or(|(known, _)| *known != generation) {
+            self.draft = Some((generation, opened.settings.clone()));
+        }
+        let Some((_, draft)) = &mut self.draft else { return };
+        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            egui::Grid::new("options").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+                tracing(ui, draft);
+                size(ui, draft);
+                camera(ui, draft, opened.scene.cameras.len());
+            });
+            ui.checkbox(&mut draft.counters, "count cells and tests").on_hover_text("a stream of counters per ray");
+            ui.checkbox(&mut draft.keep_all, "leave nothing out")
+                .on_hover_text("--keep-all: to see what leaving out saves");
+            if let Some([ox, oy, oz, dx, dy, dz]) = draft.ray {
+                ui.label(format!("one ray: {ox} {oy} {oz} towards {dx} {dy} {dz}"));
+                if ui.button("Back to the picture").clicked() {
+                    draft.ray = None;
+                }
+            } else if ui.button("Type a ray…").clicked() {
+                cx.todo.push(Command::TypeRay);
+            }
+            if ui.button("Defaults").on_hover_text("but for size, view and device").clicked() {
+                let Settings { size, view, device, .. } = draft.clone();
+                *draft = Settings { size, view, device, ..Settings::default() };
+            }
+        });
+        // One at a time: while numbers are dragged, the last one counts.
+        let is_dragged = ui.input(|input| input.pointer.any_down());
+        if *draft != opened.settings && !cx.model.is_busy() && !is_dragged && !ui.ctx().egui_wants_keyboard_input() {
+            cx.model.ask(Request::Plan(Box::new(draft.clone())));
+        }
+    }
+}
+
+fn choice<T: Copy + PartialEq + Display>(ui: &mut Ui, name: &str, about: &str, all: &[T], value: &mut T) {
+    let label = ui.label(name).on_hover_text(about);
+    let combo = ComboBox::from_id_salt(name).selected_text(value.to_string());
+    let response = combo.show_ui(ui, |ui| {
+        for &one in all {
+            ui.selectable_value(value, one, one.to_string());
+        }
+    });
+    response.response.labelled_by(label.id);
+    ui.end_row();
+}
+
+fn tracing(ui: &mut Ui, draft: &mut Settings) {
+    let stepped: Vec<ScheduleKind> = ScheduleKind::ALL.iter().copied().filter(|s| s.is_stepped()).collect();
+    choice(ui, "accelerator", "what keeps a ray from testing every triangle", Accelerator::ALL, &mut draft.accelerator);
+    choice(ui, "schedule", "in which order kernels run", &stepped, &mut draft.schedule);
+    choice(ui, "numerics", "the rules for planes, steps and hits", Numerics::ALL, &mut draft.numerics);
+    if draft.accelerator == Accelerator::Grid {
+        choice(ui, "leaps", "whether rays leap over empty cells", Skip::ALL, &mut draft.skip);
+        grid(ui, &mut draft.grid);
+    }
+    if draft.numerics == Numerics::Paper && draft.skip == Skip::On {
+        // The paper's rules go from cell to cell.
+        draft.skip = Skip::Off;
+    }
+    if draft.schedule == ScheduleKind::Compact {
+        let label = ui.label("steps a pass").on_hover_text("1 shows a cell, node or triangle a pass");
+        ui.add(DragValue::new(&mut draft.steps_per_pass).range(1..=4096)).labelled_by(label.id);
+        ui.end_row();
+    } else {
+        draft.steps_per_pass = 1;
+    }
+    let label = ui.label("device").on_hover_text("where passes run; twins are the same kernels in Rust");
+    let combo = ComboBox::from_id_salt("device").selected_text(draft.device.name());
+    let response = combo.show_ui(ui, |ui| {
+        for kind in DeviceKind::ALL {
+            ui.selectable_value(&mut draft.device, kind, kind.name());
+        }
+    });
+    response.response.labelled_by(label.id);
+    ui.end_row();
+}
+
+fn grid(ui: &mut Ui, size: &mut GridSize) {
+    let label = ui.label("cells").on_hover_text("of the grid, along x, y and z");
+    ui.horizontal(|ui| {
+        let mut is_auto = *size == GridSize::Auto;
+        if ui.checkbox(&mut is_auto, "auto").changed() {
+            *size = if is_auto { GridSize::Auto } else { GridSize::Cells([16; 3]) };
+        }
+        if let GridSize::Cells(cells) = size {
+            for count in cells {
+                ui.add(DragValue::new(count).range(1..=1024).speed(0.2)).labelled_by(label.id);
+            }
+        }
+    });
+    ui.end_row();
+}
+
+fn size(ui: &mut Ui, draft: &mut Settings) {
+    let label = ui.label("size").on_hover_text("pixels a row, and rows");
+    ui.horizontal(|ui| {
+        for side in &mut draft.size {
+            ui.add(DragValue::new(side).range(1..=MOST_PIXELS)).labelled_by(label.id);
+        }
+    });
+    ui.end_row();
+}
+
+fn camera(ui: &mut Ui, draft: &mut Settings, cameras: usize) {
+    let label = ui.label("camera").on_hover_text("one of the scene's, or one of your own from the 3D view");
+    let text = match draft.view {
+        View::Scene(_) if cameras == 0 => "frames the scene".into(),
+        View::Scene(index) => format!("the scene's {index}"),
+        View::Free { .. } => "your own".into(),
+    };
+    let response = ComboBox::from_id_salt("camera").selected_text(text).show_ui(ui, |ui| {
+        for index in 0..cameras.max(1) {
+            let text = if cameras == 0 { "frames the scene".into() } else { format!("the scene's {index}") };
+            ui.selectable_value(&mut draft.view, View::Scene(index), text);
+        }
+    });
+    response.response.labelled_by(label.id);
+    ui.end_row();
+    if let View::Free { eye, look_at, fov_deg, .. } = &mut draft.view {
+        for (name, point) in [("eye", eye), ("look at", look_at)] {
+            let label = ui.label(name);
+            ui.horizontal(|ui| {
+                for c in point {
+                    let speed = c.abs().max(0.01) / 100.0;
+                    ui.add(DragValue::new(c).speed(speed).max_decimals(4)).labelled_by(label.id);
+                }
+            });
+            ui.end_row();
+        }
+        if let Some(fov) = fov_deg {
+            let label = ui.label("angle of view").on_hover_text("vertical, degrees");
+            ui.add(DragValue::new(fov).range(0.1..=179.0).speed(0.2).suffix("°")).labelled_by(label.id);
+            ui.end_row();
+        }
+    }
+}

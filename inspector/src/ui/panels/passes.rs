@@ -1,0 +1,94 @@
+//! The passes: kernel, duration, live rays. A click goes there.
+
+use egui_extras::{Column, TableBuilder};
+use raystep_kernels::Pass;
+
+use crate::ui::pane::{Context, Panel};
+
+/// The list of passes.
+#[derive(Default)]
+pub(in crate::ui) struct Passes {
+    /// Place that was scrolled to.
+    shown: Option<usize>,
+    /// Only the passes that worked on the selected ray.
+    only_ray: bool,
+}
+
+impl Panel for Passes {
+    fn title(&self) -> String {
+        "Passes".into()
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        if cx.model.opened.is_none() {
+            ui.weak("no run yet");
+            return;
+        }
+        ui.checkbox(&mut self.only_ray, "only the selected ray's")
+            .on_hover_text("passes that worked on the selected ray");
+        let of_ray: Option<Vec<usize>> =
+            cx.model.life.as_ref().filter(|_| self.only_ray).map(|life| life.rows.iter().map(|r| r.pass).collect());
+        let known = cx.model.passes.len();
+        let rows: Vec<usize> = match of_ray {
+            Some(rows) => rows.into_iter().filter(|&i| i < known).collect(),
+            None => (0..known).collect(),
+        };
+        let place = cx.model.place;
+        // Row 0 is before the first pass.
+        let current = rows.partition_point(|&i| i < place);
+        let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
+        let mut table = TableBuilder::new(ui)
+            .striped(true)
+            .sense(egui::Sense::click())
+            .auto_shrink(false)
+            .column(Column::initial(44.0).at_least(30.0))
+            .column(Column::initial(96.0).at_least(60.0).clip(true))
+            .column(Column::initial(64.0).at_least(40.0).clip(true))
+            .column(Column::remainder().at_least(40.0).clip(true));
+        if self.shown != Some(place) {
+            self.shown = Some(place);
+            table = table.scroll_to_row(current, None);
+        }
+        let mut chosen = None;
+        table
+            .header(height, |mut header| {
+                let heads = [
+                    ("pass", "its place in the run"),
+                    ("kernel", "what ran"),
+                    ("µs", "on the device's own clock; empty where it has none"),
+                    ("rays", "that the pass worked on"),
+                ];
+                for (head, text) in heads {
+                    header.col(|ui| {
+                        ui.strong(head).on_hover_text(text);
+                    });
+                }
+            })
+            .body(|body| {
+                body.rows(height, rows.len() + 1, |mut row| {
+                    let index = row.index();
+                    row.set_selected(index == current);
+                    let pass = index.checked_sub(1).and_then(|i| cx.model.passes.get(rows[i]));
+                    let cells = pass.map_or_else(|| ["–".into(), "start".into(), String::new(), String::new()], cells);
+                    for cell in cells {
+                        row.col(|ui| {
+                            // Passes that are ahead are known from the last time.
+                            let text = egui::RichText::new(cell);
+                            ui.label(if index > current { text.weak() } else { text });
+                        });
+                    }
+                    if row.response().clicked() {
+                        chosen = Some(pass.map_or(0, |pass| pass.index + 1));
+                    }
+                });
+            });
+        if chosen.is_some() {
+            cx.shared.go_to = chosen;
+        }
+    }
+}
+
+fn cells(pass: &Pass) -> [String; 4] {
+    let duration = pass.duration_ns.map_or_else(String::new, |ns| format!("{:.1}", ns as f64 / 1e3));
+    [pass.index.to_string(), pass.kernel.name().into(), duration, pass.rays_in.to_string()]
+}

@@ -1,0 +1,202 @@
+//! The selected ray's life: a row for every pass that worked on it, what changed, and why.
+
+use egui::{Color32, RichText};
+use egui_extras::{Column, TableBuilder};
+use raystep_kernels::export::trace::{Trace, TraceRow};
+
+use crate::draw::stream::STATE_COLORS;
+use crate::ui::pane::{Context, Panel};
+
+/// The ray's life.
+#[derive(Default)]
+pub(in crate::ui) struct RayView {
+    /// Row that was scrolled to.
+    shown: Option<usize>,
+}
+
+const HEADS: [(&str, &str); 8] = [
+    ("pass", "its place in the run"),
+    ("kernel", "what ran"),
+    ("state", "the ray's state after the pass"),
+    ("cell", "cell (x, y, z) in which the pass worked, or the tree's node"),
+    ("tmax", "t at which the ray leaves its cell, per axis"),
+    ("item", "offset into the cell's list"),
+    ("t", "nearest t so far"),
+    ("hit", "nearest triangle so far"),
+];
+
+impl Panel for RayView {
+    fn title(&self) -> String {
+        "Ray".into()
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        let Some(life) = cx.model.life.clone() else {
+            ui.weak("click a pixel, and its ray is followed through every pass");
+            return;
+        };
+        let current = current_row(&life, cx.model.place);
+        summary(ui, &life, cx);
+        ui.separator();
+        if let Some(row) = current.and_then(|i| life.rows.get(i)) {
+            ui.label(RichText::new(format!("pass {}, {}: {}", row.pass, row.kernel, row.why)).strong());
+        } else {
+            ui.weak("no pass has worked on this ray yet");
+        }
+        ui.separator();
+        self.table(ui, &life, current, cx);
+    }
+}
+
+/// The last row whose pass has run.
+pub(in crate::ui) fn current_row(life: &Trace, place: usize) -> Option<usize> {
+    life.rows.partition_point(|row| row.pass < place).checked_sub(1)
+}
+
+fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
+    let [x, y] = life.pixel;
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(format!("pixel {x},{y}"));
+        ui.label(format!("{} of {} passes worked on it", life.rows.len(), life.passes));
+        if let Some(last) = life.rows.last() {
+            match (last.after.triangle, last.after.t) {
+                (Some(triangle), Some(t)) => {
+                    ui.label(format!("hits triangle {triangle} at t {}", short(t * life.t_scale as f32)))
+                        .on_hover_text(format!("t in the ray's own units: {}", f64::from(t) * life.t_scale));
+                }
+                _ => drop(ui.label("hits nothing")),
+            }
+        }
+        if ui.button("Copy as text").clicked() {
+            ui.ctx().copy_text(life.table());
+        }
+    });
+    let Some(first) = life.rows.first() else { return };
+    let (o, d) = (first.after.origin, first.after.direction);
+    ui.horizontal_wrapped(|ui| {
+        for (name, v) in [("origin", o), ("direction", d)] {
+            let bits = v.map(|c| format!("0x{:08x}", c.to_bits())).join(", ");
+            ui.label(format!("{name} {} {} {}", short(v[0]), short(v[1]), short(v[2])))
+                .on_hover_text(format!("{} {} {} in traced units\n{bits}", v[0], v[1], v[2]));
+        }
+        let unit = life.scene_units_per_stream_unit;
+        ui.weak(format!("traced units of {unit} scene units"));
+    });
+    let _ = cx;
+}
+
+impl RayView {
+    fn table(&mut self, ui: &mut egui::Ui, life: &Trace, current: Option<usize>, cx: &mut Context<'_>) {
+        let height = ui.text_style_height(&egui::TextStyle::Monospace) + 4.0;
+        let mut table = TableBuilder::new(ui)
+            .striped(true)
+            .sense(egui::Sense::click())
+            .auto_shrink(false)
+            .column(Column::initial(40.0).at_least(28.0))
+            .column(Column::initial(92.0).at_least(40.0).clip(true))
+            .column(Column::initial(104.0).at_least(40.0).clip(true))
+            .column(Column::initial(64.0).at_least(30.0).clip(true))
+            .column(Column::initial(180.0).at_least(40.0).clip(true))
+            .column(Column::initial(34.0).at_least(24.0).clip(true))
+            .column(Column::initial(70.0).at_least(30.0).clip(true))
+            .column(Column::initial(44.0).at_least(24.0).clip(true))
+            .column(Column::remainder().at_least(80.0).clip(true));
+        if let Some(row) = current.filter(|_| self.shown != current) {
+            table = table.scroll_to_row(row, None);
+        }
+        self.shown = current;
+        let mut chosen = None;
+        table
+            .header(height, |mut header| {
+                for (head, text) in HEADS.into_iter().chain([("why", "why the pass left the ray so")]) {
+                    header.col(|ui| drop(ui.strong(head).on_hover_text(text)));
+                }
+            })
+            .body(|body| {
+                body.rows(height, life.rows.len(), |mut table_row| {
+                    let index = table_row.index();
+                    let row = &life.rows[index];
+                    let before = index.checked_sub(1).map(|i| &life.rows[i]);
+                    table_row.set_selected(Some(index) == current);
+                    let is_ahead = current.is_none_or(|c| index > c);
+                    let (now, then) = (cells(row), before.map(cells));
+                    for (c, cell) in now.iter().enumerate() {
+                        table_row.col(|ui| {
+                            let changed = c >= 2 && then.as_ref().is_some_and(|then| then[c] != *cell);
+                            let mut text = RichText::new(cell).monospace();
+                            if is_ahead {
+                                text = text.weak();
+                            }
+                            if changed {
+                                text = text.color(changed_color(ui));
+                            }
+                            ui.horizontal(|ui| {
+                                if c == 2 {
+                                    let [r, g, b] = STATE_COLORS[row.after.tag as usize % STATE_COLORS.len()];
+                                    let (rect, _) = ui.allocate_exact_size(egui::vec2(7.0, 12.0), egui::Sense::hover());
+                                    ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
+                                }
+                                let label = egui::Label::new(text).selectable(false).truncate();
+                                ui.add(label).on_hover_text(full(row, c));
+                            });
+                        });
+                    }
+                    table_row.col(|ui| {
+                        let text = RichText::new(&row.why);
+                        let text = if is_ahead { text.weak() } else { text };
+                        ui.add(egui::Label::new(text).selectable(false).truncate()).on_hover_text(&row.why);
+                    });
+                    if table_row.response().clicked() {
+                        chosen = Some(row.pass + 1);
+                    }
+                });
+            });
+        if chosen.is_some() {
+            cx.shared.go_to = chosen;
+        }
+    }
+}
+
+fn changed_color(ui: &egui::Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 190, 90) } else { Color32::from_rgb(180, 80, 0) }
+}
+
+/// A number for a narrow column.
+fn short(value: f32) -> String {
+    format!("{value:.5}")
+}
+
+fn or_dash(value: Option<f32>) -> String {
+    value.map_or_else(|| "–".into(), short)
+}
+
+fn cells(row: &TraceRow) -> [String; 8] {
+    let a = &row.after;
+    let [x, y, z] = a.tmax.map(or_dash);
+    [
+        row.pass.to_string(),
+        row.kernel.into(),
+        a.state.into(),
+        row.cell.map_or_else(|| a.cell_index.to_string(), |[x, y, z]| format!("{x},{y},{z}")),
+        if a.tmax.iter().all(Option::is_none) { "–".into() } else { format!("{x} {y} {z}") },
+        a.item.to_string(),
+        or_dash(a.t),
+        a.triangle.map_or_else(|| "–".into(), |t| t.to_string()),
+    ]
+}
+
+/// A cell with all of its digits.
+fn full(row: &TraceRow, column: usize) -> String {
+    let a = &row.after;
+    let exact = |t: Option<f32>| t.map_or_else(|| "never".into(), |t| format!("{t} (0x{:08x})", t.to_bits()));
+    match column {
+        2 => format!("{} before the pass, {} after it", row.state_before, a.state),
+        4 => format!("x {}\ny {}\nz {}", exact(a.tmax[0]), exact(a.tmax[1]), exact(a.tmax[2])),
+        6 => exact(a.t),
+        7 => match (a.triangle, a.barycentric) {
+            (Some(triangle), Some([u, v])) => format!("triangle {triangle}, u {u}, v {v}"),
+            _ => "no triangle".into(),
+        },
+        _ => HEADS[column].1.into(),
+    }
+}

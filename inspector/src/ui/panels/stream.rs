@@ -1,0 +1,457 @@
+//! A stream after a pass: zoom to a texel with its numbers drawn in it, range, exposure, colours, one component.
+
+mod numbers;
+
+use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
+use raystep_kernels::stream::STATE_T;
+use raystep_kernels::{Stream, state};
+use serde::{Deserialize, Serialize};
+
+use crate::draw::stream::{self, Colors, Meaning, STATE_COLORS};
+use crate::session::Pinned;
+use crate::session::request::Request;
+use crate::session::stats::{LayerStats, Others};
+use crate::ui::canvas::Picture;
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+
+/// What of a view is saved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+struct Look {
+    /// `None` follows the last kernel.
+    stream: Option<Stream_>,
+    /// `None` shows all components, where they are a colour.
+    layer: Option<usize>,
+    colors: Option<Colors>,
+    exposure: f32,
+    /// `None` is from the values.
+    range: Option<[f32; 2]>,
+    /// Points a texel; `None` fits the picture into the panel.
+    scale: Option<f32>,
+    /// The texel in the middle of the panel.
+    center: [f32; 2],
+}
+
+/// A stream's name, for serde.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Stream_(Stream);
+
+impl Serialize for Stream_ {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Stream_ {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Stream::from_name(&name).map(Self).ok_or_else(|| serde::de::Error::custom("no such stream"))
+    }
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { stream: None, layer: None, colors: None, exposure: 1.0, range: None, scale: None, center: [0.0; 2] }
+    }
+}
+
+/// What the picture was drawn from: where all of it is the same, it need not be drawn again.
+#[derive(Clone, Copy, PartialEq)]
+struct Drawn {
+    generation: u64,
+    place: usize,
+    stream: Stream,
+    layer: usize,
+    meaning: Meaning,
+    range: [f32; 2],
+    exposure: f32,
+    colors: Colors,
+    offset: [f32; 2],
+    scale: f32,
+}
+
+/// A view of a stream.
+#[derive(Default)]
+pub(in crate::ui) struct StreamView {
+    look: Look,
+    picture: Picture,
+    drawn: Option<Drawn>,
+    /// The range that the values have, of which they were read.
+    stats: Option<(u64, usize, Stream, usize, LayerStats)>,
+    asked: Option<(u64, usize, Stream)>,
+    /// A copy that is shown in place of the stream as it is now.
+    pinned: Option<Pinned>,
+}
+
+impl Panel for StreamView {
+    fn title(&self) -> String {
+        match (&self.pinned, self.look.stream) {
+            (Some(pinned), _) => format!("{} after {}", pinned.stream.name(), pinned.place),
+            (None, Some(Stream_(stream))) => stream.name().into(),
+            (None, None) => "Stream".into(),
+        }
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        let Some(opened) = &cx.model.opened else {
+            self.welcome(ui, cx);
+            return;
+        };
+        let (plan, generation) = (opened.plan.clone(), cx.model.generation);
+        if self.pinned.is_some() && self.stats.as_ref().is_some_and(|s| s.0 != generation) {
+            self.pinned = None;
+        }
+        if self.pinned.is_none()
+            && let Some(show) = cx.shared.show.take()
+        {
+            (self.look.stream, self.look.layer, self.look.range) = (Some(Stream_(show.stream)), show.layer, None);
+        }
+        let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
+        let stream = self.stream(&streams);
+        cx.shared.stream = Some(stream);
+        let layer = self.look.layer.filter(|&l| l < stream.layers());
+        let meaning = Meaning::of(stream, layer);
+        self.tools(ui, &streams, stream, layer, meaning);
+        let stats_of = layer.unwrap_or(0);
+        self.read_range(cx, stream, stats_of);
+        self.legend(ui, stream, stats_of, meaning);
+        let (rect, response) =
+            ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
+        self.move_view(ui, &response, rect, [plan.width, plan.height]);
+        let (scale, origin) = self.placement(rect, [plan.width, plan.height]);
+        self.paint(ui, cx, rect, scale, origin, stream, layer, meaning);
+        let texel_at = |at: Pos2| {
+            let texel = (at - origin) / scale;
+            let inside =
+                texel.x >= 0.0 && texel.y >= 0.0 && texel.x < plan.width as f32 && texel.y < plan.height as f32;
+            inside.then_some([texel.x as u32, texel.y as u32])
+        };
+        if let Some(texel) = response.hover_pos().and_then(texel_at) {
+            cx.shared.hovered = Some(texel);
+        }
+        if let Some(texel) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(texel_at) {
+            cx.shared.select = Some(texel);
+        }
+        if response.double_clicked() {
+            self.look.scale = None;
+        }
+        numbers::draw(ui, cx, rect, scale, origin, stream, self.pinned.is_some());
+        mark(ui, cx.shared.pixel, rect, scale, origin, Color32::WHITE);
+        if !response.hovered() {
+            mark(ui, cx.shared.hovered, rect, scale, origin, Color32::from_white_alpha(120));
+        }
+        let what = format!(
+            "{} after {} passes{}",
+            stream.name(),
+            self.pinned.as_ref().map_or(cx.model.place, |p| p.place),
+            cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
+        );
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
+    }
+
+    fn save(&self) -> String {
+        ron::to_string(&self.look).unwrap_or_default()
+    }
+
+    fn load(&mut self, saved: &str) {
+        if let Ok(look) = ron::from_str(saved) {
+            self.look = look;
+        }
+    }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        let range = self.range();
+        let span = range[1] - range[0];
+        match command {
+            Command::ExposureUp => self.look.exposure *= 2.0,
+            Command::ExposureDown => self.look.exposure /= 2.0,
+            Command::OffsetUp => self.look.range = Some(range.map(|v| v + 0.1 * span)),
+            Command::OffsetDown => self.look.range = Some(range.map(|v| v - 0.1 * span)),
+            Command::Normalise => self.look.range = None,
+            Command::ResetRange => (self.look.range, self.look.exposure) = (None, 1.0),
+            Command::Fit => self.look.scale = None,
+            Command::Pin => {
+                if let Some(stream) = cx.shared.stream {
+                    cx.model.ask(Request::Pin(stream));
+                }
+            }
+            _ => return false,
+        }
+        true
+    }
+}
+
+impl StreamView {
+    /// A view of a copy.
+    pub(in crate::ui) fn pinned(copy: Pinned) -> Self {
+        let look = Look { stream: Some(Stream_(copy.stream)), ..Look::default() };
+        Self { look, pinned: Some(copy), ..Self::default() }
+    }
+
+    fn welcome(&self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        ui.centered_and_justified(|ui| {
+            if cx.model.is_busy() {
+                ui.spinner();
+            } else if ui.button("Open a glTF scene, or drop one here").clicked() {
+                cx.todo.push(Command::OpenScene);
+            }
+        });
+    }
+
+    fn stream(&self, streams: &[Stream]) -> Stream {
+        let wanted = match (&self.pinned, self.look.stream) {
+            (Some(pinned), _) => Some(pinned.stream),
+            (None, chosen) => chosen.map(|s| s.0),
+        };
+        wanted.filter(|s| streams.contains(s)).unwrap_or(Stream::State)
+    }
+
+    fn colors(&self, stream: Stream, layer: usize) -> Colors {
+        self.look.colors.unwrap_or(match (stream, layer) {
+            (Stream::TMax, _) | (Stream::State, STATE_T) => Colors::Magma,
+            _ => Colors::Viridis,
+        })
+    }
+
+    fn tools(&mut self, ui: &mut egui::Ui, streams: &[Stream], stream: Stream, layer: Option<usize>, meaning: Meaning) {
+        ui.horizontal_wrapped(|ui| {
+            if self.pinned.is_none() {
+                let combo = egui::ComboBox::from_id_salt("stream").selected_text(stream.name());
+                combo
+                    .show_ui(ui, |ui| {
+                        for &choice in streams {
+                            if ui.selectable_label(choice == stream, choice.name()).clicked() {
+                                (self.look.stream, self.look.layer, self.look.range) =
+                                    (Some(Stream_(choice)), None, None);
+                            }
+                        }
+                    })
+                    .response
+                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "stream"));
+            }
+            let names = stream.info().layers;
+            if stream == Stream::Color && ui.selectable_label(layer.is_none(), "rgb").clicked() {
+                (self.look.layer, self.look.range) = (None, None);
+            }
+            for (i, name) in names.iter().enumerate() {
+                let is_shown = layer == Some(i) || layer.is_none() && i == 0 && stream != Stream::Color;
+                if ui.selectable_label(is_shown, *name).clicked() {
+                    (self.look.layer, self.look.range) = (Some(i), None);
+                }
+            }
+            if matches!(meaning, Meaning::Scalar | Meaning::Count) {
+                let now = self.colors(stream, layer.unwrap_or(0));
+                egui::ComboBox::from_id_salt("colors")
+                    .selected_text(now.name())
+                    .width(80.0)
+                    .show_ui(ui, |ui| {
+                        for choice in Colors::ALL {
+                            if ui.selectable_label(choice == now, choice.name()).clicked() {
+                                self.look.colors = Some(choice);
+                            }
+                        }
+                    })
+                    .response
+                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "colours"));
+                let mut range = self.range();
+                let speed = f64::from((range[1] - range[0]).abs().max(1e-6)) / 100.0;
+                for (i, name) in ["from", "to"].into_iter().enumerate() {
+                    let label = ui.label(name).id;
+                    let value = egui::DragValue::new(&mut range[i]).speed(speed).max_decimals(4);
+                    if ui.add(value).labelled_by(label).changed() {
+                        self.look.range = Some(range);
+                    }
+                }
+            }
+            if meaning == Meaning::Color {
+                let label = ui.label("exposure").id;
+                let value = egui::DragValue::new(&mut self.look.exposure).speed(0.02).range(1e-6..=1e6);
+                ui.add(value).labelled_by(label);
+            }
+            let zoom = self.look.scale.map_or_else(|| "fit".into(), |s| format!("{:.0}%", s * 100.0));
+            if ui.button(zoom).on_hover_text("fit the picture (F, double click)").clicked() {
+                self.look.scale = None;
+            }
+        });
+    }
+
+    /// The range in use.
+    fn range(&self) -> [f32; 2] {
+        let from_values = || self.stats.as_ref().map_or([0.0, 1.0], |(.., stats)| view_range(stats));
+        self.look.range.unwrap_or_else(from_values)
+    }
+
+    /// Asks for the values when there are new ones, and takes their range once they are here.
+    fn read_range(&mut self, cx: &mut Context<'_>, stream: Stream, layer: usize) {
+        let (generation, place) = (cx.model.generation, cx.model.place);
+        if self.pinned.is_none() && self.asked != Some((generation, place, stream)) && !cx.model.is_busy() {
+            self.asked = Some((generation, place, stream));
+            cx.model.ask(Request::ReadAll(stream));
+        }
+        let read = cx.model.texels.iter().find(|t| t.stream == stream);
+        if let Some(texels) = read {
+            let known = self.stats.as_ref().map(|(g, p, s, l, _)| (*g, *p, *s, *l));
+            let now = (generation, texels.place, stream, layer);
+            if known != Some(now) {
+                let stats = LayerStats::of(stream, layer, texels.layer(layer));
+                self.stats = Some((now.0, now.1, now.2, now.3, stats));
+            }
+        }
+    }
+
+    /// What colours mean, and how many values are out of the ordinary.
+    fn legend(&self, ui: &mut egui::Ui, stream: Stream, layer: usize, meaning: Meaning) {
+        ui.horizontal_wrapped(|ui| {
+            if meaning == Meaning::Tag {
+                for (tag, name, what) in state::STATES {
+                    let [r, g, b] = STATE_COLORS[tag as usize];
+                    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+                    ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(r, g, b));
+                    ui.small(name).on_hover_text(what);
+                }
+                return;
+            }
+            if matches!(meaning, Meaning::Scalar | Meaning::Count) {
+                let (rect, _) = ui.allocate_exact_size(vec2(120.0, 10.0), Sense::hover());
+                let colors = self.colors(stream, layer);
+                for i in 0..60 {
+                    let [r, g, b] = colors.at(f64::from(i) / 59.0);
+                    let left = rect.left() + 2.0 * i as f32;
+                    let bar = Rect::from_min_size(pos2(left, rect.top()), vec2(2.5, rect.height()));
+                    ui.painter().rect_filled(bar, 0.0, Color32::from_rgb(r, g, b));
+                }
+                let [lo, hi] = self.range();
+                ui.small(format!("{lo} … {hi} {}", stream.info().unit));
+            } else {
+                ui.small(stream.info().unit);
+            }
+            if let Some((.., stats)) = &self.stats {
+                for text in out_of_the_ordinary(stats) {
+                    ui.small(text);
+                }
+            }
+        });
+    }
+
+    /// Points a texel, and where texel (0, 0) begins.
+    fn placement(&self, rect: Rect, [width, height]: [u32; 2]) -> (f32, Pos2) {
+        let size = vec2(width as f32, height as f32);
+        match self.look.scale {
+            Some(scale) => (scale, rect.center() - vec2(self.look.center[0], self.look.center[1]) * scale),
+            None => {
+                let scale = (rect.width() / size.x).min(rect.height() / size.y).max(1e-3);
+                (scale, rect.center() - 0.5 * scale * size)
+            }
+        }
+    }
+
+    fn move_view(&mut self, ui: &egui::Ui, response: &egui::Response, rect: Rect, size: [u32; 2]) {
+        let (scale, origin) = self.placement(rect, size);
+        let zoom = match response.hovered() {
+            true => ui.input(|input| input.zoom_delta() * (input.smooth_scroll_delta().y / 200.0).exp()),
+            false => 1.0,
+        };
+        if zoom != 1.0
+            && let Some(at) = response.hover_pos()
+        {
+            let texel = (at - origin) / scale;
+            let scale = (scale * zoom).clamp(0.01, 512.0);
+            let center = texel + (rect.center() - at) / scale;
+            (self.look.scale, self.look.center) = (Some(scale), [center.x, center.y]);
+        } else if response.dragged() && response.drag_delta() != Vec2::ZERO {
+            let center = (rect.center() - origin - response.drag_delta()) / scale;
+            (self.look.scale, self.look.center) = (Some(scale), [center.x, center.y]);
+        }
+    }
+
+    #[expect(clippy::too_many_arguments)]
+    fn paint(
+        &mut self,
+        ui: &egui::Ui,
+        cx: &Context<'_>,
+        rect: Rect,
+        scale: f32,
+        origin: Pos2,
+        stream: Stream,
+        layer: Option<usize>,
+        meaning: Meaning,
+    ) {
+        let points = ui.ctx().pixels_per_point();
+        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let source = match &self.pinned {
+            Some(pinned) => Some(&pinned.texture),
+            None => cx.model.texture(stream),
+        };
+        let (range, colors) = (self.range(), self.colors(stream, layer.unwrap_or(0)));
+        let offset = (origin - rect.min) * points;
+        let drawn = Drawn {
+            generation: cx.model.generation,
+            place: cx.model.place,
+            stream,
+            layer: layer.unwrap_or(0),
+            meaning,
+            range: if meaning == Meaning::Color { [0.0, 1.0] } else { range },
+            exposure: self.look.exposure,
+            colors,
+            offset: [offset.x, offset.y],
+            scale: scale * points,
+        };
+        let (target, is_new) = self.picture.target(cx.canvas, size);
+        // Between two places the streams belong to neither: what was drawn last stays.
+        let may_draw = self.pinned.is_some() || !cx.model.is_moving();
+        if let Some(texture) = source.filter(|_| may_draw && (is_new || self.drawn != Some(drawn))) {
+            let picture = stream::Picture {
+                stream,
+                texture,
+                minus: None,
+                layer: drawn.layer,
+                meaning,
+                range: drawn.range,
+                exposure: drawn.exposure,
+                colors,
+                offset: drawn.offset,
+                scale: drawn.scale,
+            };
+            cx.canvas.streams.draw(&picture, target);
+            self.drawn = Some(drawn);
+        } else if !may_draw {
+            ui.ctx().request_repaint();
+        }
+        if let Some(id) = self.picture.id() {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(id, rect, whole, Color32::WHITE);
+        }
+    }
+}
+
+/// From the first to the last percentile of floats; of counts all.
+fn view_range(stats: &LayerStats) -> [f32; 2] {
+    let Some(span) = &stats.span else { return [0.0, 1.0] };
+    let [first, _, last] = span.percentiles;
+    let is_float = matches!(stats.others, Others::Float { .. });
+    let (lo, hi) = if is_float && first < last { (first, last) } else { (span.min, span.max) };
+    [lo as f32, hi as f32]
+}
+
+/// How many values no colour of the map stands for.
+fn out_of_the_ordinary(stats: &LayerStats) -> Vec<String> {
+    let counts: &[(u64, &str)] = match stats.others {
+        Others::Float { nan, pos_inf, neg_inf, at_inf } => {
+            &[(nan, "NaN"), (pos_inf, "+Inf"), (neg_inf, "−Inf"), (at_inf, "never")]
+        }
+        Others::Integer { none, .. } => &[(none, "none")],
+    };
+    counts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}")).collect()
+}
+
+/// A frame around a texel, at least large enough to be found.
+fn mark(ui: &egui::Ui, texel: Option<[u32; 2]>, rect: Rect, scale: f32, origin: Pos2, color: Color32) {
+    let Some([x, y]) = texel else { return };
+    let side = scale.max(9.0);
+    let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
+    let frame = Rect::from_center_size(middle, Vec2::splat(side));
+    let painter = ui.painter().with_clip_rect(rect);
+    painter.rect_stroke(frame, 0.0, egui::Stroke::new(3.0, Color32::from_black_alpha(160)), egui::StrokeKind::Outside);
+    painter.rect_stroke(frame, 0.0, egui::Stroke::new(1.5, color), egui::StrokeKind::Outside);
+}

@@ -1,0 +1,68 @@
+//! The numbers of texels, drawn in them where they are large enough.
+
+use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
+use raystep_kernels::stream::STATE_TAG;
+use raystep_kernels::{Stream, state};
+
+use crate::ui::pane::Context;
+
+/// Points a texel from which on numbers fit.
+const FROM: f32 = 46.0;
+
+/// Draws the numbers of the texels in view.
+pub(super) fn draw(
+    ui: &egui::Ui,
+    cx: &Context<'_>,
+    rect: Rect,
+    scale: f32,
+    origin: Pos2,
+    stream: Stream,
+    is_pinned: bool,
+) {
+    if scale < FROM || is_pinned {
+        return;
+    }
+    let Some(texels) = cx.model.texels.iter().find(|t| t.stream == stream && t.place == cx.model.place) else { return };
+    let [_, _, width, height] = texels.region;
+    let first = (rect.min - origin) / scale;
+    let last = (rect.max - origin) / scale;
+    let columns = first.x.max(0.0) as u32..(last.x.max(0.0).ceil() as u32).min(width);
+    let rows = first.y.max(0.0) as u32..(last.y.max(0.0).ceil() as u32).min(height);
+    let layers = stream.layers();
+    let size = (scale / (layers as f32 + 1.0)).min(scale / 7.0).clamp(6.0, 13.0);
+    let painter = ui.painter().with_clip_rect(rect);
+    for y in rows {
+        for x in columns.clone() {
+            let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
+            for layer in 0..layers {
+                let bits = texels.layer(layer)[(y * width + x) as usize];
+                let text = text(stream, layer, bits);
+                let down = (layer as f32 - 0.5 * (layers as f32 - 1.0)) * size * 1.1;
+                let at = middle + vec2(0.0, down);
+                let font = FontId::monospace(size);
+                for (dx, dy) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
+                    painter.text(
+                        at + vec2(dx, dy),
+                        Align2::CENTER_CENTER,
+                        &text,
+                        font.clone(),
+                        Color32::from_black_alpha(150),
+                    );
+                }
+                painter.text(at, Align2::CENTER_CENTER, &text, font, Color32::WHITE);
+            }
+        }
+    }
+}
+
+/// A component as people read it.
+fn text(stream: Stream, layer: usize, bits: u32) -> String {
+    if stream == Stream::State && layer == STATE_TAG {
+        return state::name(bits).into();
+    }
+    if stream.is_float_layer(layer) {
+        let value = f32::from_bits(bits);
+        return if value >= raystep_kernels::shared::constants::INF { "inf".into() } else { format!("{value:.4}") };
+    }
+    if bits == u32::MAX { "–".into() } else { bits.to_string() }
+}

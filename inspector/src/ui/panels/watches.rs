@@ -1,0 +1,101 @@
+//! What to stop at, what was changed by hand, and how far the twins go.
+
+use egui::{DragValue, RichText};
+
+use crate::session::request::Request;
+use crate::session::{Watch, Way};
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+
+/// Watches and edits.
+#[derive(Default)]
+pub(in crate::ui) struct Watches {
+    /// Passes for the twins, as edited.
+    until: usize,
+}
+
+impl Panel for Watches {
+    fn title(&self) -> String {
+        "Watches".into()
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ui.strong("Stop where");
+            for (watch, is_on) in &mut cx.shared.watches {
+                ui.horizontal(|ui| {
+                    let name = match *watch {
+                        Watch::MoreSteps(_) => "any ray: more steps than".into(),
+                        other => other.name(),
+                    };
+                    let label = ui.checkbox(is_on, name);
+                    if let Watch::MoreSteps(steps) = watch {
+                        ui.add(DragValue::new(steps).range(1..=100_000)).labelled_by(label.id);
+                    }
+                });
+            }
+            ui.horizontal_wrapped(|ui| {
+                for command in [Command::RunBackToWatch, Command::RunToWatch] {
+                    let key = command.key_text(ui.ctx());
+                    if ui
+                        .add_enabled(!cx.model.is_busy(), egui::Button::new(command.name()))
+                        .on_hover_text(key)
+                        .clicked()
+                    {
+                        cx.todo.push(command);
+                    }
+                }
+            });
+            if let Some(text) = &cx.shared.fired {
+                ui.label(RichText::new(text).strong());
+            }
+            ui.separator();
+            ui.strong("Changed by hand");
+            if cx.model.edits.is_empty() {
+                ui.weak("nothing; a texel of the selected ray can be changed, and tracing goes on from there");
+            }
+            for edit in &cx.model.edits {
+                let (name, layer) = (edit.stream.name(), edit.stream.info().layers[edit.layer]);
+                let value = if edit.stream.is_float_layer(edit.layer) {
+                    f32::from_bits(edit.bits).to_string()
+                } else {
+                    edit.bits.to_string()
+                };
+                ui.label(format!("after {} passes, pixel {},{}: {name}.{layer} = {value}", edit.place, edit.x, edit.y));
+            }
+            ui.horizontal_wrapped(|ui| {
+                let can = cx.model.opened.is_some();
+                if ui.add_enabled(can, egui::Button::new(Command::EditTexel.name())).clicked() {
+                    cx.todo.push(Command::EditTexel);
+                }
+                if ui.add_enabled(!cx.model.edits.is_empty(), egui::Button::new("Take all back")).clicked() {
+                    cx.model.ask(Request::ClearEdits);
+                }
+            });
+            ui.separator();
+            ui.strong("Twins first")
+                .on_hover_text("to find which kernel is wrong: the pass with which the picture mends");
+            ui.horizontal_wrapped(|ui| {
+                let label = ui.label("passes on the CPU twins, the rest on the device");
+                ui.add(DragValue::new(&mut self.until).range(0..=cx.model.passes.len().max(1))).labelled_by(label.id);
+                if ui.add_enabled(self.until > 0, egui::Button::new("Use the twins")).clicked() {
+                    cx.model.ask(Request::TwinsUntil(Some(self.until)));
+                }
+                if ui.button("Device only").clicked() {
+                    cx.model.ask(Request::TwinsUntil(None));
+                }
+            });
+        });
+    }
+}
+
+/// Which watches are on.
+pub(in crate::ui) fn wanted(cx: &[(Watch, bool)]) -> Vec<Watch> {
+    cx.iter().filter(|(_, is_on)| *is_on).map(|(watch, _)| *watch).collect()
+}
+
+/// A request to run to them.
+pub(in crate::ui) fn run(watches: &[(Watch, bool)], way: Way) -> Option<Request> {
+    let watches = wanted(watches);
+    (!watches.is_empty()).then_some(Request::RunToWatch { watches, way })
+}

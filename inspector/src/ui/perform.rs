@@ -1,0 +1,186 @@
+//! What commands do.
+
+use super::Inspector;
+use super::command::Command;
+use super::dialogs::Dialog;
+use super::layout::{self, Layout};
+use super::palette::Palette;
+use super::pane::{Context, PaneKind};
+use crate::session::request::Request;
+use crate::session::{Model, Target, Way};
+use raystep_kernels::Stream;
+
+impl Inspector {
+    /// Whether a command would do anything now.
+    pub(super) fn can(&self, command: Command) -> bool {
+        use Command as C;
+        let (model, has_run) = (&self.model, self.model.opened.is_some());
+        match command {
+            C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
+            C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
+            C::Cancel => model.is_busy() || self.is_playing,
+            C::NextPass | C::NextOfKernel | C::IterationEnd | C::End | C::Play => model.next.is_some(),
+            C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
+            C::NextEvent => self.event(true).is_some(),
+            C::PreviousEvent => self.event(false).is_some(),
+            C::ExportRay | C::ExportWalk => model.life.is_some(),
+            C::EndCompare => self.other.is_some(),
+            _ => has_run,
+        }
+    }
+
+    /// The place after the next or previous pass that did something to the ray.
+    fn event(&self, forward: bool) -> Option<usize> {
+        let (rows, place) = (&self.model.life.as_ref()?.rows, self.model.place);
+        let mut places = rows.iter().map(|row| row.pass + 1);
+        if forward { places.find(|&p| p > place) } else { places.rfind(|&p| p < place) }
+    }
+
+    pub(super) fn execute(&mut self, ctx: &egui::Context, command: Command) {
+        use Command as C;
+        if !self.can(command) {
+            return;
+        }
+        let last = self.model.last_pass().map(|pass| pass.kernel);
+        let step = |model: &mut Model, target| {
+            model.ask(Request::Step(target));
+        };
+        match command {
+            C::OpenScene => self.host.choose_scene(),
+            C::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            C::NextPass => step(&mut self.model, Target::Next),
+            C::PreviousPass => step(&mut self.model, Target::Previous),
+            C::NextOfKernel => step(&mut self.model, last.map_or(Target::Next, Target::NextOf)),
+            C::PreviousOfKernel => step(&mut self.model, last.map_or(Target::Start, Target::PreviousOf)),
+            C::IterationEnd => step(&mut self.model, Target::IterationEnd),
+            C::IterationStart => step(&mut self.model, Target::IterationStart),
+            C::Start => step(&mut self.model, Target::Start),
+            C::End => step(&mut self.model, Target::End),
+            C::NextEvent | C::PreviousEvent => self.shared.go_to = self.event(command == C::NextEvent),
+            C::Play => self.is_playing = !self.is_playing,
+            C::Cancel => {
+                self.is_playing = false;
+                self.model.cancel();
+            }
+            C::GoToPixel => self.dialog = Some(Dialog::Pixel(String::new())),
+            C::TypeRay => self.dialog = Some(Dialog::Ray(String::new())),
+            C::EditTexel => {
+                let stream = self.shared.stream.unwrap_or(Stream::State);
+                self.dialog = Some(Dialog::Edit(stream, 0, String::new()));
+            }
+            C::CopyLink => {
+                if let Some(link) = self.link() {
+                    ctx.copy_text(link.to_string());
+                    self.toasts.info("the link is in the clipboard");
+                }
+            }
+            C::PasteLink => self.dialog = Some(Dialog::Link(String::new())),
+            C::RunToWatch => self.run_to_watch(Way::Forward),
+            C::RunBackToWatch => self.run_to_watch(Way::Back),
+            C::ToggleWatch => self.toggle_watch(),
+            C::Compare => self.compare(),
+            C::EndCompare => self.other = None,
+            C::Divergence => {
+                layout::show(&mut self.tree, PaneKind::Divergence);
+                self.ask_panels(command);
+            }
+            C::ExportPasses | C::ExportTrace | C::ExportExr | C::ExportNpy | C::ExportRay => self.take(command),
+            C::ExportWalk => {
+                layout::show(&mut self.tree, PaneKind::Walk2d);
+                self.ask_panels(command);
+            }
+            C::ExportDataflow => {
+                layout::show(&mut self.tree, PaneKind::Dataflow);
+                self.ask_panels(command);
+            }
+            C::PreviousRayByCost | C::NextRayByCost => {
+                layout::show(&mut self.tree, PaneKind::Cost);
+                self.ask_panels(command);
+            }
+            C::LessonRay | C::LessonGrid | C::LessonCrack => self.begin_lesson(command),
+            C::NudgeLeft => self.nudge(-1, 0),
+            C::NudgeRight => self.nudge(1, 0),
+            C::NudgeUp => self.nudge(0, -1),
+            C::NudgeDown => self.nudge(0, 1),
+            C::Theme => {
+                let is_dark = ctx.global_style().visuals.dark_mode;
+                ctx.set_theme(if is_dark { egui::Theme::Light } else { egui::Theme::Dark });
+            }
+            C::SimpleLayout => self.tree = Layout::Simple.tree(),
+            C::FullLayout => self.tree = Layout::Full.tree(),
+            C::Show(kind) => layout::toggle(&mut self.tree, kind),
+            C::Palette => self.dialog = Some(Dialog::Palette(Palette::default())),
+            C::Help => self.dialog = Some(Dialog::Help),
+            C::Export => self.dialog = Some(Dialog::Export),
+            _ => self.ask_panels(command),
+        }
+    }
+
+    /// Commands about a view go to the panels, until one does it; streams come first.
+    fn ask_panels(&mut self, command: Command) {
+        let mut todo = Vec::new();
+        let mut cx = Context {
+            model: &mut self.model,
+            other: self.other.as_mut(),
+            canvas: &self.canvas,
+            shared: &mut self.shared,
+            todo: &mut todo,
+        };
+        let active = self.tree.active_tiles();
+        let mut panes: Vec<_> = self
+            .tree
+            .tiles
+            .iter_mut()
+            .filter_map(|(id, tile)| match tile {
+                egui_tiles::Tile::Pane(pane) => Some((!active.contains(id), pane.kind != PaneKind::Stream, pane)),
+                egui_tiles::Tile::Container(_) => None,
+            })
+            .collect();
+        panes.sort_by_key(|(is_hidden, is_other, _)| (*is_hidden, *is_other));
+        for (_, _, pane) in panes {
+            if pane.panel.command(command, &mut cx) {
+                break;
+            }
+        }
+        self.todo.extend(todo);
+    }
+
+    fn nudge(&mut self, dx: i64, dy: i64) {
+        let (Some(opened), Some([x, y])) = (&self.model.opened, self.shared.pixel) else { return };
+        let moved = |at: u32, by: i64, side: u32| (i64::from(at) + by).clamp(0, i64::from(side) - 1) as u32;
+        self.shared.select = Some([moved(x, dx, opened.plan.width), moved(y, dy, opened.plan.height)]);
+    }
+
+    /// Whether the text has to be mended first.
+    pub(super) fn go_to_pixel(&mut self, text: &str) -> bool {
+        let Some(opened) = &self.model.opened else { return false };
+        let numbers: Vec<u32> = text.split([',', ' ']).filter_map(|part| part.trim().parse().ok()).collect();
+        match numbers[..] {
+            [x, y] if x < opened.plan.width && y < opened.plan.height => {
+                self.shared.select = Some([x, y]);
+                false
+            }
+            _ => {
+                let (w, h) = (opened.plan.width - 1, opened.plan.height - 1);
+                self.toasts.error(format!("{text:?}: a column from 0 to {w} and a row from 0 to {h} are wanted"));
+                true
+            }
+        }
+    }
+
+    /// Whether the text has to be mended first.
+    pub(super) fn trace_ray(&mut self, text: &str) -> bool {
+        let Some(opened) = &self.model.opened else { return false };
+        match crate::ray_text::parse(text) {
+            Ok(ray) => {
+                let settings = crate::settings::Settings { ray: Some(ray), ..opened.settings.clone() };
+                self.model.ask(Request::Plan(Box::new(settings)));
+                false
+            }
+            Err(message) => {
+                self.toasts.error(message.to_string());
+                true
+            }
+        }
+    }
+}

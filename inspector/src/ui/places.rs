@@ -1,0 +1,132 @@
+//! Where the inspector is: links, the second run, watches, texels by hand.
+
+use raystep_kernels::{Accelerator, Stream};
+
+use super::layout;
+use super::pane::PaneKind;
+use super::panels::watches;
+use super::{Arrival, Inspector};
+use crate::link::{Link, LinkRay, LinkStream};
+use crate::session::request::Request;
+use crate::session::{Model, Target, Watch, Way};
+use crate::settings::Settings;
+
+impl Inspector {
+    /// The place that is shown, as a link; `None` without a scene.
+    #[must_use]
+    pub fn link(&self) -> Option<Link> {
+        let opened = self.model.opened.as_ref()?;
+        let link = opened.settings.link();
+        let ray = link.ray.or(self.shared.pixel.map(LinkRay::Pixel));
+        let stream = self.shared.stream.map(|stream| LinkStream { stream, layer: None });
+        let (scene, scene_index) = self.host.scene_of(self.path.as_deref().unwrap_or_default());
+        Some(Link { scene: Some(scene), scene_index, ray, stream, pass: Some(self.model.place), ..link })
+    }
+
+    /// Goes to where a link points.
+    pub fn follow_link(&mut self, link: &Link) {
+        let pixel = match link.ray {
+            Some(LinkRay::Pixel(pixel)) => Some(pixel),
+            _ => None,
+        };
+        let arrival = Arrival { pixel, place: link.pass, stream: link.stream };
+        let path = link.scene.as_ref().map(|scene| self.host.path_of(scene, link.scene_index)).or(self.path.clone());
+        if let Some(path) = path {
+            self.open(&path, Settings::from(link), arrival);
+        }
+    }
+
+    /// Whether the text has to be mended first.
+    pub(super) fn go_to_link(&mut self, text: &str) -> bool {
+        match text.parse::<Link>() {
+            Ok(link) => {
+                self.follow_link(&link);
+                false
+            }
+            Err(error) => {
+                self.fail(error.to_string());
+                true
+            }
+        }
+    }
+
+    /// Whether the text has to be mended first.
+    pub(super) fn edit_texel(&mut self, stream: Stream, layer: usize, text: &str) -> bool {
+        let Some(pixel) = self.shared.pixel else { return false };
+        let text = text.trim();
+        let bits = match text.strip_prefix("0x") {
+            Some(bits) => u32::from_str_radix(bits, 16).ok(),
+            None if stream.is_float_layer(layer) => text.parse::<f32>().ok().map(f32::to_bits),
+            None => text.parse().ok(),
+        };
+        let Some(bits) = bits else {
+            let kind = if stream.is_float_layer(layer) { "a number" } else { "a whole number from 0" };
+            self.fail(format!("{text:?}: {kind} is wanted, or bits such as 0x3f800000"));
+            return true;
+        };
+        self.model.ask(Request::Edit(stream, layer, pixel, bits));
+        self.model.ask(Request::Follow(pixel));
+        false
+    }
+
+    pub(super) fn run_to_watch(&mut self, way: Way) {
+        match watches::run(&self.shared.watches, way) {
+            Some(request) => {
+                self.model.ask(request);
+            }
+            None => layout::show(&mut self.tree, PaneKind::Watches),
+        }
+    }
+
+    /// What the last run to a watch came to.
+    pub(super) fn tell_fired(&mut self) {
+        let Some(fired) = self.model.fired.take() else { return };
+        let text = match fired {
+            Some(fired) => {
+                let [x, y] = fired.ray;
+                if !fired.watch.is_of_ray() {
+                    self.shared.select = Some(fired.ray);
+                }
+                let more = if fired.rays > 1 { format!(" and {} other rays", fired.rays - 1) } else { String::new() };
+                format!("after {} passes, pixel {x},{y}{more}: {}", fired.place, fired.value)
+            }
+            None => "no watch fired".into(),
+        };
+        self.toasts.info(text.clone());
+        self.shared.say(false, text.clone());
+        self.shared.fired = Some(text);
+    }
+
+    /// Watches the selected ray's state and hit, or not.
+    pub(super) fn toggle_watch(&mut self) {
+        let of_ray = |watch: Watch| matches!(watch, Watch::RayState | Watch::RayHit);
+        let is_on = self.shared.watches.iter().any(|(watch, is_on)| of_ray(*watch) && *is_on);
+        for (_, on) in self.shared.watches.iter_mut().filter(|(watch, _)| of_ray(*watch)) {
+            *on = !is_on;
+        }
+        let what = if is_on { "no longer watched" } else { "watched: F5 runs to where its state or hit changes" };
+        self.toasts.info(format!("the selected ray is {what}"));
+    }
+
+    /// Opens a second run of the same scene: with the tree where this one has the grid, else with the grid.
+    pub(super) fn compare(&mut self) {
+        let Some(opened) = &self.model.opened else { return };
+        let (scene, settings) = (opened.scene.clone(), opened.settings.clone());
+        let accelerator =
+            if opened.plan.accelerator == Accelerator::Grid { Accelerator::Bvh } else { Accelerator::Grid };
+        if self.other.is_none() {
+            let devices = self.devices.clone();
+            let (other, task) = Model::new(|engine| engine.serve(devices));
+            self.host.spawn(task);
+            self.other = Some(other);
+        }
+        if let Some(other) = &mut self.other {
+            other.ask(Request::Share(scene, Box::new(Settings { accelerator, ..settings })));
+            other.ask(Request::Step(Target::End));
+            if let Some(pixel) = self.shared.pixel {
+                other.ask(Request::Follow(pixel));
+            }
+        }
+        layout::show(&mut self.tree, PaneKind::Compare);
+    }
+}

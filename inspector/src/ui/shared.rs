@@ -1,0 +1,71 @@
+//! What panels have in common.
+
+use raystep_kernels::Stream;
+
+use super::host::FileToSave;
+use crate::link::LinkStream;
+use crate::session::Watch;
+
+/// A line of the log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogLine {
+    /// Something went wrong.
+    pub is_error: bool,
+    /// What happened.
+    pub text: String,
+}
+
+/// What panels have in common.
+pub struct Shared {
+    /// The pixel whose ray is looked at.
+    pub pixel: Option<[u32; 2]>,
+    /// The pixel under the cursor, in any stream view.
+    pub hovered: Option<[u32; 2]>,
+    /// Row of the ray's life that is looked at; `None` follows the place of the run.
+    pub row: Option<usize>,
+    /// Where this frame's panels want the run to be, as a number of passes.
+    pub go_to: Option<usize>,
+    /// A pixel that a panel wants to be looked at.
+    pub select: Option<[u32; 2]>,
+    /// What the first stream view is asked to show.
+    pub show: Option<LinkStream>,
+    /// The stream that commands are about.
+    pub stream: Option<Stream>,
+    /// Files that panels want to be saved.
+    pub files: Vec<FileToSave>,
+    /// What to stop at, and whether it is on.
+    pub watches: Vec<(Watch, bool)>,
+    /// What the last run to a watch stopped at, in words.
+    pub fired: Option<String>,
+    /// What happened, oldest first.
+    pub log: Vec<LogLine>,
+}
+
+impl Default for Shared {
+    fn default() -> Self {
+        Self {
+            pixel: None,
+            hovered: None,
+            row: None,
+            go_to: None,
+            select: None,
+            show: None,
+            stream: None,
+            files: Vec::new(),
+            watches: Watch::ALL.map(|watch| (watch, matches!(watch, Watch::NonFinite | Watch::TMaxBackwards))).to_vec(),
+            fired: None,
+            log: Vec::new(),
+        }
+    }
+}
+
+impl Shared {
+    /// Notes what happened.
+    pub fn say(&mut self, is_error: bool, text: impl Into<String>) {
+        const MOST: usize = 1000;
+        if self.log.len() == MOST {
+            self.log.remove(0);
+        }
+        self.log.push(LogLine { is_error, text: text.into() });
+    }
+}

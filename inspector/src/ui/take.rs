@@ -1,0 +1,97 @@
+//! What is taken away: exports, handed to the host to be saved.
+
+use std::any::Any;
+
+use raystep_kernels::Stream;
+use raystep_kernels::export::csv::{RunContext, Timer};
+
+use super::Inspector;
+use super::command::Command;
+use super::host::FileToSave;
+use crate::exports::{self, Export, ExportError};
+use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::settings::DeviceKind;
+
+/// The name of jobs whose answer is an [`Export`].
+pub(super) const EXPORTING: &str = "exporting";
+
+impl From<Export> for FileToSave {
+    fn from(export: Export) -> Self {
+        Self { name: export.file_name(), bytes: export.bytes }
+    }
+}
+
+impl Inspector {
+    /// Exports what a command names.
+    pub(super) fn take(&mut self, command: Command) {
+        let export = match command {
+            Command::ExportPasses => self.context().map(|run| exports::passes_csv(&run, self.so_far(), &[])),
+            Command::ExportTrace => self.context().map(|run| exports::passes_trace(&run, self.so_far())),
+            Command::ExportRay => self.model.life.as_ref().map(|life| exports::life_csv(life)),
+            Command::ExportExr | Command::ExportNpy => {
+                let stream = self.shared.stream.unwrap_or(Stream::State);
+                let write = if command == Command::ExportExr { exports::stream_exr } else { exports::stream_npy };
+                self.model.ask(Request::Job(EXPORTING, read(stream, write)));
+                None
+            }
+            _ => None,
+        };
+        match export {
+            Some(Ok(export)) => self.host.save(export.into()),
+            Some(Err(error)) => self.fail(error.to_string()),
+            None => {}
+        }
+    }
+
+    fn so_far(&self) -> &[raystep_kernels::Pass] {
+        &self.model.passes[..self.model.place.min(self.model.passes.len())]
+    }
+
+    /// What all rows of this run have in common.
+    fn context(&self) -> Option<RunContext> {
+        let opened = self.model.opened.as_ref()?;
+        let (settings, plan) = (&opened.settings, &opened.plan);
+        let timer = match settings.device {
+            DeviceKind::Gpu => {
+                self.devices.gpu.timestamp_period_ns.map(|resolution_ns| Timer::GpuTimestamp { resolution_ns })
+            }
+            DeviceKind::Cpu | DeviceKind::CpuF64 => self.devices.clock.map(|_| Timer::CpuClock { resolution_ns: None }),
+        };
+        Some(RunContext {
+            run_id: format!("inspector-{}", self.model.generation),
+            scene: opened.scene.name.clone(),
+            accelerator: plan.accelerator.name(),
+            schedule: settings.schedule.name(),
+            numerics: settings.numerics.name(),
+            device: if settings.device == DeviceKind::Gpu { opened.device.clone() } else { "cpu".into() },
+            width_px: plan.width,
+            height_px: plan.height,
+            repeat: 0,
+            is_warmup: false,
+            timer,
+        })
+    }
+
+    /// Hands over what jobs and panels made.
+    pub(super) fn hand_over(&mut self) {
+        if let Some(export) = self.model.take_answer::<Export>(EXPORTING) {
+            self.shared.files.push((*export).into());
+        }
+        for file in std::mem::take(&mut self.shared.files) {
+            self.host.save(file);
+        }
+    }
+}
+
+type Write = fn(&raystep_kernels::StreamData, Option<usize>) -> Result<Export, ExportError>;
+
+/// Reads a stream as it is, and writes it as a file.
+fn read(stream: Stream, write: Write) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let data = context.session.stream(stream).await.map_err(|e| e.to_string())?;
+            let export = write(&data, context.session.place().checked_sub(1)).map_err(|e| e.to_string())?;
+            Ok(Box::new(export) as Box<dyn Any + Send>)
+        })
+    })
+}
