@@ -6,6 +6,7 @@ mod commands;
 mod device;
 mod error;
 mod interrupt;
+mod link;
 mod output;
 mod scene_file;
 mod session;
@@ -48,7 +49,7 @@ fn run() -> Result<(), Error> {
         Request::Run(command) => match command {
             Command::Inspect(args) => commands::inspect::run(&args),
             Command::Render(args) => commands::render::run(&args),
-            Command::Trace(args) => commands::trace::run(&args),
+            Command::Trace(args) => commands::trace::run(*args),
             Command::Dump(args) => commands::dump::run(&args),
             Command::Bench(args) => commands::bench::run(&args),
             Command::Stability(args) => commands::stability::run(&args),

@@ -4,13 +4,15 @@ use std::ops::ControlFlow;
 use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
+use raystep_inspector::link::LinkRay;
 use raystep_kernels::export::trace::trace;
 use raystep_kernels::{Ray, RaySource};
 
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{QuietArgs, RunArgs, ViewArgs};
 use crate::error::Error;
+use crate::link::{LinkArgs, link_of};
 use crate::session::Session;
-use crate::terminal::{Progress, print};
+use crate::terminal::{Progress, print, say};
 
 /// Follow one ray through every pass, with what was decided and why
 ///
@@ -20,15 +22,16 @@ use crate::terminal::{Progress, print};
 /// has length 1 along the view axis, so there t is depth. Values are in the streams' units: the footer gives
 /// the factors.
 #[derive(Args, Debug)]
-#[command(group = ArgGroup::new("which").required(true).args(["pixel", "ray"]), after_help = "\
+#[command(group = ArgGroup::new("which").args(["pixel", "ray"]), after_help = "\
 Examples:
   raystep trace scenes/cornell-box.gltf --pixel 256,256
   raystep trace scenes/cornell-box.gltf --pixel 256,256 --numerics paper --format csv > ray.csv
   raystep trace scenes/teapot.glb --ray 0,0,5,0,0,-1
-  raystep trace scenes/teapot.glb --ray 0,0,0x40a00000,0,0,0xbf800000 --format json")]
+  raystep trace scenes/teapot.glb --ray 0,0,0x40a00000,0,0,0xbf800000 --format json
+  raystep trace --link \"raystep:1?scene=scenes/teapot.glb&accelerator=bvh&pixel=256,256\"")]
 pub(crate) struct TraceArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    scene: LinkArgs,
     /// The ray through the centre of a pixel, counted from 0 at the top left
     #[arg(long, value_name = "X,Y")]
     pixel: Option<Pixel>,
@@ -38,6 +41,9 @@ pub(crate) struct TraceArgs {
     /// A table for people, or data
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
+    /// Print the link of this trace on stderr, for 'trace' and for the inspector
+    #[arg(long)]
+    print_link: bool,
     #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
@@ -90,38 +96,53 @@ impl FromStr for TypedRay {
     }
 }
 
-pub(crate) fn run(args: &TraceArgs) -> Result<(), Error> {
-    let (size, pixel) = (args.view.size, args.pixel.unwrap_or(Pixel { x: 0, y: 0 }));
-    if pixel.x >= size.width || pixel.y >= size.height {
+pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
+    let asked = match (args.pixel, args.ray) {
+        (Some(Pixel { x, y }), _) => Some(LinkRay::Pixel([x, y])),
+        (None, Some(TypedRay(ray))) => Some(LinkRay::Given(ray)),
+        (None, None) => None,
+    };
+    let mut wanted = args.scene.wanted(args.view, args.run)?;
+    let ray = match (asked, wanted.ray) {
+        (Some(_), Some(_)) => {
+            return Err(Error::usage("--link names a ray, and so does --pixel or --ray: leave one of them out"));
+        }
+        (None, None) => return Err(Error::usage("which ray is missing: --pixel X,Y or --ray OX,OY,OZ,DX,DY,DZ")),
+        (asked, linked) => asked.or(linked),
+    };
+    wanted.ray = ray;
+    let size = wanted.view.size;
+    let [x, y] = if let Some(LinkRay::Pixel(pixel)) = ray { pixel } else { [0, 0] };
+    if x >= size.width || y >= size.height {
         return Err(Error::usage(format!(
-            "--pixel {},{}: the image has pixels 0,0 to {},{}; --size makes it larger",
-            pixel.x,
-            pixel.y,
+            "--pixel {x},{y}: the image has pixels 0,0 to {},{}; --size makes it larger",
             size.width - 1,
             size.height - 1
         )));
     }
-    if !args.run.schedule.is_stepped() {
+    if !wanted.run.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused takes a ray to its end in one pass, which cannot be followed; first, second and compact can",
         ));
     }
+    let link = args.print_link.then(|| link_of(&wanted)).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
-        // One triangle or cell a row.
-        options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
-        if let Some(TypedRay(ray)) = args.ray {
+    let session = Session::new(&wanted.scene, &wanted.view, &wanted.run, &progress, |options| {
+        if let Some(LinkRay::Given(ray)) = ray {
             options.rays = RaySource::Given(vec![ray]);
         }
     })?;
     let mut running = session.start(&progress)?;
     progress.stage("tracing");
-    let following = trace(&mut running.renderer, pixel.x, pixel.y, |pass| {
+    let following = trace(&mut running.renderer, x, y, |pass| {
         progress.pass(pass.index);
         ControlFlow::Continue(())
     });
     let life = running.chosen.wait(following)?;
     progress.finish();
+    if let Some(link) = link {
+        say(format_args!("open in the inspector: raystep inspect --link \"{link}\""));
+    }
     match args.format {
         Format::Table => print(&life.table()),
         Format::Json => print(&super::json_text(&life)?),

@@ -1,0 +1,142 @@
+//! `--link`: a scene, a view and a way to trace it in one line, in place of the options that say the same.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
+
+use crate::args::{CameraArgs, DeviceArgs, DeviceKind, RunArgs, SceneArgs, Size, TuningArgs, Vector, ViewArgs};
+use crate::error::Error;
+
+/// A scene's file, or a link.
+#[derive(Args, Debug)]
+pub(crate) struct LinkArgs {
+    /// The scene: glTF 2.0, .gltf or .glb
+    pub(crate) scene: Option<PathBuf>,
+    /// Which scene of a file that holds several, counted from 0 [default: the file's own]
+    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    pub(crate) scene_index: Option<usize>,
+    /// What a link shows, in place of a scene and of the options that it sets
+    ///
+    /// Put it between double quotes. --device and --adapter may stand beside one that names neither.
+    #[arg(
+        long,
+        value_name = "LINK",
+        conflicts_with_all = [
+            "scene", "scene_index", "size", "camera", "eye", "look_at", "up", "fov", "accelerator", "schedule",
+            "numerics", "grid", "skip", "steps_per_pass", "keep_all",
+        ]
+    )]
+    pub(crate) link: Option<String>,
+}
+
+/// What is traced, be it said by options or by a link.
+pub(crate) struct Wanted {
+    pub(crate) scene: SceneArgs,
+    pub(crate) view: ViewArgs,
+    pub(crate) run: RunArgs,
+    /// The ray that a link names.
+    pub(crate) ray: Option<LinkRay>,
+}
+
+impl LinkArgs {
+    /// What is asked for: by the link where there is one, else by the options. Without `--steps-per-pass`, both take
+    /// one step a pass.
+    pub(crate) fn wanted(self, view: ViewArgs, mut run: RunArgs) -> Result<Wanted, Error> {
+        if let Some(text) = self.link {
+            let link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
+            return from_link(link, run.device);
+        }
+        let scene = self
+            .scene
+            .ok_or_else(|| Error::usage("which scene is missing: name its file, or give --link LINK (see --help)"))?;
+        run.tuning.steps_per_pass = run.tuning.steps_per_pass.or(Some(1));
+        Ok(Wanted { scene: SceneArgs { scene, scene_index: self.scene_index }, view, run, ray: None })
+    }
+}
+
+fn from_link(link: Link, device: DeviceArgs) -> Result<Wanted, Error> {
+    let scene = link.scene.ok_or_else(|| Error::usage("--link: it names no scene: add scene=FILE to it"))?;
+    let is_named = link.device != LinkDevice::Auto || link.adapter.is_some();
+    if is_named && (device.device != DeviceKind::Auto || device.adapter.is_some()) {
+        return Err(Error::usage("--link says on which device, and so does an option: leave one of them out"));
+    }
+    let linked = DeviceArgs {
+        device: match link.device {
+            LinkDevice::Auto => DeviceKind::Auto,
+            LinkDevice::Gpu => DeviceKind::Gpu,
+            LinkDevice::Cpu => DeviceKind::Cpu,
+        },
+        adapter: link.adapter,
+    };
+    let no_camera = CameraArgs { camera: None, eye: None, look_at: None, up: None, fov: None };
+    let [width, height] = link.size;
+    Ok(Wanted {
+        scene: SceneArgs { scene: scene.into(), scene_index: link.scene_index },
+        view: ViewArgs {
+            size: Size { width, height },
+            camera: match link.camera {
+                LinkCamera::Default => no_camera,
+                LinkCamera::Index(n) => CameraArgs { camera: Some(n), ..no_camera },
+                LinkCamera::Placed { eye, look_at, up, fov_deg } => CameraArgs {
+                    camera: None,
+                    eye: Some(Vector(eye)),
+                    look_at: Some(Vector(look_at)),
+                    up: Some(Vector(up)),
+                    fov: Some(fov_deg),
+                },
+            },
+        },
+        run: RunArgs {
+            accelerator: link.accelerator,
+            schedule: link.schedule,
+            tuning: TuningArgs {
+                numerics: link.numerics,
+                grid: link.grid,
+                skip: link.skip,
+                steps_per_pass: Some(link.steps_per_pass),
+                keep_all: link.keep_all,
+            },
+            device: if is_named { linked } else { device },
+        },
+        ray: link.ray,
+    })
+}
+
+/// The link of what options ask for: the inverse of [`LinkArgs::wanted`].
+pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
+    let Wanted { scene, view, run, ray } = wanted;
+    let path = scene.scene.to_str();
+    let path = path.ok_or_else(|| Error::failed("the scene's name is no UTF-8: a link cannot hold it"))?;
+    let CameraArgs { camera, eye, look_at, up, fov } = view.camera;
+    Ok(Link {
+        scene: Some(path.into()),
+        scene_index: scene.scene_index,
+        camera: match (camera, eye, look_at) {
+            (_, Some(Vector(eye)), Some(Vector(look_at))) => LinkCamera::Placed {
+                eye,
+                look_at,
+                up: up.map_or(LinkCamera::UP, |v| v.0),
+                fov_deg: fov.unwrap_or(LinkCamera::FOV_DEG),
+            },
+            (Some(n), ..) => LinkCamera::Index(n),
+            _ => LinkCamera::Default,
+        },
+        size: [view.size.width, view.size.height],
+        accelerator: run.accelerator,
+        schedule: run.schedule,
+        numerics: run.tuning.numerics,
+        grid: run.tuning.grid,
+        skip: run.tuning.skip,
+        steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),
+        keep_all: run.tuning.keep_all,
+        device: match run.device.device {
+            DeviceKind::Auto => LinkDevice::Auto,
+            DeviceKind::Gpu => LinkDevice::Gpu,
+            DeviceKind::Cpu => LinkDevice::Cpu,
+        },
+        adapter: run.device.adapter.clone(),
+        ray: *ray,
+        ..Link::default()
+    })
+}
