@@ -131,6 +131,7 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
 #[test]
 fn what_the_device_is_not_given_is_left_out_and_all_else_of_a_body_has_a_mark() {
     let scene = generate::cornell_box();
+    let mut chosen_lines = 0;
     for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
         let options = options(&scene, accelerator, ScheduleKind::Second, [3, 2]);
         follow(&scene, &options, |renderer, kernel, before, after| {
@@ -142,6 +143,17 @@ fn what_the_device_is_not_given_is_left_out_and_all_else_of_a_body_has_a_mark() 
             for (line, still) in lines.iter().zip(&still) {
                 assert_eq!(still.mark == Mark::LeftOut, line.mark == Mark::LeftOut, "{}", line.text);
                 assert!(matches!(still.mark, Mark::Plain | Mark::LeftOut), "{}", line.text);
+                // A statement of its own that an option chooses is given, or not, as it stands.
+                let choice = line
+                    .text
+                    .trim()
+                    .strip_prefix("@else ")
+                    .or_else(|| line.text.trim().split_once(") let ").map(|s| s.1));
+                if let Some(chosen) = choice.filter(|c| c.ends_with(';') && !c.contains("0x")) {
+                    let chosen = squeeze(chosen);
+                    assert_eq!(given.contains(&chosen), line.mark != Mark::LeftOut, "{}: {}", kernel.name(), line.text);
+                    chosen_lines += 1;
+                }
                 let is_store = line.text.contains("textureStore(") && line.text.ends_with(';');
                 if is_store && !line.text.contains("@if") {
                     let store = squeeze(&line.text);
@@ -153,6 +165,7 @@ fn what_the_device_is_not_given_is_left_out_and_all_else_of_a_body_has_a_mark() 
             }
         });
     }
+    assert!(chosen_lines > 100, "{chosen_lines}");
 }
 
 #[test]
