@@ -201,6 +201,9 @@ fn a_step_that_is_stopped_ends_at_a_whole_pass() {
         let Some(gpu) = gpu else { continue };
         let options = STEPPED.of(&raystep_tests::options(&scene, 16, 16));
         let mut session = block_on(Some(gpu), Session::new(&scene, &options, &device)).expect("a session");
+        block_on(Some(gpu), go(&mut session, Target::Pass(2)));
+        block_on(Some(gpu), session.edit(Stream::Hit, 0, 3, 3, 7)).expect("an edit");
+        block_on(Some(gpu), go(&mut session, Target::Start));
         let seen = block_on(Some(gpu), history(&mut session));
         block_on(Some(gpu), go(&mut session, Target::Pass(6)));
         {
