@@ -8,6 +8,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::commands::{bench, completions, dump, extension, info, inspect, plan, render, scene, stability, trace};
 use crate::error::Error;
+use crate::window;
 
 /// Trace rays as a stream program, step by step, with every stream in the open
 ///
@@ -21,6 +22,7 @@ use crate::error::Error;
     disable_help_subcommand = true,
     after_help = "\
 Examples:
+  raystep scenes/cornell-box.gltf          (opens the inspector)
   raystep render scenes/cornell-box.gltf -o box.png
   raystep plan scenes/cornell-box.gltf
   raystep trace scenes/cornell-box.gltf --pixel 256,256
@@ -61,19 +63,17 @@ pub(crate) enum Request {
 /// Reads the command line.
 pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
     let arguments: Vec<_> = arguments.into_iter().collect();
+    // A scene alone is to be looked at; and nothing at all, where there is a display.
+    let mut arguments = arguments;
+    if arguments.get(1).is_some_and(is_scene) || arguments.len() < 2 && window::has_display() {
+        arguments.insert(1, "inspect".into());
+    }
     match Cli::try_parse_from(&arguments) {
         Ok(Cli { command: Some(command) }) => Ok(Request::Run(command)),
         Ok(Cli { command: None }) => Ok(Request::Show(Cli::command().render_help().to_string())),
         Err(error) if !error.use_stderr() => Ok(Request::Show(error.render().to_string())),
         Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Err(Error::usage("what to do is missing (see --help)"))
-        }
-        Err(error) if error.kind() == ErrorKind::InvalidSubcommand && arguments.get(1).is_some_and(is_scene) => {
-            let scene = arguments[1].to_string_lossy();
-            let quote = if scene.contains(char::is_whitespace) { "'" } else { "" };
-            Err(Error::usage(format!(
-                "'{scene}' is no subcommand; did you mean: raystep render {quote}{scene}{quote} -o OUT.png (see --help)"
-            )))
         }
         Err(error) => Err(Error::usage(one_line(&error.render().to_string()))),
     }

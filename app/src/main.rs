@@ -47,7 +47,7 @@ fn run() -> Result<(), Error> {
     match cli::parse(std::env::args_os())? {
         Request::Show(text) => terminal::print(&text),
         Request::Run(command) => match command {
-            Command::Inspect(args) => commands::inspect::run(&args),
+            Command::Inspect(args) => commands::inspect::run(*args),
             Command::Render(args) => commands::render::run(&args),
             Command::Trace(args) => commands::trace::run(*args),
             Command::Dump(args) => commands::dump::run(&args),

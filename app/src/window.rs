@@ -6,6 +6,7 @@ mod screenshot;
 mod thread;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
@@ -98,11 +99,16 @@ pub(crate) fn inspector(
     inspector
 }
 
+/// Time between two looks at what is to be kept.
+const KEEP_EVERY: Duration = Duration::from_secs(20);
+
 struct Window {
     inspector: Inspector,
     gpu: Arc<Gpu>,
     lost: Arc<std::sync::Mutex<Option<String>>>,
     title: String,
+    /// When the session was kept last.
+    kept: Instant,
 }
 
 impl Window {
@@ -113,14 +119,18 @@ impl Window {
         start: Start,
         lost: Arc<std::sync::Mutex<Option<String>>>,
     ) -> Self {
-        let inspector = inspector(ctx, &gpu, renderer, start);
-        Self { inspector, gpu, lost, title: String::new() }
+        let mut inspector = inspector(ctx, &gpu, renderer, start);
+        if let Some(kept) = files::recall() {
+            inspector.restore(&kept);
+        }
+        Self { inspector, gpu, lost, title: String::new(), kept: Instant::now() }
     }
 }
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         if let Err(error) = self.gpu.health() {
+            self.inspector.keep();
             // Nothing can be drawn any more: what is left is to say so, and how to go on.
             let message = format!("{error}{}", self.inspector.how_to_go_on());
             if let Ok(mut lost) = self.lost.lock() {
@@ -130,10 +140,19 @@ impl eframe::App for Window {
             return;
         }
         self.inspector.ui(ui);
+        // Most often nothing is lost where the program is ended from outside.
+        if self.kept.elapsed() > KEEP_EVERY {
+            self.kept = Instant::now();
+            self.inspector.keep();
+        }
         let title = self.inspector.title();
         if title != self.title {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
         }
+    }
+
+    fn on_exit(&mut self) {
+        self.inspector.keep();
     }
 }

@@ -4,6 +4,7 @@ pub mod canvas;
 pub mod command;
 mod dialogs;
 pub mod host;
+mod keep;
 mod layout;
 mod lessons;
 mod menu;
@@ -22,6 +23,7 @@ use egui_notify::Toasts;
 use egui_tiles::Tree;
 
 use crate::link::LinkStream;
+use crate::saved::Saved;
 use crate::session::engine::Devices;
 use crate::session::request::Request;
 use crate::session::{Model, Target};
@@ -55,6 +57,7 @@ pub struct Inspector {
     /// What to do once the scene that is being opened is there.
     arrival: Option<Arrival>,
     lesson: Option<Lesson>,
+    saved: Saved,
 }
 
 /// Where to go in a scene that is still being opened.
@@ -96,6 +99,7 @@ impl Inspector {
             generation: 0,
             arrival: None,
             lesson: None,
+            saved: Saved::default(),
         }
     }
 
@@ -218,6 +222,7 @@ impl Inspector {
 
     /// A new run is there.
     fn arrived(&mut self) {
+        self.remember_file();
         let Some(opened) = &self.model.opened else { return };
         let plan = &opened.plan;
         for note in &opened.scene.notes {
@@ -257,6 +262,12 @@ impl Inspector {
 
     /// What panels asked for through what they share.
     fn follow_up(&mut self) {
+        if let Some(path) = self.shared.open.take() {
+            self.open_file(&path);
+        }
+        if let Some(link) = self.shared.visit.take() {
+            self.go_to_link(&link);
+        }
         for copy in self.model.pinned.drain(..) {
             layout::add(&mut self.tree, Pane::pinned(copy));
         }

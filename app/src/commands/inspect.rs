@@ -4,15 +4,17 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
+use raystep_inspector::link::{Link, LinkRay};
 use raystep_inspector::settings::{DeviceKind as RunOn, Settings, View};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::{COMMANDS, Command};
-use raystep_kernels::{AdapterChoice, Gpu};
+use raystep_kernels::{AdapterChoice, Gpu, Ray};
 
 use super::trace::Pixel;
-use crate::args::{CameraArgs, DeviceArgs, DeviceKind, RunArgs, ViewArgs};
+use crate::args::{CameraArgs, DeviceArgs, DeviceKind, RunArgs, SceneArgs, ViewArgs};
 use crate::device::block_on;
 use crate::error::Error;
+use crate::link::{LinkArgs, Wanted};
 use crate::output::{Target, write};
 use crate::scene_file;
 use crate::terminal::print;
@@ -26,13 +28,11 @@ use crate::window::{self, SceneChoice, Start};
 Examples:
   raystep inspect scenes/cornell-box.gltf
   raystep inspect scenes/teapot.glb --accelerator bvh --pixel 200,260 --pass 40
+  raystep inspect --link \"raystep:1?scene=scenes/cornell-box.gltf&pixel=270,256&pass=41&stream=tmax.x\"
   raystep inspect scenes/cornell-box.gltf --screenshot box.png --window 1600x1000 --do \"Full layout\"")]
 pub(crate) struct InspectArgs {
-    /// The scene: glTF 2.0, .gltf or .glb
-    scene: Option<PathBuf>,
-    /// Which scene of a file that holds several, counted from 0 [default: the file's own]
-    #[arg(long, value_name = "N", requires = "scene", help_heading = "Scene and view")]
-    scene_index: Option<usize>,
+    #[command(flatten)]
+    link: LinkArgs,
     /// The ray to look at, by its pixel from the top left
     #[arg(long, value_name = "X,Y")]
     pixel: Option<Pixel>,
@@ -82,18 +82,18 @@ fn parse_command(name: &str) -> Result<Command, String> {
     })
 }
 
-pub(crate) fn run(args: &InspectArgs) -> Result<(), Error> {
-    let start = start(args)?;
+pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
+    let (args, start) = start(args)?;
     if args.screenshot.is_none() && !window::has_display() {
         return Err(Error::failed(
             "there is no display to open a window on; --screenshot F.png draws it into a file, 'raystep render' an image",
         ));
     }
     let target = args.screenshot.as_deref().map(Target::new).transpose()?;
-    if let (Some(target), Some(scene)) = (&target, &args.scene) {
-        crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(std::slice::from_ref(scene)))?;
+    if let (Some(target), Some(scene)) = (&target, &start.scene) {
+        crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(std::slice::from_ref(&scene.path)))?;
     }
-    let gpu = block_on(None, Gpu::new(&adapter(&args.run.device)))?;
+    let gpu = block_on(None, Gpu::new(&adapter(&args.device)))?;
     let Some(target) = target else { return window::open(gpu, start) };
     if !(0.25..=8.0).contains(&args.scale) {
         return Err(Error::usage(format!("--scale {}: a number from 0.25 to 8 is wanted", args.scale)));
@@ -112,17 +112,53 @@ fn adapter(args: &DeviceArgs) -> AdapterChoice {
     args.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named)
 }
 
-/// What the options ask for.
-fn start(args: &InspectArgs) -> Result<Start, Error> {
-    let run = &args.run;
+/// The options that are about the window.
+struct WindowArgs {
+    screenshot: Option<PathBuf>,
+    scale: f32,
+    commands: Vec<Command>,
+    device: DeviceArgs,
+}
+
+/// What the options, or the link, ask for.
+fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
+    let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, view, run } = args;
+    let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, stream: None };
+    if let Some(text) = &link.link {
+        let link: Link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
+        if link.pass.is_some() && pass.is_some() {
+            return Err(Error::usage("--link says after how many passes, and so does --pass: leave one of them out"));
+        }
+        arrival.place = arrival.place.or(link.pass);
+        arrival.stream = link.stream;
+    }
+    let is_empty = link.scene.is_none() && link.link.is_none();
+    let wanted = if is_empty {
+        let scene = SceneArgs { scene: PathBuf::new(), scene_index: None };
+        Wanted { scene, view, run, ray: None }
+    } else {
+        link.wanted(view, run)?
+    };
+    let Wanted { scene, view: seen, run, ray } = wanted;
     run.tuning.check(&[run.accelerator], &[run.schedule])?;
     if !run.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused takes a ray to its end in one pass, which cannot be stepped; first, second and compact can",
         ));
     }
-    let size = [args.view.size.width, args.view.size.height];
-    if let Some(Pixel { x, y }) = args.pixel
+    let size = [seen.size.width, seen.size.height];
+    let mut given = None;
+    match ray {
+        Some(LinkRay::Pixel(_)) if arrival.pixel.is_some() => {
+            return Err(Error::usage("--link names a pixel, and so does --pixel: leave one of them out"));
+        }
+        Some(LinkRay::Pixel(pixel)) => arrival.pixel = Some(pixel),
+        Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })) => {
+            given = Some([ox, oy, oz, dx, dy, dz]);
+        }
+        None => {}
+    }
+    if let Some([x, y]) = arrival.pixel
         && (x >= size[0] || y >= size[1])
     {
         let (w, h) = (size[0] - 1, size[1] - 1);
@@ -138,17 +174,18 @@ fn start(args: &InspectArgs) -> Result<Start, Error> {
         skip: run.tuning.skip,
         steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),
         size,
-        view: view(&args.view.camera)?,
+        view: camera(&seen.camera)?,
+        ray: given,
         keep_all: run.tuning.keep_all,
         device: if run.device.device == DeviceKind::Cpu { RunOn::Cpu } else { RunOn::Gpu },
         ..Settings::default()
     };
-    let scene = args.scene.clone().map(|path| SceneChoice { path, index: args.scene_index });
-    let arrival = Arrival { pixel: args.pixel.map(|p| [p.x, p.y]), place: args.pass, stream: None };
-    Ok(Start { scene, settings, arrival, size: args.window.0 })
+    let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
+    let start = Start { scene, settings, arrival, size: window.0 };
+    Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
 }
 
-fn view(args: &CameraArgs) -> Result<View, Error> {
+fn camera(args: &CameraArgs) -> Result<View, Error> {
     let (Some(eye), Some(look_at)) = (args.eye, args.look_at) else { return Ok(View::Scene(args.camera.unwrap_or(0))) };
     // The same checks as everywhere; the scene has no say in a camera of one's own.
     let (camera, _) = scene_file::camera(args, &raystep_scenes::Scene::default())?;

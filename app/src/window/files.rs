@@ -5,9 +5,6 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
-/// Largest file that is read back.
-const MOST_BYTES: u64 = 1 << 20;
-
 /// Waits for a dialog, on a thread that has nothing else to do.
 pub(super) fn wait<T>(dialog: impl Future<Output = T>) -> T {
     let mut dialog = pin!(dialog);
@@ -25,9 +22,8 @@ fn place() -> Option<PathBuf> {
 }
 
 /// What was kept the last time; nothing where there is nothing that can be read.
-pub(crate) fn recall() -> Option<String> {
-    let bytes = crate::scene_file::read_file(&place()?, MOST_BYTES).ok()?;
-    String::from_utf8(bytes).ok()
+pub(super) fn recall() -> Option<Vec<u8>> {
+    crate::scene_file::read_file(&place()?, raystep_inspector::saved::MOST_BYTES as u64).ok()
 }
 
 /// Keeps it. Where that fails, the next window begins as the first did.

@@ -51,12 +51,14 @@ pub(super) struct Desktop {
     gpu: Arc<Gpu>,
     events: Receiver<HostEvent>,
     tell: Sender<HostEvent>,
+    /// What was remembered last.
+    remembered: String,
 }
 
 impl Desktop {
     pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>) -> Self {
         let (tell, events) = channel();
-        Self { ctx, gpu, events, tell }
+        Self { ctx, gpu, events, tell, remembered: String::new() }
     }
 
     /// Does something that takes its time, and tells what came of it.
@@ -123,6 +125,9 @@ impl Host for Desktop {
     }
 
     fn remember(&mut self, saved: &str) {
-        files::remember(saved);
+        if self.remembered != saved {
+            files::remember(saved);
+            saved.clone_into(&mut self.remembered);
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::mutex::RwLock;
-use raystep_kernels::Gpu;
+use raystep_kernels::{Gpu, Stream};
 
 use crate::draw::picture::picture;
 use crate::draw::stream::StreamPainter;
@@ -83,5 +83,47 @@ impl Kept {
 impl Drop for Kept {
     fn drop(&mut self) {
         self.canvas.renderer.write().free_texture(&self.id);
+    }
+}
+
+/// Which run, and after how many passes.
+pub type Moment = (u64, usize);
+
+/// A stream as it was at some moment: it can be drawn at any zoom while the run goes elsewhere.
+#[derive(Default)]
+pub struct Still {
+    kept: Option<(Moment, Stream, wgpu::Texture)>,
+}
+
+impl Still {
+    /// Takes a copy of a stream's texture, unless there is one of this moment.
+    pub fn take(&mut self, canvas: &Canvas, moment: Moment, stream: Stream, source: &wgpu::Texture) {
+        if self.kept.as_ref().is_some_and(|(m, s, _)| (*m, *s) == (moment, stream)) {
+            return;
+        }
+        let fits = |t: &wgpu::Texture| (t.size(), t.format()) == (source.size(), source.format());
+        let old = self.kept.take().map(|(.., texture)| texture).filter(fits);
+        let texture = old.unwrap_or_else(|| {
+            canvas.gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("stream as it was"),
+                size: source.size(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: source.format(),
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
+        });
+        let mut encoder = canvas.gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_texture(source.as_image_copy(), texture.as_image_copy(), source.size());
+        canvas.gpu.queue.submit([encoder.finish()]);
+        self.kept = Some((moment, stream, texture));
+    }
+
+    /// The copy of a stream, and its moment.
+    #[must_use]
+    pub fn of(&self, stream: Stream) -> Option<(Moment, &wgpu::Texture)> {
+        self.kept.as_ref().filter(|(_, s, _)| *s == stream).map(|(moment, _, texture)| (*moment, texture))
     }
 }

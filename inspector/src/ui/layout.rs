@@ -25,7 +25,7 @@ impl Layout {
         let root = match self {
             Self::Simple => {
                 let columns = [&[P::Passes][..], &[P::Stream], &[P::Ray]].map(|kinds| tabs(&mut tiles, kinds));
-                horizontal(&mut tiles, &columns, &[0.55, 1.0, 1.0])
+                horizontal(&mut tiles, &columns, &[0.5, 1.0, 1.2])
             }
             Self::Full => {
                 let left = tabs(&mut tiles, &[P::Passes, P::Options, P::Watches]);

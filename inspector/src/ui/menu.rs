@@ -3,6 +3,8 @@
 use egui::containers::menu::MenuBar;
 use egui::{Button, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
+use raystep_kernels::plan::Bytes;
+
 use super::Inspector;
 use super::command::{COMMANDS, Command, Menu};
 
@@ -20,22 +22,17 @@ const BUTTONS: [Command; 7] = [
 impl Inspector {
     pub(super) fn menu_bar(&mut self, ui: &mut egui::Ui) {
         egui::Panel::top("menu").show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| {
-                MenuBar::new().ui(ui, |ui| {
-                    for menu in Menu::ALL {
-                        ui.menu_button(menu.name(), |ui| self.menu(ui, menu));
-                    }
-                });
-                ui.separator();
-                for command in BUTTONS {
-                    self.tool(ui, command);
+            MenuBar::new().ui(ui, |ui| {
+                for menu in Menu::ALL {
+                    ui.menu_button(menu.name(), |ui| self.menu(ui, menu));
                 }
+            });
+            ui.horizontal_wrapped(|ui| {
+                BUTTONS.into_iter().for_each(|command| self.tool(ui, command));
                 if let Some(work) = self.model.work {
                     ui.separator();
-                    let bar =
-                        egui::ProgressBar::new(if work.of == 0 { 0.0 } else { work.done as f32 / work.of as f32 })
-                            .desired_width(140.0)
-                            .animate(work.of == 0);
+                    let part = if work.of == 0 { 0.0 } else { work.done as f32 / work.of as f32 };
+                    let bar = egui::ProgressBar::new(part).desired_width(200.0).animate(work.of == 0);
                     ui.add(bar.text(work.what));
                     if ui.small_button("Cancel").clicked() {
                         self.perform(Command::Cancel);
@@ -52,6 +49,16 @@ impl Inspector {
             if ui.add_enabled(self.can(info.command), button).clicked() {
                 self.perform(info.command);
                 ui.close();
+            }
+            if info.command == Command::OpenScene && !self.shared.recent.is_empty() {
+                ui.menu_button("Open recent", |ui| {
+                    for path in &self.shared.recent {
+                        if ui.button(path).clicked() {
+                            self.shared.open = Some(path.clone());
+                            ui.close();
+                        }
+                    }
+                });
             }
         }
     }
@@ -90,8 +97,12 @@ impl Inspector {
                     ui.label(format!("pixel {x},{y}"));
                     ui.separator();
                 }
-                let kept = raystep_kernels::plan::Bytes(self.model.kept_bytes);
-                ui.weak(format!("{kept} kept for going back"));
+                let (kept, budget) = (Bytes(self.model.kept_bytes), Bytes(self.model.budget));
+                if kept.0 > 0 {
+                    let text =
+                        "checkpoints, from which earlier passes are reached by running the passes after them again";
+                    ui.weak(format!("{kept} of {budget} kept for going back")).on_hover_text(text);
+                }
             });
         });
         self.shared.hovered = None;

@@ -37,6 +37,14 @@ pub struct Shared {
     pub watches: Vec<(Watch, bool)>,
     /// What the last run to a watch stopped at, in words.
     pub fired: Option<String>,
+    /// Files that were opened, the latest first.
+    pub recent: Vec<String>,
+    /// A file that a panel wants to be opened.
+    pub open: Option<String>,
+    /// A link that a panel wants to be gone to.
+    pub visit: Option<String>,
+    /// Where the inspector was when it was closed, as a link.
+    pub last_place: Option<String>,
     /// What happened, oldest first.
     pub log: Vec<LogLine>,
 }
@@ -54,6 +62,10 @@ impl Default for Shared {
             files: Vec::new(),
             watches: Watch::ALL.map(|watch| (watch, matches!(watch, Watch::NonFinite | Watch::TMaxBackwards))).to_vec(),
             fired: None,
+            recent: Vec::new(),
+            open: None,
+            visit: None,
+            last_place: None,
             log: Vec::new(),
         }
     }

@@ -10,7 +10,7 @@ use crate::session::request::Request;
 use crate::session::stats::LayerStats;
 use crate::session::{Model, Target};
 use crate::settings::{DeviceKind, Settings};
-use crate::ui::canvas::Picture;
+use crate::ui::canvas::{Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
@@ -39,6 +39,7 @@ pub(in crate::ui) struct Compare {
     stream: Stream,
     layer: usize,
     pictures: [Picture; 3],
+    stills: [Still; 2],
     drawn: [Option<Drawn>; 3],
     asked: Option<[(u64, usize); 2]>,
     /// What was found, and of which places.
@@ -53,6 +54,7 @@ impl Default for Compare {
             stream: Stream::Hit,
             layer: 2,
             pictures: Default::default(),
+            stills: Default::default(),
             drawn: [None; 3],
             asked: None,
             found: None,
@@ -325,9 +327,18 @@ impl Compare {
             is_swapped: side == Side::B,
         };
         let (target, is_new) = self.pictures[slot].target(canvas, size);
-        let textures = model.texture(self.stream).zip(other.texture(self.stream));
-        let may_draw = !model.is_moving() && !other.is_moving();
-        if let Some((a, b)) = textures.filter(|_| may_draw && (is_new || self.drawn[slot] != Some(drawn))) {
+        for (still, run) in self.stills.iter_mut().zip([model, other]) {
+            if let Some(texture) = run.texture(self.stream).filter(|_| !run.is_moving()) {
+                still.take(canvas, (run.generation, run.place), self.stream, texture);
+            }
+        }
+        let of = |i: usize| self.stills[i].of(self.stream).filter(|(moment, _)| moment.0 == drawn.runs[i].0);
+        let stills = of(0).zip(of(1));
+        let drawn = Drawn { runs: stills.map_or(drawn.runs, |(a, b)| [a.0, b.0]), ..drawn };
+        if stills.is_none() || drawn.runs != [(model.generation, model.place), (other.generation, other.place)] {
+            ui.ctx().request_repaint();
+        }
+        if let Some(((_, a), (_, b))) = stills.filter(|_| is_new || self.drawn[slot] != Some(drawn)) {
             let is_difference = side == Side::Difference;
             let meaning = Meaning::of(self.stream, Some(self.layer));
             let largest = (self.range[1] - self.range[0]).abs().max(f32::MIN_POSITIVE) * 1e-3;
@@ -346,8 +357,6 @@ impl Compare {
             };
             canvas.streams.draw(&picture, target);
             self.drawn[slot] = Some(drawn);
-        } else if !may_draw {
-            ui.ctx().request_repaint();
         }
         if let Some(id) = self.pictures[slot].id() {
             ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);

@@ -47,7 +47,7 @@ impl Panel for Passes {
             .column(Column::remainder().at_least(40.0).clip(true));
         if self.shown != Some(place) {
             self.shown = Some(place);
-            table = table.scroll_to_row(current, None);
+            table = table.scroll_to_row(current, Some(egui::Align::Center));
         }
         let mut chosen = None;
         table

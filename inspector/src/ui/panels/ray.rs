@@ -44,7 +44,7 @@ impl Panel for RayView {
             ui.weak("no pass has worked on this ray yet");
         }
         ui.separator();
-        self.table(ui, &life, current, cx);
+        egui::ScrollArea::horizontal().show(ui, |ui| self.table(ui, &life, current, cx));
     }
 }
 
@@ -93,16 +93,16 @@ impl RayView {
             .sense(egui::Sense::click())
             .auto_shrink(false)
             .column(Column::initial(40.0).at_least(28.0))
-            .column(Column::initial(92.0).at_least(40.0).clip(true))
-            .column(Column::initial(104.0).at_least(40.0).clip(true))
-            .column(Column::initial(64.0).at_least(30.0).clip(true))
-            .column(Column::initial(180.0).at_least(40.0).clip(true))
+            .column(Column::initial(88.0).at_least(40.0).clip(true))
+            .column(Column::initial(108.0).at_least(40.0).clip(true))
+            .column(Column::initial(56.0).at_least(30.0).clip(true))
+            .column(Column::initial(172.0).at_least(40.0).clip(true))
             .column(Column::initial(34.0).at_least(24.0).clip(true))
             .column(Column::initial(70.0).at_least(30.0).clip(true))
             .column(Column::initial(44.0).at_least(24.0).clip(true))
-            .column(Column::remainder().at_least(80.0).clip(true));
+            .column(Column::remainder().at_least(320.0).clip(true));
         if let Some(row) = current.filter(|_| self.shown != current) {
-            table = table.scroll_to_row(row, None);
+            table = table.scroll_to_row(row, Some(egui::Align::Center));
         }
         self.shown = current;
         let mut chosen = None;

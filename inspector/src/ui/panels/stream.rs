@@ -11,7 +11,7 @@ use crate::draw::stream::{self, Colors, Meaning, STATE_COLORS};
 use crate::session::Pinned;
 use crate::session::request::Request;
 use crate::session::stats::{LayerStats, Others};
-use crate::ui::canvas::Picture;
+use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
@@ -59,8 +59,7 @@ impl Default for Look {
 /// What the picture was drawn from: where all of it is the same, it need not be drawn again.
 #[derive(Clone, Copy, PartialEq)]
 struct Drawn {
-    generation: u64,
-    place: usize,
+    moment: Moment,
     stream: Stream,
     layer: usize,
     meaning: Meaning,
@@ -76,6 +75,7 @@ struct Drawn {
 pub(in crate::ui) struct StreamView {
     look: Look,
     picture: Picture,
+    still: Still,
     drawn: Option<Drawn>,
     /// The range that the values have, of which they were read.
     stats: Option<(u64, usize, Stream, usize, LayerStats)>,
@@ -190,11 +190,37 @@ impl StreamView {
     }
 
     fn welcome(&self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
-        ui.centered_and_justified(|ui| {
-            if cx.model.is_busy() {
-                ui.spinner();
-            } else if ui.button("Open a glTF scene, or drop one here").clicked() {
+        if cx.model.is_busy() {
+            ui.centered_and_justified(|ui| ui.spinner());
+            return;
+        }
+        ui.vertical_centered(|ui| {
+            ui.add_space(ui.available_height() * 0.25);
+            ui.heading("raystep");
+            ui.label("Drop a glTF file here, or");
+            if ui.button(Command::OpenScene.name()).clicked() {
                 cx.todo.push(Command::OpenScene);
+            }
+            if let Some(link) = &cx.shared.last_place
+                && ui.button("Go on where you were").on_hover_text(link).clicked()
+            {
+                cx.shared.visit = Some(link.clone());
+            }
+            if !cx.shared.recent.is_empty() {
+                ui.add_space(8.0);
+                ui.weak("opened before");
+            }
+            for path in cx.shared.recent.iter().take(5) {
+                if ui.link(path).clicked() {
+                    cx.shared.open = Some(path.clone());
+                }
+            }
+            ui.add_space(8.0);
+            ui.weak("or begin with a lesson");
+            for lesson in [Command::LessonRay, Command::LessonGrid, Command::LessonCrack] {
+                if ui.link(lesson.name()).clicked() {
+                    cx.todo.push(lesson);
+                }
             }
         });
     }
@@ -356,7 +382,7 @@ impl StreamView {
             && let Some(at) = response.hover_pos()
         {
             let texel = (at - origin) / scale;
-            let scale = (scale * zoom).clamp(0.01, 512.0);
+            let scale = (scale * zoom).clamp(0.01, 256.0);
             let center = texel + (rect.center() - at) / scale;
             (self.look.scale, self.look.center) = (Some(scale), [center.x, center.y]);
         } else if response.dragged() && response.drag_delta() != Vec2::ZERO {
@@ -379,15 +405,23 @@ impl StreamView {
     ) {
         let points = ui.ctx().pixels_per_point();
         let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let now = (cx.model.generation, cx.model.place);
+        // Between two places the streams belong to neither: what was taken last stays.
+        if let Some(texture) = cx.model.texture(stream).filter(|_| self.pinned.is_none() && !cx.model.is_moving()) {
+            self.still.take(cx.canvas, now, stream, texture);
+        }
         let source = match &self.pinned {
-            Some(pinned) => Some(&pinned.texture),
-            None => cx.model.texture(stream),
+            Some(pinned) => Some((now, &pinned.texture)),
+            None => self.still.of(stream).filter(|(moment, _)| moment.0 == now.0),
         };
+        if source.is_none_or(|(moment, _)| moment != now) {
+            ui.ctx().request_repaint();
+        }
+        let Some((moment, texture)) = source else { return };
         let (range, colors) = (self.range(), self.colors(stream, layer.unwrap_or(0)));
         let offset = (origin - rect.min) * points;
         let drawn = Drawn {
-            generation: cx.model.generation,
-            place: cx.model.place,
+            moment,
             stream,
             layer: layer.unwrap_or(0),
             meaning,
@@ -398,9 +432,7 @@ impl StreamView {
             scale: scale * points,
         };
         let (target, is_new) = self.picture.target(cx.canvas, size);
-        // Between two places the streams belong to neither: what was drawn last stays.
-        let may_draw = self.pinned.is_some() || !cx.model.is_moving();
-        if let Some(texture) = source.filter(|_| may_draw && (is_new || self.drawn != Some(drawn))) {
+        if is_new || self.drawn != Some(drawn) {
             let picture = stream::Picture {
                 stream,
                 texture,
@@ -415,8 +447,6 @@ impl StreamView {
             };
             cx.canvas.streams.draw(&picture, target);
             self.drawn = Some(drawn);
-        } else if !may_draw {
-            ui.ctx().request_repaint();
         }
         if let Some(id) = self.picture.id() {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));

@@ -1,0 +1,49 @@
+//! What is kept from one start to the next: the layout, watches, the last place, recent files.
+
+use egui_tiles::Tree;
+
+use super::Inspector;
+use super::pane::Pane;
+use crate::saved::Saved;
+use crate::session::Watch;
+
+impl Inspector {
+    /// Takes over what was kept. What cannot be read is said, and left at its defaults.
+    pub fn restore(&mut self, bytes: &[u8]) {
+        let (saved, error) = Saved::from_bytes_or_default(bytes);
+        if let Some(error) = error {
+            self.fail(error.to_string());
+        }
+        if let Some(tree) = saved.layout.as_deref().and_then(|text| ron::from_str::<Tree<Pane>>(text).ok()) {
+            self.tree = tree;
+        }
+        if let Some(watches) = saved.watches.as_deref().and_then(|text| ron::from_str::<Vec<(Watch, bool)>>(text).ok())
+        {
+            self.shared.watches = watches;
+        }
+        self.shared.recent = saved.recent().to_vec();
+        self.shared.last_place = saved.link.as_ref().map(ToString::to_string);
+        self.saved = saved;
+    }
+
+    /// Hands the host what is to be kept.
+    pub fn keep(&mut self) {
+        self.saved.layout = ron::to_string(&self.tree).ok();
+        self.saved.watches = ron::to_string(&self.shared.watches).ok();
+        if let Some(link) = self.link() {
+            self.saved.link = Some(link);
+        }
+        match self.saved.to_text() {
+            Ok(text) => self.host.remember(&text),
+            Err(error) => self.fail(error.to_string()),
+        }
+    }
+
+    /// A scene was read from a file.
+    pub(super) fn remember_file(&mut self) {
+        if let Some(path) = self.path.as_deref().filter(|path| *path != super::lessons::BUILT_IN) {
+            self.saved.opened(path);
+            self.shared.recent = self.saved.recent().to_vec();
+        }
+    }
+}
