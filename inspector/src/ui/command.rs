@@ -316,8 +316,12 @@ pub(super) fn pressed(ctx: &egui::Context) -> Vec<Command> {
         let m = s.modifiers;
         std::cmp::Reverse([m.alt, m.shift, m.ctrl, m.command].iter().filter(|&&on| on).count())
     });
+    // A key that was pressed twice since the last frame counts twice.
+    let times = |input: &mut egui::InputState, shortcut: &KeyboardShortcut| {
+        input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key)
+    };
     ctx.input_mut(|input| {
-        keys.iter().filter(|(_, shortcut)| input.consume_shortcut(shortcut)).map(|(info, _)| info.command).collect()
+        keys.iter().flat_map(|(info, shortcut)| vec![info.command; times(input, shortcut)]).collect()
     })
 }
 
