@@ -79,6 +79,7 @@ impl PaneKind {
             Self::Stream => Box::<panels::stream::StreamView>::default(),
             Self::Ray => Box::<panels::ray::RayView>::default(),
             Self::Options => Box::<panels::options::Options>::default(),
+            Self::Walk3d => Box::<panels::walk3d::Walk3d>::default(),
             Self::Timeline => Box::<panels::timeline::Timeline>::default(),
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),

@@ -1,0 +1,122 @@
+//! The walk of the ray that is followed, worked out anew only when the ray or its row changes.
+
+use std::sync::Arc;
+
+use raystep_kernels::export::trace::Trace;
+
+use super::ray::current_row;
+use crate::session::Model;
+use crate::walk::{Structure, WalkGeometry};
+
+/// A walk up to the last pass that has run.
+#[derive(Default)]
+pub(super) struct Walked {
+    /// The ray's life; `None` while no ray is followed.
+    pub(super) life: Option<Arc<Trace>>,
+    /// The last row whose pass has run.
+    pub(super) row: Option<usize>,
+    /// The walk up to it; `None` before the ray's first pass.
+    pub(super) walk: Option<WalkGeometry>,
+    /// Grows with every change.
+    pub(super) version: u64,
+}
+
+impl Walked {
+    /// Takes over what the model knows now. Whether the ray is another one.
+    pub(super) fn update(&mut self, model: &Model) -> bool {
+        let life = model.life.clone();
+        let row = life.as_ref().and_then(|life| current_row(life, model.place));
+        let is_same = match (&life, &self.life) {
+            (Some(now), Some(then)) => Arc::ptr_eq(now, then),
+            (now, then) => now.is_none() && then.is_none(),
+        };
+        if is_same && row == self.row {
+            return false;
+        }
+        let data = model.opened.as_ref().map(|opened| &opened.data);
+        let all = life.as_ref().zip(row).zip(data);
+        self.walk = all.map(|((life, row), data)| WalkGeometry::new(life, data, row));
+        (self.life, self.row) = (life, row);
+        self.version += 1;
+        !is_same
+    }
+}
+
+/// A walk in one line: where the ray is, how far it has come, and what it tested or hit.
+pub(super) fn describe(walk: &WalkGeometry) -> String {
+    let mut parts = Vec::new();
+    let count = |n: usize, one: &str| format!("{n} {one}{} visited", if n == 1 { "" } else { "s" });
+    match walk.structure {
+        Structure::Grid => {
+            let at = walk.current_cell().map(|cell| cell.cell);
+            parts.push(at.map_or_else(|| "outside of the grid".into(), |[x, y, z]| format!("cell {x},{y},{z}")));
+            parts.push(count(walk.cells.len(), "cell"));
+        }
+        Structure::Tree => {
+            parts.push(walk.current_node.map_or_else(|| "outside of the tree".into(), |node| format!("node {node}")));
+            parts.push(count(walk.nodes.len(), "node"));
+        }
+        Structure::Nothing => {
+            parts.push(format!(
+                "{} triangle{} tested",
+                walk.tested.len(),
+                if walk.tested.len() == 1 { "" } else { "s" }
+            ));
+        }
+    }
+    let now = walk.tested.last().filter(|tested| Some(tested.row) == walk.row);
+    match (now, walk.hit) {
+        (Some(tested), _) => parts.push(format!("triangle {} {}", tested.triangle, tested.outcome.name())),
+        (None, Some(hit)) => parts.push(format!("triangle {} hit", hit.triangle)),
+        (None, None) => parts.push(if walk.is_over { "nothing hit".into() } else { "nothing hit yet".into() }),
+    }
+    parts.join("; ")
+}
+
+/// A length or t with four significant digits.
+pub(super) fn number(t: f64) -> String {
+    // No minus before a zero.
+    let (t, size) = (t + 0.0, t.abs());
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{t:.3e}");
+    }
+    let before = if size >= 1.0 { size.log10() as usize + 1 } else { 1 };
+    format!("{t:.*}", 4usize.saturating_sub(before))
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use raystep_kernels::scene_data::SceneData;
+    use raystep_kernels::{Accelerator, Options};
+
+    use super::*;
+    use crate::walk::tests::{CORNELL, options, scene, traced};
+
+    /// A ray of the Cornell box that meets a box in it.
+    pub(in super::super) fn life(accelerator: Accelerator) -> (Trace, SceneData) {
+        let scene = scene(CORNELL);
+        traced(&scene, &Options { accelerator, ..options(&scene) }, [44, 50])
+    }
+
+    #[test]
+    fn a_walk_says_where_it_is() {
+        let (life, data) = life(Accelerator::Grid);
+        let whole = WalkGeometry::new(&life, &data, usize::MAX);
+        let hit = whole.hit.expect("a hit").triangle;
+        let cells = whole.cells.len();
+        let text = describe(&whole);
+        assert!(
+            text.contains(&format!("{cells} cells visited")) && text.ends_with(&format!("triangle {hit} hit")),
+            "{text}"
+        );
+        let missed = whole.tested.iter().find(|test| !test.outcome.is_hit()).expect("a miss");
+        let text = describe(&WalkGeometry::new(&life, &data, missed.row));
+        assert!(text.starts_with("cell ") && text.ends_with(&format!("triangle {} missed", missed.triangle)), "{text}");
+    }
+
+    #[test]
+    fn numbers_have_four_digits() {
+        let texts = [0.0, -0.0, 0.5, 1.0, 12.345_67, 1234.56, 54321.0, 1e-9, 2e9].map(number);
+        assert_eq!(texts, ["0.000", "0.000", "0.500", "1.000", "12.35", "1235", "54321", "1.000e-9", "2.000e9"]);
+    }
+}
