@@ -80,6 +80,7 @@ impl PaneKind {
             Self::Ray => Box::<panels::ray::RayView>::default(),
             Self::Options => Box::<panels::options::Options>::default(),
             Self::Walk3d => Box::<panels::walk3d::Walk3d>::default(),
+            Self::Walk2d => Box::<panels::walk2d::Walk2d>::default(),
             Self::Timeline => Box::<panels::timeline::Timeline>::default(),
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),

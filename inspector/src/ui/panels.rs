@@ -8,6 +8,7 @@ pub(super) mod passes;
 pub(super) mod ray;
 pub(super) mod stream;
 pub(super) mod timeline;
+pub(super) mod walk2d;
 pub(super) mod walk3d;
 mod walked;
 pub(super) mod watches;
