@@ -81,6 +81,7 @@ impl PaneKind {
             Self::Options => Box::<panels::options::Options>::default(),
             Self::Walk3d => Box::<panels::walk3d::Walk3d>::default(),
             Self::Walk2d => Box::<panels::walk2d::Walk2d>::default(),
+            Self::Kernel => Box::<panels::kernel::KernelView>::default(),
             Self::Timeline => Box::<panels::timeline::Timeline>::default(),
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),

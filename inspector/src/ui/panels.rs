@@ -2,6 +2,7 @@
 
 pub(super) mod compare;
 pub(super) mod divergence;
+pub(super) mod kernel;
 pub(super) mod log;
 pub(super) mod options;
 pub(super) mod passes;

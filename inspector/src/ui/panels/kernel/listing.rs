@@ -1,0 +1,190 @@
+//! A source with line numbers and marks. Only the rows in view are laid out.
+
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, TextStyle, vec2};
+
+use super::first_taken;
+use crate::source::{Class, Line, Mark};
+
+/// Lines of a source.
+#[derive(Default)]
+pub(super) struct Listing {
+    lines: Vec<Line>,
+    /// Characters of the longest line.
+    longest: usize,
+    /// The line that is to be scrolled to.
+    scroll_to: Option<usize>,
+}
+
+impl Listing {
+    /// Shows other lines, and scrolls to the first branch that was taken.
+    pub(super) fn set(&mut self, lines: Vec<Line>) {
+        self.longest = lines.iter().map(|line| line.text.chars().count()).max().unwrap_or(0);
+        self.scroll_to = Some(first_taken(&lines).unwrap_or(0));
+        self.lines = lines;
+    }
+
+    /// All of it.
+    pub(super) fn text(&self) -> String {
+        self.lines.iter().flat_map(|line| [line.text.as_str(), "\n"]).collect()
+    }
+
+    pub(super) fn show(&mut self, ui: &mut egui::Ui) {
+        let font = TextStyle::Monospace.resolve(ui.style());
+        let height = ui.text_style_height(&TextStyle::Monospace) + 2.0;
+        let character = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
+        ui.spacing_mut().item_spacing.y = 0.0;
+        let mut area = egui::ScrollArea::both().auto_shrink(false);
+        if let Some(line) = self.scroll_to.take() {
+            // What leads to the branch is seen as well.
+            let above = ui.available_height() * 0.3;
+            area = area.vertical_scroll_offset((line as f32 * height - above).max(0.0));
+        }
+        let digits = self.lines.len().max(1).ilog10() as usize + 1;
+        let margin = (digits as f32 + 1.0) * character + 10.0;
+        let width = margin + (self.longest as f32 + 1.0) * character;
+        let is_marked = self.lines.iter().any(|line| matches!(line.mark, Mark::Run | Mark::Unknown));
+        area.show_rows(ui, height, self.lines.len(), |ui, rows| {
+            ui.set_min_width(width);
+            for number in rows {
+                let Some(line) = self.lines.get(number) else { continue };
+                ui.horizontal(|ui| {
+                    ui.set_height(height);
+                    ui.spacing_mut().item_spacing.x = 0.0;
+                    let (gutter, _) = ui.allocate_exact_size(vec2(margin, height), Sense::hover());
+                    paint_gutter(ui, gutter, number + 1, line.mark, &font);
+                    let job = job(line, &font, ui.visuals(), is_marked);
+                    let text = egui::Label::new(job).selectable(true).extend();
+                    let response = ui.add(text);
+                    if let Some(text) = meaning(line.mark) {
+                        response.on_hover_text(text);
+                    }
+                });
+            }
+        });
+    }
+}
+
+/// What a mark says, in words.
+fn meaning(mark: Mark) -> Option<&'static str> {
+    match mark {
+        Mark::Plain | Mark::Run => None,
+        Mark::NotRun => Some("did not run for this ray in this pass"),
+        Mark::Unknown => Some("the ray's streams do not tell whether this ran"),
+        Mark::LeftOut => Some("left out of this plan"),
+    }
+}
+
+/// What the bars mean.
+pub(super) fn legend(ui: &mut egui::Ui) {
+    for (mark, name) in [(Mark::Run, "ran"), (Mark::Unknown, "not known")] {
+        let (rect, _) = ui.allocate_exact_size(vec2(5.0, 12.0), Sense::hover());
+        paint_bar(ui.painter(), rect, mark, ui.visuals());
+        let label = ui.add(egui::Label::new(egui::RichText::new(name).small()).extend());
+        label.on_hover_text(meaning(mark).unwrap_or("ran for this ray in this pass; what did not run is dim"));
+    }
+}
+
+fn paint_gutter(ui: &egui::Ui, rect: Rect, number: usize, mark: Mark, font: &FontId) {
+    let right = rect.right_center() - vec2(9.0, 0.0);
+    let color = ui.visuals().weak_text_color();
+    let color = if mark == Mark::Run { ui.visuals().text_color() } else { color.gamma_multiply(0.8) };
+    ui.painter().text(right, Align2::RIGHT_CENTER, number, font.clone(), color);
+    let bar = Rect::from_min_max(rect.right_top() - vec2(6.0, 0.0), rect.right_bottom() - vec2(3.0, 0.0));
+    paint_bar(ui.painter(), bar, mark, ui.visuals());
+}
+
+fn paint_bar(painter: &egui::Painter, rect: Rect, mark: Mark, visuals: &egui::Visuals) {
+    let pick = |dark: [u8; 3], light: [u8; 3]| {
+        let [r, g, b] = if visuals.dark_mode { dark } else { light };
+        Color32::from_rgb(r, g, b)
+    };
+    match mark {
+        Mark::Run => drop(painter.rect_filled(rect, 0.0, pick([80, 200, 120], [20, 140, 65]))),
+        // A shape of its own, not only a colour.
+        Mark::Unknown => {
+            let stroke = Stroke::new(2.0, pick([225, 165, 60], [185, 115, 0]));
+            let line = [rect.center_top() + vec2(0.0, 1.0), rect.center_bottom()];
+            painter.extend(egui::Shape::dashed_line(&line, stroke, 3.0, 3.0));
+        }
+        Mark::Plain | Mark::NotRun | Mark::LeftOut => {}
+    }
+}
+
+/// A line in colours.
+fn job(line: &Line, font: &FontId, visuals: &egui::Visuals, is_marked: bool) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    // Comments and declarations between lines that ran stay readable, but do not call.
+    let opacity = match line.mark {
+        Mark::Run => 1.0,
+        Mark::Unknown => 0.9,
+        Mark::Plain => {
+            if is_marked {
+                0.75
+            } else {
+                1.0
+            }
+        }
+        Mark::NotRun => 0.45,
+        Mark::LeftOut => 0.35,
+    };
+    let strike = if line.mark == Mark::LeftOut { visuals.weak_text_color() } else { Color32::TRANSPARENT };
+    for (range, class) in &line.spans {
+        let Some(text) = line.text.get(range.clone()) else { continue };
+        let color = color(*class, visuals).gamma_multiply(opacity);
+        // No line through an indentation.
+        let (space, words) = text.split_at(text.len() - text.trim_start().len());
+        for (text, strikethrough) in [(space, Stroke::NONE), (words, Stroke::new(1.0, strike))] {
+            if !text.is_empty() {
+                job.append(
+                    text,
+                    0.0,
+                    TextFormat { font_id: font.clone(), color, strikethrough, ..TextFormat::default() },
+                );
+            }
+        }
+    }
+    job
+}
+
+fn color(class: Class, visuals: &egui::Visuals) -> Color32 {
+    let [r, g, b] = match (class, visuals.dark_mode) {
+        (Class::Plain, _) => return visuals.strong_text_color(),
+        (Class::Keyword, true) => [205, 145, 230],
+        (Class::Keyword, false) => [130, 30, 150],
+        (Class::Type, true) => [90, 205, 190],
+        (Class::Type, false) => [0, 115, 110],
+        (Class::Number, true) => [240, 170, 105],
+        (Class::Number, false) => [165, 75, 0],
+        (Class::Comment, true) => [140, 155, 140],
+        (Class::Comment, false) => [85, 110, 85],
+        (Class::Attribute, true) => [225, 205, 120],
+        (Class::Attribute, false) => [125, 100, 0],
+        (Class::Function, true) => [120, 180, 250],
+        (Class::Function, false) => [20, 80, 185],
+    };
+    Color32::from_rgb(r, g, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source;
+
+    #[test]
+    fn the_whole_line_is_laid_out_and_what_is_left_out_is_struck() {
+        let mut lines = source::lines("  let a = f(1u); // one\n@if(grid) x();\n");
+        lines[1].mark = Mark::LeftOut;
+        let visuals = egui::Visuals::dark();
+        let jobs = lines.iter().map(|line| job(line, &FontId::monospace(12.0), &visuals, true)).collect::<Vec<_>>();
+        for (line, job) in lines.iter().zip(&jobs) {
+            assert_eq!(job.text, line.text);
+        }
+        let struck =
+            |job: &LayoutJob| job.sections.iter().any(|s| s.format.strikethrough.color != Color32::TRANSPARENT);
+        assert!(struck(&jobs[1]) && !struck(&jobs[0]));
+        let mut listing = Listing::default();
+        listing.set(lines);
+        assert_eq!(listing.text(), "  let a = f(1u); // one\n@if(grid) x();\n");
+    }
+}
