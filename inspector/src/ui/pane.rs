@@ -83,6 +83,7 @@ impl PaneKind {
             Self::Walk2d => Box::<panels::walk2d::Walk2d>::default(),
             Self::Kernel => Box::<panels::kernel::KernelView>::default(),
             Self::Timeline => Box::<panels::timeline::Timeline>::default(),
+            Self::Plan => Box::<panels::plan::PlanView>::default(),
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),
             Self::Divergence => Box::<panels::divergence::Divergence>::default(),

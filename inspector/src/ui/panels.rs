@@ -6,6 +6,7 @@ pub(super) mod kernel;
 pub(super) mod log;
 pub(super) mod options;
 pub(super) mod passes;
+pub(super) mod plan;
 pub(super) mod ray;
 pub(super) mod stream;
 pub(super) mod timeline;

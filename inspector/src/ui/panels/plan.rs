@@ -1,0 +1,200 @@
+//! What the run needs, and what it does without, with the reason.
+
+use egui::{Align2, CollapsingHeader, Color32, FontId, Grid, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use raystep_kernels::plan::{Because, Bytes};
+use raystep_kernels::{Plan, buffer, state};
+
+use crate::ui::pane::{Context, Panel};
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct PlanView {
+    generation: u64,
+    parts: Vec<Part>,
+}
+
+/// Something that takes memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Part {
+    name: &'static str,
+    bytes: u64,
+    is_stream: bool,
+}
+
+impl Panel for PlanView {
+    fn title(&self) -> String {
+        "Plan".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let Some(opened) = &cx.model.opened else {
+            ui.weak("open a scene, and what its run needs appears here");
+            return;
+        };
+        let plan = &opened.plan;
+        if self.generation != cx.model.generation {
+            self.generation = cx.model.generation;
+            self.parts = parts(plan);
+        }
+        ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.strong(Bytes(plan.bytes()).to_string()).on_hover_text(format!("{} bytes", plan.bytes()));
+                ui.label(format!(
+                    "for {} × {} texels, {} rays, {} triangles",
+                    plan.width, plan.height, plan.rays, plan.triangles
+                ));
+            });
+            bar(ui, &self.parts);
+            section(ui, "kernels", format!("Kernels: {}", plan.variants.len()), |ui| kernels(ui, plan));
+            let bytes = |is_stream: bool| {
+                let of_kind = self.parts.iter().filter(|part| part.is_stream == is_stream);
+                Bytes(of_kind.map(|part| part.bytes).sum())
+            };
+            let title = format!("Streams: {}, {}", plan.streams.len(), bytes(true));
+            section(ui, "streams", title, |ui| streams(ui, plan));
+            let title = format!("Buffers: {}, {}", plan.buffers.len(), bytes(false));
+            section(ui, "buffers", title, |ui| buffers(ui, plan));
+            section(ui, "left out", format!("Left out: {}", plan.left_out.len()), |ui| left_out(ui, plan));
+        });
+    }
+}
+
+fn section(ui: &mut Ui, id: &str, title: String, show: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(RichText::new(title).strong()).id_salt(id).default_open(true).show(ui, show);
+}
+
+/// Streams and buffers, the largest first, streams before buffers.
+fn parts(plan: &Plan) -> Vec<Part> {
+    let streams = plan.streams.iter().map(|s| Part { name: s.what.name(), bytes: s.bytes, is_stream: true });
+    let buffers = plan.buffers.iter().map(|b| Part { name: b.what, bytes: b.bytes, is_stream: false });
+    let mut parts: Vec<Part> = streams.chain(buffers).collect();
+    parts.sort_by_key(|part| std::cmp::Reverse((part.is_stream, part.bytes)));
+    parts
+}
+
+/// A bar of bytes: streams, then buffers.
+fn bar(ui: &mut Ui, parts: &[Part]) {
+    let whole: u64 = parts.iter().map(|part| part.bytes).sum();
+    let width = ui.available_width().clamp(60.0, 900.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 22.0), Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let mut left = rect.left();
+    let mut hovered = None;
+    for (i, part) in parts.iter().enumerate() {
+        let width = part.bytes as f32 / whole.max(1) as f32 * rect.width();
+        let piece = Rect::from_min_max(pos2(left, rect.top()), pos2(left + width, rect.bottom()));
+        left += width;
+        // Neighbours of a kind differ a little.
+        let shade = if i % 2 == 0 { 1.0 } else { 0.8 };
+        let color = if part.is_stream { Color32::from_rgb(66, 124, 200) } else { Color32::from_rgb(90, 165, 90) };
+        painter.rect_filled(piece, 0.0, color.gamma_multiply(shade));
+        if part.name.len() as f32 * 7.0 < width {
+            painter.text(piece.center(), Align2::CENTER_CENTER, part.name, FontId::proportional(11.0), Color32::WHITE);
+        }
+        if response.hover_pos().is_some_and(|at| piece.x_range().contains(at.x)) {
+            hovered = Some(part);
+        }
+    }
+    let text = format!("{} of memory: streams, then buffers", Bytes(whole));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+    if let Some(part) = hovered {
+        let kind = if part.is_stream { "stream" } else { "buffer" };
+        let share = part.bytes as f64 / whole.max(1) as f64 * 100.0;
+        response.on_hover_text_at_pointer(format!("{kind} {}\n{}, {share:.1}%", part.name, Bytes(part.bytes)));
+    }
+}
+
+fn kernels(ui: &mut Ui, plan: &Plan) {
+    Grid::new("kernels").striped(true).num_columns(3).show(ui, |ui| {
+        for variant in &plan.variants {
+            let info = variant.kernel.info();
+            let names = |wanted: &dyn Fn(bool, bool) -> bool| {
+                let bound = variant.bindings.iter().filter(|b| wanted(b.reads, b.writes));
+                bound.map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
+            };
+            let states: Vec<_> = info.active.iter().map(|&tag| state::name(tag)).collect();
+            ui.monospace(info.name).on_hover_text(format!("{}\nworks on rays in {}", info.summary, states.join(", ")));
+            ui.label(format!("{} bindings", variant.bindings.len())).on_hover_text(format!(
+                "reads: {}\nwrites: {}\nupdates in place: {}",
+                names(&|reads, writes| reads && !writes),
+                names(&|reads, writes| writes && !reads),
+                names(&|reads, writes| reads && writes),
+            ));
+            ui.label(info.summary);
+            ui.end_row();
+        }
+    });
+}
+
+fn bytes(ui: &mut Ui, bytes: u64) {
+    ui.monospace(format!("{:>11}", Bytes(bytes).to_string())).on_hover_text(format!("{bytes} bytes"));
+}
+
+fn streams(ui: &mut Ui, plan: &Plan) {
+    Grid::new("streams").striped(true).num_columns(4).show(ui, |ui| {
+        for stream in &plan.streams {
+            let info = stream.what.info();
+            ui.monospace(info.name);
+            bytes(ui, stream.bytes);
+            ui.label(info.layers.join(" ")).on_hover_text("a layer of the texture each");
+            ui.label(info.unit);
+            ui.end_row();
+        }
+    });
+}
+
+fn buffers(ui: &mut Ui, plan: &Plan) {
+    Grid::new("buffers").striped(true).num_columns(3).show(ui, |ui| {
+        for planned in &plan.buffers {
+            ui.monospace(planned.what);
+            bytes(ui, planned.bytes);
+            match buffer::info(planned.what) {
+                Some(info) => ui.label(info.element),
+                None => ui.weak("the executor's own"),
+            };
+            ui.end_row();
+        }
+    });
+}
+
+fn left_out(ui: &mut Ui, plan: &Plan) {
+    for (because, title) in [
+        (Because::Scene, "The scene does not have it"),
+        (Because::Options, "The options do not ask for it"),
+        (Because::View, "The result does not show it"),
+    ] {
+        let items: Vec<_> = plan.left_out.iter().filter(|item| item.because == because).collect();
+        if items.is_empty() {
+            continue;
+        }
+        ui.label(RichText::new(format!("{title}: {}", items.len())).italics());
+        Grid::new(title).striped(true).num_columns(2).show(ui, |ui| {
+            for item in items {
+                ui.monospace(&item.what);
+                ui.label(item.reason);
+                ui.end_row();
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::{Limits, Options, RaySource};
+    use raystep_scenes::generate;
+
+    use super::*;
+
+    #[test]
+    fn every_byte_is_in_the_bar() {
+        let scene = generate::cornell_box();
+        let camera = scene.cameras[0].clone();
+        let options = Options::new(RaySource::Camera { camera, width: 16, height: 8 });
+        let plan = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene").0;
+        let parts = parts(&plan);
+        assert_eq!(parts.iter().map(|part| part.bytes).sum::<u64>(), plan.bytes());
+        assert!(parts.is_sorted_by_key(|part| std::cmp::Reverse((part.is_stream, part.bytes))));
+        assert!(parts[0].is_stream && parts.last().is_some_and(|part| !part.is_stream));
+    }
+}
