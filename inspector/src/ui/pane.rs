@@ -84,6 +84,8 @@ impl PaneKind {
             Self::Kernel => Box::<panels::kernel::KernelView>::default(),
             Self::Timeline => Box::<panels::timeline::Timeline>::default(),
             Self::Plan => Box::<panels::plan::PlanView>::default(),
+            Self::Timings => Box::<panels::timings::Timings>::default(),
+            Self::Structure => Box::<panels::structure::Structure>::default(),
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),
             Self::Divergence => Box::<panels::divergence::Divergence>::default(),

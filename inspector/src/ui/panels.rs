@@ -1,5 +1,6 @@
 //! One file a panel.
 
+mod chart;
 pub(super) mod compare;
 pub(super) mod divergence;
 pub(super) mod kernel;
@@ -9,7 +10,9 @@ pub(super) mod passes;
 pub(super) mod plan;
 pub(super) mod ray;
 pub(super) mod stream;
+pub(super) mod structure;
 pub(super) mod timeline;
+pub(super) mod timings;
 pub(super) mod walk2d;
 pub(super) mod walk3d;
 mod walked;

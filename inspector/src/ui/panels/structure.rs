@@ -1,0 +1,230 @@
+//! What keeps rays from testing every triangle: the grid's lists, a slice through them, or the tree's nodes.
+
+mod picture;
+mod slice;
+
+use std::sync::Arc;
+
+use egui::{RichText, ScrollArea, Ui};
+use raystep_kernels::scene_data::SceneData;
+
+use super::chart::Histogram;
+use crate::session::grid_stats::{GridStats, LENGTHS, TreeStats, triangles_in};
+use crate::session::request::{JobContext, JobFuture, Request};
+use crate::ui::pane::{Context, Panel};
+use slice::SliceView;
+
+/// What the engine is asked for, and what goes on meanwhile.
+const MEASURING: &str = "measuring the grid or tree";
+/// Most triangles of a list that are shown.
+const MOST_CHIPS: usize = 400;
+/// Height of a histogram, points.
+const BARS: f32 = 86.0;
+
+/// A grid or tree in numbers.
+#[derive(Clone, Debug)]
+enum Measured {
+    Grid(GridStats),
+    Tree(TreeStats),
+    Nothing,
+}
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct Structure {
+    asked: u64,
+    measured: Option<(u64, Measured)>,
+    slice: SliceView,
+}
+
+impl Panel for Structure {
+    fn title(&self) -> String {
+        "Grid and tree".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let Some(opened) = &cx.model.opened else {
+            ui.weak("open a scene, and its grid or tree is shown here");
+            return;
+        };
+        let data = opened.data.clone();
+        self.measure(&data, cx);
+        match self.measured.clone() {
+            Some((_, Measured::Grid(stats))) => self.grid(ui, cx, &data, &stats),
+            Some((_, Measured::Tree(stats))) => drop(ScrollArea::vertical().show(ui, |ui| tree(ui, &stats))),
+            Some((_, Measured::Nothing)) => {
+                ui.label(format!(
+                    "no grid and no tree: every ray is tested against all {} triangles",
+                    data.info.triangles
+                ));
+            }
+            None if cx.model.is_busy() => drop(ui.weak(format!("{MEASURING} …"))),
+            None => {
+                // It was cancelled.
+                if ui.button("Measure the grid or tree").clicked() {
+                    self.asked = 0;
+                }
+            }
+        }
+    }
+}
+
+impl Structure {
+    /// Asks once a run, and takes the answer.
+    fn measure(&mut self, data: &Arc<SceneData>, cx: &mut Context<'_>) {
+        let generation = cx.model.generation;
+        if self.measured.as_ref().is_some_and(|(of, _)| *of != generation) {
+            self.measured = None;
+            self.slice.forget();
+        }
+        if let Some(answer) = cx.model.take_answer::<(u64, Measured)>(MEASURING)
+            && answer.0 == generation
+        {
+            self.measured = Some(*answer);
+        }
+        if self.measured.is_none() && self.asked != generation {
+            self.asked = generation;
+            let data = data.clone();
+            cx.model.ask(Request::Job(MEASURING, Box::new(move |job| measure(job, data, generation))));
+        }
+    }
+
+    fn grid(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, stats: &GridStats) {
+        // Side by side where there is room.
+        let is_wide = ui.available_width() > 640.0;
+        let size = ui.available_size();
+        if is_wide {
+            ui.horizontal_top(|ui| {
+                let picture = egui::vec2((size.x * 0.55).min(size.x - 300.0), size.y);
+                ui.allocate_ui_with_layout(picture, egui::Layout::top_down(egui::Align::Min), |ui| {
+                    self.slice.show(ui, cx, data, stats.longest, picture.y);
+                });
+                ui.allocate_ui_with_layout(ui.available_size(), egui::Layout::top_down(egui::Align::Min), |ui| {
+                    ScrollArea::vertical()
+                        .id_salt("numbers")
+                        .auto_shrink(false)
+                        .show(ui, |ui| self.numbers(ui, data, stats));
+                });
+            });
+        } else {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                // What is below can be seen to go on.
+                self.slice.show(ui, cx, data, stats.longest, (size.y * 0.6).max(140.0));
+                self.numbers(ui, data, stats);
+            });
+        }
+    }
+
+    fn numbers(&mut self, ui: &mut Ui, data: &SceneData, stats: &GridStats) {
+        self.list(ui, data);
+        let [x, y, z] = stats.cells;
+        ui.horizontal_wrapped(|ui| {
+            ui.strong(format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in all", stats.cells_in_all()));
+            ui.label(format!("{:.1}% of them list a triangle", stats.occupancy() * 100.0))
+                .on_hover_text(format!("{} cells", stats.occupied));
+            ui.label(format!("{:.2} triangles a list", stats.mean_length()))
+                .on_hover_text("of those that are not empty");
+            ui.label(format!("{:.2} cells a triangle", stats.references_per_triangle()))
+                .on_hover_text(format!("{} references in all lists", stats.references));
+            let text = format!("longest list: {}", stats.longest);
+            if ui.link(text).on_hover_text("selects the first cell with such a list").clicked() && stats.longest > 0 {
+                self.slice.select(data, data.grid.cell_of_index(stats.longest_cell));
+            }
+            if let Some(triangle) = stats.most_listed_triangle {
+                let text = format!("triangle {triangle} is in {} lists", stats.most_listed);
+                if ui.link(text).on_hover_text("in more than any other; marks its cells in the slice").clicked() {
+                    self.slice.triangle = Some(triangle);
+                }
+            }
+        });
+        ui.label("cells by length of their list").on_hover_text("heights by logarithm");
+        let about = |length: usize, cells: u64| format!("{cells} cells list {length}{} triangles", open(length));
+        let is_open = true;
+        Histogram { counts: &stats.lengths, name: "cells by length of their list", about: &about, is_open }
+            .show(ui, BARS);
+        ui.label("triangles by cells that list them").on_hover_text("heights by logarithm");
+        let about = |cells: usize, triangles: u64| format!("{triangles} triangles are in {cells}{} lists", open(cells));
+        Histogram { counts: &stats.listings, name: "triangles by cells that list them", about: &about, is_open }
+            .show(ui, BARS);
+    }
+
+    /// The selected cell's triangles.
+    fn list(&mut self, ui: &mut Ui, data: &SceneData) {
+        let Some(cell) = self.slice.cell().filter(|&cell| data.grid.is_in_grid(cell)) else {
+            ui.weak("click a cell, and its list appears here");
+            return;
+        };
+        let [x, y, z] = cell;
+        let triangles = triangles_in(data, data.grid.cell_index(cell));
+        ui.horizontal_wrapped(|ui| {
+            ui.strong(format!("cell {x},{y},{z}")).on_hover_text(format!("number {}", data.grid.cell_index(cell)));
+            ui.label(match triangles.len() {
+                0 => "lists nothing".into(),
+                1 => "lists 1 triangle".into(),
+                n => format!("lists {n} triangles"),
+            });
+            for &triangle in triangles.iter().take(MOST_CHIPS) {
+                let is_marked = self.slice.triangle == Some(triangle);
+                let chip = egui::Button::selectable(is_marked, RichText::new(triangle.to_string()).monospace());
+                let chip = ui.add(chip.stroke(ui.visuals().widgets.noninteractive.bg_stroke));
+                if chip.on_hover_ui(|ui| corners(ui, data, triangle)).clicked() {
+                    self.slice.triangle = (!is_marked).then_some(triangle);
+                }
+            }
+            if triangles.len() > MOST_CHIPS {
+                ui.weak(format!("and {} more", triangles.len() - MOST_CHIPS));
+            }
+        });
+        ui.separator();
+    }
+}
+
+/// Every number of a grid or tree. The caller's session is not needed: it only lends its time.
+fn measure(_: JobContext<'_>, data: Arc<SceneData>, generation: u64) -> JobFuture<'_> {
+    Box::pin(async move {
+        let tree = || TreeStats::of(&data).map(Measured::Tree);
+        let measured = GridStats::of(&data).map(Measured::Grid).or_else(tree).unwrap_or(Measured::Nothing);
+        Ok(Box::new((generation, measured)) as _)
+    })
+}
+
+/// The last bar of a histogram of lengths stands for all that are as long or longer.
+fn open(length: usize) -> &'static str {
+    if length + 1 == LENGTHS { " or more" } else { "" }
+}
+
+/// Where a triangle is.
+fn corners(ui: &mut Ui, data: &SceneData, triangle: u32) {
+    ui.strong(format!("triangle {triangle}"));
+    let first = triangle as usize * 9;
+    for corner in data.vertices.get(first..first + 9).unwrap_or_default().chunks_exact(3) {
+        ui.monospace(format!("{:>10.5} {:>10.5} {:>10.5}", corner[0], corner[1], corner[2]));
+    }
+    ui.weak("traced units; a click marks its cells in the slice");
+}
+
+fn tree(ui: &mut Ui, stats: &TreeStats) {
+    let levels = stats.depths.len().saturating_sub(1);
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(format!("{} inner nodes", stats.inner)).on_hover_text(format!("of at most {} children", stats.width));
+        ui.label(format!("{} leaves", stats.leaves));
+        ui.label(format!("deepest leaf at level {levels}")).on_hover_text("the root is level 0");
+        ui.label(format!("{} references", stats.references))
+            .on_hover_text("triangles in all leaves; large ones are in several");
+        match stats.sah_cost {
+            Some(cost) => ui.label(format!("SAH cost {cost:.2}")),
+            None => ui.label("SAH cost unknown: the scene's box has no area"),
+        }
+        .on_hover_text(
+            "surface area heuristic (MacDonald and Booth, 1990): expected triangle tests and visits of a node, at the \
+             cost of one test each, for a ray that hits the root's box",
+        );
+    });
+    ui.label("leaves by level").on_hover_text("heights by logarithm");
+    let about = |level: usize, leaves: u64| format!("{leaves} leaves at level {level}");
+    Histogram { counts: &stats.depths, name: "leaves by level", about: &about, is_open: false }.show(ui, BARS);
+    ui.label("leaves by triangles in them").on_hover_text("heights by logarithm");
+    let about = |size: usize, leaves: u64| format!("{leaves} leaves of {size} triangles");
+    Histogram { counts: &stats.sizes, name: "leaves by triangles in them", about: &about, is_open: false }
+        .show(ui, BARS);
+}

@@ -1,0 +1,236 @@
+//! Where the device's time goes: by kernel, and pass by pass.
+
+mod bars;
+
+use std::cmp::Reverse;
+
+use egui::{Grid, RichText, ScrollArea, Ui};
+use raystep_kernels::{Kernel, Pass};
+
+use super::chart::{kernel_color, share_bar};
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+
+/// What all passes of a kernel took.
+#[derive(Clone, Debug, PartialEq)]
+struct KernelTimes {
+    kernel: Kernel,
+    passes: usize,
+    /// Passes whose duration is known.
+    timed: usize,
+    sum_ns: u64,
+    median_ns: u64,
+    /// Rays that all passes worked on.
+    rays: u64,
+    /// Rays that passes of known duration worked on.
+    timed_rays: u64,
+}
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct Timings {
+    /// Generation, place and number of passes that the rest is of.
+    known: Option<(u64, usize, usize)>,
+    kernels: Vec<KernelTimes>,
+    columns: Vec<bars::Column>,
+    /// Heights by logarithm.
+    is_log: bool,
+}
+
+const ABOUT: &str = "Asking for the time of every pass costs several µs a pass. Compare by these times which pass or \
+                     kernel is dear; what a whole run takes is measured by runs without them, as `raystep bench` does.";
+
+impl Panel for Timings {
+    fn title(&self) -> String {
+        "Timings".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if cx.model.passes.is_empty() {
+            ui.weak("step a pass, and what it took appears here");
+            return;
+        }
+        let passes = &cx.model.passes;
+        let known = (cx.model.generation, cx.model.place, passes.len());
+        if self.known != Some(known) {
+            self.known = Some(known);
+            self.kernels = by_kernel(passes);
+            self.columns.clear();
+        }
+        let timed: usize = self.kernels.iter().map(|k| k.timed).sum();
+        ui.horizontal_wrapped(|ui| {
+            if timed == 0 {
+                ui.label("the device has no timestamps: what passes took is unknown").on_hover_text(ABOUT);
+            } else {
+                let all = passes.len();
+                let text = if timed == all {
+                    format!("{all} passes, all timed")
+                } else {
+                    format!("{timed} of {all} passes timed")
+                };
+                ui.label(text).on_hover_text(ABOUT);
+                ui.checkbox(&mut self.is_log, "log").on_hover_text("heights of bars by their logarithm");
+            }
+            for (name, about, command) in [
+                ("CSV…", "save passes as a table", Command::ExportPasses),
+                ("Trace…", "save passes as trace events, which Perfetto opens", Command::ExportTrace),
+            ] {
+                if ui.button(name).on_hover_text(about).clicked() {
+                    cx.todo.push(command);
+                }
+            }
+        });
+        let bottom = ui.max_rect().bottom();
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ScrollArea::horizontal().show(ui, |ui| table(ui, &self.kernels));
+            if timed > 0 {
+                let height = (bottom - ui.cursor().top() - 4.0).max(64.0);
+                bars::show(ui, height, &mut self.columns, self.is_log, cx);
+            }
+        });
+    }
+
+    fn save(&self) -> String {
+        ron::to_string(&self.is_log).unwrap_or_default()
+    }
+
+    fn load(&mut self, saved: &str) {
+        self.is_log = ron::from_str(saved).unwrap_or_default();
+    }
+}
+
+/// What kernels took, the dearest first.
+fn by_kernel(passes: &[Pass]) -> Vec<KernelTimes> {
+    let mut all: Vec<(KernelTimes, Vec<u64>)> = Vec::new();
+    for pass in passes {
+        let at = all.iter().position(|(k, _)| k.kernel == pass.kernel).unwrap_or_else(|| {
+            let kernel = pass.kernel;
+            all.push((
+                KernelTimes { kernel, passes: 0, timed: 0, sum_ns: 0, median_ns: 0, rays: 0, timed_rays: 0 },
+                Vec::new(),
+            ));
+            all.len() - 1
+        });
+        let (times, durations) = &mut all[at];
+        times.passes += 1;
+        times.rays += u64::from(pass.rays_in);
+        if let Some(ns) = pass.duration_ns {
+            times.timed += 1;
+            times.sum_ns = times.sum_ns.saturating_add(ns);
+            times.timed_rays += u64::from(pass.rays_in);
+            durations.push(ns);
+        }
+    }
+    let finished = all.into_iter().map(|(mut times, mut durations)| {
+        if !durations.is_empty() {
+            let middle = durations.len() / 2;
+            times.median_ns = *durations.select_nth_unstable(middle).1;
+        }
+        times
+    });
+    let mut kernels: Vec<KernelTimes> = finished.collect();
+    kernels.sort_by_key(|times| Reverse(times.sum_ns));
+    kernels
+}
+
+const HEADS: [(&str, &str); 7] = [
+    ("kernel", "what ran"),
+    ("passes", "how often"),
+    ("sum", "time on the device, of all of its passes together"),
+    ("median", "half of its passes took longer"),
+    ("share", "of the time of all passes"),
+    ("rays", "that its passes worked on, together: a ray counts in every pass that works on it"),
+    ("rays/µs", "worked on in a µs of the device's time"),
+];
+
+fn table(ui: &mut Ui, kernels: &[KernelTimes]) {
+    let whole: u64 = kernels.iter().map(|k| k.sum_ns).sum();
+    let grid = Grid::new("kernels").striped(true).num_columns(HEADS.len()).spacing([10.0, 3.0]);
+    grid.show(ui, |ui| {
+        for (head, about) in HEADS {
+            ui.strong(head).on_hover_text(about);
+        }
+        ui.end_row();
+        for times in kernels {
+            let name = RichText::new(times.kernel.name());
+            ui.label(name).on_hover_text(times.kernel.info().summary);
+            ui.monospace(times.passes.to_string());
+            if times.timed == 0 {
+                for _ in 0..3 {
+                    ui.weak("unknown");
+                }
+            } else {
+                ui.monospace(duration(times.sum_ns));
+                ui.monospace(duration(times.median_ns));
+                share_bar(ui, times.sum_ns as f64 / whole.max(1) as f64, kernel_color(times.kernel));
+            }
+            ui.monospace(times.rays.to_string());
+            match rate(times) {
+                Some(rate) => ui.monospace(format!("{rate:.1}")),
+                None => ui.weak("unknown"),
+            };
+            ui.end_row();
+        }
+        ui.strong("all");
+        ui.monospace(kernels.iter().map(|k| k.passes).sum::<usize>().to_string());
+        if kernels.iter().any(|k| k.timed > 0) {
+            ui.monospace(duration(whole));
+        } else {
+            ui.weak("unknown");
+        }
+        ui.end_row();
+    });
+}
+
+/// Rays that the kernel works on in a µs, of passes whose duration is known.
+fn rate(times: &KernelTimes) -> Option<f64> {
+    (times.sum_ns > 0).then(|| times.timed_rays as f64 * 1e3 / times.sum_ns as f64)
+}
+
+/// A duration as people read it.
+fn duration(ns: u64) -> String {
+    match ns {
+        0..1_000_000 => format!("{:.1} µs", ns as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.2} ms", ns as f64 / 1e6),
+        _ => format!("{:.2} s", ns as f64 / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
+        let (iteration, counts, threads_launched, begin_ns) = (0, Default::default(), 0, None);
+        Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns, duration_ns }
+    }
+
+    #[test]
+    fn kernels_are_summed_the_dearest_first_and_what_is_unknown_is_not_counted() {
+        use Kernel::{Intersect, Setup, TraverseGrid};
+        let passes = [
+            pass(0, Setup, 100, None),
+            pass(1, Intersect, 90, Some(1000)),
+            pass(2, TraverseGrid, 80, Some(9000)),
+            pass(3, Intersect, 30, Some(5000)),
+            pass(4, Intersect, 10, Some(2000)),
+            pass(5, TraverseGrid, 10, None),
+        ];
+        let kernels = by_kernel(&passes);
+        let row = |k: &KernelTimes| (k.kernel, k.passes, k.timed, k.sum_ns, k.median_ns, k.rays);
+        let rows: Vec<_> = kernels.iter().map(row).collect();
+        assert_eq!(
+            rows,
+            [(TraverseGrid, 2, 1, 9000, 9000, 90), (Intersect, 3, 3, 8000, 2000, 130), (Setup, 1, 0, 0, 0, 100),]
+        );
+        // 80 rays in 9 µs: those of the pass that was not timed are left out.
+        let rates: Vec<_> = kernels.iter().map(rate).collect();
+        assert_eq!(rates, [Some(80.0 / 9.0), Some(130.0 / 8.0), None]);
+    }
+
+    #[test]
+    fn durations_keep_their_unit() {
+        let texts = [950, 12_345, 12_345_678, 12_345_678_901].map(duration);
+        assert_eq!(texts, ["0.9 µs", "12.3 µs", "12.35 ms", "12.35 s"]);
+    }
+}

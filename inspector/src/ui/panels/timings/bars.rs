@@ -1,0 +1,131 @@
+//! A bar a pass; where there are more passes than points, a bar a point, as high as the dearest pass in it.
+
+use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
+use raystep_kernels::Pass;
+
+use super::duration;
+use crate::ui::pane::Context;
+use crate::ui::panels::chart::kernel_color;
+
+/// A bar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Column {
+    /// The first pass that it stands for.
+    first: usize,
+    /// The dearest of them.
+    dearest: usize,
+    /// What the dearest took; `None` where that of none is known.
+    ns: Option<u64>,
+}
+
+/// Passes as bars, `most` at most.
+fn columns(passes: &[Pass], most: usize) -> Vec<Column> {
+    let count = passes.len().min(most.max(1));
+    let column = |i: usize| {
+        let (first, end) = (i * passes.len() / count, (i + 1) * passes.len() / count);
+        let dearest = (first..end).rev().max_by_key(|&pass| passes[pass].duration_ns).unwrap_or(first);
+        Column { first, dearest, ns: passes[dearest].duration_ns }
+    };
+    (0..count).map(column).collect()
+}
+
+/// Paints them. A click goes to after the dearest pass of a bar. `kept` is emptied whenever passes have changed.
+pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: bool, cx: &mut Context<'_>) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), height), Sense::click());
+    let (passes, place) = (&cx.model.passes, cx.model.place);
+    let most = rect.width() as usize;
+    if kept.len() != passes.len().min(most.max(1)) {
+        *kept = columns(passes, most);
+    }
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let longest = kept.iter().filter_map(|c| c.ns).max().unwrap_or(0).max(1);
+    let width = rect.width() / kept.len().max(1) as f32;
+    for (i, column) in kept.iter().enumerate() {
+        let left = rect.left() + i as f32 * width;
+        let pass = &passes[column.dearest];
+        let color = kernel_color(pass.kernel);
+        let color = if column.first >= place { color.gamma_multiply(0.45) } else { color };
+        let gap = if width > 4.0 { 1.0 } else { 0.0 };
+        let Some(ns) = column.ns else {
+            let middle = pos2(left + 0.5 * width, rect.bottom() - 6.0);
+            painter.text(
+                middle,
+                Align2::CENTER_CENTER,
+                "?",
+                FontId::proportional(10.0),
+                ui.visuals().weak_text_color(),
+            );
+            continue;
+        };
+        let top = rect.bottom() - part(ns, longest, is_log) * (rect.height() - 16.0);
+        painter.rect_filled(Rect::from_min_max(pos2(left, top), pos2(left + width - gap, rect.bottom())), 0.0, color);
+    }
+    let scale = format!("{}{}", duration(longest), if is_log { ", log" } else { "" });
+    painter.text(
+        rect.left_top() + vec2(3.0, 1.0),
+        Align2::LEFT_TOP,
+        scale,
+        FontId::proportional(10.0),
+        ui.visuals().weak_text_color(),
+    );
+    if let Some(current) = place.checked_sub(1) {
+        let column = kept.partition_point(|c| c.first <= current).saturating_sub(1);
+        let x = rect.left() + (column as f32 + 0.5) * width;
+        painter.vline(x, rect.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
+    }
+    let text = format!("duration of {} passes, the longest {}; after pass {place}", passes.len(), duration(longest));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, &text));
+    let column_at = |x: f32| kept.get(((x - rect.left()) / width).max(0.0) as usize).or(kept.last());
+    if let Some(column) = response.hover_pos().and_then(|at| column_at(at.x)) {
+        let pass = &passes[column.dearest];
+        response.clone().on_hover_ui_at_pointer(|ui| about(ui, pass, passes.len() > kept.len()));
+    }
+    if let Some(column) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| column_at(at.x))
+    {
+        cx.shared.go_to = Some(column.dearest + 1);
+    }
+}
+
+fn about(ui: &mut Ui, pass: &Pass, is_dearest: bool) {
+    ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
+    let what = if is_dearest { "the dearest here, " } else { "" };
+    ui.label(pass.duration_ns.map_or_else(|| "duration unknown".into(), |ns| format!("{what}{}", duration(ns))));
+    ui.label(format!("worked on {} rays", pass.rays_in));
+}
+
+/// Height of a bar, from 0 to 1.
+fn part(ns: u64, longest: u64, is_log: bool) -> f32 {
+    let (ns, longest) = (ns as f64, longest as f64);
+    if is_log { ((ns + 1.0).ln() / (longest + 1.0).ln()) as f32 } else { (ns / longest) as f32 }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::Kernel;
+
+    use super::*;
+    use crate::ui::panels::timings::tests::pass;
+
+    #[test]
+    fn the_dearest_pass_of_a_column_is_never_lost() {
+        let mut passes: Vec<Pass> = (0..1000).map(|i| pass(i, Kernel::Intersect, 1, Some(10))).collect();
+        passes[777].duration_ns = Some(5000);
+        passes[3].duration_ns = None;
+        let all = columns(&passes, 100);
+        assert_eq!((all.len(), all[77]), (100, Column { first: 770, dearest: 777, ns: Some(5000) }));
+        assert_eq!(all.iter().filter(|c| c.ns == Some(5000)).count(), 1);
+        // Of equal ones the first.
+        assert_eq!((all[0], all[99].first), (Column { first: 0, dearest: 0, ns: Some(10) }, 990));
+        let few = columns(&passes[..4], 100);
+        assert_eq!(few.len(), 4);
+        assert_eq!(few[3], Column { first: 3, dearest: 3, ns: None });
+        assert_eq!((columns(&[], 100), columns(&passes, 0).len()), (Vec::new(), 1));
+    }
+
+    #[test]
+    fn heights_end_at_the_longest() {
+        assert_eq!([part(50, 100, false), part(100, 100, true), part(0, 100, true)], [0.5, 1.0, 0.0]);
+        assert!(part(10, 100, true) > 0.5);
+    }
+}
