@@ -86,6 +86,7 @@ impl PaneKind {
             Self::Plan => Box::<panels::plan::PlanView>::default(),
             Self::Timings => Box::<panels::timings::Timings>::default(),
             Self::Structure => Box::<panels::structure::Structure>::default(),
+            Self::Cost => Box::<panels::cost::Cost>::default(),
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),
             Self::Divergence => Box::<panels::divergence::Divergence>::default(),

@@ -1,0 +1,347 @@
+//! Where the cost is: rays from the dearest to the cheapest, and how many threads have a ray to work on.
+
+mod curve;
+mod lanes;
+
+use egui::{RichText, ScrollArea, Ui};
+use egui_extras::{Column, TableBuilder};
+use raystep_kernels::Stream;
+use serde::{Deserialize, Serialize};
+
+use crate::session::Edit;
+use crate::session::cost::{CostOrder, Measure, costs};
+use crate::session::request::{JobContext, JobFuture, Request};
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, PaneKind, Panel};
+use curve::Curve;
+use lanes::LanesView;
+
+/// What the engine is asked for, and what goes on meanwhile.
+const SORTING: &str = "sorting rays by cost";
+/// Most rays in the list: all are in the curve.
+const MOST_LISTED: usize = 1000;
+
+/// What the order is of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Of {
+    generation: u64,
+    /// What was changed by hand: rays cost something else from then on.
+    edits: Vec<Edit>,
+    measure: Measure,
+}
+
+/// The rays in order.
+struct Sorted {
+    order: CostOrder,
+    curve: Curve,
+    /// Shares of the whole that the dearest 1% and 10% have.
+    dearest: [f64; 2],
+}
+
+/// Saved: what is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Shown {
+    #[default]
+    Sum,
+    Cells,
+    Triangles,
+}
+
+impl Shown {
+    fn measure(self) -> Measure {
+        match self {
+            Self::Sum => Measure::Sum,
+            Self::Cells => Measure::Cells,
+            Self::Triangles => Measure::Triangles,
+        }
+    }
+}
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct Cost {
+    shown: Shown,
+    asked: Option<Of>,
+    sorted: Option<(Of, Sorted)>,
+    /// The ray that was scrolled to.
+    scrolled: Option<usize>,
+    lanes: LanesView,
+}
+
+impl Panel for Cost {
+    fn title(&self) -> String {
+        "Cost".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if cx.model.opened.is_none() {
+            ui.weak("open a scene, and what its rays cost appears here");
+            return;
+        }
+        let of = self.of(cx);
+        self.take(cx, of.as_ref());
+        let size = ui.available_size();
+        if size.x > 700.0 {
+            ui.horizontal_top(|ui| {
+                let half = egui::vec2(size.x * 0.5, size.y);
+                let down = egui::Layout::top_down(egui::Align::Min);
+                ui.allocate_ui_with_layout(half, down, |ui| {
+                    ScrollArea::vertical().id_salt("order").auto_shrink(false).show(ui, |ui| {
+                        self.order(ui, cx, of.as_ref(), size.y * 0.4);
+                        self.lanes.show(ui, cx);
+                    });
+                });
+                ui.allocate_ui_with_layout(ui.available_size(), down, |ui| self.list(ui, cx));
+            });
+        } else {
+            ScrollArea::vertical().id_salt("all").auto_shrink(false).show(ui, |ui| {
+                self.order(ui, cx, of.as_ref(), 90.0);
+                let list = egui::vec2(ui.available_width(), (size.y * 0.4).max(140.0));
+                ui.allocate_ui(list, |ui| self.list(ui, cx));
+                self.lanes.show(ui, cx);
+            });
+        }
+    }
+
+    fn save(&self) -> String {
+        ron::to_string(&self.shown).unwrap_or_default()
+    }
+
+    fn load(&mut self, saved: &str) {
+        self.shown = ron::from_str(saved).unwrap_or_default();
+    }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        let is_dearer = match command {
+            Command::PreviousRayByCost => true,
+            Command::NextRayByCost => false,
+            _ => return false,
+        };
+        let of = self.of(cx);
+        self.take(cx, of.as_ref());
+        let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return false };
+        let Some(order) = self.sorted(of.as_ref()).map(|sorted| &sorted.order) else {
+            cx.shared.say(false, "rays are in no order of cost yet: step to the end, with counters on");
+            return true;
+        };
+        if let Some(ray) = step(order, cx.shared.pixel.map(|pixel| ray_at(pixel, width)), is_dearer) {
+            cx.shared.select = Some(pixel_of(ray, width));
+        }
+        true
+    }
+}
+
+/// The ray beside one in the order; the dearest where none is selected. `None` at either end.
+fn step(order: &CostOrder, ray: Option<usize>, is_dearer: bool) -> Option<usize> {
+    match ray.filter(|&ray| order.rank(ray).is_some()) {
+        Some(ray) if is_dearer => order.dearer(ray),
+        Some(ray) => order.cheaper(ray),
+        None => order.dearest(),
+    }
+}
+
+fn ray_at([x, y]: [u32; 2], width: u32) -> usize {
+    y as usize * width as usize + x as usize
+}
+
+fn pixel_of(ray: usize, width: u32) -> [u32; 2] {
+    let width = width.max(1) as usize;
+    [(ray % width) as u32, (ray / width) as u32]
+}
+
+impl Cost {
+    /// What order is wanted; `None` while not all passes are known.
+    fn of(&self, cx: &Context<'_>) -> Option<Of> {
+        let model = &cx.model;
+        let (generation, measure) = (model.generation, self.shown.measure());
+        model.is_complete.then(|| Of { generation, edits: model.edits.clone(), measure })
+    }
+
+    fn sorted(&self, of: Option<&Of>) -> Option<&Sorted> {
+        self.sorted.as_ref().filter(|(known, _)| Some(known) == of).map(|(_, sorted)| sorted)
+    }
+
+    /// Takes the answer; asks for it where the run is at its end.
+    fn take(&mut self, cx: &mut Context<'_>, of: Option<&Of>) {
+        while let Some(answer) = cx.model.take_answer::<(Of, Option<Sorted>)>(SORTING) {
+            let (of, sorted) = *answer;
+            match sorted {
+                Some(sorted) => self.sorted = Some((of, sorted)),
+                // The run went away from its end.
+                None => self.asked = None,
+            }
+        }
+        if self.sorted.as_ref().is_some_and(|(known, _)| of.is_none_or(|of| of.generation != known.generation)) {
+            self.sorted = None;
+        }
+        let is_at_end = cx.model.next.is_none() && cx.model.place == cx.model.passes.len();
+        let has_counters = cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(Stream::Counters));
+        if let Some(wanted) = of
+            && is_at_end
+            && has_counters
+            && self.asked.as_ref() != of
+            && self.sorted(of).is_none()
+        {
+            self.asked = Some(wanted.clone());
+            let wanted = wanted.clone();
+            cx.model.ask(Request::Job(SORTING, Box::new(move |job| sort(job, wanted))));
+        }
+    }
+
+    /// What the whole order is like.
+    fn order(&mut self, ui: &mut Ui, cx: &mut Context<'_>, of: Option<&Of>, height: f32) {
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.strong("cost").on_hover_text("what a ray is charged for").id;
+            for (shown, name, about) in [
+                (
+                    Shown::Sum,
+                    "sum",
+                    "cells or nodes visited, and triangles tested: with one step a pass, the passes of its walk",
+                ),
+                (Shown::Cells, "cells", "cells or nodes that the ray visited"),
+                (Shown::Triangles, "triangles", "triangles that the ray was tested against"),
+            ] {
+                let choice = ui.selectable_label(self.shown == shown, name).labelled_by(label);
+                if choice.on_hover_text(about).clicked() {
+                    self.shown = shown;
+                }
+            }
+        });
+        if !cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(Stream::Counters)) {
+            ui.label("this run does not count what rays cost: turn counters on in the options");
+            if ui.button("Options").clicked() {
+                cx.todo.push(Command::Show(PaneKind::Options));
+            }
+            return;
+        }
+        let Some(sorted) = self.sorted(of) else {
+            if cx.model.is_busy() {
+                ui.weak("…");
+            } else {
+                ui.label("rays are sorted by what they cost once the run has reached its end");
+                if ui.button("Step to the end").clicked() {
+                    self.asked = None;
+                    cx.todo.push(Command::End);
+                }
+            }
+            return;
+        };
+        let (order, rays) = (&sorted.order, sorted.order.rays().len());
+        let [one, ten] = sorted.dearest;
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("{} in all", order.total()));
+            ui.label(format!("{:.2} a ray", order.total() as f64 / rays.max(1) as f64));
+            ui.label(format!("dearest 1%: {:.1}%", one * 100.0))
+                .on_hover_text("of the whole cost, of the dearest 1% of rays");
+            ui.label(format!("dearest 10%: {:.1}%", ten * 100.0))
+                .on_hover_text("of the whole cost, of the dearest 10% of rays");
+        });
+        let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return };
+        let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width)).filter(|&ray| order.rank(ray).is_some());
+        if let Some(rank) = sorted.curve.show(ui, height, order, selected.and_then(|ray| order.rank(ray)))
+            && let Some(&ray) = order.rays().get(rank)
+        {
+            cx.shared.select = Some(pixel_of(ray as usize, width));
+        }
+        ui.horizontal_wrapped(|ui| {
+            if let Some(ray) = selected {
+                let [x, y] = pixel_of(ray, width);
+                let (rank, cost) = (order.rank(ray).unwrap_or(0), order.cost(ray).unwrap_or(0));
+                ui.label(format!("pixel {x},{y}: cost {cost}, {} of {rays}", rank + 1));
+            }
+            for (name, command) in [("dearer", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
+                let key = command.key_text(ui.ctx());
+                if ui.button(name).on_hover_text(format!("the ray beside it in the order  {key}")).clicked() {
+                    cx.todo.push(command);
+                }
+            }
+        });
+    }
+
+    /// The dearest rays.
+    fn list(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let of = self.of(cx);
+        let Some((_, sorted)) = self.sorted.as_ref().filter(|(known, _)| Some(known) == of.as_ref()) else { return };
+        let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return };
+        let (order, total) = (&sorted.order, sorted.order.total().max(1));
+        let count = order.rays().len().min(MOST_LISTED);
+        let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
+        let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
+        let mut table = TableBuilder::new(ui)
+            .id_salt("dearest")
+            .striped(true)
+            .sense(egui::Sense::click())
+            .auto_shrink(false)
+            .column(Column::initial(50.0).at_least(36.0))
+            .column(Column::initial(90.0).at_least(60.0).clip(true))
+            .column(Column::initial(60.0).at_least(40.0).clip(true))
+            .column(Column::remainder().at_least(40.0).clip(true));
+        if self.scrolled != selected {
+            self.scrolled = selected;
+            if let Some(rank) = selected.and_then(|ray| order.rank(ray)).filter(|&rank| rank < count) {
+                table = table.scroll_to_row(rank, None);
+            }
+        }
+        table
+            .header(height, |mut header| {
+                for (head, about) in [
+                    ("rank", "1 for the dearest"),
+                    ("pixel", "column and row; a click selects its ray"),
+                    ("cost", "what the ray is charged"),
+                    ("share", "of the whole cost"),
+                ] {
+                    header.col(|ui| drop(ui.strong(head).on_hover_text(about)));
+                }
+            })
+            .body(|body| {
+                body.rows(height, count, |mut row| {
+                    let rank = row.index();
+                    let ray = order.rays()[rank] as usize;
+                    let ([x, y], cost) = (pixel_of(ray, width), order.cost(ray).unwrap_or(0));
+                    row.set_selected(selected == Some(ray));
+                    let share = f64::from(cost) / total as f64 * 100.0;
+                    let cells = [(rank + 1).to_string(), format!("{x},{y}"), cost.to_string(), format!("{share:.4}%")];
+                    for cell in cells {
+                        row.col(|ui| drop(ui.add(egui::Label::new(RichText::new(cell).monospace()).selectable(false))));
+                    }
+                    if row.response().clicked() {
+                        cx.shared.select = Some([x, y]);
+                    }
+                });
+            });
+    }
+}
+
+/// Reads what rays have cost, and sorts them. `None` where the run is not at its end.
+fn sort(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
+    Box::pin(async move {
+        let renderer = job.session.renderer();
+        let rays = renderer.plan().rays as usize;
+        if renderer.next_kernel().is_some() {
+            return Ok(Box::new((of, None::<Sorted>)) as _);
+        }
+        let counters = job.session.stream(Stream::Counters).await.map_err(|error| error.to_string())?;
+        let sorted = costs(&counters, rays, of.measure).map(|costs| {
+            let order = CostOrder::new(costs);
+            let dearest = [0.01, 0.1].map(|share| order.share_of_dearest(share));
+            Sorted { curve: Curve::new(&order), dearest, order }
+        });
+        Ok(Box::new((of, sorted)) as _)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_keys_walk_along_the_order_and_begin_at_the_dearest() {
+        let order = CostOrder::new(vec![3, 9, 0, 9, 3, 4]);
+        assert_eq!(step(&order, None, false), Some(1));
+        assert_eq!((step(&order, Some(1), false), step(&order, Some(3), true)), (Some(3), Some(1)));
+        assert_eq!((step(&order, Some(1), true), step(&order, Some(2), false)), (None, None));
+        // A pixel of another, larger run.
+        assert_eq!(step(&order, Some(99), true), Some(1));
+        assert_eq!((pixel_of(7, 3), ray_at([1, 2], 3)), ([1, 2], 7));
+    }
+}

@@ -1,0 +1,175 @@
+//! Useful lanes: of every 32 threads that a GPU launches together, how many have a ray to work on.
+
+use egui::Ui;
+use raystep_kernels::stream::STATE_TAG;
+use raystep_kernels::{Kernel, Pass, Plan, Stream};
+
+use crate::session::Edit;
+use crate::session::cost::{LANES, Lanes, Launch};
+use crate::session::request::{JobContext, JobFuture, Request};
+use crate::ui::pane::Context;
+use crate::ui::panels::chart::Histogram;
+
+/// What the engine is asked for, and what goes on meanwhile.
+const COUNTING: &str = "counting useful lanes";
+
+/// Which pass is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    /// The last one: it worked from a list, and its number of rays says it all.
+    Last,
+    /// The next one, from where the rays are now.
+    Next(Kernel),
+}
+
+/// What an answer is of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Of {
+    generation: u64,
+    place: usize,
+    /// What was changed by hand.
+    edits: Vec<Edit>,
+    which: Which,
+}
+
+/// The part of the panel.
+#[derive(Default)]
+pub(super) struct LanesView {
+    asked: Option<Of>,
+    known: Option<(Of, Lanes)>,
+}
+
+/// The pass of which something can be said now; `None` at the end of a run whose last pass worked on tiles.
+fn which(plan: &Plan, last: Option<&Pass>, next: Option<Kernel>) -> Option<Which> {
+    let is_list = |kernel: Kernel| Launch::of(kernel, &plan.features) == Launch::List;
+    if last.is_some_and(|pass| is_list(pass.kernel)) { Some(Which::Last) } else { next.map(Which::Next) }
+}
+
+/// A pass that has not yet run, as far as it is known: its kernel, and the rays that wait for it.
+fn ahead(index: usize, kernel: Kernel, rays_in: u32) -> Pass {
+    let (iteration, counts, threads_launched) = (0, Default::default(), 0);
+    Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns: None, duration_ns: None }
+}
+
+impl LanesView {
+    /// Works out what can be, asks for what cannot, and shows it.
+    pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        ui.separator();
+        ui.strong("useful lanes").on_hover_text(
+            "threads run in step in groups of 32 on most GPUs: those without a ray wait for those that have one",
+        );
+        let Some(plan) = cx.model.opened.as_ref().map(|opened| opened.plan.clone()) else { return };
+        let Some(which) = which(&plan, cx.model.last_pass(), cx.model.next) else {
+            ui.weak(
+                "the run is at its end, and its last pass took every pixel: step back, and what it will find is shown",
+            );
+            return;
+        };
+        let of = Of { generation: cx.model.generation, place: cx.model.place, edits: cx.model.edits.clone(), which };
+        self.find(cx, &plan, of);
+        let kernel = match which {
+            Which::Last => cx.model.last_pass().map_or("?", |pass| pass.kernel.name()),
+            Which::Next(kernel) => kernel.name(),
+        };
+        let title = match which {
+            Which::Last => format!("the last pass, {kernel}"),
+            Which::Next(_) => format!("the next pass, {kernel}, from the rays' states now"),
+        };
+        // While the next ones are counted, the last ones stay: nothing flickers.
+        let Some((_, lanes)) = &self.known else {
+            ui.weak(title);
+            return;
+        };
+        let how = match lanes.launch {
+            Launch::List => "a thread for every ray in a list: all groups but the last are full",
+            Launch::Tiles => "a thread for every pixel, 8 × 4 pixels a group",
+        };
+        ui.label(title).on_hover_text(how);
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("mean {:.1} of {LANES}", lanes.mean()))
+                .on_hover_text(format!("{} groups", lanes.groups()));
+            ui.label(format!("{:.1} in groups with any", lanes.mean_where_any()))
+                .on_hover_text("groups without a ray end at once, and cost little");
+            if lanes.launch == Launch::List {
+                ui.weak("dense: works from a list").on_hover_text(how);
+            }
+        });
+        let about = |lanes: usize, groups: u64| format!("{groups} groups with {lanes} useful lanes of {LANES}");
+        Histogram { counts: &lanes.histogram, name: "groups by useful lanes", about: &about, is_open: false }
+            .show(ui, 80.0);
+    }
+
+    fn find(&mut self, cx: &mut Context<'_>, plan: &Plan, of: Of) {
+        while let Some(answer) = cx.model.take_answer::<(Of, Option<Lanes>)>(COUNTING) {
+            let (answered, lanes) = *answer;
+            match lanes {
+                Some(lanes) if answered.generation == of.generation => self.known = Some((answered, lanes)),
+                // It may come back to where it was.
+                _ => self.asked = None,
+            }
+        }
+        if self.known.as_ref().is_some_and(|(known, _)| known.generation != of.generation) {
+            self.known = None;
+        }
+        if self.known.as_ref().is_some_and(|(known, _)| *known == of) {
+            return;
+        }
+        let lanes = match of.which {
+            Which::Last => cx.model.last_pass().and_then(|pass| Lanes::of(pass, plan, &[])),
+            Which::Next(kernel) if Launch::of(kernel, &plan.features) == Launch::List => {
+                let rays = cx.model.last_pass().map_or(0, |pass| kernel.live(&pass.counts));
+                Lanes::of(&ahead(of.place, kernel, rays), plan, &[])
+            }
+            Which::Next(kernel) => {
+                if self.asked.as_ref() != Some(&of) && !cx.model.is_busy() {
+                    self.asked = Some(of.clone());
+                    cx.model.ask(Request::Job(COUNTING, Box::new(move |job| count(job, of, kernel))));
+                }
+                return;
+            }
+        };
+        self.known = lanes.map(|lanes| (of, lanes));
+    }
+}
+
+/// Counts the threads of the next pass that will have work. Where the run is elsewhere by now, nothing is said of it.
+fn count(job: JobContext<'_>, of: Of, kernel: Kernel) -> JobFuture<'_> {
+    Box::pin(async move {
+        let renderer = job.session.renderer();
+        if job.session.place() != of.place || renderer.next_kernel() != Some(kernel) {
+            return Ok(Box::new((of, None::<Lanes>)) as _);
+        }
+        let state = job.session.stream(Stream::State).await.map_err(|error| error.to_string())?;
+        let lanes = Lanes::of(&ahead(of.place, kernel, 0), renderer.plan(), state.layer(STATE_TAG));
+        Ok(Box::new((of, lanes)) as _)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::{Limits, Options, RaySource, ScheduleKind};
+    use raystep_scenes::generate;
+
+    use super::*;
+
+    fn plan(schedule: ScheduleKind) -> Plan {
+        let scene = generate::cornell_box();
+        let camera = scene.cameras[0].clone();
+        let mut options = Options::new(RaySource::Camera { camera, width: 16, height: 8 });
+        (options.schedule, options.steps_per_pass) = (schedule, 1);
+        Plan::new(&scene, &options, &Limits::CPU).expect("a small scene").0
+    }
+
+    #[test]
+    fn a_pass_from_a_list_is_told_by_itself_and_any_other_before_it_runs() {
+        let (walk, setup) = (ahead(3, Kernel::Intersect, 70), ahead(1, Kernel::Setup, 128));
+        let compact = plan(ScheduleKind::Compact);
+        let next = Some(Kernel::TraverseGrid);
+        assert_eq!(which(&compact, Some(&walk), next), Some(Which::Last));
+        assert_eq!(which(&compact, Some(&setup), next), Some(Which::Next(Kernel::TraverseGrid)));
+        assert_eq!(which(&compact, None, Some(Kernel::Generate)), Some(Which::Next(Kernel::Generate)));
+        let second = plan(ScheduleKind::Second);
+        assert_eq!(which(&second, Some(&walk), next), Some(Which::Next(Kernel::TraverseGrid)));
+        assert_eq!(which(&second, Some(&walk), None), None);
+    }
+}
