@@ -83,15 +83,15 @@ impl PaneKind {
             Self::Walk2d => Box::<panels::walk2d::Walk2d>::default(),
             Self::Kernel => Box::<panels::kernel::KernelView>::default(),
             Self::Timeline => Box::<panels::timeline::Timeline>::default(),
-            Self::Plan => Box::<panels::plan::PlanView>::default(),
             Self::Timings => Box::<panels::timings::Timings>::default(),
+            Self::Plan => Box::<panels::plan::PlanView>::default(),
             Self::Structure => Box::<panels::structure::Structure>::default(),
             Self::Cost => Box::<panels::cost::Cost>::default(),
+            Self::Dataflow => Box::<panels::dataflow::Dataflow>::default(),
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),
             Self::Divergence => Box::<panels::divergence::Divergence>::default(),
             Self::Watches => Box::<panels::watches::Watches>::default(),
-            _ => Box::<panels::log::Log>::default(),
         };
         Pane { kind: self, panel }
     }

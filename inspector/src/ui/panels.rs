@@ -3,6 +3,7 @@
 mod chart;
 pub(super) mod compare;
 pub(super) mod cost;
+pub(super) mod dataflow;
 pub(super) mod divergence;
 pub(super) mod kernel;
 pub(super) mod log;

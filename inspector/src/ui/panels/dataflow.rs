@@ -1,0 +1,251 @@
+//! Kernels, and which streams and buffers they read and write; what the last pass did is lit.
+
+mod paint;
+
+use egui::{Pos2, Rect, Sense, Ui, Vec2, vec2};
+use raystep_kernels::{Kernel, Plan};
+
+use crate::dataflow::{Access, DataFlow, NodeKind};
+use crate::session::Model;
+use crate::ui::command::Command;
+use crate::ui::host::FileToSave;
+use crate::ui::pane::{Context, Panel};
+use paint::{Paint, access_color};
+
+/// Points within which the cursor touches an edge.
+const TOUCH: f32 = 5.0;
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct Dataflow {
+    flow: Option<(u64, DataFlow)>,
+    /// Screen points a point of the graph, along x and y; `None` fits it into the panel.
+    scale: Option<Vec2>,
+    /// The graph's point in the middle of the panel.
+    center: Vec2,
+}
+
+/// What is under the cursor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Touched {
+    /// By its index.
+    Node(usize),
+    /// By its index.
+    Edge(usize),
+}
+
+impl Panel for Dataflow {
+    fn title(&self) -> String {
+        "Data flow".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let Some(opened) = &cx.model.opened else {
+            ui.weak("open a scene, and its kernels and streams are drawn here");
+            return;
+        };
+        let plan = opened.plan.clone();
+        if self.flow.as_ref().is_none_or(|(of, _)| *of != cx.model.generation) {
+            self.flow = Some((cx.model.generation, DataFlow::new(&plan)));
+        }
+        self.tools(ui, cx);
+        let (rect, response) =
+            ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click_and_drag());
+        let Some((_, flow)) = &self.flow else { return };
+        let size = Vec2::from(flow.size);
+        let (last, next) = (cx.model.last_pass().map(|pass| pass.kernel), cx.model.next);
+        let rays = waiting(&plan, cx.model);
+        let (scale, origin) = placement(rect, size, self.scale, self.center);
+        let place = |[x, y]: [f32; 2]| origin + vec2(x, y) * size * scale;
+        let touched = response.hover_pos().and_then(|at| touched(flow, at, &place));
+        Paint { ui, rect, flow, place: &place, last, next, rays: &rays, touched }.all();
+        let text = format!(
+            "{} kernels, {} bindings; last {}, next {}",
+            plan.variants.len(),
+            flow.edges.len(),
+            last.map_or("none", Kernel::name),
+            next.map_or("none", Kernel::name)
+        );
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+        if let Some(touched) = touched {
+            let text = about(flow, touched, &rays);
+            response.clone().on_hover_text_at_pointer(text);
+        }
+        self.move_view(ui, &response, rect, size);
+    }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if command != Command::ExportDataflow {
+            return false;
+        }
+        let Some(opened) = &cx.model.opened else { return false };
+        let svg =
+            DataFlow::new(&opened.plan).svg(cx.model.last_pass().map(|p| p.kernel), &waiting(&opened.plan, cx.model));
+        cx.shared.files.push(FileToSave { name: "data-flow.svg".into(), bytes: svg.into_bytes() });
+        true
+    }
+}
+
+impl Dataflow {
+    fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        ui.horizontal_wrapped(|ui| {
+            for access in [Access::Read, Access::Write, Access::Update] {
+                let (rect, _) = ui.allocate_exact_size(vec2(14.0, 10.0), Sense::hover());
+                ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.5, access_color(access, ui)));
+                ui.small(access.verb());
+            }
+            let zoom = self.scale.map_or_else(|| "fit".into(), |scale| format!("{:.0}%", scale.min_elem() * 100.0));
+            if ui.button(zoom).on_hover_text("fit the drawing (double click)").clicked() {
+                self.scale = None;
+            }
+            if ui.button("SVG…").on_hover_text("save the drawing").clicked() {
+                cx.todo.push(Command::ExportDataflow);
+            }
+        });
+    }
+
+    fn move_view(&mut self, ui: &Ui, response: &egui::Response, rect: Rect, size: Vec2) {
+        let (scale, origin) = placement(rect, size, self.scale, self.center);
+        let zoom = match response.hovered() {
+            true => ui.input(|input| input.zoom_delta() * (input.smooth_scroll_delta().y / 200.0).exp()),
+            false => 1.0,
+        };
+        if response.double_clicked() {
+            self.scale = None;
+        } else if zoom != 1.0
+            && let Some(at) = response.hover_pos()
+        {
+            let under = (at - origin) / scale;
+            let scale = (scale * zoom).clamp(Vec2::splat(0.05), Vec2::splat(8.0));
+            (self.scale, self.center) = (Some(scale), under + (rect.center() - at) / scale);
+        } else if response.dragged() && response.drag_delta() != Vec2::ZERO {
+            (self.scale, self.center) = (Some(scale), (rect.center() - origin - response.drag_delta()) / scale);
+        }
+    }
+}
+
+/// Screen points a point of the graph, and where its corner is. Panels are often wide and low: the graph is then drawn
+/// wider than high.
+fn placement(rect: Rect, size: Vec2, scale: Option<Vec2>, center: Vec2) -> (Vec2, Pos2) {
+    match scale {
+        Some(scale) => (scale, rect.center() - center * scale),
+        None => {
+            let scale = (rect.size() / size).clamp(Vec2::splat(0.05), Vec2::splat(1.6));
+            // No more than twice as wide as high, or high as wide.
+            let scale = scale.min(Vec2::splat(2.0 * scale.min_elem()));
+            (scale, rect.center() - 0.5 * scale * size)
+        }
+    }
+}
+
+/// Rays that wait for each kernel.
+fn waiting(plan: &Plan, model: &Model) -> Vec<(Kernel, u64)> {
+    let kernels = plan.variants.iter().map(|variant| variant.kernel);
+    match model.last_pass() {
+        Some(pass) => kernels.map(|kernel| (kernel, u64::from(kernel.live(&pass.counts)))).collect(),
+        // Before the first pass all rays wait for the first kernel.
+        None => kernels.map(|kernel| (kernel, if model.next == Some(kernel) { plan.rays } else { 0 })).collect(),
+    }
+}
+
+/// The node or edge at a point; nodes lie above edges.
+fn touched(flow: &DataFlow, at: Pos2, place: &dyn Fn([f32; 2]) -> Pos2) -> Option<Touched> {
+    let is_in = |node: &crate::dataflow::Node| Rect::from_two_pos(place(node.min), place(node.max)).contains(at);
+    if let Some(node) = flow.nodes.iter().position(is_in) {
+        return Some(Touched::Node(node));
+    }
+    let distances = flow.edges.iter().map(|edge| distance(at, place(edge.at_kernel), place(edge.at_data)));
+    let (edge, distance) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (distance <= TOUCH).then_some(Touched::Edge(edge))
+}
+
+/// From a point to a line between two others.
+fn distance(at: Pos2, from: Pos2, to: Pos2) -> f32 {
+    let along = to - from;
+    let part = ((at - from).dot(along) / along.length_sq().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (at - (from + part * along)).length()
+}
+
+/// A node or edge in words.
+fn about(flow: &DataFlow, touched: Touched, rays: &[(Kernel, u64)]) -> String {
+    let label = |node: usize| flow.nodes[node].label.as_str();
+    match touched {
+        Touched::Edge(edge) => {
+            let edge = &flow.edges[edge];
+            format!("{} {} {}", label(edge.kernel), edge.access.verb(), label(edge.data))
+        }
+        Touched::Node(index) => {
+            let node = &flow.nodes[index];
+            let mut text = format!("{}: {}", node.label, node.about);
+            if let NodeKind::Kernel(kernel) = node.kind {
+                let count = rays.iter().find(|(k, _)| *k == kernel).map_or(0, |(_, count)| *count);
+                text += &format!("\n{count} rays wait for it");
+            }
+            if !node.detail.is_empty() {
+                text += &format!("\n{}", node.detail);
+            }
+            for edge in flow.edges.iter().filter(|edge| edge.kernel == index || edge.data == index) {
+                text += &match edge.kernel == index {
+                    true => format!("\n{} {}", edge.access.verb(), label(edge.data)),
+                    false => format!("\n{} {} it", label(edge.kernel), edge.access.verb()),
+                };
+            }
+            text
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::pos2;
+    use raystep_kernels::{Limits, Options, RaySource};
+    use raystep_scenes::generate;
+
+    use super::*;
+
+    fn flow() -> DataFlow {
+        let scene = generate::cornell_box();
+        let camera = scene.cameras[0].clone();
+        let options = Options::new(RaySource::Camera { camera, width: 16, height: 8 });
+        DataFlow::new(&Plan::new(&scene, &options, &Limits::CPU).expect("a small scene").0)
+    }
+
+    #[test]
+    fn every_node_is_found_where_it_is_and_says_what_it_is_bound_to() {
+        let flow = flow();
+        let place = |[x, y]: [f32; 2]| pos2(x * flow.size[0], y * flow.size[1]);
+        for (i, node) in flow.nodes.iter().enumerate() {
+            let middle = place(node.min) + 0.5 * (place(node.max) - place(node.min));
+            assert_eq!(touched(&flow, middle, &place), Some(Touched::Node(i)));
+            let lines = flow.edges.iter().filter(|e| e.kernel == i || e.data == i).count();
+            let text = about(&flow, Touched::Node(i), &[]);
+            assert!(text.starts_with(&node.label) && text.lines().count() > lines, "{text}");
+        }
+        assert_eq!(touched(&flow, pos2(-50.0, -50.0), &place), None);
+    }
+
+    #[test]
+    fn an_edge_is_found_along_its_line() {
+        let flow = flow();
+        let place = |[x, y]: [f32; 2]| pos2(x * flow.size[0], y * flow.size[1]);
+        let edge = &flow.edges[0];
+        let middle = place(edge.at_kernel) + 0.5 * (place(edge.at_data) - place(edge.at_kernel));
+        let Some(Touched::Edge(found)) = touched(&flow, middle, &place) else { panic!("no edge at {middle}") };
+        let found = &flow.edges[found];
+        assert!(distance(middle, place(found.at_kernel), place(found.at_data)) < 1e-3);
+        let (a, b) = (pos2(0.0, 0.0), pos2(10.0, 0.0));
+        assert_eq!([pos2(5.0, 3.0), pos2(-4.0, 3.0), pos2(14.0, 3.0)].map(|p| distance(p, a, b)), [3.0, 5.0, 5.0]);
+        assert_eq!(distance(pos2(3.0, 4.0), a, a), 5.0);
+    }
+
+    #[test]
+    fn the_drawing_fits_and_keeps_its_middle() {
+        let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 300.0));
+        let (scale, origin) = placement(rect, vec2(800.0, 300.0), None, Vec2::ZERO);
+        assert_eq!((scale, origin), (vec2(0.5, 1.0), pos2(10.0, 20.0)));
+        let (scale, origin) = placement(rect, vec2(1600.0, 300.0), None, Vec2::ZERO);
+        assert_eq!((scale, origin), (vec2(0.25, 0.5), pos2(10.0, 95.0)));
+        let (scale, origin) = placement(rect, vec2(800.0, 300.0), Some(vec2(2.0, 1.0)), vec2(50.0, 60.0));
+        assert_eq!(origin + vec2(50.0, 60.0) * scale, rect.center());
+    }
+}
