@@ -320,9 +320,7 @@ pub(super) fn pressed(ctx: &egui::Context) -> Vec<Command> {
     let times = |input: &mut egui::InputState, shortcut: &KeyboardShortcut| {
         input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key)
     };
-    ctx.input_mut(|input| {
-        keys.iter().flat_map(|(info, shortcut)| vec![info.command; times(input, shortcut)]).collect()
-    })
+    ctx.input_mut(|input| keys.iter().flat_map(|(info, shortcut)| vec![info.command; times(input, shortcut)]).collect())
 }
 
 /// Whether a key does the same while text is typed.
