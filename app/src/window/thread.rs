@@ -3,7 +3,7 @@
 use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::task::{Context, Poll, Wake, Waker};
+use std::task::{Context, Wake, Waker};
 use std::thread::{self, Thread};
 use std::time::Duration;
 
@@ -30,7 +30,7 @@ pub(super) fn run(gpu: &Gpu, task: impl Future<Output = ()>) {
     let waker = Waker::from(unpark.clone());
     let mut task = pin!(task);
     let mut context = Context::from_waker(&waker);
-    while let Poll::Pending = task.as_mut().poll(&mut context) {
+    while task.as_mut().poll(&mut context).is_pending() {
         while !unpark.is_woken.swap(false, Ordering::Acquire) {
             match gpu.device.poll(wgpu::PollType::Poll) {
                 Ok(status) if status.is_queue_empty() => thread::park_timeout(Duration::from_millis(20)),

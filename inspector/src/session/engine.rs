@@ -153,7 +153,7 @@ impl Server {
         let mut last = u64::MAX;
         move |done, of| {
             // A hundred reports are enough for a bar; without an end in sight, every hundredth.
-            let mark = if of == 0 { done / 100 } else { done.saturating_mul(100) / of };
+            let mark = done.saturating_mul(100).checked_div(of).unwrap_or(done / 100);
             if mark != last {
                 last = mark;
                 let _ = outbox.unbounded_send(Update::Progress(what, done, of));

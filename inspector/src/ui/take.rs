@@ -6,6 +6,7 @@ use raystep_kernels::Stream;
 use raystep_kernels::export::csv::{RunContext, Timer};
 
 use super::Inspector;
+use super::canvas::Canvas;
 use super::command::Command;
 use super::host::FileToSave;
 use crate::exports::{self, Export, ExportError};
@@ -13,7 +14,7 @@ use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::settings::DeviceKind;
 
 /// The name of jobs whose answer is an [`Export`].
-pub(super) const EXPORTING: &str = "exporting";
+pub(in crate::ui) const EXPORTING: &str = "exporting";
 
 impl From<Export> for FileToSave {
     fn from(export: Export) -> Self {
@@ -91,6 +92,22 @@ fn read(stream: Stream, write: Write) -> Job {
         Box::pin(async move {
             let data = context.session.stream(stream).await.map_err(|e| e.to_string())?;
             let export = write(&data, context.session.place().checked_sub(1)).map_err(|e| e.to_string())?;
+            Ok(Box::new(export) as Box<dyn Any + Send>)
+        })
+    })
+}
+
+/// Reads a picture back, and writes it as PNG.
+pub(in crate::ui) fn png(canvas: &Canvas, texture: &wgpu::Texture, name: String) -> Job {
+    let (gpu, texture) = (canvas.gpu.clone(), texture.clone());
+    Box::new(move |_: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let texels = gpu.read_rgba8(&texture).await.map_err(|e| e.to_string())?;
+            let image = image::RgbaImage::from_raw(texture.width(), texture.height(), texels);
+            let image = image.ok_or("the picture came back in another size")?;
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| e.to_string())?;
+            let export = Export { name: name.replace(' ', "-"), extension: "png", bytes: bytes.into_inner() };
             Ok(Box::new(export) as Box<dyn Any + Send>)
         })
     })

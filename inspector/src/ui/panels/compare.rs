@@ -10,7 +10,7 @@ use crate::session::request::Request;
 use crate::session::stats::LayerStats;
 use crate::session::{Model, Target};
 use crate::settings::{DeviceKind, Settings};
-use crate::ui::canvas::{Picture, Still};
+use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
@@ -25,7 +25,7 @@ enum Side {
 /// What the pictures were drawn from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Drawn {
-    runs: [(u64, usize); 2],
+    runs: [Moment; 2],
     stream: Stream,
     layer: usize,
     range: [f32; 2],
@@ -34,6 +34,9 @@ struct Drawn {
     is_swapped: bool,
 }
 
+/// How a stream differed at two moments, in words.
+type Found = ([Moment; 2], Stream, Vec<String>);
+
 /// The comparison.
 pub(in crate::ui) struct Compare {
     stream: Stream,
@@ -41,9 +44,9 @@ pub(in crate::ui) struct Compare {
     pictures: [Picture; 3],
     stills: [Still; 2],
     drawn: [Option<Drawn>; 3],
-    asked: Option<[(u64, usize); 2]>,
+    asked: Option<[Moment; 2]>,
     /// What was found, and of which places.
-    found: Option<([(u64, usize); 2], Stream, Vec<String>)>,
+    found: Option<Found>,
     range: [f32; 2],
     spread: f32,
 }

@@ -1,60 +1,22 @@
 //! A stream after a pass: zoom to a texel with its numbers drawn in it, range, exposure, colours, one component.
 
+mod look;
 mod numbers;
+mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
+use raystep_kernels::Stream;
 use raystep_kernels::stream::STATE_T;
-use raystep_kernels::{Stream, state};
-use serde::{Deserialize, Serialize};
 
-use crate::draw::stream::{self, Colors, Meaning, STATE_COLORS};
+use crate::draw::stream::{self, Colors, Meaning};
 use crate::session::Pinned;
 use crate::session::request::Request;
 use crate::session::stats::{LayerStats, Others};
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
-
-/// What of a view is saved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-struct Look {
-    /// `None` follows the last kernel.
-    stream: Option<Stream_>,
-    /// `None` shows all components, where they are a colour.
-    layer: Option<usize>,
-    colors: Option<Colors>,
-    exposure: f32,
-    /// `None` is from the values.
-    range: Option<[f32; 2]>,
-    /// Points a texel; `None` fits the picture into the panel.
-    scale: Option<f32>,
-    /// The texel in the middle of the panel.
-    center: [f32; 2],
-}
-
-/// A stream's name, for serde.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Stream_(Stream);
-
-impl Serialize for Stream_ {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.name())
-    }
-}
-
-impl<'de> Deserialize<'de> for Stream_ {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        Stream::from_name(&name).map(Self).ok_or_else(|| serde::de::Error::custom("no such stream"))
-    }
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        Self { stream: None, layer: None, colors: None, exposure: 1.0, range: None, scale: None, center: [0.0; 2] }
-    }
-}
+use crate::ui::take::{EXPORTING, png};
+use look::Look;
 
 /// What the picture was drawn from: where all of it is the same, it need not be drawn again.
 #[derive(Clone, Copy, PartialEq)]
@@ -88,7 +50,7 @@ impl Panel for StreamView {
     fn title(&self) -> String {
         match (&self.pinned, self.look.stream) {
             (Some(pinned), _) => format!("{} after {}", pinned.stream.name(), pinned.place),
-            (None, Some(Stream_(stream))) => stream.name().into(),
+            (None, Some(stream)) => stream.name().into(),
             (None, None) => "Stream".into(),
         }
     }
@@ -105,7 +67,7 @@ impl Panel for StreamView {
         if self.pinned.is_none()
             && let Some(show) = cx.shared.show.take()
         {
-            (self.look.stream, self.look.layer, self.look.range) = (Some(Stream_(show.stream)), show.layer, None);
+            (self.look.stream, self.look.layer, self.look.range) = (Some(show.stream), show.layer, None);
         }
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
         let stream = self.stream(&streams);
@@ -171,6 +133,11 @@ impl Panel for StreamView {
             Command::Normalise => self.look.range = None,
             Command::ResetRange => (self.look.range, self.look.exposure) = (None, 1.0),
             Command::Fit => self.look.scale = None,
+            Command::ExportView => {
+                if let Some(texture) = self.picture.texture() {
+                    cx.model.ask(Request::Job(EXPORTING, png(cx.canvas, texture, self.title())));
+                }
+            }
             Command::Pin => {
                 if let Some(stream) = cx.shared.stream {
                     cx.model.ask(Request::Pin(stream));
@@ -185,7 +152,7 @@ impl Panel for StreamView {
 impl StreamView {
     /// A view of a copy.
     pub(in crate::ui) fn pinned(copy: Pinned) -> Self {
-        let look = Look { stream: Some(Stream_(copy.stream)), ..Look::default() };
+        let look = Look { stream: Some(copy.stream), ..Look::default() };
         Self { look, pinned: Some(copy), ..Self::default() }
     }
 
@@ -228,7 +195,7 @@ impl StreamView {
     fn stream(&self, streams: &[Stream]) -> Stream {
         let wanted = match (&self.pinned, self.look.stream) {
             (Some(pinned), _) => Some(pinned.stream),
-            (None, chosen) => chosen.map(|s| s.0),
+            (None, chosen) => chosen,
         };
         wanted.filter(|s| streams.contains(s)).unwrap_or(Stream::State)
     }
@@ -238,68 +205,6 @@ impl StreamView {
             (Stream::TMax, _) | (Stream::State, STATE_T) => Colors::Magma,
             _ => Colors::Viridis,
         })
-    }
-
-    fn tools(&mut self, ui: &mut egui::Ui, streams: &[Stream], stream: Stream, layer: Option<usize>, meaning: Meaning) {
-        ui.horizontal_wrapped(|ui| {
-            if self.pinned.is_none() {
-                let combo = egui::ComboBox::from_id_salt("stream").selected_text(stream.name());
-                combo
-                    .show_ui(ui, |ui| {
-                        for &choice in streams {
-                            if ui.selectable_label(choice == stream, choice.name()).clicked() {
-                                (self.look.stream, self.look.layer, self.look.range) =
-                                    (Some(Stream_(choice)), None, None);
-                            }
-                        }
-                    })
-                    .response
-                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "stream"));
-            }
-            let names = stream.info().layers;
-            if stream == Stream::Color && ui.selectable_label(layer.is_none(), "rgb").clicked() {
-                (self.look.layer, self.look.range) = (None, None);
-            }
-            for (i, name) in names.iter().enumerate() {
-                let is_shown = layer == Some(i) || layer.is_none() && i == 0 && stream != Stream::Color;
-                if ui.selectable_label(is_shown, *name).clicked() {
-                    (self.look.layer, self.look.range) = (Some(i), None);
-                }
-            }
-            if matches!(meaning, Meaning::Scalar | Meaning::Count) {
-                let now = self.colors(stream, layer.unwrap_or(0));
-                egui::ComboBox::from_id_salt("colors")
-                    .selected_text(now.name())
-                    .width(80.0)
-                    .show_ui(ui, |ui| {
-                        for choice in Colors::ALL {
-                            if ui.selectable_label(choice == now, choice.name()).clicked() {
-                                self.look.colors = Some(choice);
-                            }
-                        }
-                    })
-                    .response
-                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "colours"));
-                let mut range = self.range();
-                let speed = f64::from((range[1] - range[0]).abs().max(1e-6)) / 100.0;
-                for (i, name) in ["from", "to"].into_iter().enumerate() {
-                    let label = ui.label(name).id;
-                    let value = egui::DragValue::new(&mut range[i]).speed(speed).max_decimals(4);
-                    if ui.add(value).labelled_by(label).changed() {
-                        self.look.range = Some(range);
-                    }
-                }
-            }
-            if meaning == Meaning::Color {
-                let label = ui.label("exposure").id;
-                let value = egui::DragValue::new(&mut self.look.exposure).speed(0.02).range(1e-6..=1e6);
-                ui.add(value).labelled_by(label);
-            }
-            let zoom = self.look.scale.map_or_else(|| "fit".into(), |s| format!("{:.0}%", s * 100.0));
-            if ui.button(zoom).on_hover_text("fit the picture (F, double click)").clicked() {
-                self.look.scale = None;
-            }
-        });
     }
 
     /// The range in use.
@@ -324,40 +229,6 @@ impl StreamView {
                 self.stats = Some((now.0, now.1, now.2, now.3, stats));
             }
         }
-    }
-
-    /// What colours mean, and how many values are out of the ordinary.
-    fn legend(&self, ui: &mut egui::Ui, stream: Stream, layer: usize, meaning: Meaning) {
-        ui.horizontal_wrapped(|ui| {
-            if meaning == Meaning::Tag {
-                for (tag, name, what) in state::STATES {
-                    let [r, g, b] = STATE_COLORS[tag as usize];
-                    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-                    ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(r, g, b));
-                    ui.small(name).on_hover_text(what);
-                }
-                return;
-            }
-            if matches!(meaning, Meaning::Scalar | Meaning::Count) {
-                let (rect, _) = ui.allocate_exact_size(vec2(120.0, 10.0), Sense::hover());
-                let colors = self.colors(stream, layer);
-                for i in 0..60 {
-                    let [r, g, b] = colors.at(f64::from(i) / 59.0);
-                    let left = rect.left() + 2.0 * i as f32;
-                    let bar = Rect::from_min_size(pos2(left, rect.top()), vec2(2.5, rect.height()));
-                    ui.painter().rect_filled(bar, 0.0, Color32::from_rgb(r, g, b));
-                }
-                let [lo, hi] = self.range();
-                ui.small(format!("{lo} … {hi} {}", stream.info().unit));
-            } else {
-                ui.small(stream.info().unit);
-            }
-            if let Some((.., stats)) = &self.stats {
-                for text in out_of_the_ordinary(stats) {
-                    ui.small(text);
-                }
-            }
-        });
     }
 
     /// Points a texel, and where texel (0, 0) begins.
@@ -462,17 +333,6 @@ fn view_range(stats: &LayerStats) -> [f32; 2] {
     let is_float = matches!(stats.others, Others::Float { .. });
     let (lo, hi) = if is_float && first < last { (first, last) } else { (span.min, span.max) };
     [lo as f32, hi as f32]
-}
-
-/// How many values no colour of the map stands for.
-fn out_of_the_ordinary(stats: &LayerStats) -> Vec<String> {
-    let counts: &[(u64, &str)] = match stats.others {
-        Others::Float { nan, pos_inf, neg_inf, at_inf } => {
-            &[(nan, "NaN"), (pos_inf, "+Inf"), (neg_inf, "−Inf"), (at_inf, "never")]
-        }
-        Others::Integer { none, .. } => &[(none, "none")],
-    };
-    counts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}")).collect()
 }
 
 /// A frame around a texel, at least large enough to be found.

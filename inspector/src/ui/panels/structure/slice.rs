@@ -29,9 +29,12 @@ pub(super) struct SliceView {
     /// The triangle whose cells are marked.
     pub(super) triangle: Option<u32>,
     drawn: Option<(Slice, TextureHandle)>,
-    /// Cells of the layer that list the marked triangle, and which triangle and layer that is.
-    listing: Option<((u32, usize, i32), Vec<[i32; 2]>)>,
+    /// Cells of the layer that list the marked triangle, and which they are.
+    listing: Option<(Listed, Vec<[i32; 2]>)>,
 }
+
+/// A triangle, and an axis and index of a layer.
+type Listed = (u32, usize, i32);
 
 impl SliceView {
     /// There is another grid.

@@ -1,0 +1,30 @@
+//! What of a stream view is saved.
+
+use raystep_kernels::Stream;
+use serde::{Deserialize, Serialize};
+
+use crate::draw::stream::Colors;
+
+/// What of a view is saved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(super) struct Look {
+    /// `None` follows the last kernel.
+    pub(super) stream: Option<Stream>,
+    /// `None` shows all components, where they are a colour.
+    pub(super) layer: Option<usize>,
+    pub(super) colors: Option<Colors>,
+    pub(super) exposure: f32,
+    /// `None` is from the values.
+    pub(super) range: Option<[f32; 2]>,
+    /// Points a texel; `None` fits the picture into the panel.
+    pub(super) scale: Option<f32>,
+    /// The texel in the middle of the panel.
+    pub(super) center: [f32; 2],
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { stream: None, layer: None, colors: None, exposure: 1.0, range: None, scale: None, center: [0.0; 2] }
+    }
+}

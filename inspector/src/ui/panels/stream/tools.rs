@@ -1,0 +1,123 @@
+//! Above the picture: which stream and component, which colours and range, and what they mean.
+
+use egui::{Color32, Rect, Sense, pos2, vec2};
+use raystep_kernels::{Stream, state};
+
+use super::StreamView;
+use crate::draw::stream::{Colors, Meaning, STATE_COLORS};
+use crate::session::stats::{LayerStats, Others};
+
+impl StreamView {
+    pub(super) fn tools(
+        &mut self,
+        ui: &mut egui::Ui,
+        streams: &[Stream],
+        stream: Stream,
+        layer: Option<usize>,
+        meaning: Meaning,
+    ) {
+        ui.horizontal_wrapped(|ui| {
+            if self.pinned.is_none() {
+                let combo = egui::ComboBox::from_id_salt("stream").selected_text(stream.name());
+                combo
+                    .show_ui(ui, |ui| {
+                        for &choice in streams {
+                            if ui.selectable_label(choice == stream, choice.name()).clicked() {
+                                (self.look.stream, self.look.layer, self.look.range) = (Some(choice), None, None);
+                            }
+                        }
+                    })
+                    .response
+                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "stream"));
+            }
+            let names = stream.info().layers;
+            if stream == Stream::Color && ui.selectable_label(layer.is_none(), "rgb").clicked() {
+                (self.look.layer, self.look.range) = (None, None);
+            }
+            for (i, name) in names.iter().enumerate() {
+                let is_shown = layer == Some(i) || layer.is_none() && i == 0 && stream != Stream::Color;
+                if ui.selectable_label(is_shown, *name).clicked() {
+                    (self.look.layer, self.look.range) = (Some(i), None);
+                }
+            }
+            if matches!(meaning, Meaning::Scalar | Meaning::Count) {
+                let now = self.colors(stream, layer.unwrap_or(0));
+                egui::ComboBox::from_id_salt("colors")
+                    .selected_text(now.name())
+                    .width(80.0)
+                    .show_ui(ui, |ui| {
+                        for choice in Colors::ALL {
+                            if ui.selectable_label(choice == now, choice.name()).clicked() {
+                                self.look.colors = Some(choice);
+                            }
+                        }
+                    })
+                    .response
+                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "colours"));
+                let mut range = self.range();
+                let speed = f64::from((range[1] - range[0]).abs().max(1e-6)) / 100.0;
+                for (i, name) in ["from", "to"].into_iter().enumerate() {
+                    let label = ui.label(name).id;
+                    let value = egui::DragValue::new(&mut range[i]).speed(speed).max_decimals(4);
+                    if ui.add(value).labelled_by(label).changed() {
+                        self.look.range = Some(range);
+                    }
+                }
+            }
+            if meaning == Meaning::Color {
+                let label = ui.label("exposure").id;
+                let value = egui::DragValue::new(&mut self.look.exposure).speed(0.02).range(1e-6..=1e6);
+                ui.add(value).labelled_by(label);
+            }
+            let zoom = self.look.scale.map_or_else(|| "fit".into(), |s| format!("{:.0}%", s * 100.0));
+            if ui.button(zoom).on_hover_text("fit the picture (F, double click)").clicked() {
+                self.look.scale = None;
+            }
+        });
+    }
+
+    /// What colours mean, and how many values are out of the ordinary.
+    pub(super) fn legend(&self, ui: &mut egui::Ui, stream: Stream, layer: usize, meaning: Meaning) {
+        ui.horizontal_wrapped(|ui| {
+            if meaning == Meaning::Tag {
+                for (tag, name, what) in state::STATES {
+                    let [r, g, b] = STATE_COLORS[tag as usize];
+                    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+                    ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(r, g, b));
+                    ui.small(name).on_hover_text(what);
+                }
+                return;
+            }
+            if matches!(meaning, Meaning::Scalar | Meaning::Count) {
+                let (rect, _) = ui.allocate_exact_size(vec2(120.0, 10.0), Sense::hover());
+                let colors = self.colors(stream, layer);
+                for i in 0..60 {
+                    let [r, g, b] = colors.at(f64::from(i) / 59.0);
+                    let left = rect.left() + 2.0 * i as f32;
+                    let bar = Rect::from_min_size(pos2(left, rect.top()), vec2(2.5, rect.height()));
+                    ui.painter().rect_filled(bar, 0.0, Color32::from_rgb(r, g, b));
+                }
+                let [lo, hi] = self.range();
+                ui.small(format!("{lo} … {hi} {}", stream.info().unit));
+            } else {
+                ui.small(stream.info().unit);
+            }
+            if let Some((.., stats)) = &self.stats {
+                for text in out_of_the_ordinary(stats) {
+                    ui.small(text);
+                }
+            }
+        });
+    }
+}
+
+/// How many values no colour of the map stands for.
+fn out_of_the_ordinary(stats: &LayerStats) -> Vec<String> {
+    let counts: &[(u64, &str)] = match stats.others {
+        Others::Float { nan, pos_inf, neg_inf, at_inf } => {
+            &[(nan, "NaN"), (pos_inf, "+Inf"), (neg_inf, "−Inf"), (at_inf, "never")]
+        }
+        Others::Integer { none, .. } => &[(none, "none")],
+    };
+    counts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}")).collect()
+}
