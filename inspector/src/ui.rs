@@ -22,7 +22,6 @@ use std::sync::Arc;
 use egui_notify::Toasts;
 use egui_tiles::Tree;
 
-use crate::link::LinkStream;
 use crate::saved::Saved;
 use crate::session::engine::Devices;
 use crate::session::request::Request;
@@ -36,6 +35,7 @@ use layout::Layout;
 use lessons::Lesson;
 use pane::{Context, Pane};
 use shared::Shared;
+pub use shared::Shown;
 
 /// The inspector. Whoever has a window calls [`ui`](Self::ui) once a frame.
 pub struct Inspector {
@@ -67,8 +67,8 @@ pub struct Arrival {
     pub pixel: Option<[u32; 2]>,
     /// After so many passes.
     pub place: Option<usize>,
-    /// The stream to show.
-    pub stream: Option<LinkStream>,
+    /// What the first stream view is to show.
+    pub shown: Option<Shown>,
 }
 
 impl Inspector {
@@ -231,12 +231,12 @@ impl Inspector {
         let text =
             format!("{}: {} triangles, {} rays on {}", opened.scene.name, plan.triangles, plan.rays, opened.device);
         self.shared.say(false, text);
-        let Arrival { pixel, place, stream } = self.arrival.take().unwrap_or_default();
+        let Arrival { pixel, place, shown } = self.arrival.take().unwrap_or_default();
         let inside = |[x, y]: &[u32; 2]| *x < plan.width && *y < plan.height;
         let pixel = pixel.or(self.shared.pixel).filter(inside).or(Some([plan.width / 2, plan.height / 2]));
         self.shared.pixel = None;
         self.shared.select = pixel;
-        self.shared.show = stream;
+        self.shared.show = shown;
         if let Some(place) = place {
             self.model.ask(Request::Step(Target::Pass(place)));
         }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use raystep_inspector::link::{Link, LinkRay};
 use raystep_inspector::settings::{DeviceKind as RunOn, Settings, View};
-use raystep_inspector::ui::Arrival;
+use raystep_inspector::ui::{Arrival, Shown};
 use raystep_inspector::ui::command::{COMMANDS, Command};
 use raystep_kernels::{AdapterChoice, Gpu, Ray};
 
@@ -123,14 +123,14 @@ struct WindowArgs {
 /// What the options, or the link, ask for.
 fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, view, run } = args;
-    let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, stream: None };
+    let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, shown: None };
     if let Some(text) = &link.link {
         let link: Link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
         if link.pass.is_some() && pass.is_some() {
             return Err(Error::usage("--link says after how many passes, and so does --pass: leave one of them out"));
         }
         arrival.place = arrival.place.or(link.pass);
-        arrival.stream = link.stream;
+        arrival.shown = Shown::of(&link);
     }
     let is_empty = link.scene.is_none() && link.link.is_none();
     let wanted = if is_empty {

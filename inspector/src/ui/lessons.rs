@@ -104,7 +104,7 @@ impl Inspector {
     fn set_up(&mut self, what: &Do) {
         match *what {
             Do::Open(settings, pixel, place) => {
-                let arrival = Arrival { pixel: Some(pixel), place: Some(place), stream: None };
+                let arrival = Arrival { pixel: Some(pixel), place: Some(place), shown: None };
                 self.shared.pixel = None;
                 self.open(BUILT_IN, settings(), arrival);
             }

@@ -5,8 +5,8 @@ use raystep_kernels::{Accelerator, Stream};
 use super::layout;
 use super::pane::PaneKind;
 use super::panels::watches;
-use super::{Arrival, Inspector};
-use crate::link::{Link, LinkRay, LinkStream};
+use super::{Arrival, Inspector, Shown};
+use crate::link::{Link, LinkRay};
 use crate::session::request::Request;
 use crate::session::{Model, Target, Watch, Way};
 use crate::settings::Settings;
@@ -18,9 +18,11 @@ impl Inspector {
         let opened = self.model.opened.as_ref()?;
         let link = opened.settings.link();
         let ray = link.ray.or(self.shared.pixel.map(LinkRay::Pixel));
-        let stream = self.shared.stream.map(|stream| LinkStream { stream, layer: None });
+        let shown = self.shared.shown;
+        let (zoom, pan) = shown.map_or((None, None), |s| (s.zoom, s.pan.filter(|_| s.zoom.is_some())));
+        let stream = shown.map(|s| s.stream);
         let (scene, scene_index) = self.host.scene_of(self.path.as_deref().unwrap_or_default());
-        Some(Link { scene: Some(scene), scene_index, ray, stream, pass: Some(self.model.place), ..link })
+        Some(Link { scene: Some(scene), scene_index, ray, stream, zoom, pan, pass: Some(self.model.place), ..link })
     }
 
     /// Goes to where a link points.
@@ -29,7 +31,7 @@ impl Inspector {
             Some(LinkRay::Pixel(pixel)) => Some(pixel),
             _ => None,
         };
-        let arrival = Arrival { pixel, place: link.pass, stream: link.stream };
+        let arrival = Arrival { pixel, place: link.pass, shown: Shown::of(link) };
         let path = link.scene.as_ref().map(|scene| self.host.path_of(scene, link.scene_index)).or(self.path.clone());
         if let Some(path) = path {
             self.open(&path, Settings::from(link), arrival);

@@ -3,7 +3,7 @@
 use raystep_kernels::Stream;
 
 use super::host::FileToSave;
-use crate::link::LinkStream;
+use crate::link::{Link, LinkStream};
 use crate::session::Watch;
 
 /// A line of the log.
@@ -13,6 +13,25 @@ pub struct LogLine {
     pub is_error: bool,
     /// What happened.
     pub text: String,
+}
+
+/// What a stream view shows, as links say it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// The stream, and one of its layers.
+    pub stream: LinkStream,
+    /// Points a texel; `None` fits the picture into its panel.
+    pub zoom: Option<f32>,
+    /// The texel in the middle.
+    pub pan: Option<[f32; 2]>,
+}
+
+impl Shown {
+    /// What a link asks for, where it names a stream.
+    #[must_use]
+    pub fn of(link: &Link) -> Option<Self> {
+        Some(Self { stream: link.stream?, zoom: link.zoom, pan: link.pan })
+    }
 }
 
 /// What panels have in common.
@@ -28,7 +47,9 @@ pub struct Shared {
     /// A pixel that a panel wants to be looked at.
     pub select: Option<[u32; 2]>,
     /// What the first stream view is asked to show.
-    pub show: Option<LinkStream>,
+    pub show: Option<Shown>,
+    /// What the first stream view shows.
+    pub shown: Option<Shown>,
     /// The stream that commands are about.
     pub stream: Option<Stream>,
     /// Files that panels want to be saved.
@@ -58,6 +79,7 @@ impl Default for Shared {
             go_to: None,
             select: None,
             show: None,
+            shown: None,
             stream: None,
             files: Vec::new(),
             watches: Watch::ALL.map(|watch| (watch, matches!(watch, Watch::NonFinite | Watch::TMaxBackwards))).to_vec(),

@@ -15,6 +15,8 @@ use crate::session::stats::{LayerStats, Others};
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
+use crate::link::LinkStream;
+use crate::ui::Shown;
 use crate::ui::take::{EXPORTING, png};
 use look::Look;
 
@@ -67,11 +69,16 @@ impl Panel for StreamView {
         if self.pinned.is_none()
             && let Some(show) = cx.shared.show.take()
         {
-            (self.look.stream, self.look.layer, self.look.range) = (Some(show.stream), show.layer, None);
+            (self.look.stream, self.look.layer, self.look.range) = (Some(show.stream.stream), show.stream.layer, None);
+            (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
         }
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
         let stream = self.stream(&streams);
         cx.shared.stream = Some(stream);
+        if self.pinned.is_none() {
+            let stream = LinkStream { stream, layer: self.look.layer };
+            cx.shared.shown = Some(Shown { stream, zoom: self.look.scale, pan: Some(self.look.center) });
+        }
         let layer = self.look.layer.filter(|&l| l < stream.layers());
         let meaning = Meaning::of(stream, layer);
         self.tools(ui, &streams, stream, layer, meaning);
