@@ -65,10 +65,18 @@ pub struct Inspector {
 pub struct Arrival {
     /// The ray to look at.
     pub pixel: Option<[u32; 2]>,
-    /// After so many passes.
+    /// After so many passes, or as many as there are.
     pub place: Option<usize>,
     /// What the first stream view is to show.
     pub shown: Option<Shown>,
+}
+
+impl Arrival {
+    /// After the last pass: how a scene is seen first.
+    #[must_use]
+    pub fn picture() -> Self {
+        Self { pixel: None, place: Some(usize::MAX), shown: None }
+    }
 }
 
 impl Inspector {
@@ -217,7 +225,7 @@ impl Inspector {
     fn open_file(&mut self, path: &str) {
         let settings = self.model.opened.as_ref().map(|o| o.settings.clone()).unwrap_or_default();
         let settings = Settings { view: Settings::default().view, ray: None, ..settings };
-        self.open(path, settings, Arrival::default());
+        self.open(path, settings, Arrival::picture());
     }
 
     /// A new run is there.

@@ -132,6 +132,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
         arrival.place = arrival.place.or(link.pass);
         arrival.shown = Shown::of(&link);
     }
+    arrival.place = arrival.place.or(Arrival::picture().place);
     let is_empty = link.scene.is_none() && link.link.is_none();
     let wanted = if is_empty {
         let scene = SceneArgs { scene: PathBuf::new(), scene_index: None };

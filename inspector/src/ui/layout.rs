@@ -25,7 +25,7 @@ impl Layout {
         let root = match self {
             Self::Simple => {
                 let columns = [&[P::Passes][..], &[P::Stream], &[P::Ray]].map(|kinds| tabs(&mut tiles, kinds));
-                horizontal(&mut tiles, &columns, &[0.5, 1.0, 1.2])
+                horizontal(&mut tiles, &columns, &[0.6, 1.0, 1.2])
             }
             Self::Full => {
                 let left = tabs(&mut tiles, &[P::Passes, P::Options, P::Watches]);
@@ -33,7 +33,7 @@ impl Layout {
                 let walk = tabs(&mut tiles, &[P::Walk3d, P::Walk2d]);
                 let center = vertical(&mut tiles, &[stream, walk], &[1.0, 0.8]);
                 let right = tabs(&mut tiles, &[P::Ray, P::Kernel, P::Plan]);
-                let upper = horizontal(&mut tiles, &[left, center, right], &[0.5, 1.0, 1.0]);
+                let upper = horizontal(&mut tiles, &[left, center, right], &[0.6, 1.0, 1.0]);
                 let lower = tabs(&mut tiles, &[P::Timeline, P::Timings, P::Cost, P::Structure, P::Dataflow, P::Log]);
                 vertical(&mut tiles, &[upper, lower], &[1.0, 0.3])
             }

@@ -19,7 +19,7 @@ impl Inspector {
             C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
             C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
             C::Cancel => model.is_busy() || self.is_playing,
-            C::NextPass | C::NextOfKernel | C::IterationEnd | C::End | C::Play => model.next.is_some(),
+            C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
             C::NextEvent => self.event(true).is_some(),
             C::PreviousEvent => self.event(false).is_some(),
@@ -57,7 +57,12 @@ impl Inspector {
             C::Start => step(&mut self.model, Target::Start),
             C::End => step(&mut self.model, Target::End),
             C::NextEvent | C::PreviousEvent => self.shared.go_to = self.event(command == C::NextEvent),
-            C::Play => self.is_playing = !self.is_playing,
+            C::Play => {
+                self.is_playing = !self.is_playing;
+                if self.is_playing && self.model.next.is_none() {
+                    step(&mut self.model, Target::Start);
+                }
+            }
             C::Cancel => {
                 self.is_playing = false;
                 self.model.cancel();

@@ -31,7 +31,8 @@ impl Inspector {
             Some(LinkRay::Pixel(pixel)) => Some(pixel),
             _ => None,
         };
-        let arrival = Arrival { pixel, place: link.pass, shown: Shown::of(link) };
+        let place = link.pass.or(Arrival::picture().place);
+        let arrival = Arrival { pixel, place, shown: Shown::of(link) };
         let path = link.scene.as_ref().map(|scene| self.host.path_of(scene, link.scene_index)).or(self.path.clone());
         if let Some(path) = path {
             self.open(&path, Settings::from(link), arrival);

@@ -5,7 +5,7 @@ mod numbers;
 mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
-use raystep_kernels::Stream;
+use raystep_kernels::{Kernel, Stream};
 use raystep_kernels::stream::STATE_T;
 
 use crate::draw::stream::{self, Colors, Meaning};
@@ -73,11 +73,13 @@ impl Panel for StreamView {
             (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
         }
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
-        let stream = self.stream(&streams);
+        let is_shaded = cx.model.last_pass().is_some_and(|pass| pass.kernel == Kernel::Shade);
+        let stream = self.stream(&streams, if is_shaded { Stream::Color } else { Stream::State });
         cx.shared.stream = Some(stream);
         if self.pinned.is_none() {
-            let stream = LinkStream { stream, layer: self.look.layer };
-            cx.shared.shown = Some(Shown { stream, zoom: self.look.scale, pan: Some(self.look.center) });
+            let (zoom, pan) = (self.look.scale, Some(self.look.center));
+            let shown = |stream| Shown { stream: LinkStream { stream, layer: self.look.layer }, zoom, pan };
+            cx.shared.shown = self.look.stream.map(shown);
         }
         let layer = self.look.layer.filter(|&l| l < stream.layers());
         let meaning = Meaning::of(stream, layer);
@@ -199,12 +201,12 @@ impl StreamView {
         });
     }
 
-    fn stream(&self, streams: &[Stream]) -> Stream {
+    fn stream(&self, streams: &[Stream], default: Stream) -> Stream {
         let wanted = match (&self.pinned, self.look.stream) {
             (Some(pinned), _) => Some(pinned.stream),
             (None, chosen) => chosen,
         };
-        wanted.filter(|s| streams.contains(s)).unwrap_or(Stream::State)
+        wanted.filter(|s| streams.contains(s)).unwrap_or(default)
     }
 
     fn colors(&self, stream: Stream, layer: usize) -> Colors {

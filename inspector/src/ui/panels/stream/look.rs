@@ -9,7 +9,7 @@ use crate::draw::stream::Colors;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct Look {
-    /// `None` follows the last kernel.
+    /// `None` shows the picture once there is one, and before that rays' states.
     pub(super) stream: Option<Stream>,
     /// `None` shows all components, where they are a colour.
     pub(super) layer: Option<usize>,
