@@ -142,6 +142,12 @@ impl Inspector {
         &self.model
     }
 
+    /// What went wrong last, in one line.
+    #[must_use]
+    pub fn last_error(&self) -> Option<&str> {
+        self.shared.log.iter().rev().find(|line| line.is_error).map(|line| line.text.as_str())
+    }
+
     /// The ray that is looked at.
     #[must_use]
     pub fn pixel(&self) -> Option<[u32; 2]> {
@@ -194,6 +200,7 @@ impl Inspector {
 
     /// Takes in what engines and host have said.
     fn listen(&mut self, ctx: &egui::Context) {
+        let (place, is_at_end) = (self.model.place, self.model.next.is_none());
         self.model.update();
         if let Some(other) = &mut self.other {
             other.update();
@@ -217,6 +224,9 @@ impl Inspector {
         }
         if self.generation != self.model.generation {
             self.generation = self.model.generation;
+            // Other options of the same scene: where the last run was.
+            let place = if is_at_end { usize::MAX } else { place };
+            self.arrival.get_or_insert(Arrival { place: Some(place), ..Arrival::default() });
             self.arrived();
         }
     }

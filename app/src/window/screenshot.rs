@@ -33,10 +33,13 @@ pub(crate) fn screenshot(
     let ctx = egui::Context::default();
     ctx.set_pixels_per_point(scale);
     let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
-    let points = start.size;
+    let (points, is_asked) = (start.size, start.scene.is_some());
     let inspector = inspector(&ctx, gpu, renderer.clone(), start);
     let mut stage = Stage { ctx, gpu: gpu.clone(), renderer, inspector, points, time: 0.0, scale };
     stage.settle()?;
+    if is_asked && stage.inspector.model().opened.is_none() {
+        return Err(Error::failed(stage.inspector.last_error().unwrap_or("the scene could not be opened")));
+    }
     for &command in commands {
         stage.inspector.perform(command);
         stage.settle()?;
