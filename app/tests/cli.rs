@@ -6,6 +6,8 @@ mod bad_input;
 mod common;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/inspect.rs"]
+mod inspect;
 #[path = "cli/link.rs"]
 mod link;
 #[path = "cli/text.rs"]

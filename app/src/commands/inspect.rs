@@ -6,8 +6,8 @@ use std::str::FromStr;
 use clap::Args;
 use raystep_inspector::link::{Link, LinkRay};
 use raystep_inspector::settings::{DeviceKind as RunOn, Settings, View};
-use raystep_inspector::ui::{Arrival, Shown};
 use raystep_inspector::ui::command::{COMMANDS, Command};
+use raystep_inspector::ui::{Arrival, Shown};
 use raystep_kernels::{AdapterChoice, Gpu, Ray};
 
 use super::trace::Pixel;

@@ -52,7 +52,9 @@ impl Place {
         let mut command = Command::new(env!("CARGO_BIN_EXE_raystep"));
         command.current_dir(self.folder.path()).args(arguments).stdin(Stdio::null());
         // As on a machine without a desktop, where its libraries would complain on stderr.
-        command.env_remove("XDG_RUNTIME_DIR");
+        for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(name);
+        }
         command
     }
 

@@ -115,7 +115,15 @@ impl Model {
             self.cancel.store(false, Ordering::Relaxed);
         }
         let is_sent = self.requests.unbounded_send(request).is_ok();
-        self.waiting += usize::from(is_sent);
+        if is_sent {
+            self.waiting += 1;
+        } else {
+            // It ended by a panic: what it was asked before will not be answered either.
+            self.waiting = 0;
+            self.work = None;
+            let message = "what traces has ended; this is a defect of raystep: open the scene in a new window";
+            self.failures.push(("tracing", message.into()));
+        }
         is_sent
     }
 

@@ -5,18 +5,18 @@ mod numbers;
 mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
-use raystep_kernels::{Kernel, Stream};
 use raystep_kernels::stream::STATE_T;
+use raystep_kernels::{Kernel, Stream};
 
 use crate::draw::stream::{self, Colors, Meaning};
+use crate::link::LinkStream;
 use crate::session::Pinned;
 use crate::session::request::Request;
 use crate::session::stats::{LayerStats, Others};
+use crate::ui::Shown;
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
-use crate::link::LinkStream;
-use crate::ui::Shown;
 use crate::ui::take::{EXPORTING, png};
 use look::Look;
 
