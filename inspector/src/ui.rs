@@ -57,6 +57,12 @@ pub struct Inspector {
     /// What to do once the scene that is being opened is there.
     arrival: Option<Arrival>,
     lesson: Option<Lesson>,
+    /// The selected ray is still to be followed.
+    is_to_follow: bool,
+    /// The path of the scene that is being opened.
+    opening: Option<String>,
+    /// Something had the keys at the end of the last frame.
+    had_focus: bool,
     saved: Saved,
 }
 
@@ -107,6 +113,9 @@ impl Inspector {
             generation: 0,
             arrival: None,
             lesson: None,
+            is_to_follow: false,
+            opening: None,
+            had_focus: false,
             saved: Saved::default(),
         }
     }
@@ -117,7 +126,7 @@ impl Inspector {
             lessons::BUILT_IN => Box::new(|| Ok(raystep_scenes::generate::cornell_box())),
             path => self.host.loader(path),
         };
-        self.path = Some(path.to_owned());
+        self.opening = Some(path.to_owned());
         self.arrival = Some(arrival);
         self.model.ask(Request::Open { load, settings: Box::new(settings) });
     }
@@ -133,6 +142,7 @@ impl Inspector {
         self.model.is_busy()
             || self.other.as_ref().is_some_and(Model::is_busy)
             || !self.todo.is_empty()
+            || self.is_to_follow
             || self.lesson.as_ref().is_some_and(Lesson::is_waiting)
     }
 
@@ -163,8 +173,8 @@ impl Inspector {
     /// For whoever lost the window: how to come back to this place; empty without a scene.
     #[must_use]
     pub fn how_to_go_on(&self) -> String {
-        let Some(path) = &self.path else { return String::new() };
-        format!("; to go on: raystep inspect '{path}' --pass {}", self.model.place)
+        let Some(link) = self.link() else { return String::new() };
+        format!("; to go on: raystep inspect --link \"{link}\"")
     }
 
     /// Shows everything, and does what was asked for.
@@ -172,12 +182,13 @@ impl Inspector {
         let ctx = ui.ctx().clone();
         self.listen(&ctx);
         if self.dialog.is_none() {
-            self.todo.extend(command::pressed(&ctx));
+            self.todo.extend(command::pressed(&ctx, self.had_focus));
         }
         self.menu_bar(ui);
         self.status_bar(ui);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.panes(ui));
         self.show_dialog(&ctx);
+        self.had_focus = ctx.egui_wants_keyboard_input();
         self.toasts.show(&ctx);
         self.show_lesson(&ctx);
         self.follow_up();
@@ -226,8 +237,14 @@ impl Inspector {
             self.generation = self.model.generation;
             // Other options of the same scene: where the last run was.
             let place = if is_at_end { usize::MAX } else { place };
+            if let Some(path) = self.opening.take() {
+                self.path = Some(path);
+            }
             self.arrival.get_or_insert(Arrival { place: Some(place), ..Arrival::default() });
             self.arrived();
+        } else if !self.model.is_busy() {
+            // What could not be opened leaves nothing behind.
+            (self.opening, self.arrival) = (None, None);
         }
     }
 
@@ -252,6 +269,12 @@ impl Inspector {
         let Arrival { pixel, place, shown } = self.arrival.take().unwrap_or_default();
         let inside = |[x, y]: &[u32; 2]| *x < plan.width && *y < plan.height;
         let pixel = pixel.or(self.shared.pixel).filter(inside).or(Some([plan.width / 2, plan.height / 2]));
+        let is_other = |m: &Model| m.opened.as_ref().is_some_and(|b| !Arc::ptr_eq(&b.scene, &opened.scene));
+        if self.other.as_ref().is_some_and(is_other)
+            && let Some(other) = self.other.take()
+        {
+            other.cancel();
+        }
         self.shared.pixel = None;
         self.shared.select = pixel;
         self.shared.show = shown;
@@ -274,6 +297,7 @@ impl Inspector {
     }
 
     fn fail(&mut self, message: String) {
+        self.is_playing = false;
         self.shared.say(true, message.clone());
         self.toasts.error(message);
     }
@@ -294,11 +318,17 @@ impl Inspector {
         {
             self.model.ask(Request::Step(Target::Pass(place)));
         }
-        if let Some(pixel) = self.shared.select.take()
-            && self.shared.pixel != Some(pixel)
-        {
-            self.shared.pixel = Some(pixel);
-            self.shared.row = None;
+        if let Some(pixel) = self.shared.select.take() {
+            // A ray whose following was cancelled can be clicked again.
+            let is_known = self.model.life.as_ref().is_some_and(|life| life.pixel == pixel);
+            if self.shared.pixel != Some(pixel) || !is_known {
+                (self.shared.pixel, self.shared.row) = (Some(pixel), None);
+                self.is_to_follow = true;
+            }
+        }
+        // One at a time: while a key is held, the last one counts.
+        if let Some(pixel) = self.shared.pixel.filter(|_| self.is_to_follow && !self.model.is_busy()) {
+            self.is_to_follow = false;
             self.model.ask(Request::Follow(pixel));
             if let Some(other) = &mut self.other {
                 other.ask(Request::Follow(pixel));

@@ -5,7 +5,7 @@
 use std::ops::ControlFlow;
 use std::pin::Pin;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
 use raystep_kernels::executor::gpu::stream_format;
@@ -34,7 +34,8 @@ pub struct Devices {
 pub struct Engine {
     inbox: UnboundedReceiver<Request>,
     outbox: UnboundedSender<Update>,
-    cancel: Arc<AtomicBool>,
+    /// Requests up to this one are not to be served any more.
+    cancel: Arc<AtomicU64>,
     moving: Arc<AtomicU64>,
 }
 
@@ -70,7 +71,7 @@ impl Engine {
     pub(super) fn new(
         inbox: UnboundedReceiver<Request>,
         outbox: UnboundedSender<Update>,
-        cancel: Arc<AtomicBool>,
+        cancel: Arc<AtomicU64>,
         moving: Arc<AtomicU64>,
     ) -> Self {
         Self { inbox, outbox, cancel, moving }
@@ -81,10 +82,11 @@ impl Engine {
     pub fn serve(self, devices: Devices) -> EngineTask {
         Box::pin(async move {
             let Self { mut inbox, outbox, cancel, moving } = self;
-            let mut server = Server { outbox, cancel, moving, devices, run: None };
+            let mut server = Server { outbox, cancel, served: 0, moving, devices, run: None };
             while let Ok(request) = inbox.recv().await {
                 let what = name(&request);
-                if server.cancel.load(Ordering::Relaxed) {
+                server.served += 1;
+                if server.is_cancelled() {
                     server.say(Update::Cancelled(what));
                 } else {
                     match server.answer(request).await {
@@ -118,7 +120,9 @@ fn name(request: &Request) -> &'static str {
 
 struct Server {
     outbox: UnboundedSender<Update>,
-    cancel: Arc<AtomicBool>,
+    cancel: Arc<AtomicU64>,
+    /// Requests so far.
+    served: u64,
     moving: Arc<AtomicU64>,
     devices: Devices,
     run: Option<Run>,
@@ -147,9 +151,14 @@ impl Server {
         (self.devices.wake)();
     }
 
+    fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed) >= self.served
+    }
+
     /// What work reports to; it goes on while this says so.
     fn reporter(&self, what: &'static str) -> impl FnMut(u64, u64) -> bool + Send + use<> {
         let (outbox, cancel, wake) = (self.outbox.clone(), self.cancel.clone(), self.devices.wake.clone());
+        let served = self.served;
         let mut last = u64::MAX;
         move |done, of| {
             // A hundred reports are enough for a bar; without an end in sight, every hundredth.
@@ -159,7 +168,7 @@ impl Server {
                 let _ = outbox.unbounded_send(Update::Progress(what, done, of));
                 wake();
             }
-            !cancel.load(Ordering::Relaxed)
+            cancel.load(Ordering::Relaxed) < served
         }
     }
 
@@ -264,7 +273,7 @@ impl Server {
                 self.arrived().await?;
                 match answer {
                     Ok(answer) => self.say(Update::Done(what, answer)),
-                    Err(_) if self.cancel.load(Ordering::Relaxed) => return Err(Trouble::Cancelled),
+                    Err(_) if self.is_cancelled() => return Err(Trouble::Cancelled),
                     Err(message) => return Err(Trouble::Failed(message)),
                 }
                 Ok(())
@@ -322,6 +331,7 @@ impl Server {
             kept_bytes: run.session.kept_bytes(),
             budget: run.session.budget(),
             edits: run.session.edits().to_vec(),
+            twins: run.session.twin_passes(),
         };
         run.known = place;
         self.say(Update::At(at));

@@ -4,25 +4,34 @@ use raystep_kernels::RenderError;
 use raystep_kernels::export::trace::{Trace, TraceRow, ray_state};
 
 use super::travel::Guide;
-use super::{OnProgress, Session};
+use super::{OnProgress, Session, go_on};
 
 impl Session {
     /// Follows one ray from the first pass to the last, and comes back. What was changed by hand right after a pass
     /// counts as that pass's work.
     ///
     /// # Errors
-    /// Where the image has no such pixel; [`RenderError::Cancelled`] with the place reached where `progress` stopped
-    /// it; else where the device fails.
+    /// Where the image has no such pixel; [`RenderError::Cancelled`] where `progress` stopped it, after coming back; else
+    /// where the device fails.
     pub async fn follow(&mut self, x: u32, y: u32, progress: &mut OnProgress<'_>) -> Result<Trace, RenderError> {
         let mut guide = Guide::new(progress);
         ray_state(&self.renderer, x, y).await?;
         let here = self.place();
-        self.go(0, &mut guide).await?;
+        let followed = self.follow_from_start([x, y], &mut guide).await;
+        // Also where it was stopped: whoever looks at a place is not taken elsewhere.
+        if matches!(followed, Ok(_) | Err(RenderError::Cancelled { .. })) {
+            self.go(here, &mut Guide::new(&mut go_on)).await?;
+        }
+        followed
+    }
+
+    async fn follow_from_start(&mut self, [x, y]: [u32; 2], guide: &mut Guide<'_>) -> Result<Trace, RenderError> {
+        self.go(0, guide).await?;
         let mut before = ray_state(&self.renderer, x, y).await?;
         let mut rows = Vec::new();
         while self.renderer.next_kernel().is_some() {
             guide.check(self.place())?;
-            self.go(self.place() + 1, &mut guide).await?;
+            self.go(self.place() + 1, guide).await?;
             let place = self.place();
             let Some(pass) = self.passes().last().copied() else { break };
             let is_worked_on = pass.kernel.info().active.contains(&before.tag);
@@ -35,8 +44,6 @@ impl Session {
                 before = after;
             }
         }
-        let trace = Trace::new(&self.renderer, [x, y], rows);
-        self.go(here, &mut guide).await?;
-        Ok(trace)
+        Ok(Trace::new(&self.renderer, [x, y], rows))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender, unbounded};
 use raystep_kernels::export::trace::Trace;
@@ -30,6 +30,8 @@ pub struct Pinned {
     pub stream: Stream,
     /// After so many passes.
     pub place: usize,
+    /// Of which run.
+    pub generation: u64,
     /// The copy.
     pub texture: wgpu::Texture,
 }
@@ -38,13 +40,19 @@ pub struct Pinned {
 pub struct Model {
     requests: UnboundedSender<Request>,
     updates: UnboundedReceiver<Update>,
-    cancel: Arc<AtomicBool>,
+    cancel: Arc<AtomicU64>,
+    sent: u64,
     moving: Arc<AtomicU64>,
     waiting: usize,
     /// The run; `None` until a scene is open.
     pub opened: Option<Opened>,
     /// Grows with every run that is opened.
     pub generation: u64,
+    /// Grows with every run that is opened, and where the streams of a place become others: by a change by hand, by
+    /// the twins.
+    pub edition: u64,
+    /// How many of the first passes run on the twins.
+    pub twins: Option<usize>,
     /// Every pass that is known, also those after `place` where the run was there before.
     pub passes: Vec<Pass>,
     /// Passes so far.
@@ -81,16 +89,19 @@ impl Model {
     pub fn new(make: impl FnOnce(Engine) -> EngineTask) -> (Self, EngineTask) {
         let (requests, inbox) = unbounded();
         let (outbox, updates) = unbounded();
-        let (cancel, moving) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
+        let (cancel, moving) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
         let task = make(Engine::new(inbox, outbox, cancel.clone(), moving.clone()));
         let model = Self {
             requests,
             updates,
             cancel,
+            sent: 0,
             moving,
             waiting: 0,
             opened: None,
             generation: 0,
+            edition: 0,
+            twins: None,
             passes: Vec::new(),
             place: 0,
             is_complete: false,
@@ -111,12 +122,10 @@ impl Model {
 
     /// Asks the engine. False where it is gone.
     pub fn ask(&mut self, request: Request) -> bool {
-        if self.waiting == 0 {
-            self.cancel.store(false, Ordering::Relaxed);
-        }
         let is_sent = self.requests.unbounded_send(request).is_ok();
         if is_sent {
             self.waiting += 1;
+            self.sent += 1;
         } else {
             // It ended by a panic: what it was asked before will not be answered either.
             self.waiting = 0;
@@ -129,7 +138,7 @@ impl Model {
 
     /// Stops what goes on, and what waits.
     pub fn cancel(&self) {
-        self.cancel.store(true, Ordering::Relaxed);
+        self.cancel.store(self.sent, Ordering::Relaxed);
     }
 
     /// Whether requests wait for their answer.
@@ -159,6 +168,7 @@ impl Model {
             Update::Opened(opened) => {
                 self.opened = Some(*opened);
                 self.generation += 1;
+                self.edition += 1;
                 self.passes.clear();
                 self.texels.clear();
                 self.pinned.clear();
@@ -171,7 +181,9 @@ impl Model {
                 self.texels.retain(|t| t.stream != texels.stream);
                 self.texels.push(texels);
             }
-            Update::Pinned { stream, place, texture } => self.pinned.push(Pinned { stream, place, texture }),
+            Update::Pinned { stream, place, texture } => {
+                self.pinned.push(Pinned { stream, place, generation: self.generation, texture });
+            }
             Update::Done(what, answer) => self.answers.push((what, answer)),
             Update::Progress(what, done, of) => self.work = Some(Work { what, done, of }),
             Update::Failed(what, message) => self.failures.push((what, message)),
@@ -184,6 +196,14 @@ impl Model {
     }
 
     fn arrive(&mut self, at: At) {
+        // Other streams at the same place, and another future.
+        if at.edits != self.edits || at.twins != self.twins {
+            self.edition += 1;
+            self.texels.clear();
+            self.passes.truncate(at.place);
+            self.is_complete = false;
+        }
+        self.twins = at.twins;
         let end = at.first + at.passes.len();
         // Other passes than those known: an edit, or another plan.
         let same = self.passes.get(at.first..end.min(self.passes.len())).is_some_and(|known| {

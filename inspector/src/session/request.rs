@@ -114,6 +114,8 @@ pub struct At {
     pub budget: u64,
     /// What was changed by hand.
     pub edits: Vec<Edit>,
+    /// How many of the first passes run on the twins.
+    pub twins: Option<usize>,
 }
 
 /// Texels that were asked for.

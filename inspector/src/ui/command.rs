@@ -303,8 +303,9 @@ impl Command {
     }
 }
 
-/// The commands whose keys were pressed. Text fields keep their own keys.
-pub(super) fn pressed(ctx: &egui::Context) -> Vec<Command> {
+/// The commands whose keys were pressed. Text fields keep their own keys; `had_focus`: something had the keys at the end
+/// of the last frame.
+pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
     let has_text_focus = ctx.egui_wants_keyboard_input();
     let mut keys: Vec<(&CommandInfo, KeyboardShortcut)> = COMMANDS
         .iter()
@@ -316,9 +317,12 @@ pub(super) fn pressed(ctx: &egui::Context) -> Vec<Command> {
         let m = s.modifiers;
         std::cmp::Reverse([m.alt, m.shift, m.ctrl, m.command].iter().filter(|&&on| on).count())
     });
+    // Escape closes what is open, and leaves what is typed, before it stops work.
+    let is_taken = had_focus || egui::Popup::is_any_open(ctx);
     // A key that was pressed twice since the last frame counts twice.
-    let times = |input: &mut egui::InputState, shortcut: &KeyboardShortcut| {
-        input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key)
+    let times = |input: &mut egui::InputState, shortcut: &KeyboardShortcut| match shortcut.logical_key {
+        Key::Escape => usize::from(!is_taken && input.key_pressed(Key::Escape)),
+        key => input.count_and_consume_key(shortcut.modifiers, key),
     };
     ctx.input_mut(|input| keys.iter().flat_map(|(info, shortcut)| vec![info.command; times(input, shortcut)]).collect())
 }

@@ -29,7 +29,7 @@ impl Inspector {
             });
             ui.horizontal_wrapped(|ui| {
                 BUTTONS.into_iter().for_each(|command| self.tool(ui, command));
-                if let Some(work) = self.model.work {
+                if let Some(work) = self.model.work.or(self.other.as_ref().and_then(|other| other.work)) {
                     ui.separator();
                     let part = if work.of == 0 { 0.0 } else { work.done as f32 / work.of as f32 };
                     let bar = egui::ProgressBar::new(part).desired_width(200.0).animate(work.of == 0);

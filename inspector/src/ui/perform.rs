@@ -18,7 +18,7 @@ impl Inspector {
         match command {
             C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
             C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
-            C::Cancel => model.is_busy() || self.is_playing,
+            C::Cancel => self.is_busy() || self.is_playing,
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
             C::NextEvent => self.event(true).is_some(),
@@ -66,6 +66,9 @@ impl Inspector {
             C::Cancel => {
                 self.is_playing = false;
                 self.model.cancel();
+                if let Some(other) = &self.other {
+                    other.cancel();
+                }
             }
             C::GoToPixel => self.dialog = Some(Dialog::Pixel(String::new())),
             C::TypeRay => self.dialog = Some(Dialog::Ray(String::new())),
@@ -84,7 +87,11 @@ impl Inspector {
             C::RunBackToWatch => self.run_to_watch(Way::Back),
             C::ToggleWatch => self.toggle_watch(),
             C::Compare => self.compare(),
-            C::EndCompare => self.other = None,
+            C::EndCompare => {
+                if let Some(other) = self.other.take() {
+                    other.cancel();
+                }
+            }
             C::Divergence => {
                 layout::show(&mut self.tree, PaneKind::Divergence);
                 self.ask_panels(command);

@@ -29,13 +29,12 @@ struct Drawn {
     stream: Stream,
     layer: usize,
     range: [f32; 2],
-    spread: f32,
     size: [u32; 2],
     is_swapped: bool,
 }
 
 /// How a stream differed at two moments, in words.
-type Found = ([Moment; 2], Stream, Vec<String>);
+type Found = ([Moment; 2], Stream, usize, Vec<String>);
 
 /// The comparison.
 pub(in crate::ui) struct Compare {
@@ -44,11 +43,10 @@ pub(in crate::ui) struct Compare {
     pictures: [Picture; 3],
     stills: [Still; 2],
     drawn: [Option<Drawn>; 3],
-    asked: Option<[Moment; 2]>,
+    asked: Option<([Moment; 2], Stream)>,
     /// What was found, and of which places.
     found: Option<Found>,
     range: [f32; 2],
-    spread: f32,
 }
 
 impl Default for Compare {
@@ -62,7 +60,6 @@ impl Default for Compare {
             asked: None,
             found: None,
             range: [0.0, 1.0],
-            spread: 1.0,
         }
     }
 }
@@ -82,7 +79,14 @@ impl Panel for Compare {
             return;
         };
         let (Some(a), Some(b)) = (model.opened.clone(), other.opened.clone()) else {
-            ui.spinner();
+            if other.is_busy() {
+                ui.spinner();
+            } else {
+                ui.label("the second run could not be prepared: the log says why");
+            }
+            if ui.button(Command::EndCompare.name()).clicked() {
+                cx.todo.push(Command::EndCompare);
+            }
             return;
         };
         ui.horizontal_wrapped(|ui| {
@@ -121,8 +125,17 @@ impl Panel for Compare {
             (self.stream, self.layer) = (Stream::State, 0);
         }
         self.choose_stream(ui, &streams);
-        if (a.plan.width, a.plan.height) != (b.plan.width, b.plan.height) {
-            ui.label("the two pictures are not of the same size");
+        let seen = |settings: &Settings| (settings.size, settings.view, settings.ray);
+        if seen(&a.settings) != seen(&b.settings) {
+            ui.label("the two runs do not see the same");
+            if ui.button("Let B see what A sees").clicked() {
+                let Settings { size, view, ray, .. } = a.settings.clone();
+                other.ask(Request::Plan(Box::new(Settings { size, view, ray, ..b.settings.clone() })));
+                other.ask(Request::Step(Target::End));
+                if let Some(pixel) = shared.pixel {
+                    other.ask(Request::Follow(pixel));
+                }
+            }
             return;
         }
         self.count(model, other);
@@ -150,7 +163,7 @@ impl Panel for Compare {
                     let name = match shown {
                         Side::A => format!("A: {}", a.settings.accelerator),
                         Side::B => format!("B: {}", b.settings.accelerator),
-                        Side::Difference => "A − B".into(),
+                        Side::Difference => format!("A − B, colours from −{0:.1e} to {0:.1e}", self.spread()),
                     };
                     ui.small(name).on_hover_text("Shift shows the other run in its place");
                     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -165,7 +178,15 @@ impl Panel for Compare {
                     }
                     picture.mark(ui, rect, shared.hovered, Color32::from_white_alpha(140));
                     picture.mark(ui, rect, shared.pixel, Color32::WHITE);
-                    let text = format!("{} of {}", self.stream.name(), ["run A", "run B", "the difference"][i]);
+                    let text = format!(
+                        "{} of {}",
+                        self.stream.name(),
+                        match shown {
+                            Side::A => "run A",
+                            Side::B => "run B",
+                            Side::Difference => "the difference",
+                        }
+                    );
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
                 });
             }
@@ -205,7 +226,10 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
         let of = |part: &str| life.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
         let tests = life.rows.iter().filter(|row| row.tested.is_some()).count();
         let hit = life.rows.last().and_then(|row| row.after.triangle.zip(row.after.t));
-        let hit = hit.map_or_else(|| "hits nothing".into(), |(id, t)| format!("hits triangle {id} at t {t}"));
+        let hit = hit.map_or_else(
+            || "hits nothing".into(),
+            |(id, t)| format!("hits triangle {id} at t {}", f64::from(t) * life.t_scale),
+        );
         format!("{} steps, {tests} triangles tested, {} passes: {hit}", of("traverse"), life.rows.len())
     };
     for (name, life) in [("A", a), ("B", b)] {
@@ -239,6 +263,12 @@ impl Placed {
 }
 
 impl Compare {
+    /// The largest difference that has a colour of its own: of counts a tenth of their range, of floats a thousandth.
+    fn spread(&self) -> f32 {
+        let part = if Meaning::of(self.stream, Some(self.layer)) == Meaning::Count { 0.1 } else { 1e-3 };
+        (self.range[1] - self.range[0]).abs().max(f32::MIN_POSITIVE) * part
+    }
+
     fn choose_stream(&mut self, ui: &mut Ui, streams: &[Stream]) {
         ui.horizontal_wrapped(|ui| {
             let shown = ComboBox::from_id_salt("compared stream").selected_text(self.stream.name());
@@ -259,11 +289,12 @@ impl Compare {
 
     /// Reads both streams once they are there, and says how they differ.
     fn count(&mut self, model: &mut Model, other: &mut Model) {
-        let now = [(model.generation, model.place), (other.generation, other.place)];
+        let now = [(model.edition, model.place), (other.edition, other.place)];
         if model.is_busy() || other.is_busy() {
             return;
         }
-        let is_known = self.found.as_ref().is_some_and(|(places, stream, _)| *places == now && *stream == self.stream);
+        let key = (now, self.stream, self.layer);
+        let is_known = self.found.as_ref().is_some_and(|(places, stream, layer, _)| (*places, *stream, *layer) == key);
         if is_known {
             return;
         }
@@ -273,8 +304,8 @@ impl Compare {
             Some(StreamData { stream: texels.stream, width, height, bits: texels.bits.clone() })
         };
         let (Some(left), Some(right)) = (read(model), read(other)) else {
-            if self.asked != Some(now) || self.found.as_ref().is_some_and(|(_, stream, _)| *stream != self.stream) {
-                self.asked = Some(now);
+            if self.asked != Some((now, self.stream)) {
+                self.asked = Some((now, self.stream));
                 model.ask(Request::ReadAll(self.stream));
                 other.ask(Request::ReadAll(self.stream));
             }
@@ -298,10 +329,8 @@ impl Compare {
             Err(error) => lines.push(error.to_string()),
         }
         let stats = LayerStats::of(self.stream, self.layer, left.layer(self.layer));
-        if let Some(span) = &stats.span {
-            self.range = [span.min as f32, span.max as f32];
-        }
-        self.found = Some((now, self.stream, lines));
+        self.range = stats.span.as_ref().map_or([0.0, 1.0], |span| [span.min as f32, span.max as f32]);
+        self.found = Some((now, self.stream, self.layer, lines));
     }
 
     #[expect(clippy::too_many_arguments)]
@@ -321,30 +350,30 @@ impl Compare {
         let origin = rect.center() - vec2(width as f32, height as f32) * (0.5 * scale);
         let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
         let drawn = Drawn {
-            runs: [(model.generation, model.place), (other.generation, other.place)],
+            runs: [(model.edition, model.place), (other.edition, other.place)],
             stream: self.stream,
             layer: self.layer,
             range: self.range,
-            spread: self.spread,
             size,
             is_swapped: side == Side::B,
         };
+        let largest = self.spread();
         let (target, is_new) = self.pictures[slot].target(canvas, size);
         for (still, run) in self.stills.iter_mut().zip([model, other]) {
             if let Some(texture) = run.texture(self.stream).filter(|_| !run.is_moving()) {
-                still.take(canvas, (run.generation, run.place), self.stream, texture);
+                still.take(canvas, (run.edition, run.place), self.stream, texture);
             }
         }
         let of = |i: usize| self.stills[i].of(self.stream).filter(|(moment, _)| moment.0 == drawn.runs[i].0);
         let stills = of(0).zip(of(1));
         let drawn = Drawn { runs: stills.map_or(drawn.runs, |(a, b)| [a.0, b.0]), ..drawn };
-        if stills.is_none() || drawn.runs != [(model.generation, model.place), (other.generation, other.place)] {
+        if stills.is_none() || drawn.runs != [(model.edition, model.place), (other.edition, other.place)] {
             ui.ctx().request_repaint();
         }
         if let Some(((_, a), (_, b))) = stills.filter(|_| is_new || self.drawn[slot] != Some(drawn)) {
             let is_difference = side == Side::Difference;
             let meaning = Meaning::of(self.stream, Some(self.layer));
-            let largest = (self.range[1] - self.range[0]).abs().max(f32::MIN_POSITIVE) * 1e-3;
+
             let offset = (origin - rect.min) * points;
             let picture = stream::Picture {
                 stream: self.stream,

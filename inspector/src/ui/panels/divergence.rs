@@ -33,8 +33,8 @@ fn color(class: Class) -> Color32 {
 }
 
 /// A run of its own beside the one that is shown, compared pass by pass.
-fn job() -> Job {
-    fn work(context: JobContext<'_>) -> JobFuture<'_> {
+fn job(generation: u64) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let JobContext { session, device, progress, .. } = context;
             let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
@@ -49,10 +49,9 @@ fn job() -> Job {
                 }
             });
             let map = map.await.map_err(fail)?;
-            Ok(Box::new(map) as Box<dyn std::any::Any + Send>)
+            Ok(Box::new((generation, map)) as Box<dyn std::any::Any + Send>)
         })
-    }
-    Box::new(work)
+    })
 }
 
 impl Panel for Divergence {
@@ -66,9 +65,8 @@ impl Panel for Divergence {
             return;
         };
         let bytes = Bytes(divergence_bytes(&opened.plan));
-        if let Some(map) = cx.model.take_answer::<DivergenceMap>(WHAT) {
-            self.map = Some((cx.model.generation, *map));
-            self.picture = None;
+        while let Some(answer) = cx.model.take_answer::<(u64, DivergenceMap)>(WHAT) {
+            (self.map, self.picture) = (Some(*answer), None);
         }
         if self.map.as_ref().is_some_and(|(generation, _)| *generation != cx.model.generation) {
             (self.map, self.picture) = (None, None);
@@ -79,7 +77,7 @@ impl Panel for Divergence {
                 "each pass is run by the f32 and f64 twins too, from the device's own streams before it; takes {bytes} of memory"
             );
             if ui.add_enabled(!cx.model.is_busy(), button).on_hover_text(about).clicked() {
-                cx.model.ask(Request::Job(WHAT, job()));
+                cx.model.ask(Request::Job(WHAT, job(cx.model.generation)));
             }
         });
         let Some((_, map)) = &self.map else {
@@ -122,7 +120,7 @@ impl Panel for Divergence {
         ui.painter().image(picture.id(), rect, whole, Color32::WHITE);
         let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
         let texel = texel.map(|at| [(at.x as u32).min(width - 1), (at.y as u32).min(height - 1)]);
-        let text = format!("{} of {} rays part from their twins", map.counts().iter().sum::<u64>(), width * height);
+        let text = Class::ALL.map(|class| format!("{} rays: {}", map.count(class), class.name())).join(", ");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         let Some([x, y]) = texel else { return };
         cx.shared.hovered = Some([x, y]);
@@ -159,9 +157,7 @@ impl Panel for Divergence {
         if command != Command::Divergence {
             return false;
         }
-        if !cx.model.is_busy() {
-            cx.model.ask(Request::Job(WHAT, job()));
-        }
+        cx.model.ask(Request::Job(WHAT, job(cx.model.generation)));
         true
     }
 }

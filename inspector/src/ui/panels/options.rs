@@ -18,6 +18,8 @@ const MOST_PIXELS: u32 = 16_384;
 pub(in crate::ui) struct Options {
     /// As edited, and the run that it was taken from.
     draft: Option<(u64, Settings)>,
+    /// What was asked for last: once is enough, also where it is refused.
+    asked: Option<Settings>,
 }
 
 impl Panel for Options {
@@ -32,9 +34,9 @@ impl Panel for Options {
         };
         let generation = cx.model.generation;
         if self.draft.as_ref().is_none_or(|(known, _)| *known != generation) {
-            self.draft = Some((generation, opened.settings.clone()));
+            (self.draft, self.asked) = (Some((generation, opened.settings.clone())), None);
         }
-        let Some((_, draft)) = &mut self.draft else { return };
+        let Self { draft: Some((_, draft)), asked } = self else { return };
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             egui::Grid::new("options").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
                 tracing(ui, draft);
@@ -59,7 +61,14 @@ impl Panel for Options {
         });
         // One at a time: while numbers are dragged, the last one counts.
         let is_dragged = ui.input(|input| input.pointer.any_down());
-        if *draft != opened.settings && !cx.model.is_busy() && !is_dragged && !ui.ctx().egui_wants_keyboard_input() {
+        if *draft == opened.settings {
+            *asked = None;
+        } else if asked.as_ref() != Some(&*draft)
+            && !cx.model.is_busy()
+            && !is_dragged
+            && !ui.ctx().egui_wants_keyboard_input()
+        {
+            *asked = Some(draft.clone());
             cx.model.ask(Request::Plan(Box::new(draft.clone())));
         }
     }

@@ -63,7 +63,7 @@ impl Panel for StreamView {
             return;
         };
         let (plan, generation) = (opened.plan.clone(), cx.model.generation);
-        if self.pinned.is_some() && self.stats.as_ref().is_some_and(|s| s.0 != generation) {
+        if self.pinned.as_ref().is_some_and(|pinned| pinned.generation != generation) {
             self.pinned = None;
         }
         if self.pinned.is_none()
@@ -137,10 +137,16 @@ impl Panel for StreamView {
         match command {
             Command::ExposureUp => self.look.exposure *= 2.0,
             Command::ExposureDown => self.look.exposure /= 2.0,
-            Command::OffsetUp => self.look.range = Some(range.map(|v| v + 0.1 * span)),
-            Command::OffsetDown => self.look.range = Some(range.map(|v| v - 0.1 * span)),
+            Command::OffsetUp | Command::OffsetDown => {
+                let by = if command == Command::OffsetUp { 0.1 } else { -0.1 };
+                if self.look.is_color(cx.shared.stream) {
+                    self.look.offset += by;
+                } else {
+                    self.look.range = Some(range.map(|v| v + by * span));
+                }
+            }
             Command::Normalise => self.look.range = None,
-            Command::ResetRange => (self.look.range, self.look.exposure) = (None, 1.0),
+            Command::ResetRange => (self.look.range, self.look.exposure, self.look.offset) = (None, 1.0, 0.0),
             Command::Fit => self.look.scale = None,
             Command::ExportView => {
                 if let Some(texture) = self.picture.texture() {
@@ -224,15 +230,16 @@ impl StreamView {
 
     /// Asks for the values when there are new ones, and takes their range once they are here.
     fn read_range(&mut self, cx: &mut Context<'_>, stream: Stream, layer: usize) {
-        let (generation, place) = (cx.model.generation, cx.model.place);
-        if self.pinned.is_none() && self.asked != Some((generation, place, stream)) && !cx.model.is_busy() {
-            self.asked = Some((generation, place, stream));
+        let (edition, place) = (cx.model.edition, cx.model.place);
+        if self.pinned.is_none() && self.asked != Some((edition, place, stream)) && !cx.model.is_busy() {
+            self.asked = Some((edition, place, stream));
             cx.model.ask(Request::ReadAll(stream));
         }
-        let read = cx.model.texels.iter().find(|t| t.stream == stream);
+        let is_shown = |place: usize| self.pinned.as_ref().is_none_or(|pinned| pinned.place == place);
+        let read = cx.model.texels.iter().find(|t| t.stream == stream && is_shown(t.place));
         if let Some(texels) = read {
             let known = self.stats.as_ref().map(|(g, p, s, l, _)| (*g, *p, *s, *l));
-            let now = (generation, texels.place, stream, layer);
+            let now = (edition, texels.place, stream, layer);
             if known != Some(now) {
                 let stats = LayerStats::of(stream, layer, texels.layer(layer));
                 self.stats = Some((now.0, now.1, now.2, now.3, stats));
@@ -285,7 +292,7 @@ impl StreamView {
     ) {
         let points = ui.ctx().pixels_per_point();
         let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
-        let now = (cx.model.generation, cx.model.place);
+        let now = (cx.model.edition, cx.model.place);
         // Between two places the streams belong to neither: what was taken last stays.
         if let Some(texture) = cx.model.texture(stream).filter(|_| self.pinned.is_none() && !cx.model.is_moving()) {
             self.still.take(cx.canvas, now, stream, texture);
@@ -305,7 +312,7 @@ impl StreamView {
             stream,
             layer: layer.unwrap_or(0),
             meaning,
-            range: if meaning == Meaning::Color { [0.0, 1.0] } else { range },
+            range: if meaning == Meaning::Color { [self.look.offset, 1.0] } else { range },
             exposure: self.look.exposure,
             colors,
             offset: [offset.x, offset.y],

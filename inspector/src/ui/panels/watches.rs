@@ -69,7 +69,7 @@ impl Panel for Watches {
                     cx.todo.push(Command::EditTexel);
                 }
                 if ui.add_enabled(!cx.model.edits.is_empty(), egui::Button::new("Take all back")).clicked() {
-                    cx.model.ask(Request::ClearEdits);
+                    again(cx, Request::ClearEdits);
                 }
             });
             ui.separator();
@@ -79,13 +79,24 @@ impl Panel for Watches {
                 let label = ui.label("passes on the CPU twins, the rest on the device");
                 ui.add(DragValue::new(&mut self.until).range(0..=cx.model.passes.len().max(1))).labelled_by(label.id);
                 if ui.add_enabled(self.until > 0, egui::Button::new("Use the twins")).clicked() {
-                    cx.model.ask(Request::TwinsUntil(Some(self.until)));
+                    again(cx, Request::TwinsUntil(Some(self.until)));
+                }
+                if let Some(passes) = cx.model.twins {
+                    ui.strong(format!("{passes} passes on the twins now"));
                 }
                 if ui.button("Device only").clicked() {
-                    cx.model.ask(Request::TwinsUntil(None));
+                    again(cx, Request::TwinsUntil(None));
                 }
             });
         });
+    }
+}
+
+/// Asks for what changes the run, and follows the ray through it again.
+fn again(cx: &mut Context<'_>, request: Request) {
+    cx.model.ask(request);
+    if let Some(pixel) = cx.shared.pixel {
+        cx.model.ask(Request::Follow(pixel));
     }
 }
 

@@ -15,6 +15,8 @@ pub(super) struct Look {
     pub(super) layer: Option<usize>,
     pub(super) colors: Option<Colors>,
     pub(super) exposure: f32,
+    /// Added to a colour.
+    pub(super) offset: f32,
     /// `None` is from the values.
     pub(super) range: Option<[f32; 2]>,
     /// Points a texel; `None` fits the picture into the panel.
@@ -25,6 +27,22 @@ pub(super) struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self { stream: None, layer: None, colors: None, exposure: 1.0, range: None, scale: None, center: [0.0; 2] }
+        Self {
+            stream: None,
+            layer: None,
+            colors: None,
+            exposure: 1.0,
+            offset: 0.0,
+            range: None,
+            scale: None,
+            center: [0.0; 2],
+        }
+    }
+}
+
+impl Look {
+    /// Whether the view shows a colour, where it shows this stream.
+    pub(super) fn is_color(&self, stream: Option<Stream>) -> bool {
+        self.layer.is_none() && self.stream.or(stream) == Some(Stream::Color)
     }
 }

@@ -62,7 +62,8 @@ fn text(stream: Stream, layer: usize, bits: u32) -> String {
     }
     if stream.is_float_layer(layer) {
         let value = f32::from_bits(bits);
-        return if value >= raystep_kernels::shared::constants::INF { "inf".into() } else { format!("{value:.4}") };
+        let is_never = value.is_finite() && value >= raystep_kernels::shared::constants::INF;
+        return if is_never { "never".into() } else { format!("{value:.4}") };
     }
     if bits == u32::MAX { "–".into() } else { bits.to_string() }
 }
