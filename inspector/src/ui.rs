@@ -15,6 +15,7 @@ mod perform;
 mod places;
 mod shared;
 mod take;
+mod toast;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -23,7 +24,7 @@ use egui_notify::Toasts;
 use egui_tiles::Tree;
 
 use crate::saved::Saved;
-use crate::session::engine::Devices;
+use crate::session::engine::{Devices, OPENING};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
@@ -33,7 +34,7 @@ use dialogs::Dialog;
 use host::{Host, HostEvent};
 use layout::Layout;
 use lessons::Lesson;
-use pane::{Context, Pane};
+use pane::{Context, Pane, PaneKind};
 use shared::Shared;
 pub use shared::Shown;
 
@@ -50,7 +51,7 @@ pub struct Inspector {
     todo: VecDeque<Command>,
     toasts: Toasts,
     is_playing: bool,
-    /// The scene's path as the user gave it, for links and the title.
+    /// The path of the scene that is open, as the user gave it, for links and the title.
     path: Option<String>,
     /// Runs known to the panels: a new one is followed from its selected pixel.
     generation: u64,
@@ -59,8 +60,6 @@ pub struct Inspector {
     lesson: Option<Lesson>,
     /// The selected ray is still to be followed.
     is_to_follow: bool,
-    /// The path of the scene that is being opened.
-    opening: Option<String>,
     /// Something had the keys at the end of the last frame.
     had_focus: bool,
     saved: Saved,
@@ -114,7 +113,6 @@ impl Inspector {
             arrival: None,
             lesson: None,
             is_to_follow: false,
-            opening: None,
             had_focus: false,
             saved: Saved::default(),
         }
@@ -126,9 +124,8 @@ impl Inspector {
             lessons::BUILT_IN => Box::new(|| Ok(raystep_scenes::generate::cornell_box())),
             path => self.host.loader(path),
         };
-        self.opening = Some(path.to_owned());
         self.arrival = Some(arrival);
-        self.model.ask(Request::Open { load, settings: Box::new(settings) });
+        self.model.ask(Request::Open { path: path.to_owned(), load, settings: Box::new(settings) });
     }
 
     /// Does a command, as a menu would.
@@ -162,6 +159,13 @@ impl Inspector {
     #[must_use]
     pub fn pixel(&self) -> Option<[u32; 2]> {
         self.shared.pixel
+    }
+
+    /// The panels in view, not those behind other tabs.
+    #[must_use]
+    pub fn panes_in_view(&self) -> Vec<PaneKind> {
+        let active = self.tree.active_tiles().into_iter();
+        active.filter_map(|id| self.tree.tiles.get_pane(&id)).map(|pane| pane.kind).collect()
     }
 
     /// The window's title.
@@ -217,13 +221,18 @@ impl Inspector {
             other.update();
         }
         let failures = self.model.failures.drain(..).chain(self.other.iter_mut().flat_map(|m| m.failures.drain(..)));
-        let failures: Vec<String> = failures.map(|(what, message)| format!("{what}: {message}")).collect();
-        failures.into_iter().for_each(|message| self.fail(message));
+        for (what, message) in failures.collect::<Vec<_>>() {
+            if what == OPENING {
+                // Nobody arrives there: the next run is another one.
+                self.arrival = None;
+            }
+            self.fail(format!("{what}: {message}"));
+        }
         for event in self.host.events() {
             match event {
                 HostEvent::Chosen(path) => self.open_file(&path),
                 HostEvent::Saved(path) => {
-                    self.toasts.success(format!("saved {path}"));
+                    self.tell(format!("saved {path}"));
                     self.shared.say(false, format!("saved {path}"));
                 }
                 HostEvent::Failed(message) => self.fail(message),
@@ -237,14 +246,11 @@ impl Inspector {
             self.generation = self.model.generation;
             // Other options of the same scene: where the last run was.
             let place = if is_at_end { usize::MAX } else { place };
-            if let Some(path) = self.opening.take() {
-                self.path = Some(path);
-            }
             self.arrival.get_or_insert(Arrival { place: Some(place), ..Arrival::default() });
             self.arrived();
         } else if !self.model.is_busy() {
             // What could not be opened leaves nothing behind.
-            (self.opening, self.arrival) = (None, None);
+            self.arrival = None;
         }
     }
 
@@ -257,6 +263,7 @@ impl Inspector {
 
     /// A new run is there.
     fn arrived(&mut self) {
+        self.path = self.model.opened.as_ref().and_then(|opened| opened.path.clone());
         self.remember_file();
         let Some(opened) = &self.model.opened else { return };
         let plan = &opened.plan;
@@ -299,7 +306,7 @@ impl Inspector {
     fn fail(&mut self, message: String) {
         self.is_playing = false;
         self.shared.say(true, message.clone());
-        self.toasts.error(message);
+        self.warn(message);
     }
 
     /// What panels asked for through what they share.

@@ -4,6 +4,22 @@
 /// are written encoded too.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
+/// A buffer that holds these bytes, a multiple of four. Nothing of it is mapped, which on a lost device is a panic.
+pub(super) fn filled(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    contents: &[u8],
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    let usage = usage | wgpu::BufferUsages::COPY_DST;
+    let size = contents.len() as u64;
+    let buffer =
+        device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false });
+    queue.write_buffer(&buffer, 0, contents);
+    buffer
+}
+
 /// A texture to draw a picture into: to be shown by a panel, or copied to a file. Of at least one pixel, and of no more
 /// than the device can hold.
 #[must_use]

@@ -12,8 +12,8 @@ mod triangles;
 
 use glam::{DVec3, Vec3};
 use raystep_kernels::scene_data::SceneData;
-use wgpu::util::DeviceExt as _;
 
+use super::picture::filled;
 use crate::orbit::{Lens, Orbit};
 use crate::walk::{Aabb, WalkGeometry};
 use overlay::{FillVertex, Frustum, LineInstance, Overlay};
@@ -77,7 +77,7 @@ impl Scene3d {
         self.frustum = Frustum::of(data);
         // The old buffers go first: both may not fit.
         self.triangles = Triangles::default();
-        self.triangles = Triangles::new(&self.device, &self.pipelines.triangles_layout, data);
+        self.triangles = Triangles::new(&self.device, &self.queue, &self.pipelines.triangles_layout, data);
         self.triangles.shown
     }
 
@@ -166,9 +166,7 @@ impl Scene3d {
         if contents.is_empty() {
             return None;
         }
-        let usage = wgpu::BufferUsages::VERTEX;
-        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
-        Some(self.device.create_buffer_init(&descriptor))
+        Some(filled(&self.device, &self.queue, label, contents, wgpu::BufferUsages::VERTEX))
     }
 }
 

@@ -4,9 +4,8 @@ use raystep_kernels::shared::constants::INF;
 use raystep_kernels::stream::Texel;
 use raystep_kernels::{Stream, state};
 use serde::{Deserialize, Serialize};
-use wgpu::util::DeviceExt as _;
 
-use super::picture::FORMAT;
+use super::picture::{FORMAT, filled};
 
 /// How numbers become colours. NaN and infinities have colours and a hatch of their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -258,13 +257,8 @@ impl StreamPainter {
                 [r, g, b, 255].map(|c| f32::from(c) / 255.0)
             })
             .collect();
-        let buffer = |contents: &[u8]| {
-            self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("stream view"),
-                contents,
-                usage: wgpu::BufferUsages::UNIFORM,
-            })
-        };
+        let buffer =
+            |contents: &[u8]| filled(&self.device, &self.queue, "stream view", contents, wgpu::BufferUsages::UNIFORM);
         let (uniform, colors) = (buffer(bytemuck::bytes_of(&uniform)), buffer(bytemuck::cast_slice(&colors)));
         let (texture, minus) = (array_view(picture.texture), picture.minus.map(array_view));
         let minus = minus.as_ref();

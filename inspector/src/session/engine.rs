@@ -16,6 +16,9 @@ use super::Session;
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
 use crate::settings::{DeviceKind, Settings};
 
+/// What opening a scene is called where it fails.
+pub const OPENING: &str = "opening the scene";
+
 /// A task that serves requests until nobody can send any.
 pub type EngineTask = Pin<Box<dyn Future<Output = ()> + Send>>;
 
@@ -40,6 +43,7 @@ pub struct Engine {
 }
 
 struct Run {
+    path: Option<String>,
     scene: Arc<Scene>,
     settings: Settings,
     session: Session,
@@ -104,7 +108,7 @@ impl Engine {
 /// What a request is called where people read of it.
 fn name(request: &Request) -> &'static str {
     match request {
-        Request::Open { .. } => "opening the scene",
+        Request::Open { .. } => OPENING,
         Request::Plan(_) | Request::Share(..) => "preparing the run",
         Request::Step(_) => "stepping",
         Request::RunToWatch { .. } => "running to a watch",
@@ -182,14 +186,14 @@ impl Server {
 
     async fn answer(&mut self, request: Request) -> Result<(), Trouble> {
         match request {
-            Request::Open { load, settings } => {
+            Request::Open { path, load, settings } => {
                 self.say(Update::Progress("reading the scene", 0, 0));
                 let scene = load().map_err(Trouble::Failed)?;
-                self.open(Arc::new(scene), *settings).await
+                self.open(Some(path), Arc::new(scene), *settings).await
             }
-            Request::Share(scene, settings) => self.open(scene, *settings).await,
+            Request::Share(scene, settings) => self.open(None, scene, *settings).await,
             Request::Plan(settings) => match &self.run {
-                Some(run) => self.open(run.scene.clone(), *settings).await,
+                Some(run) => self.open(run.path.clone(), run.scene.clone(), *settings).await,
                 None => Ok(()),
             },
             Request::Step(target) => {
@@ -282,7 +286,7 @@ impl Server {
     }
 
     /// The old run stays until the new one is ready.
-    async fn open(&mut self, scene: Arc<Scene>, settings: Settings) -> Result<(), Trouble> {
+    async fn open(&mut self, path: Option<String>, scene: Arc<Scene>, settings: Settings) -> Result<(), Trouble> {
         self.say(Update::Progress("building and compiling", 0, 0));
         let device = self.device(settings.device);
         let session = Session::new(&scene, &settings.options(&scene), &device).await?;
@@ -302,6 +306,7 @@ impl Server {
             Device::Cpu(_) | Device::CpuF64(_) => settings.device.name().into(),
         };
         self.say(Update::Opened(Box::new(Opened {
+            path: path.clone(),
             scene: scene.clone(),
             settings: settings.clone(),
             plan: renderer.shared_plan(),
@@ -309,13 +314,17 @@ impl Server {
             textures,
             device: device_name,
         })));
-        self.run = Some(Run { scene, settings, session, device, copies, known: 0, followed: None });
+        self.run = Some(Run { path, scene, settings, session, device, copies, known: 0, followed: None });
         self.arrived().await
     }
 
     /// Says where the run is, after its streams were made visible.
     async fn arrived(&mut self) -> Result<(), Trouble> {
         let Some(run) = &mut self.run else { return Ok(()) };
+        if run.copies.is_empty() {
+            // Without its device the run is nowhere: the place known last is where to go on.
+            self.devices.gpu.health().map_err(|error| Trouble::Failed(error.to_string()))?;
+        }
         for (stream, texture) in &run.copies {
             let data = run.session.stream(*stream).await?;
             fill(&self.devices.gpu, texture, &data);

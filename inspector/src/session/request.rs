@@ -18,6 +18,8 @@ pub type Loader = Box<dyn FnOnce() -> Result<Scene, String> + Send>;
 pub enum Request {
     /// Reads a scene and prepares a run; the old run stays where the new scene cannot be read.
     Open {
+        /// What its user calls it, for [`Opened::path`].
+        path: String,
         /// Reads it.
         load: Loader,
         /// What to run.
@@ -83,6 +85,8 @@ pub struct JobContext<'a> {
 /// A run that is ready.
 #[derive(Clone)]
 pub struct Opened {
+    /// The path that it was opened by; `None` where another engine read it.
+    pub path: Option<String>,
     /// The scene.
     pub scene: Arc<Scene>,
     /// What it was asked for.

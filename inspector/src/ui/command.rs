@@ -303,14 +303,14 @@ impl Command {
     }
 }
 
-/// The commands whose keys were pressed. Text fields keep their own keys; `had_focus`: something had the keys at the end
-/// of the last frame.
+/// The commands whose keys were pressed. Text fields, menus and lists that are open keep their own keys; `had_focus`:
+/// something had the keys at the end of the last frame.
 pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
-    let has_text_focus = ctx.egui_wants_keyboard_input();
+    let is_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     let mut keys: Vec<(&CommandInfo, KeyboardShortcut)> = COMMANDS
         .iter()
         .flat_map(|info| info.keys.iter().map(move |&(modifiers, key)| (info, KeyboardShortcut::new(modifiers, key))))
-        .filter(|(_, shortcut)| !has_text_focus || is_global(shortcut))
+        .filter(|(_, shortcut)| !is_taken || is_global(shortcut))
         .collect();
     // The more modifiers, the earlier: else Ctrl+Shift+F10 would be Ctrl+F10.
     keys.sort_by_key(|(_, s)| {
@@ -318,10 +318,10 @@ pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
         std::cmp::Reverse([m.alt, m.shift, m.ctrl, m.command].iter().filter(|&&on| on).count())
     });
     // Escape closes what is open, and leaves what is typed, before it stops work.
-    let is_taken = had_focus || egui::Popup::is_any_open(ctx);
+    let is_escape_taken = had_focus || is_taken;
     // A key that was pressed twice since the last frame counts twice.
     let times = |input: &mut egui::InputState, shortcut: &KeyboardShortcut| match shortcut.logical_key {
-        Key::Escape => usize::from(!is_taken && input.key_pressed(Key::Escape)),
+        Key::Escape => usize::from(!is_escape_taken && input.key_pressed(Key::Escape)),
         key => input.count_and_consume_key(shortcut.modifiers, key),
     };
     ctx.input_mut(|input| keys.iter().flat_map(|(info, shortcut)| vec![info.command; times(input, shortcut)]).collect())

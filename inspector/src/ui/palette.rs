@@ -12,11 +12,12 @@ pub(super) struct Palette {
     chosen: usize,
 }
 
-/// The commands whose names hold what was typed, the best first.
+/// The commands whose names hold what was typed, the best first: one that is called just so before all others.
 pub(super) fn matches(text: &str) -> Vec<Command> {
     let names = COMMANDS.iter().map(|info| info.name);
     let pattern = Pattern::parse(text, CaseMatching::Ignore, Normalization::Smart);
-    let found = pattern.match_list(names, &mut Matcher::new(Config::DEFAULT));
+    let mut found = pattern.match_list(names, &mut Matcher::new(Config::DEFAULT));
+    found.sort_by_key(|(name, _)| !name.eq_ignore_ascii_case(text.trim()));
     found.iter().filter_map(|(name, _)| COMMANDS.iter().find(|info| info.name == *name)).map(|i| i.command).collect()
 }
 
@@ -70,6 +71,9 @@ mod tests {
         assert_eq!(matches("next pass").first(), Some(&Command::NextPass));
         assert!(matches("nxtps").contains(&Command::NextPass));
         assert!(matches("zzzz").is_empty());
+        for info in COMMANDS {
+            assert_eq!(matches(info.name).first(), Some(&info.command), "{}", info.name);
+        }
         assert_eq!(matches("").len(), COMMANDS.len());
     }
 }

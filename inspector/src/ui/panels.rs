@@ -6,6 +6,7 @@ pub(super) mod cost;
 pub(super) mod dataflow;
 pub(super) mod divergence;
 pub(super) mod kernel;
+mod legend;
 pub(super) mod log;
 pub(super) mod options;
 pub(super) mod passes;

@@ -79,7 +79,7 @@ impl Inspector {
             C::CopyLink => {
                 if let Some(link) = self.link() {
                     ctx.copy_text(link.to_string());
-                    self.toasts.info("the link is in the clipboard");
+                    self.tell("the link is in the clipboard");
                 }
             }
             C::PasteLink => self.dialog = Some(Dialog::Link(String::new())),
@@ -174,7 +174,7 @@ impl Inspector {
             }
             _ => {
                 let (w, h) = (opened.plan.width - 1, opened.plan.height - 1);
-                self.toasts.error(format!("{text:?}: a column from 0 to {w} and a row from 0 to {h} are wanted"));
+                self.warn(format!("{text:?}: a column from 0 to {w} and a row from 0 to {h} are wanted"));
                 true
             }
         }
@@ -190,7 +190,7 @@ impl Inspector {
                 false
             }
             Err(message) => {
-                self.toasts.error(message.to_string());
+                self.warn(message.to_string());
                 true
             }
         }

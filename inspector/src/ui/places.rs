@@ -95,7 +95,7 @@ impl Inspector {
             }
             None => "no watch fired".into(),
         };
-        self.toasts.info(text.clone());
+        self.tell(text.clone());
         self.shared.say(false, text.clone());
         self.shared.fired = Some(text);
     }
@@ -108,7 +108,7 @@ impl Inspector {
             *on = !is_on;
         }
         let what = if is_on { "no longer watched" } else { "watched: F5 runs to where its state or hit changes" };
-        self.toasts.info(format!("the selected ray is {what}"));
+        self.tell(format!("the selected ray is {what}"));
     }
 
     /// Opens a second run of the same scene: with the tree where this one has the grid, else with the grid.

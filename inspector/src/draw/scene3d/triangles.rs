@@ -1,7 +1,8 @@
 //! The scene's triangles on the GPU.
 
 use raystep_kernels::scene_data::{SceneData, linear_to_srgb};
-use wgpu::util::DeviceExt as _;
+
+use crate::draw::picture::filled;
 
 /// Most triangles that are drawn: 400 MB of corners and colours. Of more, every second, third, ... is drawn, so that a
 /// surface of many gets holes but keeps its shape.
@@ -47,7 +48,12 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    pub(super) fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, data: &SceneData) -> Self {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layout: &wgpu::BindGroupLayout,
+        data: &SceneData,
+    ) -> Self {
         let limits = device.limits();
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(128 << 20);
         let chunk = (binding as usize / CORNERS).max(1);
@@ -66,10 +72,7 @@ impl Triangles {
                 &picked
             };
             let colors: Vec<[u8; 4]> = (first..end).step_by(shown.every).map(|i| color(data, i)).collect();
-            let buffer = |label, contents: &[u8]| {
-                let usage = wgpu::BufferUsages::STORAGE;
-                device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
-            };
+            let buffer = |label, contents: &[u8]| filled(device, queue, label, contents, wgpu::BufferUsages::STORAGE);
             let corner_buffer = buffer("3D view, corners", bytemuck::cast_slice(part));
             let color_buffer = buffer("3D view, colors", bytemuck::cast_slice(&colors));
             let group = device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -319,7 +319,7 @@ impl Compare {
                     lines.push(match (&found.floats, found.differing) {
                         (_, 0) => format!("{name}: the same bits for all rays"),
                         (Some(floats), rays) => format!(
-                            "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:e} in value",
+                            "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:.3e} in value",
                             floats.median_ulps, floats.max_ulps, floats.largest
                         ),
                         (None, rays) => format!("{name}: {rays} rays differ"),

@@ -37,13 +37,15 @@ impl Panel for Passes {
         // Row 0 is before the first pass.
         let current = rows.partition_point(|&i| i < place);
         let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
+        // All four columns are to be seen in the narrow column of the simple layout.
+        ui.spacing_mut().item_spacing.x = 4.0;
         let mut table = TableBuilder::new(ui)
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
-            .column(Column::initial(44.0).at_least(30.0))
-            .column(Column::initial(96.0).at_least(60.0).clip(true))
-            .column(Column::initial(64.0).at_least(40.0).clip(true))
+            .column(Column::initial(36.0).at_least(30.0))
+            .column(Column::initial(84.0).at_least(60.0).clip(true))
+            .column(Column::initial(46.0).at_least(40.0).clip(true))
             .column(Column::remainder().at_least(40.0).clip(true));
         if self.shown != Some(place) {
             self.shown = Some(place);

@@ -87,20 +87,25 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
 
 impl RayView {
     fn table(&mut self, ui: &mut egui::Ui, life: &Trace, current: Option<usize>, cx: &mut Context<'_>) {
+        // All columns are wider than most panels.
+        egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| self.columns(ui, life, current, cx));
+    }
+
+    fn columns(&mut self, ui: &mut egui::Ui, life: &Trace, current: Option<usize>, cx: &mut Context<'_>) {
         let height = ui.text_style_height(&egui::TextStyle::Monospace) + 4.0;
         let mut table = TableBuilder::new(ui)
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
             .column(Column::initial(40.0).at_least(28.0))
-            .column(Column::initial(88.0).at_least(40.0).clip(true))
-            .column(Column::initial(108.0).at_least(40.0).clip(true))
+            .column(Column::initial(104.0).at_least(40.0).clip(true))
+            .column(Column::initial(116.0).at_least(40.0).clip(true))
             .column(Column::initial(56.0).at_least(30.0).clip(true))
-            .column(Column::initial(172.0).at_least(40.0).clip(true))
+            .column(Column::initial(190.0).at_least(40.0).clip(true))
             .column(Column::initial(34.0).at_least(24.0).clip(true))
             .column(Column::initial(70.0).at_least(30.0).clip(true))
             .column(Column::initial(44.0).at_least(24.0).clip(true))
-            .column(Column::remainder().at_least(320.0).clip(true));
+            .column(Column::initial(480.0).at_least(80.0).clip(true));
         if let Some(row) = current.filter(|_| self.shown != current) {
             table = table.scroll_to_row(row, Some(egui::Align::Center));
         }

@@ -4,6 +4,7 @@ use egui::{Color32, Pos2, Rect, Sense, Stroke, pos2, vec2};
 use raystep_kernels::{Pass, state};
 use serde::{Deserialize, Serialize};
 
+use super::legend;
 use super::ray::current_row;
 use crate::draw::stream::STATE_COLORS;
 use crate::ui::pane::{Context, Panel};
@@ -44,9 +45,7 @@ impl Panel for Timeline {
             ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.scale, Scale::Time, "by device time"));
             ui.separator();
             for (tag, name, about) in state::STATES.into_iter().skip(1) {
-                let (rect, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
-                ui.painter().rect_filled(rect, 2.0, color(tag as usize));
-                ui.small(name).on_hover_text(about);
+                legend::entry(ui, color(tag as usize), name, about);
             }
         });
         if !has_times {

@@ -3,6 +3,7 @@
 use egui::{Color32, Rect, Sense, pos2, vec2};
 use raystep_kernels::{Stream, state};
 
+use super::super::legend::entry;
 use super::StreamView;
 use crate::draw::stream::{Colors, Meaning, STATE_COLORS};
 use crate::session::stats::{LayerStats, Others};
@@ -82,9 +83,7 @@ impl StreamView {
             if meaning == Meaning::Tag {
                 for (tag, name, what) in state::STATES {
                     let [r, g, b] = STATE_COLORS[tag as usize];
-                    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-                    ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(r, g, b));
-                    ui.small(name).on_hover_text(what);
+                    entry(ui, Color32::from_rgb(r, g, b), name, what);
                 }
                 return;
             }
