@@ -1,0 +1,168 @@
+//! How long the interface's thread takes for a frame while a scene is played: `Inspector::ui`, textures and
+//! tessellation; presenting apart, which waits for the screen.
+//!
+//! `cargo run --release -p raystep-inspector --example frame_time [FRAMES [TRIANGLES]]`
+//!
+//! It prints wall-clock times of that thread, which are the CPU's where nothing else runs. Software Vulkan traces on
+//! the same cores: leave it some, or take a GPU.
+
+use std::pin::pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, Waker};
+use std::time::{Duration, Instant};
+
+use egui::mutex::RwLock;
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use raystep_inspector::session::engine::{Devices, EngineTask};
+use raystep_inspector::session::request::Loader;
+use raystep_inspector::settings::Settings;
+use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
+use raystep_inspector::ui::{Arrival, Inspector};
+use raystep_kernels::{AdapterChoice, Gpu};
+
+/// The frame's budget.
+const MOST: Duration = Duration::from_millis(8);
+/// Between two frames, as a screen of 60 Hz has it.
+const FRAME: Duration = Duration::from_micros(16_667);
+const SIZE: [f32; 2] = [1600.0, 900.0];
+
+struct Threads {
+    gpu: Arc<Gpu>,
+    triangles: u64,
+}
+
+impl Host for Threads {
+    fn spawn(&mut self, task: EngineTask) {
+        let gpu = self.gpu.clone();
+        std::thread::spawn(move || {
+            let mut task = pin!(task);
+            let mut context = Context::from_waker(Waker::noop());
+            while let Poll::Pending = task.as_mut().poll(&mut context) {
+                // A lost device is said by the task itself.
+                let _ = gpu.device.poll(wgpu::PollType::Poll);
+                std::thread::sleep(Duration::from_micros(200));
+            }
+        });
+    }
+
+    fn scene_of(&self, path: &str) -> (String, Option<usize>) {
+        (path.into(), None)
+    }
+
+    fn path_of(&self, scene: &str, _index: Option<usize>) -> String {
+        scene.into()
+    }
+
+    fn loader(&mut self, _path: &str) -> Loader {
+        let triangles = self.triangles;
+        Box::new(move || raystep_scenes::generate::terrain(triangles, 1).map_err(|e| e.to_string()))
+    }
+
+    fn choose_scene(&mut self) {}
+
+    fn save(&mut self, _file: FileToSave) {}
+
+    fn events(&mut self) -> Vec<HostEvent> {
+        Vec::new()
+    }
+
+    fn remember(&mut self, _saved: &str) {}
+}
+
+/// A window without a screen.
+struct Window {
+    ctx: egui::Context,
+    gpu: Arc<Gpu>,
+    renderer: Arc<RwLock<Renderer>>,
+    inspector: Inspector,
+    begin: Instant,
+}
+
+impl Window {
+    /// A frame, and how long `ui` and tessellation took.
+    fn frame(&mut self) -> [Duration; 2] {
+        let begin = Instant::now();
+        let input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, SIZE.into())),
+            time: Some(self.begin.elapsed().as_secs_f64()),
+            ..Default::default()
+        };
+        let mut output = self.ctx.run_ui(input, |ui| self.inspector.ui(ui));
+        let ui = begin.elapsed();
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let mut renderer = self.renderer.write();
+        for (id, delta) in output.textures_delta.set.iter().flat_map(|(id, all)| all.iter().map(move |d| (id, d))) {
+            renderer.update_texture(device, queue, *id, delta);
+        }
+        let jobs = self.ctx.tessellate(output.shapes, 1.0);
+        let tessellated = begin.elapsed() - ui;
+        let screen = ScreenDescriptor { size_in_pixels: SIZE.map(|side| side as u32), pixels_per_point: 1.0 };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let buffers = renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
+        queue.submit(buffers.into_iter().chain([encoder.finish()]));
+        for id in &output.textures_delta.free {
+            renderer.free_texture(id);
+        }
+        output.textures_delta.clear();
+        drop(renderer);
+        std::thread::sleep(FRAME.saturating_sub(begin.elapsed()));
+        [ui, tessellated]
+    }
+
+    fn settle(&mut self) {
+        let mut calm = 0;
+        while calm < 5 {
+            self.frame();
+            calm = if self.inspector.is_busy() { 0 } else { calm + 1 };
+        }
+    }
+}
+
+fn percentiles(name: &str, times: &mut [Duration]) -> Duration {
+    times.sort();
+    let at = |part: f64| times[((times.len() - 1) as f64 * part).round() as usize];
+    println!("{name:>14}: p50 {:>8.3?}, p99 {:>8.3?}, max {:>8.3?}", at(0.5), at(0.99), at(1.0));
+    at(0.99)
+}
+
+fn main() -> Result<(), String> {
+    let mut args = std::env::args().skip(1);
+    let mut number =
+        |default: u64| args.next().map_or(Ok(default), |arg| arg.parse().map_err(|e| format!("{arg}: {e}")));
+    let (frames, triangles) = (number(300)?.max(1), number(60_000)?);
+    let gpu = pollster::block_on(Gpu::new(&AdapterChoice::Best)).map_err(|e| e.to_string())?;
+    println!("adapter: {}", gpu.info.name);
+    let options = RendererOptions::PREDICTABLE;
+    let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, wgpu::TextureFormat::Rgba8Unorm, options)));
+    let devices = Devices { gpu: gpu.clone(), clock: None, wake: Arc::new(|| {}) };
+    let host = Threads { gpu: gpu.clone(), triangles };
+    let mut inspector = Inspector::new(devices, renderer.clone(), Box::new(host));
+    inspector.open("terrain", Settings::default(), Arrival::default());
+    let mut window = Window { ctx: egui::Context::default(), gpu, renderer, inspector, begin: Instant::now() };
+    window.settle();
+    let plan = window.inspector.model().opened.as_ref().map(|opened| opened.plan.clone()).ok_or("no run")?;
+    println!(
+        "{} triangles, {} × {} rays, opened in {:?}",
+        plan.triangles,
+        plan.width,
+        plan.height,
+        window.begin.elapsed()
+    );
+    for (name, layout) in [("simple layout", Command::SimpleLayout), ("full layout", Command::FullLayout)] {
+        for command in [layout, Command::Start] {
+            window.inspector.perform(command);
+            window.settle();
+        }
+        window.inspector.perform(Command::Play);
+        let times: Vec<[Duration; 2]> = (0..frames).map(|_| window.frame()).collect();
+        println!("{name}: {frames} frames, {} passes played", window.inspector.model().place);
+        percentiles("ui", &mut times.iter().map(|t| t[0]).collect::<Vec<_>>());
+        percentiles("tessellation", &mut times.iter().map(|t| t[1]).collect::<Vec<_>>());
+        let p99 = percentiles("both", &mut times.iter().map(|t| t[0] + t[1]).collect::<Vec<_>>());
+        println!("{:>14}: {} {MOST:?}", "p99", if p99 <= MOST { "within" } else { "over" });
+        window.inspector.perform(Command::Cancel);
+        window.settle();
+    }
+    Ok(())
+}

@@ -1,0 +1,404 @@
+//! What each command needs, and how to tell that it was done.
+
+use egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::link::Link;
+use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::Stream;
+use raystep_kernels::export::csv::COLUMNS;
+use raystep_kernels::stream::STATE_T;
+
+use super::{Before, PIXEL};
+use crate::desk::CORNELL;
+use crate::stage::Stage;
+
+type Prepare = fn(&mut Stage) -> f64;
+type Check = fn(&mut Stage, &Before);
+
+/// A row of the table.
+pub(super) struct Row {
+    /// Sets up what the command needs; the number that it changes, if it does.
+    pub(super) prepare: Prepare,
+    /// Fails where the command did not do what it is for.
+    pub(super) check: Check,
+}
+
+/// A command's row; one without a row does not compile.
+pub(super) fn row(command: Command) -> Row {
+    use Command as C;
+    let (prepare, check): (Prepare, Check) = match command {
+        C::OpenScene => (choose_cornell, |s, was| {
+            s.settle();
+            assert_eq!(s.harness.state().model().generation, was.generation + 1);
+        }),
+        C::CopyLink => (nothing, |s, was| {
+            s.settle();
+            let link: Link = s.heard.copied.last().expect("a link was copied").parse().expect("a link");
+            assert_eq!((link.scene.as_deref(), link.pass), (Some(CORNELL), Some(was.place)));
+            assert!(link.to_string().contains("pixel=40,44"), "{link}");
+        }),
+        C::PasteLink => (nothing, |s, was| {
+            s.answer(&format!("raystep:1?scene={CORNELL}&size=32x32&pixel=3,4&pass=7"));
+            assert_eq!((s.place(), s.harness.state().pixel()), (7, Some([3, 4])));
+            assert!(s.harness.state().model().generation > was.generation);
+        }),
+        C::Export => (nothing, |s, _| {
+            s.settle();
+            s.click(Role::Button, Command::ExportPasses.name());
+            s.settle();
+            assert_eq!(saved(s, ".passes.csv").len(), 1);
+        }),
+        C::ExportPasses => (nothing, |s, was| {
+            let bytes = file(s, ".passes.csv");
+            let mut reader = csv::Reader::from_reader(bytes.as_slice());
+            assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
+            let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
+            assert_eq!(rows.len(), was.place);
+        }),
+        C::ExportTrace => (nothing, |s, was| {
+            let json: serde_json::Value = serde_json::from_slice(&file(s, ".trace.json")).expect("JSON");
+            let events = json["traceEvents"].as_array().expect("events");
+            assert_eq!(events.iter().filter(|event| event["cat"] == "pass").count(), was.place);
+        }),
+        C::ExportExr => (nothing, |s, _| {
+            let bytes = file(s, ".exr");
+            assert_eq!(bytes[..4], [0x76, 0x2f, 0x31, 0x01]);
+            assert!(bytes.len() > 1000, "{}", bytes.len());
+        }),
+        C::ExportNpy => (nothing, |s, _| {
+            let bytes = file(s, ".npy");
+            assert_eq!(&bytes[..6], b"\x93NUMPY");
+            assert_eq!(bytes.len() % (64 * 64 * 4), 128, "a header and whole layers: {}", bytes.len());
+        }),
+        C::ExportRay => (nothing, |s, _| {
+            let bytes = file(s, ".csv");
+            let mut reader = csv::Reader::from_reader(bytes.as_slice());
+            let rows = s.harness.state().model().life.as_ref().expect("a life").rows.len();
+            assert_eq!(reader.records().count(), rows);
+            assert!(rows > 10, "{rows}");
+        }),
+        C::ExportView => (nothing, |s, _| {
+            let picture = image::load_from_memory(&file(s, ".png")).expect("a PNG").to_rgba8();
+            let colors: std::collections::HashSet<_> = picture.pixels().map(|p| p.0).collect();
+            assert!(colors.len() > 2 && picture.width() > 100, "{} colours", colors.len());
+        }),
+        C::ExportWalk => (nothing, |s, _| drawing(s, PaneKind::Walk2d)),
+        C::ExportDataflow => (nothing, |s, _| drawing(s, PaneKind::Dataflow)),
+        C::Quit => (nothing, |s, _| {
+            s.settle();
+            assert!(s.heard.is_closed);
+        }),
+
+        C::NextPass => (nothing, |s, was| {
+            s.settle();
+            assert_eq!(s.place(), was.place + 1);
+        }),
+        C::PreviousPass => (nothing, |s, was| {
+            s.settle();
+            assert_eq!(s.place(), was.place - 1);
+        }),
+        C::NextOfKernel => (nothing, |s, was| same_kernel(s, was, true)),
+        C::PreviousOfKernel => (nothing, |s, was| same_kernel(s, was, false)),
+        C::NextEvent => (nothing, |s, was| event(s, was, true)),
+        C::PreviousEvent => (nothing, |s, was| event(s, was, false)),
+        C::IterationEnd => (nothing, |s, was| {
+            s.settle();
+            let end = s.place();
+            assert!(end > was.place, "{end}");
+            s.perform(Command::NextPass);
+            let passes = &s.harness.state().model().passes;
+            assert_ne!(passes[end].iteration, passes[end - 1].iteration, "not the end of one");
+        }),
+        C::IterationStart => (nothing, |s, was| {
+            s.settle();
+            assert!(s.place() < was.place, "{}", s.place());
+        }),
+        C::Start => (nothing, |s, _| {
+            s.settle();
+            assert_eq!(s.place(), 0);
+        }),
+        C::End => (nothing, |s, _| {
+            s.settle();
+            assert_eq!(s.harness.state().model().next, None);
+            assert!(s.place() > 30, "{}", s.place());
+        }),
+        C::RunToWatch => (watch_the_ray, |s, was| {
+            s.settle();
+            assert!(s.place() > was.place && s.reads("state"), "{}", s.place());
+        }),
+        C::RunBackToWatch => (watch_the_ray, |s, was| {
+            s.settle();
+            assert!(s.place() < was.place && s.place() > 0, "{}", s.place());
+        }),
+        C::ToggleWatch => (show_watches, |s, was| {
+            s.settle();
+            assert_eq!(is_ray_watched(s), was.number == 0.0);
+            s.perform(Command::ToggleWatch);
+        }),
+        C::Play => (nothing, |s, was| {
+            let place = was.place;
+            s.until("three passes are played", |s| s.place() >= place + 3);
+            s.perform(Command::Cancel);
+        }),
+        C::Cancel => (play, |s, _| {
+            s.settle();
+            let place = s.place();
+            s.frames(5);
+            s.settle();
+            assert_eq!(s.place(), place, "it goes on");
+            assert!(s.harness.state().model().next.is_some(), "it played to the end");
+        }),
+
+        C::GoToPixel => (nothing, |s, _| {
+            s.answer("3,4");
+            assert_eq!(s.harness.state().pixel(), Some([3, 4]));
+        }),
+        C::TypeRay => (nothing, |s, _| {
+            s.answer("0.5,0.5,3,0,0,-1");
+            let opened = s.harness.state().model().opened.as_ref().expect("a run");
+            assert_eq!(opened.settings.ray, Some([0.5, 0.5, 3.0, 0.0, 0.0, -1.0]));
+            assert_eq!(opened.plan.rays, 1);
+        }),
+        C::NudgeLeft => (nothing, |s, _| pixel_moved(s, [-1, 0])),
+        C::NudgeRight => (nothing, |s, _| pixel_moved(s, [1, 0])),
+        C::NudgeUp => (nothing, |s, _| pixel_moved(s, [0, -1])),
+        C::NudgeDown => (nothing, |s, _| pixel_moved(s, [0, 1])),
+        C::PreviousRayByCost | C::NextRayByCost => (sort_rays, |s, was| {
+            s.settle();
+            is_shown(s, PaneKind::Cost);
+            assert_ne!(s.harness.state().pixel(), was.pixel);
+        }),
+        C::EditTexel => (nothing, |s, was| {
+            s.answer("2");
+            let edits = &s.harness.state().model().edits;
+            assert_eq!(edits.len(), 1, "{edits:?}");
+            assert_eq!((edits[0].place, [edits[0].x, edits[0].y], edits[0].bits), (was.place, PIXEL, 2));
+        }),
+
+        C::ExposureUp => (exposure, |s, was| {
+            s.settle();
+            assert_eq!(s.number("exposure"), 2.0 * was.number);
+            s.perform(Command::ResetRange);
+        }),
+        C::ExposureDown => (exposure, |s, was| {
+            s.settle();
+            assert_eq!(s.number("exposure"), 0.5 * was.number);
+            s.perform(Command::ResetRange);
+        }),
+        C::OffsetUp => (range, |s, was| {
+            s.settle();
+            assert!(s.number("from") > was.number);
+            s.perform(Command::ResetRange);
+        }),
+        C::OffsetDown => (range, |s, was| {
+            s.settle();
+            assert!(s.number("from") < was.number);
+            s.perform(Command::ResetRange);
+        }),
+        C::Normalise | C::ResetRange => (moved_range, |s, was| {
+            s.settle();
+            assert_eq!(s.number("from"), was.number);
+        }),
+        C::Fit => (zoomed, |s, _| {
+            s.settle();
+            s.get(Role::Button, "fit");
+        }),
+        C::Pin => (nothing, |s, was| {
+            s.settle();
+            s.get(Role::Button, &format!("state after {}", was.place));
+        }),
+        C::Theme => (nothing, |s, was| {
+            s.settle();
+            assert_ne!(s.harness.ctx.global_style().visuals.dark_mode, was.is_dark);
+        }),
+        C::SimpleLayout => (
+            |s| {
+                s.perform(Command::FullLayout);
+                0.0
+            },
+            |s, _| {
+                s.settle();
+                assert_eq!(s.harness.state().panes_in_view().len(), 3);
+                [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray].into_iter().for_each(|kind| is_shown(s, kind));
+            },
+        ),
+        C::FullLayout => (nothing, |s, _| {
+            s.settle();
+            assert!(s.harness.state().panes_in_view().len() > 4);
+            is_shown(s, PaneKind::Timeline);
+        }),
+        C::Show(_) => (nothing, |s, was| {
+            s.settle();
+            let now = s.harness.state().panes_in_view();
+            let changed = PaneKind::ALL.iter().filter(|kind| now.contains(kind) != was.panes.contains(kind));
+            let changed: Vec<_> = changed.collect();
+            // A panel opens as a tab beside the widest one, which then is behind it.
+            assert!(changed.iter().any(|kind| Command::Show(**kind) == was.command), "{changed:?}");
+            assert!(changed.len() <= 2, "{changed:?}");
+        }),
+
+        C::Compare => (nothing, |s, was| {
+            s.settle();
+            shown(s, was, PaneKind::Compare);
+            s.get(Role::Image, "hit of run B");
+        }),
+        C::EndCompare => (
+            |s| {
+                s.perform(Command::Compare);
+                0.0
+            },
+            |s, _| {
+                s.settle();
+                assert!(s.find(Role::Image, |name| name == "hit of run B").is_none());
+                assert!(s.reads("a second run of the same scene"));
+            },
+        ),
+        C::Divergence => (nothing, |s, was| {
+            s.settle();
+            shown(s, was, PaneKind::Divergence);
+            assert!(s.find(Role::Image, |name| name.contains("rays part from their twins")).is_some());
+        }),
+
+        C::Palette => (nothing, |s, _| {
+            s.frames(3);
+            s.get(Role::TextInput, "command");
+        }),
+        C::Help => (nothing, |s, _| {
+            s.frames(3);
+            assert!(s.reads("In pictures"));
+        }),
+        C::LessonRay | C::LessonGrid | C::LessonCrack => (nothing, |s, was| {
+            s.settle();
+            assert!(s.reads("step 1 of"));
+            assert!(s.harness.state().model().generation > was.generation);
+        }),
+    };
+    Row { prepare, check }
+}
+
+fn nothing(_: &mut Stage) -> f64 {
+    0.0
+}
+
+fn choose_cornell(stage: &mut Stage) -> f64 {
+    stage.desk.lock().expect("not poisoned").choice = Some(CORNELL.into());
+    0.0
+}
+
+/// Rays have an order once all passes are known.
+fn sort_rays(stage: &mut Stage) -> f64 {
+    stage.perform(Command::End);
+    stage.perform(Command::Show(PaneKind::Cost));
+    0.0
+}
+
+fn show_watches(stage: &mut Stage) -> f64 {
+    stage.perform(Command::Show(PaneKind::Watches));
+    f64::from(is_ray_watched(stage))
+}
+
+fn watch_the_ray(stage: &mut Stage) -> f64 {
+    show_watches(stage);
+    if !is_ray_watched(stage) {
+        stage.perform(Command::ToggleWatch);
+    }
+    0.0
+}
+
+fn play(stage: &mut Stage) -> f64 {
+    stage.key(Modifiers::NONE, Key::Space);
+    0.0
+}
+
+fn exposure(stage: &mut Stage) -> f64 {
+    stage.show_stream(Stream::Color, "rgb");
+    stage.number("exposure")
+}
+
+fn range(stage: &mut Stage) -> f64 {
+    stage.show_stream(Stream::State, Stream::State.info().layers[STATE_T]);
+    stage.number("from")
+}
+
+fn moved_range(stage: &mut Stage) -> f64 {
+    let from = range(stage);
+    stage.perform(Command::OffsetUp);
+    assert_ne!(stage.number("from"), from);
+    from
+}
+
+fn zoomed(stage: &mut Stage) -> f64 {
+    let picture = stage.find(Role::Image, |name| name.starts_with("state after")).expect("the stream");
+    let pos = picture.rect().center();
+    stage.event(egui::Event::PointerMoved(pos));
+    stage.event(egui::Event::Zoom(3.0));
+    stage.event(egui::Event::PointerGone);
+    assert!(stage.find(Role::Button, |name| name == "fit").is_none(), "not zoomed");
+    0.0
+}
+
+fn is_ray_watched(stage: &Stage) -> bool {
+    let node = stage.get(Role::CheckBox, "selected ray: its state changes");
+    node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+}
+
+#[track_caller]
+fn is_shown(stage: &Stage, kind: PaneKind) {
+    let panes = stage.harness.state().panes_in_view();
+    assert!(panes.contains(&kind), "{kind:?} is not among {panes:?}");
+}
+
+#[track_caller]
+fn shown(stage: &Stage, was: &Before, kind: PaneKind) {
+    assert!(!was.panes.contains(&kind), "{kind:?} was there");
+    is_shown(stage, kind);
+}
+
+#[track_caller]
+fn same_kernel(stage: &mut Stage, was: &Before, is_forward: bool) {
+    stage.settle();
+    assert_eq!(stage.harness.state().model().last_pass().map(|pass| pass.kernel), was.kernel);
+    assert_eq!((stage.place() > was.place, stage.place() < was.place), (is_forward, !is_forward));
+}
+
+#[track_caller]
+fn event(stage: &mut Stage, was: &Before, is_forward: bool) {
+    stage.settle();
+    let life = stage.harness.state().model().life.clone().expect("a life");
+    let mut places = life.rows.iter().map(|row| row.pass + 1);
+    let to = if is_forward { places.find(|&p| p > was.place) } else { places.rfind(|&p| p < was.place) };
+    assert_eq!(Some(stage.place()), to);
+}
+
+#[track_caller]
+fn pixel_moved(stage: &mut Stage, by: [i64; 2]) {
+    stage.settle();
+    let to = [0, 1].map(|i| (i64::from(PIXEL[i]) + by[i]) as u32);
+    assert_eq!(stage.harness.state().pixel(), Some(to));
+    let life = stage.harness.state().model().life.as_ref().map(|life| life.pixel);
+    assert_eq!(life, Some(to), "its life is not shown");
+}
+
+fn saved(stage: &Stage, end: &str) -> Vec<Vec<u8>> {
+    let desk = stage.desk.lock().expect("not poisoned");
+    desk.saved.iter().filter(|file| file.name.ends_with(end)).map(|file| file.bytes.clone()).collect()
+}
+
+/// The only file that was saved.
+#[track_caller]
+fn file(stage: &mut Stage, end: &str) -> Vec<u8> {
+    stage.settle();
+    let mut files = saved(stage, end);
+    let all = stage.desk.lock().expect("not poisoned").saved.len();
+    assert_eq!((files.len(), all), (1, 1), "one file *{end} is saved");
+    files.remove(0)
+}
+
+#[track_caller]
+fn drawing(stage: &mut Stage, kind: PaneKind) {
+    stage.settle();
+    is_shown(stage, kind);
+    let text = String::from_utf8(file(stage, ".svg")).expect("text");
+    assert!(text.contains("<svg") && text.trim_end().ends_with("</svg>") && text.len() > 500, "{text}");
+}

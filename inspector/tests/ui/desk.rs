@@ -1,0 +1,103 @@
+//! A desktop for tests: threads, scenes by name, a dialog that answers at once, files kept in memory.
+
+use std::sync::{Arc, Mutex};
+
+use raystep_inspector::session::engine::EngineTask;
+use raystep_inspector::session::request::Loader;
+use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
+use raystep_kernels::Gpu;
+use raystep_scenes::{LoadOptions, NoFiles, generate, load};
+
+use crate::adapter::block_on;
+
+/// The scene of most tests.
+pub(crate) const CORNELL: &str = "cornell-box";
+/// A glTF file with a single triangle.
+pub(crate) const TRIANGLE: &str = "triangle.gltf";
+/// A glTF file without a mesh.
+pub(crate) const EMPTY: &str = "empty.gltf";
+/// A file that is no glTF.
+pub(crate) const BROKEN: &str = "broken.glb";
+
+/// What a desktop was asked for, and what it shall answer.
+#[derive(Default)]
+pub(crate) struct Desk {
+    /// Files that were saved.
+    pub(crate) saved: Vec<FileToSave>,
+    /// What the dialog for scenes answers; nothing where the user closes it.
+    pub(crate) choice: Option<String>,
+    events: Vec<HostEvent>,
+}
+
+/// The desktop, as the inspector sees it.
+pub(crate) struct TestHost {
+    pub(crate) gpu: Arc<Gpu>,
+    pub(crate) desk: Arc<Mutex<Desk>>,
+}
+
+impl TestHost {
+    fn desk(&self) -> std::sync::MutexGuard<'_, Desk> {
+        self.desk.lock().expect("no test panicked in here")
+    }
+}
+
+impl Host for TestHost {
+    fn spawn(&mut self, task: EngineTask) {
+        let gpu = self.gpu.clone();
+        std::thread::spawn(move || block_on(&gpu, task));
+    }
+
+    fn scene_of(&self, path: &str) -> (String, Option<usize>) {
+        (path.into(), None)
+    }
+
+    fn path_of(&self, scene: &str, _index: Option<usize>) -> String {
+        scene.into()
+    }
+
+    fn loader(&mut self, path: &str) -> Loader {
+        let path = path.to_owned();
+        Box::new(move || {
+            let json = match path.as_str() {
+                CORNELL => return Ok(generate::cornell_box()),
+                TRIANGLE => triangle(),
+                EMPTY => {
+                    r#"{"asset": {"version": "2.0"}, "scenes": [{"name": "empty", "nodes": []}], "scene": 0}"#.into()
+                }
+                BROKEN => "glTF, but not really".into(),
+                other => return Err(format!("{other}: no such file")),
+            };
+            load(&path, json.as_bytes(), &NoFiles, &LoadOptions::default()).map_err(|e| e.to_string())
+        })
+    }
+
+    fn choose_scene(&mut self) {
+        let choice = self.desk().choice.clone();
+        self.desk().events.extend(choice.map(HostEvent::Chosen));
+    }
+
+    fn save(&mut self, file: FileToSave) {
+        let mut desk = self.desk();
+        desk.events.push(HostEvent::Saved(file.name.clone()));
+        desk.saved.push(file);
+    }
+
+    fn events(&mut self) -> Vec<HostEvent> {
+        std::mem::take(&mut self.desk().events)
+    }
+
+    fn remember(&mut self, _saved: &str) {}
+}
+
+/// A triangle of side 1 in the plane z = 0: three vertices, no indices, in a data URI.
+fn triangle() -> String {
+    const VERTICES: &str = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+        "buffers": [{{"byteLength": 36, "uri": "data:application/octet-stream;base64,{VERTICES}"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [0, 0, 0], "max": [1, 1, 0]}}]}}"#
+    )
+}

@@ -1,0 +1,155 @@
+//! What may go wrong, and windows and scenes of unusual sizes: a clear message, and no panic.
+
+use egui::{Key, Modifiers, Rect, Vec2};
+use raystep_inspector::settings::Settings;
+use raystep_inspector::ui::Arrival;
+use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::pane::PaneKind;
+
+use crate::adapter::own_gpu;
+use crate::desk::{BROKEN, CORNELL, EMPTY, TRIANGLE};
+use crate::stage::{Plan, Stage};
+
+fn small() -> Settings {
+    Settings { size: [32, 32], ..Settings::default() }
+}
+
+/// Everything that can be done by key, and every panel.
+fn tour(stage: &mut Stage) {
+    for &kind in PaneKind::ALL {
+        stage.perform(Command::Show(kind));
+    }
+    stage.perform(Command::FullLayout);
+    for command in [Command::NextPass, Command::End, Command::PreviousPass, Command::Start, Command::Compare] {
+        stage.perform(command);
+    }
+    for command in [Command::Divergence, Command::Normalise, Command::Pin, Command::Fit, Command::End] {
+        stage.perform(command);
+    }
+    stage.perform(Command::SimpleLayout);
+    stage.harness.render().expect("it can be drawn");
+}
+
+#[test]
+fn a_window_of_200_by_150() {
+    let mut stage = Stage::new(Plan { size: [200.0, 150.0], ..Plan::default() });
+    stage.open(CORNELL, small(), Arrival::default());
+    stage.snapshot("window-200x150");
+    tour(&mut stage);
+    for command in [Command::Palette, Command::Help, Command::EditTexel, Command::LessonRay] {
+        stage.perform(command);
+        stage.key(Modifiers::NONE, Key::Escape);
+    }
+    assert!(stage.place() > 0);
+}
+
+#[test]
+fn a_picture_of_one_pixel() {
+    let settings = Settings { size: [1, 1], ..Settings::default() };
+    let mut stage = Stage::with_scene(CORNELL, settings, Arrival::default());
+    assert_eq!(stage.inspector().pixel(), Some([0, 0]));
+    tour(&mut stage);
+    stage.key(Modifiers::NONE, Key::ArrowRight);
+    stage.settle();
+    assert_eq!(stage.inspector().pixel(), Some([0, 0]));
+}
+
+#[test]
+fn a_scene_of_one_triangle() {
+    let mut stage = Stage::with_scene(TRIANGLE, small(), Arrival::default());
+    assert_eq!(stage.inspector().model().opened.as_ref().map(|o| o.plan.triangles), Some(1));
+    tour(&mut stage);
+    stage.perform(Command::End);
+    let life = stage.inspector().model().life.clone().expect("a life");
+    assert!(life.rows.last().is_some_and(|row| row.after.triangle.is_none_or(|id| id == 0)));
+}
+
+#[test]
+fn an_empty_scene() {
+    let mut stage = Stage::with_scene(EMPTY, small(), Arrival::default());
+    if stage.inspector().model().opened.is_none() {
+        // Nothing to trace is a refusal with a reason.
+        stage.perform(Command::Show(PaneKind::Log));
+        assert!(stage.reads("opening the scene: "), "{}", stage.read_out());
+    }
+    tour(&mut stage);
+}
+
+#[test]
+fn a_broken_file_shows_its_error_and_keeps_the_scene() {
+    let mut stage = Stage::with_scene(CORNELL, small(), Arrival { place: Some(9), ..Arrival::default() });
+    let (title, generation) = (stage.inspector().title(), stage.inspector().model().generation);
+    stage.perform(Command::Show(PaneKind::Log));
+    stage.desk.lock().expect("not poisoned").choice = Some(BROKEN.into());
+    stage.perform(Command::OpenScene);
+    let told = stage.nodes().into_iter().filter(|node| {
+        use egui_kittest::kittest::NodeT as _;
+        let node = node.accesskit_node();
+        node.value().or(node.label()).is_some_and(|text| text.starts_with("opening the scene: "))
+    });
+    assert!(told.count() >= 1, "the log does not tell it\n{}", stage.read_out());
+    assert_eq!((stage.inspector().title(), stage.inspector().model().generation), (title, generation));
+    stage.perform(Command::NextPass);
+    assert_eq!(stage.place(), 10, "the old run goes on");
+    let link = stage.inspector().link().expect("a link");
+    assert_eq!(link.scene.as_deref(), Some(CORNELL), "a link names the scene that is shown");
+}
+
+#[test]
+fn a_lost_device() {
+    let gpu = own_gpu();
+    let mut stage = Stage::new(Plan { gpu: gpu.clone(), ..Plan::default() });
+    stage.open(CORNELL, small(), Arrival { place: Some(9), ..Arrival::default() });
+    stage.perform(Command::Show(PaneKind::Log));
+    gpu.device.destroy();
+    stage.perform(Command::NextPass);
+    stage.perform(Command::End);
+    stage.frames(5);
+    assert!(gpu.health().is_err());
+    assert!(stage.reads("the GPU device was lost"), "{}", stage.read_out());
+    assert_eq!(stage.inspector().how_to_go_on(), "; to go on: raystep inspect 'cornell-box' --pass 9");
+    tour_without_drawing(&mut stage);
+}
+
+fn tour_without_drawing(stage: &mut Stage) {
+    for &kind in PaneKind::ALL {
+        stage.perform(Command::Show(kind));
+    }
+    for command in [Command::FullLayout, Command::Compare, Command::Pin, Command::ExportExr, Command::Start] {
+        stage.perform(command);
+    }
+}
+
+#[test]
+fn moved_between_scale_factors() {
+    let mut stage = Stage::with_scene(CORNELL, small(), Arrival { place: Some(9), ..Arrival::default() });
+    stage.perform(Command::FullLayout);
+    for scale in [2.0, 1.25, 3.0, 0.5, 1.0] {
+        stage.harness.set_pixels_per_point(scale);
+        stage.settle();
+        let picture = stage.harness.render().expect("it can be drawn");
+        let side = (1280.0 * scale).round() as u32;
+        assert!(scale != 1.0 || picture.width().abs_diff(side) <= 16, "{} at {scale}", picture.width());
+    }
+    assert_eq!(stage.place(), 9);
+}
+
+#[test]
+fn minimised_and_back() {
+    let mut stage = Stage::with_scene(CORNELL, small(), Arrival { place: Some(9), ..Arrival::default() });
+    for size in [Vec2::ZERO, Vec2::splat(1.0), Vec2::ZERO] {
+        for _ in 0..4 {
+            stage.harness.input_mut().screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, size));
+            stage.frame();
+        }
+        stage.perform(Command::NextPass);
+        tour_without_drawing(&mut stage);
+    }
+    stage.harness.set_size(Vec2::new(1280.0, 800.0));
+    stage.perform(Command::EndCompare);
+    stage.perform(Command::SimpleLayout);
+    stage.perform(Command::End);
+    let picture = stage.harness.render().expect("it can be drawn");
+    assert_eq!((picture.width(), picture.height()), (1280, 800));
+    assert!(stage.find(egui::Role::Image, |name| name.contains("after")).is_some(), "{}", stage.read_out());
+}

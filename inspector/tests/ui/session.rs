@@ -1,0 +1,118 @@
+//! A first session, as somebody new to it would go about it: by buttons, keys and clicks alone.
+
+use std::ops::ControlFlow;
+
+use egui::{Key, Modifiers, Role, vec2};
+use raystep_inspector::settings::Settings;
+use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::export::csv::COLUMNS;
+use raystep_kernels::export::trace::{Trace, trace};
+use raystep_kernels::{Accelerator, Device, Renderer};
+use raystep_scenes::generate::cornell_box;
+
+use crate::adapter::{block_on, gpu};
+use crate::desk::CORNELL;
+use crate::stage::{Plan, Stage};
+
+/// The pixel that is clicked, of 512 × 512.
+const PIXEL: [u32; 2] = [200, 360];
+
+/// One ray's life in a run of its own.
+fn life(settings: &Settings) -> Trace {
+    let (gpu, scene) = (gpu(), cornell_box());
+    let device = Device::Gpu(gpu.clone());
+    let options = settings.options(&scene);
+    let mut renderer = block_on(&gpu, Renderer::new(&scene, &options, &device)).expect("a small scene");
+    let [x, y] = PIXEL;
+    block_on(&gpu, trace(&mut renderer, x, y, |_| ControlFlow::Continue(()))).expect("a pixel")
+}
+
+#[test]
+fn a_first_session() {
+    let mut stage = Stage::new(Plan::default());
+
+    // Open the Cornell box.
+    stage.desk.lock().expect("not poisoned").choice = Some(CORNELL.into());
+    stage.click(Role::Button, Command::OpenScene.name());
+    stage.settle();
+    assert!(stage.inspector().title().starts_with("cornell-box"), "{}", stage.inspector().title());
+
+    // It is traced to its end. Start over, step 20 passes, go back 7.
+    assert_eq!(stage.inspector().model().next, None);
+    stage.key(Modifiers::NONE, Key::Home);
+    stage.settle();
+    for _ in 0..20 {
+        stage.key(Modifiers::NONE, Key::F10);
+    }
+    stage.settle();
+    assert_eq!(stage.place(), 20);
+    for _ in 0..7 {
+        stage.key(Modifiers::SHIFT, Key::F10);
+    }
+    stage.settle();
+    assert_eq!(stage.place(), 13);
+    assert!(stage.reads("after 13 of"), "{}", stage.read_out());
+
+    // Click a pixel: its life is that of a run of its own.
+    let picture = stage.find(Role::Image, |name| name.contains("after 13 passes")).expect("the stream");
+    let rect = picture.rect();
+    let scale = rect.width().min(rect.height()) / 512.0;
+    let texel = vec2(PIXEL[0] as f32 + 0.5, PIXEL[1] as f32 + 0.5) - vec2(256.0, 256.0);
+    stage.click_at(rect.center() + texel * scale);
+    stage.settle();
+    assert_eq!(stage.inspector().pixel(), Some(PIXEL));
+    let shown = stage.inspector().model().life.clone().expect("a life");
+    let expected = life(&Settings::default());
+    assert!(expected.rows.len() > 10, "{}", expected.rows.len());
+    assert_eq!(shown.rows, expected.rows);
+    assert_eq!(*shown, expected);
+
+    // Set a watch, and run to it: the ray's hit changes next in this pass.
+    stage.perform(Command::Show(PaneKind::Watches));
+    stage.click(Role::CheckBox, "selected ray: its hit changes");
+    let hit = |i: usize| (expected.rows[i].after.triangle, expected.rows[i].after.t);
+    let fires = (1..expected.rows.len()).find(|&i| expected.rows[i].pass >= 13 && hit(i) != hit(i - 1));
+    stage.key(Modifiers::NONE, Key::F5);
+    stage.settle();
+    assert_eq!(Some(stage.place()), fires.map(|i| expected.rows[i].pass + 1));
+    assert!(stage.reads(&format!("pixel {},{}", PIXEL[0], PIXEL[1])));
+
+    // Compare with the tree: the same ray there, and the same picture.
+    stage.key(Modifiers::COMMAND, Key::B);
+    stage.settle();
+    let tree = life(&Settings { accelerator: Accelerator::Bvh, ..Settings::default() });
+    let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
+    let line = format!("B: ray {},{}: ", PIXEL[0], PIXEL[1]);
+    let end = format!("{} passes: hits triangle {} at t {}", tree.rows.len(), hit.0, hit.1);
+    let reads = |part: &str, end: &str| {
+        stage.nodes().iter().any(|node| {
+            use egui_kittest::kittest::NodeT as _;
+            let node = node.accesskit_node();
+            node.value().or(node.label()).is_some_and(|text| text.starts_with(part) && text.ends_with(end))
+        })
+    };
+    assert!(reads(&line, &end), "{line}…{end}\n{}", stage.read_out());
+    stage.click(Role::Button, "Both to the end");
+    stage.settle();
+    assert!(stage.reads("triangle: the same bits for all rays"), "{}", stage.read_out());
+
+    // Export the passes.
+    stage.key(Modifiers::COMMAND, Key::E);
+    stage.settle();
+    stage.click(Role::Button, Command::ExportPasses.name());
+    stage.settle();
+    let files = std::mem::take(&mut stage.desk.lock().expect("not poisoned").saved);
+    assert_eq!(files.len(), 1);
+    assert!(files[0].name.ends_with(".passes.csv"), "{}", files[0].name);
+    let mut reader = csv::Reader::from_reader(files[0].bytes.as_slice());
+    assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
+    let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), stage.place());
+    let column = |name: &str| COLUMNS.iter().position(|column| *column == name).expect("a column");
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!(row[column("pass_index")], i.to_string());
+        assert_eq!((&row[column("width_px")], &row[column("accelerator")]), ("512", "grid"));
+    }
+    assert_eq!(&rows[0][column("kernel")], "generate");
+}

@@ -1,0 +1,94 @@
+//! Pictures of every panel, and of the whole, held against those in the repository.
+//!
+//! `UPDATE_SNAPSHOTS=1` writes them anew: look at every one before it is kept. Runs are the twins' with a clock that
+//! only counts, so that neither durations nor the adapter's name are in them.
+
+use egui::Theme;
+use raystep_inspector::settings::{DeviceKind, Settings};
+use raystep_inspector::ui::Arrival;
+use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::pane::PaneKind;
+
+use crate::desk::CORNELL;
+use crate::stage::{Plan, Stage};
+
+fn open(stage: &mut Stage) {
+    let settings = Settings { size: [64, 64], device: DeviceKind::Cpu, ..Settings::default() };
+    stage.open(CORNELL, settings, Arrival { pixel: Some([40, 44]), place: Some(35), ..Arrival::default() });
+}
+
+#[test]
+fn every_panel_alone() {
+    let mut stage = Stage::new(Plan { size: [600.0, 400.0], ..Plan::default() });
+    open(&mut stage);
+    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray] {
+        stage.perform(Command::Show(kind));
+    }
+    assert!(stage.harness.state().panes_in_view().is_empty());
+    for &kind in PaneKind::ALL {
+        match kind {
+            PaneKind::Compare => stage.perform(Command::Compare),
+            PaneKind::Divergence => stage.perform(Command::Divergence),
+            kind => stage.perform(Command::Show(kind)),
+        }
+        assert_eq!(stage.harness.state().panes_in_view(), [kind]);
+        stage.snapshot(&format!("panel-{}", format!("{kind:?}").to_lowercase()));
+        stage.perform(Command::EndCompare);
+        stage.perform(Command::Show(kind));
+    }
+}
+
+#[test]
+fn every_dialog() {
+    let mut stage = Stage::new(Plan { size: [600.0, 400.0], ..Plan::default() });
+    open(&mut stage);
+    for (command, name) in [
+        (Command::Palette, "palette"),
+        (Command::Help, "keys"),
+        (Command::GoToPixel, "pixel"),
+        (Command::TypeRay, "ray"),
+        (Command::PasteLink, "link"),
+        (Command::EditTexel, "edit"),
+        (Command::Export, "export"),
+    ] {
+        stage.perform(command);
+        stage.snapshot(&format!("dialog-{name}"));
+        stage.key(egui::Modifiers::NONE, egui::Key::Escape);
+        stage.settle();
+    }
+}
+
+#[test]
+fn before_a_scene_is_open() {
+    let mut stage = Stage::new(Plan { size: [600.0, 400.0], ..Plan::default() });
+    stage.settle();
+    stage.snapshot("welcome");
+}
+
+fn whole(theme: Theme, scale: f32, name: &str) {
+    let mut stage = Stage::new(Plan { theme, scale, ..Plan::default() });
+    open(&mut stage);
+    stage.snapshot(&format!("simple-{name}"));
+    stage.perform(Command::FullLayout);
+    stage.snapshot(&format!("full-{name}"));
+}
+
+#[test]
+fn whole_dark() {
+    whole(Theme::Dark, 1.0, "dark");
+}
+
+#[test]
+fn whole_light() {
+    whole(Theme::Light, 1.0, "light");
+}
+
+#[test]
+fn whole_dark_at_2x() {
+    whole(Theme::Dark, 2.0, "dark-2x");
+}
+
+#[test]
+fn whole_light_at_2x() {
+    whole(Theme::Light, 2.0, "light-2x");
+}

@@ -1,0 +1,327 @@
+//! An inspector on a stage: its window in egui's test harness, drawn with our own device.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use egui::mutex::RwLock;
+use egui::{Event, Key, Modifiers, Role};
+use egui_kittest::kittest::NodeT as _;
+use egui_kittest::{Harness, Node, SnapshotOptions, TestRenderer};
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use raystep_inspector::session::engine::Devices;
+use raystep_inspector::settings::Settings;
+use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::{Arrival, Inspector};
+use raystep_kernels::{Gpu, Stream};
+
+use crate::adapter::{block_on, gpu};
+use crate::desk::{Desk, TestHost};
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// How long anything may take on a slow machine that does other things too.
+const PATIENCE: Duration = Duration::from_secs(240);
+
+/// What was said to whoever owns the window.
+#[derive(Default)]
+pub(crate) struct Heard {
+    /// What was copied to the clipboard.
+    pub(crate) copied: Vec<String>,
+    /// Whether the window was to be closed.
+    pub(crate) is_closed: bool,
+}
+
+/// An inspector in a window, a desk beside it.
+pub(crate) struct Stage {
+    pub(crate) harness: Harness<'static, Inspector>,
+    pub(crate) desk: Arc<Mutex<Desk>>,
+    pub(crate) heard: Heard,
+}
+
+/// A stage as it is to be built.
+#[derive(Clone)]
+pub(crate) struct Plan {
+    /// Points.
+    pub(crate) size: [f32; 2],
+    pub(crate) scale: f32,
+    pub(crate) theme: egui::Theme,
+    pub(crate) gpu: Arc<Gpu>,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self { size: [1280.0, 800.0], scale: 1.0, theme: egui::Theme::Dark, gpu: gpu() }
+    }
+}
+
+/// Nanoseconds that depend on nothing but how often this thread asked: durations in pictures are always the same.
+fn clock() -> u64 {
+    thread_local! { static NOW: std::cell::Cell<(u64, u64)> = const { std::cell::Cell::new((0, 0)) }; }
+    NOW.with(|now| {
+        let (calls, ns) = now.get();
+        let ns = ns + 1_500 + 700 * (calls % 7);
+        now.set((calls + 1, ns));
+        ns
+    })
+}
+
+impl Stage {
+    /// A stage without a scene.
+    pub(crate) fn new(plan: Plan) -> Self {
+        let renderer = Arc::new(RwLock::new(Renderer::new(&plan.gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
+        let desk = Arc::new(Mutex::new(Desk::default()));
+        let host = TestHost { gpu: plan.gpu.clone(), desk: desk.clone() };
+        // Frames come one after the other here: nobody has to be woken.
+        let devices = Devices { gpu: plan.gpu.clone(), clock: Some(clock), wake: Arc::new(|| {}) };
+        let inspector = Inspector::new(devices, renderer.clone(), Box::new(host));
+        let harness = Harness::builder()
+            // The harness keeps a margin of 8 points around what it shows.
+            .with_size(egui::Vec2::from(plan.size) + egui::Vec2::splat(16.0))
+            .with_pixels_per_point(plan.scale)
+            .with_theme(plan.theme)
+            .with_render_cursor(false)
+            .with_options(snapshot_options())
+            .renderer(Painter { gpu: plan.gpu, renderer })
+            .build_ui_state(|ui, inspector: &mut Inspector| inspector.ui(ui), inspector);
+        Self { harness, desk, heard: Heard::default() }
+    }
+
+    /// A stage of the usual size with a scene open, after so many passes.
+    pub(crate) fn with_scene(path: &str, settings: Settings, arrival: Arrival) -> Self {
+        let mut stage = Self::new(Plan::default());
+        stage.open(path, settings, arrival);
+        stage
+    }
+
+    pub(crate) fn open(&mut self, path: &str, settings: Settings, arrival: Arrival) {
+        self.inspector().open(path, settings, arrival);
+        self.settle();
+    }
+
+    pub(crate) fn inspector(&mut self) -> &mut Inspector {
+        self.harness.state_mut()
+    }
+
+    pub(crate) fn place(&self) -> usize {
+        self.harness.state().model().place
+    }
+
+    /// A frame for every event that waits, at least one.
+    pub(crate) fn frame(&mut self) {
+        self.harness.step();
+        let output = self.harness.output();
+        for command in &output.platform_output.commands {
+            if let egui::OutputCommand::CopyText(text) = command {
+                self.heard.copied.push(text.clone());
+            }
+        }
+        let commands = output.viewport_output.values().flat_map(|viewport| &viewport.commands);
+        self.heard.is_closed |= commands.into_iter().any(|c| *c == egui::ViewportCommand::Close);
+    }
+
+    pub(crate) fn frames(&mut self, count: usize) {
+        (0..count).for_each(|_| self.frame());
+    }
+
+    /// Frames until nothing goes on, and a few more for what needs several to find its size.
+    #[track_caller]
+    pub(crate) fn settle(&mut self) {
+        self.until("the work ends", |stage| !stage.harness.state().is_busy());
+        let mut calm = 0;
+        while calm < 5 {
+            self.frame();
+            calm += 1;
+            if self.harness.state().is_busy() {
+                self.until("the work ends", |stage| !stage.harness.state().is_busy());
+                calm = 0;
+            }
+        }
+    }
+
+    /// Frames until something holds.
+    #[track_caller]
+    pub(crate) fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
+        let begin = Instant::now();
+        loop {
+            self.frame();
+            if holds(self) {
+                return;
+            }
+            assert!(begin.elapsed() < PATIENCE, "not within {PATIENCE:?}: {what}");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    pub(crate) fn perform(&mut self, command: Command) {
+        self.inspector().perform(command);
+        self.settle();
+    }
+
+    /// Presses and releases a key: an event a frame, as slow hands do.
+    pub(crate) fn key(&mut self, modifiers: Modifiers, key: Key) {
+        let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+        let held = [Event::ModifiersChanged(modifiers), event(true), event(false)];
+        for event in held.into_iter().chain([Event::ModifiersChanged(Modifiers::NONE)]) {
+            self.event(event);
+        }
+    }
+
+    pub(crate) fn event(&mut self, event: Event) {
+        self.harness.input_mut().events.push(event);
+        self.frame();
+    }
+
+    pub(crate) fn text(&mut self, text: &str) {
+        self.event(Event::Text(text.into()));
+    }
+
+    /// Types into the dialog that is open, and enters it.
+    pub(crate) fn answer(&mut self, text: &str) {
+        self.frame();
+        self.text(text);
+        self.key(Modifiers::NONE, Key::Enter);
+        self.settle();
+    }
+
+    pub(crate) fn click_at(&mut self, pos: egui::Pos2) {
+        self.event(Event::PointerMoved(pos));
+        for pressed in [true, false] {
+            let button = egui::PointerButton::Primary;
+            self.event(Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
+        }
+        self.event(Event::PointerGone);
+    }
+
+    /// All nodes that a screen reader sees.
+    pub(crate) fn nodes(&self) -> Vec<Node<'_>> {
+        let root = self.harness.root();
+        root.children_recursive().filter(|node| !node.accesskit_node().is_hidden()).collect()
+    }
+
+    /// The first node with this role whose name is so.
+    pub(crate) fn find(&self, role: Role, is_so: impl Fn(&str) -> bool) -> Option<Node<'_>> {
+        self.nodes().into_iter().find(|node| {
+            let node = node.accesskit_node();
+            node.role() == role && node.label().is_some_and(|label| is_so(&label))
+        })
+    }
+
+    /// The same, which has to be there.
+    #[track_caller]
+    pub(crate) fn get(&self, role: Role, name: &str) -> Node<'_> {
+        self.find(role, |label| label == name).unwrap_or_else(|| panic!("no {role:?} {name:?} in\n{}", self.read_out()))
+    }
+
+    #[track_caller]
+    pub(crate) fn click(&mut self, role: Role, name: &str) {
+        self.get(role, name).click_accesskit();
+        self.frame();
+    }
+
+    /// Whether some text that is shown holds this.
+    pub(crate) fn reads(&self, part: &str) -> bool {
+        let text = |node: &Node<'_>| {
+            let node = node.accesskit_node();
+            [node.label(), node.value()].into_iter().flatten().any(|text| text.contains(part))
+        };
+        self.nodes().iter().any(text)
+    }
+
+    /// Everything that has a name, for messages of failing tests.
+    pub(crate) fn read_out(&self) -> String {
+        let line = |node: &Node<'_>| {
+            let node = node.accesskit_node();
+            let text = node.label().or(node.value())?;
+            Some(format!("{:?} {text:?}", node.role()))
+        };
+        self.nodes().iter().filter_map(line).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Shows another stream, or only one of its components, as a user does.
+    pub(crate) fn show_stream(&mut self, stream: Stream, layer: &str) {
+        self.click(Role::ComboBox, "stream");
+        self.frames(2);
+        self.click(Role::Button, stream.name());
+        // Only a pointer's click closes the list, a screen reader's leaves it open.
+        self.key(Modifiers::NONE, Key::Escape);
+        self.settle();
+        self.click(Role::Button, layer);
+        self.settle();
+    }
+
+    /// A number that can be dragged, by its label.
+    #[track_caller]
+    pub(crate) fn number(&self, name: &str) -> f64 {
+        self.get(Role::SpinButton, name).accesskit_node().numeric_value().expect("a number")
+    }
+
+    /// The window as it is, held against the picture of this name.
+    pub(crate) fn snapshot(&mut self, name: &str) {
+        self.harness.snapshot(name);
+    }
+}
+
+/// Text is laid out and rasterised by egui itself, bit for bit the same everywhere; what differs from one Mesa to the
+/// next is the rounding of blends and of texels at the edges of nearest-neighbour pictures. 0.6 is kittest's own bound
+/// for such rounding in a pixel, and of edges a few dozen pixels may fall to the other side.
+fn snapshot_options() -> SnapshotOptions {
+    SnapshotOptions::new().threshold(0.6).max_failed_pixels(40).output_path("tests/ui/snapshots")
+}
+
+/// Draws with our own device.
+struct Painter {
+    gpu: Arc<Gpu>,
+    renderer: Arc<RwLock<Renderer>>,
+}
+
+impl TestRenderer for Painter {
+    fn handle_delta(&mut self, delta: &mut egui::TexturesDelta) {
+        let mut renderer = self.renderer.write();
+        for (id, images) in delta.set.drain() {
+            for image in images {
+                renderer.update_texture(&self.gpu.device, &self.gpu.queue, id, &image);
+            }
+        }
+        for id in delta.free.drain() {
+            renderer.free_texture(&id);
+        }
+    }
+
+    fn render(&mut self, ctx: &egui::Context, output: &egui::FullOutput) -> Result<image::RgbaImage, String> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let points = ctx.pixels_per_point();
+        let size = ctx.content_rect().size() * points;
+        let [width, height] = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
+        let jobs = ctx.tessellate(output.shapes.clone(), points);
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("window"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        let screen = ScreenDescriptor { size_in_pixels: [width, height], pixels_per_point: points };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut renderer = self.renderer.write();
+        let buffers = renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("window"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        renderer.render(&mut pass.forget_lifetime(), &jobs, &screen);
+        drop(renderer);
+        queue.submit(buffers.into_iter().chain([encoder.finish()]));
+        let bytes = block_on(&self.gpu, self.gpu.read_rgba8(&texture)).map_err(|e| e.to_string())?;
+        image::RgbaImage::from_raw(width, height, bytes).ok_or_else(|| "a picture of another size".into())
+    }
+}
