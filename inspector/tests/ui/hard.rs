@@ -107,7 +107,8 @@ fn a_lost_device() {
     stage.frames(5);
     assert!(gpu.health().is_err());
     assert!(stage.reads("the GPU device was lost"), "{}", stage.read_out());
-    assert_eq!(stage.inspector().how_to_go_on(), "; to go on: raystep inspect 'cornell-box' --pass 9");
+    let link = "raystep:1?scene=cornell-box&size=32x32&device=gpu&pixel=16,16&pass=9";
+    assert_eq!(stage.inspector().how_to_go_on(), format!("; to go on: raystep inspect --link \"{link}\""));
     tour_without_drawing(&mut stage);
 }
 

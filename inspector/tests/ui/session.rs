@@ -84,7 +84,7 @@ fn a_first_session() {
     let tree = life(&Settings { accelerator: Accelerator::Bvh, ..Settings::default() });
     let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
     let line = format!("B: ray {},{}: ", PIXEL[0], PIXEL[1]);
-    let end = format!("{} passes: hits triangle {} at t {}", tree.rows.len(), hit.0, hit.1);
+    let end = format!("{} passes: hits triangle {} at t {}", tree.rows.len(), hit.0, f64::from(hit.1) * tree.t_scale);
     let reads = |part: &str, end: &str| {
         stage.nodes().iter().any(|node| {
             use egui_kittest::kittest::NodeT as _;

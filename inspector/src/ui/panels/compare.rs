@@ -163,7 +163,7 @@ impl Panel for Compare {
                     let name = match shown {
                         Side::A => format!("A: {}", a.settings.accelerator),
                         Side::B => format!("B: {}", b.settings.accelerator),
-                        Side::Difference => format!("A − B, colours from −{0:.1e} to {0:.1e}", self.spread()),
+                        Side::Difference => self.legend(),
                     };
                     ui.small(name).on_hover_text("Shift shows the other run in its place");
                     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -263,6 +263,14 @@ impl Placed {
 }
 
 impl Compare {
+    /// What the difference's colours mean.
+    fn legend(&self) -> String {
+        match Meaning::of(self.stream, Some(self.layer)) {
+            Meaning::Scalar | Meaning::Count => format!("A − B, from −{0:.1e} to {0:.1e}", self.spread()),
+            _ => "where A and B differ".into(),
+        }
+    }
+
     /// The largest difference that has a colour of its own: of counts a tenth of their range, of floats a thousandth.
     fn spread(&self) -> f32 {
         let part = if Meaning::of(self.stream, Some(self.layer)) == Meaning::Count { 0.1 } else { 1e-3 };

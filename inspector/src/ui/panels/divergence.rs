@@ -120,7 +120,8 @@ impl Panel for Divergence {
         ui.painter().image(picture.id(), rect, whole, Color32::WHITE);
         let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
         let texel = texel.map(|at| [(at.x as u32).min(width - 1), (at.y as u32).min(height - 1)]);
-        let text = Class::ALL.map(|class| format!("{} rays: {}", map.count(class), class.name())).join(", ");
+        let counts = Class::ALL.map(|class| format!("{} {}", map.count(class), class.name())).join(", ");
+        let text = format!("where rays part from their twins: {counts}");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         let Some([x, y]) = texel else { return };
         cx.shared.hovered = Some([x, y]);
