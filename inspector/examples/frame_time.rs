@@ -8,7 +8,7 @@
 
 use std::pin::pin;
 use std::sync::Arc;
-use std::task::{Context, Poll, Waker};
+use std::task::{Context, Waker};
 use std::time::{Duration, Instant};
 
 use egui::mutex::RwLock;
@@ -38,7 +38,7 @@ impl Host for Threads {
         std::thread::spawn(move || {
             let mut task = pin!(task);
             let mut context = Context::from_waker(Waker::noop());
-            while let Poll::Pending = task.as_mut().poll(&mut context) {
+            while task.as_mut().poll(&mut context).is_pending() {
                 // A lost device is said by the task itself.
                 let _ = gpu.device.poll(wgpu::PollType::Poll);
                 std::thread::sleep(Duration::from_micros(200));

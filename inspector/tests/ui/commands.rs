@@ -1,5 +1,6 @@
 //! Every command, once by each way that leads to it: its key, its menu, the palette.
 
+mod files;
 mod table;
 
 use std::collections::HashSet;

@@ -9,6 +9,7 @@ use raystep_kernels::Stream;
 use raystep_kernels::export::csv::COLUMNS;
 use raystep_kernels::stream::STATE_T;
 
+use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
 use crate::desk::CORNELL;
 use crate::stage::Stage;
@@ -257,7 +258,7 @@ pub(super) fn row(command: Command) -> Row {
         C::Divergence => (nothing, |s, was| {
             s.settle();
             shown(s, was, PaneKind::Divergence);
-            assert!(s.find(Role::Image, |name| name.contains("rays part from their twins")).is_some());
+            assert!(s.find(Role::Image, |name| name.contains(" rays")).is_some());
         }),
 
         C::Palette => (nothing, |s, _| {
@@ -344,7 +345,7 @@ fn is_ray_watched(stage: &Stage) -> bool {
 }
 
 #[track_caller]
-fn is_shown(stage: &Stage, kind: PaneKind) {
+pub(super) fn is_shown(stage: &Stage, kind: PaneKind) {
     let panes = stage.harness.state().panes_in_view();
     assert!(panes.contains(&kind), "{kind:?} is not among {panes:?}");
 }
@@ -378,27 +379,4 @@ fn pixel_moved(stage: &mut Stage, by: [i64; 2]) {
     assert_eq!(stage.harness.state().pixel(), Some(to));
     let life = stage.harness.state().model().life.as_ref().map(|life| life.pixel);
     assert_eq!(life, Some(to), "its life is not shown");
-}
-
-fn saved(stage: &Stage, end: &str) -> Vec<Vec<u8>> {
-    let desk = stage.desk.lock().expect("not poisoned");
-    desk.saved.iter().filter(|file| file.name.ends_with(end)).map(|file| file.bytes.clone()).collect()
-}
-
-/// The only file that was saved.
-#[track_caller]
-fn file(stage: &mut Stage, end: &str) -> Vec<u8> {
-    stage.settle();
-    let mut files = saved(stage, end);
-    let all = stage.desk.lock().expect("not poisoned").saved.len();
-    assert_eq!((files.len(), all), (1, 1), "one file *{end} is saved");
-    files.remove(0)
-}
-
-#[track_caller]
-fn drawing(stage: &mut Stage, kind: PaneKind) {
-    stage.settle();
-    is_shown(stage, kind);
-    let text = String::from_utf8(file(stage, ".svg")).expect("text");
-    assert!(text.contains("<svg") && text.trim_end().ends_with("</svg>") && text.len() > 500, "{text}");
 }

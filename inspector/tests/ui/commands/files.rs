@@ -1,0 +1,31 @@
+//! What commands handed over to be saved.
+
+use raystep_inspector::ui::pane::PaneKind;
+
+use super::table::is_shown;
+use crate::stage::Stage;
+
+/// What was saved under names that end so.
+pub(super) fn saved(stage: &Stage, end: &str) -> Vec<Vec<u8>> {
+    let desk = stage.desk.lock().expect("not poisoned");
+    desk.saved.iter().filter(|file| file.name.ends_with(end)).map(|file| file.bytes.clone()).collect()
+}
+
+/// The only file that was saved.
+#[track_caller]
+pub(super) fn file(stage: &mut Stage, end: &str) -> Vec<u8> {
+    stage.settle();
+    let mut files = saved(stage, end);
+    let all = stage.desk.lock().expect("not poisoned").saved.len();
+    assert_eq!((files.len(), all), (1, 1), "one file *{end} is saved");
+    files.remove(0)
+}
+
+/// A drawing was saved, and its panel is in view.
+#[track_caller]
+pub(super) fn drawing(stage: &mut Stage, kind: PaneKind) {
+    stage.settle();
+    is_shown(stage, kind);
+    let text = String::from_utf8(file(stage, ".svg")).expect("text");
+    assert!(text.contains("<svg") && text.trim_end().ends_with("</svg>") && text.len() > 500, "{text}");
+}
