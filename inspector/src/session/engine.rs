@@ -14,6 +14,7 @@ use raystep_scenes::Scene;
 
 use super::Session;
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
+use super::stats::LayerStats;
 use crate::settings::{DeviceKind, Settings};
 
 /// What opening a scene is called where it fails.
@@ -116,7 +117,7 @@ fn name(request: &Request) -> &'static str {
         Request::ClearEdits => "taking changes back",
         Request::TwinsUntil(_) => "running passes on the twins",
         Request::Follow(_) => "following the ray",
-        Request::Read { .. } | Request::ReadAll(_) => "reading a stream",
+        Request::Read { .. } | Request::ReadAll(_) | Request::Count(..) => "reading a stream",
         Request::Pin(_) => "pinning a stream",
         Request::Job(what, _) => what,
     }
@@ -256,16 +257,11 @@ impl Server {
                 let Some(run) = &self.run else { return Ok(()) };
                 let [x, y, width, height] = region;
                 let bits = run.session.region(stream, Region { x, y, width, height }).await?.bits;
-                self.say(Update::Texels(Texels { stream, place: run.session.place(), region, bits }));
+                self.say(Update::Texels(Texels { stream, place: run.session.place(), region, bits, counted: None }));
                 Ok(())
             }
-            Request::ReadAll(stream) => {
-                let Some(run) = &self.run else { return Ok(()) };
-                let StreamData { width, height, bits, .. } = run.session.stream(stream).await?;
-                let place = run.session.place();
-                self.say(Update::Texels(Texels { stream, place, region: [0, 0, width, height], bits }));
-                Ok(())
-            }
+            Request::ReadAll(stream) => self.read_all(stream, None).await,
+            Request::Count(stream, layer) => self.read_all(stream, Some(layer)).await,
             Request::Pin(stream) => self.pin(stream),
             Request::Job(what, job) => {
                 let mut progress = self.reporter(what);
@@ -283,6 +279,17 @@ impl Server {
                 Ok(())
             }
         }
+    }
+
+    async fn read_all(&self, stream: Stream, counted: Option<usize>) -> Result<(), Trouble> {
+        let Some(run) = &self.run else { return Ok(()) };
+        let data = run.session.stream(stream).await?;
+        let place = run.session.place();
+        let counted = counted.filter(|&layer| layer < stream.layers());
+        let counted = counted.map(|layer| (layer, LayerStats::of(stream, layer, data.layer(layer))));
+        let StreamData { width, height, bits, .. } = data;
+        self.say(Update::Texels(Texels { stream, place, region: [0, 0, width, height], bits, counted }));
+        Ok(())
     }
 
     /// The old run stays until the new one is ready.

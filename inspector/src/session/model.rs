@@ -177,7 +177,12 @@ impl Model {
             Update::At(at) => self.arrive(at),
             Update::Fired(fired) => self.fired = Some(fired),
             Update::Followed(life) => self.life = Some(Arc::new(*life)),
-            Update::Texels(texels) => {
+            Update::Texels(mut texels) => {
+                // What was counted of the same texels is known still.
+                let old = self.texels.iter_mut().find(|t| (t.stream, t.place) == (texels.stream, texels.place));
+                if texels.counted.is_none() {
+                    texels.counted = old.and_then(|old| old.counted.take());
+                }
                 self.texels.retain(|t| t.stream != texels.stream);
                 self.texels.push(texels);
             }

@@ -9,6 +9,7 @@ use raystep_kernels::{Kernel, Pass, Stream};
 use raystep_scenes::Scene;
 
 use super::{Edit, Fired, Target, Watch, Way};
+use crate::session::stats::LayerStats;
 use crate::settings::Settings;
 
 /// Reads a scene, or says in one line why it cannot.
@@ -55,6 +56,8 @@ pub enum Request {
     },
     /// Reads a whole stream as it is now.
     ReadAll(Stream),
+    /// Reads a whole stream as it is now, and counts one of its layers.
+    Count(Stream, usize),
     /// Keeps a copy of a stream as it is now.
     Pin(Stream),
     /// Something of one's own to do with the session: an export, a map of divergence.
@@ -133,6 +136,8 @@ pub struct Texels {
     pub region: [u32; 4],
     /// Layer after layer, rows from the top, floats as bits.
     pub bits: Vec<u32>,
+    /// One of the layers in numbers, where it was to be counted.
+    pub counted: Option<(usize, LayerStats)>,
 }
 
 impl Texels {

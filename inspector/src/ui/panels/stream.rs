@@ -43,7 +43,7 @@ pub(in crate::ui) struct StreamView {
     drawn: Option<Drawn>,
     /// The range that the values have, of which they were read.
     stats: Option<(u64, usize, Stream, usize, LayerStats)>,
-    asked: Option<(u64, usize, Stream)>,
+    asked: Option<(u64, usize, Stream, usize)>,
     /// A copy that is shown in place of the stream as it is now.
     pinned: Option<Pinned>,
 }
@@ -231,9 +231,9 @@ impl StreamView {
     /// Asks for the values when there are new ones, and takes their range once they are here.
     fn read_range(&mut self, cx: &mut Context<'_>, stream: Stream, layer: usize) {
         let (edition, place) = (cx.model.edition, cx.model.place);
-        if self.pinned.is_none() && self.asked != Some((edition, place, stream)) && !cx.model.is_busy() {
-            self.asked = Some((edition, place, stream));
-            cx.model.ask(Request::ReadAll(stream));
+        if self.pinned.is_none() && self.asked != Some((edition, place, stream, layer)) && !cx.model.is_busy() {
+            self.asked = Some((edition, place, stream, layer));
+            cx.model.ask(Request::Count(stream, layer));
         }
         let is_shown = |place: usize| self.pinned.as_ref().is_none_or(|pinned| pinned.place == place);
         let read = cx.model.texels.iter().find(|t| t.stream == stream && is_shown(t.place));
@@ -241,8 +241,14 @@ impl StreamView {
             let known = self.stats.as_ref().map(|(g, p, s, l, _)| (*g, *p, *s, *l));
             let now = (edition, texels.place, stream, layer);
             if known != Some(now) {
-                let stats = LayerStats::of(stream, layer, texels.layer(layer));
-                self.stats = Some((now.0, now.1, now.2, now.3, stats));
+                // A large stream takes longer to count than a frame may: but for a copy, which is counted once, the engine
+                // does it.
+                let counted = texels.counted.as_ref().filter(|(counted, _)| *counted == layer).map(|(_, s)| s.clone());
+                let count = || LayerStats::of(stream, layer, texels.layer(layer));
+                let stats = counted.or_else(|| self.pinned.is_some().then(count));
+                if let Some(stats) = stats {
+                    self.stats = Some((now.0, now.1, now.2, now.3, stats));
+                }
             }
         }
     }
