@@ -26,6 +26,23 @@ if [ "$(uname)" = Linux ] && ! has_vulkan; then
         exit 1
     fi
 fi
+if [ "$(uname)" = Linux ] && ! command -v Xvfb >/dev/null; then
+    step "a display that nobody sees"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    if command -v apt-get >/dev/null; then
+        $as_root apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq \
+            xvfb libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2 >/dev/null
+    elif command -v dnf >/dev/null; then
+        $as_root dnf install -y -q xorg-x11-server-Xvfb libX11-xcb libXcursor libXi libxkbcommon-x11 libXrandr
+    elif command -v pacman >/dev/null; then
+        $as_root pacman -S --noconfirm --needed xorg-server-xvfb libxcursor libxi libxkbcommon-x11 libxrandr
+    else
+        echo "install Xvfb first, to test the window" >&2
+        exit 1
+    fi
+fi
 # rustup's minimal profile lacks them.
 cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
@@ -35,6 +52,11 @@ cargo fmt --all --check
 
 step "tests"
 cargo test --workspace --locked
+
+if [ "$(uname)" = Linux ]; then
+    step "the real window"
+    sh tests/window.sh
+fi
 
 step "clippy"
 cargo clippy --workspace --all-targets --locked -- -D warnings

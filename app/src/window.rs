@@ -100,7 +100,7 @@ pub(crate) fn inspector(
 }
 
 /// Time between two looks at what is to be kept.
-const KEEP_EVERY: Duration = Duration::from_secs(20);
+const KEEP_EVERY: Duration = Duration::from_secs(10);
 
 struct Window {
     inspector: Inspector,
@@ -145,6 +145,7 @@ impl eframe::App for Window {
             self.kept = Instant::now();
             self.inspector.keep();
         }
+        ui.ctx().request_repaint_after(KEEP_EVERY);
         let title = self.inspector.title();
         if title != self.title {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

@@ -5,6 +5,7 @@
 //! there.
 
 pub mod compare;
+mod copies;
 pub mod cost;
 pub mod divergence;
 mod edit;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::{Session, Target, go_on};
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::{AdapterChoice, Device, Gpu, ScheduleKind};
+use raystep_kernels::{AdapterChoice, Device, Gpu, ScheduleKind, Skip};
 use raystep_tests::block_on;
 
 fn main() {
@@ -28,7 +28,8 @@ fn main() {
     println!("on {}", gpu.as_ref().map_or("the twins", |gpu| &gpu.info.name));
     let scene = raystep_tests::scene("sphere-flake.glb");
     for schedule in [ScheduleKind::Compact, ScheduleKind::Second] {
-        let settings = Settings { schedule, size, device: DeviceKind::Gpu, ..Settings::default() };
+        // Without leaps there are more passes.
+        let settings = Settings { schedule, size, skip: Skip::Off, device: DeviceKind::Gpu, ..Settings::default() };
         block_on(gpu.as_deref(), async {
             let options = settings.options(&scene);
             let mut session = Session::new(&scene, &options, &device).await.expect("a session");

@@ -8,11 +8,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
-use raystep_kernels::executor::gpu::stream_format;
 use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Stream, StreamData};
 use raystep_scenes::Scene;
 
 use super::Session;
+use super::copies::{fill, stream_copy};
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
 use super::stats::LayerStats;
 use crate::settings::{DeviceKind, Settings};
@@ -378,27 +378,4 @@ impl Server {
 
 fn flow(goes_on: bool) -> ControlFlow<()> {
     if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-}
-
-/// A texture like a stream's own, to draw from.
-fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(stream.name()),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: stream.layers() as u32 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: stream_format(stream),
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
-
-fn fill(gpu: &Gpu, texture: &wgpu::Texture, data: &StreamData) {
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(4 * data.width),
-        rows_per_image: Some(data.height),
-    };
-    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&data.bits), layout, texture.size());
 }

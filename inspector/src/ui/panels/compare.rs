@@ -1,5 +1,7 @@
 //! Two runs of the same scene side by side: the same stream, the same ray, and the difference.
 
+mod placed;
+
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
@@ -13,6 +15,7 @@ use crate::settings::{DeviceKind, Settings};
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
+use placed::Placed;
 
 /// What a side shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -237,28 +240,6 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
             let [x, y] = life.pixel;
             ui.small(format!("{name}: ray {x},{y}: {}", line(life)));
         }
-    }
-}
-
-/// Where a picture is in its panel.
-struct Placed {
-    origin: egui::Pos2,
-    scale: f32,
-}
-
-impl Placed {
-    fn texel(&self, at: egui::Pos2, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
-        let texel = (at - self.origin) / self.scale;
-        let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < width as f32 && texel.y < height as f32;
-        inside.then_some([texel.x as u32, texel.y as u32])
-    }
-
-    fn mark(&self, ui: &Ui, rect: Rect, texel: Option<[u32; 2]>, color: Color32) {
-        let Some([x, y]) = texel else { return };
-        let middle = self.origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * self.scale;
-        let frame = Rect::from_center_size(middle, egui::Vec2::splat(self.scale.max(7.0)));
-        let stroke = egui::Stroke::new(1.5, color);
-        ui.painter().with_clip_rect(rect).rect_stroke(frame, 0.0, stroke, egui::StrokeKind::Outside);
     }
 }
 
