@@ -6,7 +6,7 @@ use raystep_kernels::{Stream, state};
 use super::super::legend::entry;
 use super::StreamView;
 use crate::draw::stream::{Colors, Meaning, STATE_COLORS};
-use crate::session::stats::{LayerStats, Others};
+use crate::session::stats::{LayerStats, Others, Span};
 
 impl StreamView {
     pub(super) fn tools(
@@ -88,7 +88,7 @@ impl StreamView {
                 return;
             }
             if matches!(meaning, Meaning::Scalar | Meaning::Count) {
-                let (rect, _) = ui.allocate_exact_size(vec2(120.0, 10.0), Sense::hover());
+                let (rect, response) = ui.allocate_exact_size(vec2(120.0, 10.0), Sense::hover());
                 let colors = self.colors(stream, layer);
                 for i in 0..60 {
                     let [r, g, b] = colors.at(f64::from(i) / 59.0);
@@ -97,6 +97,9 @@ impl StreamView {
                     ui.painter().rect_filled(bar, 0.0, Color32::from_rgb(r, g, b));
                 }
                 let [lo, hi] = self.range();
+                if let Some(span) = self.stats.as_ref().and_then(|(.., stats)| stats.span.as_ref()) {
+                    response.on_hover_ui(|ui| histogram(ui, span));
+                }
                 ui.small(format!("{lo} … {hi} {}", stream.info().unit));
             } else {
                 ui.small(stream.info().unit);
@@ -119,4 +122,26 @@ fn out_of_the_ordinary(stats: &LayerStats) -> Vec<String> {
         Others::Integer { none, .. } => &[(none, "none")],
     };
     counts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}")).collect()
+}
+
+/// How many rays have which value.
+fn histogram(ui: &mut egui::Ui, span: &Span) {
+    let (rect, _) = ui.allocate_exact_size(vec2(256.0, 72.0), Sense::hover());
+    let most = span.histogram.iter().copied().max().unwrap_or(0).max(1) as f32;
+    let width = rect.width() / span.histogram.len().max(1) as f32;
+    for (i, &count) in span.histogram.iter().enumerate().filter(|(_, count)| **count > 0) {
+        // Few rays are still to be seen.
+        let height = (count as f32 / most * rect.height()).max(1.0);
+        let left = rect.left() + i as f32 * width;
+        let bar = Rect::from_min_max(pos2(left, rect.bottom() - height), pos2(left + width, rect.bottom()));
+        ui.painter().rect_filled(bar, 0.0, ui.visuals().text_color());
+    }
+    // A float has no more digits than f32 gives it.
+    let number = |value: f64| {
+        let single = value as f32;
+        if f64::from(single) == value { single.to_string() } else { value.to_string() }
+    };
+    let [first, median, last] = span.percentiles.map(number);
+    ui.small(format!("from {} to {}", number(span.min), number(span.max)));
+    ui.small(format!("1% up to {first}, half up to {median}, 99% up to {last}"));
 }
