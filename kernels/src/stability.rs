@@ -7,6 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `cases` | the table |
+//! | `claims` | what the table claims of them, with reasons |
 //! | `make`, `planes` | the scenes and rays that its entries are made of |
 //! | `score` | what became of every ray, counted |
 //! | `row` | a row of `stability.csv`, and whether it is as it must be |
@@ -14,6 +15,7 @@
 //! Nothing here reads a clock or writes a file.
 
 mod cases;
+mod claims;
 mod make;
 mod planes;
 mod row;
@@ -28,7 +30,8 @@ use crate::grid::GridSize;
 use crate::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
 use crate::plan::PlanError;
 use crate::renderer::{Device, RenderError, Renderer};
-pub use cases::{CASES, KNOWN};
+pub use cases::CASES;
+pub use claims::KNOWN;
 pub use row::{COLUMNS, Expected, Place, Row, SCHEMA_VERSION, write_rows};
 pub use score::{Judge, Largest, Score};
 

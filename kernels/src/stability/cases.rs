@@ -1,9 +1,12 @@
 //! The table of cases. A new one is an entry here, made of what `make` and `planes` have.
 
-use crate::options::Accelerator::{self, Bvh, Grid, None};
+use crate::options::Accelerator::Grid;
+use crate::stability::claims::{
+    AT_CORNERS, AT_EDGES, BY_CHANCE, EDGES_CRACK, EVERYTHING, HALF_AT_EDGES, NONE, OUTSIDE, SMALL, fails, up_to,
+};
 use crate::stability::make::{self, At};
 use crate::stability::planes::{On, on_planes};
-use crate::stability::{Case, Ceiling, Known, Paper, StabilityError, Truth, Workload};
+use crate::stability::{Case, Paper, StabilityError, Truth, Workload};
 use glam::DVec3;
 
 /// Rays within a closed sphere, which may fail by the paper's rules, but need not.
@@ -17,56 +20,9 @@ const CASE: Case = Case {
     paper: Paper { fails_on: &[], because: "" },
 };
 
-const BY_CHANCE: Ceiling = Ceiling {
-    share: 0.002,
-    because: "an edge function's bound is some 20 roundings of the distance; edges are long enough for 1 ray in 1,000",
-};
-const NONE: Ceiling = Ceiling { share: 0.0, because: "edge functions are exact here" };
-const AT_EDGES: Ceiling = Ceiling { share: 0.5, because: "of two triangles at an edge either may be the exact one" };
-const HALF_AT_EDGES: Ceiling = Ceiling {
-    share: 0.25,
-    because: "half of the rays are at edges, and of two triangles there either may be the exact one",
-};
-const AT_CORNERS: Ceiling =
-    Ceiling { share: 5.0 / 6.0, because: "of six triangles around a corner any may be the exact one" };
-const EVERYTHING: Ceiling = Ceiling { share: 1.0, because: "triangles are smaller than the error bound" };
-
-const fn up_to(share: f64, because: &'static str) -> Ceiling {
-    Ceiling { share, because }
-}
-
-const fn fails(fails_on: &'static [Accelerator], because: &'static str) -> Paper {
-    Paper { fails_on, because }
-}
-
-const EDGES_CRACK: Paper = fails(
-    &[Grid, Bvh, None],
-    "Möller-Trumbore works out an edge anew in each of its triangles, and a ray may miss it in both",
-);
-const OUTSIDE: Paper = fails(&[Grid], "an origin outside of the grid is not handled");
-const SMALL: Paper = fails(
-    &[Grid, Bvh, None],
-    "the determinant's threshold of 1e-6 is absolute, and these triangles' determinants are smaller",
-);
-
 fn closed(n: usize, at: At) -> Result<Workload, StabilityError> {
     Ok(make::aimed(make::sphere(3, |p| p)?, n, at, DVec3::ZERO))
 }
-
-/// Where robust rules are known to fail. Reported as such, and to be mended.
-pub static KNOWN: &[Known] = &[
-    Known {
-        case: "in-tilted-plane",
-        accelerators: &[None],
-        because: "edge functions that are 0 but for rounding may agree in sign where the ray, in the triangle's plane, \
-                  passes beside it; through grid and tree it is not tested there",
-    },
-    Known {
-        case: "line-aslant",
-        accelerators: &[Bvh, None],
-        because: "the same of triangles without an area whose corners differ: edge functions are 0 but for rounding",
-    },
-];
 
 /// Every case.
 pub static CASES: &[Case] = &[
@@ -399,6 +355,7 @@ mod tests {
 
     use super::*;
     use crate::options::RaySource;
+    use crate::stability::KNOWN;
 
     #[test]
     fn every_case_is_made_says_what_it_is_and_may_fail() {
