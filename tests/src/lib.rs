@@ -13,6 +13,7 @@ use ways::Way;
 
 pub mod parity;
 pub mod rays;
+pub mod sessions;
 pub mod watertight;
 pub mod ways;
 

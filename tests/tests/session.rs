@@ -4,22 +4,11 @@ use std::ops::ControlFlow;
 
 use raystep_inspector::{Session, Target, go_on};
 use raystep_kernels::{Accelerator, Device, Kernel, RenderError, ScheduleKind, Stream, StreamData};
+use raystep_tests::sessions::{go, streams};
 use raystep_tests::ways::{STEPPED, Way, stepped};
-use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
+use raystep_tests::{block_on, devices, gpu_of, options, scene};
 
 const TREE: Way = Way::new(Accelerator::Bvh, ScheduleKind::Second, 1);
-
-async fn go(session: &mut Session, target: Target) -> usize {
-    session.step(target, &mut go_on).await.expect("a step")
-}
-
-async fn streams(session: &Session) -> Vec<StreamData> {
-    let mut all = Vec::new();
-    for stream in streams_of(session.renderer().plan()) {
-        all.push(session.stream(stream).await.expect("values"));
-    }
-    all
-}
 
 /// Streams after every pass, from none to all.
 async fn history(session: &mut Session) -> Vec<Vec<StreamData>> {

@@ -2,7 +2,8 @@
 
 use raystep_inspector::{Fired, Session, Target, Watch, Way as Direction, go_on};
 use raystep_kernels::stream::{STATE_CELL, STATE_TAG};
-use raystep_kernels::{Accelerator, Device, Kernel, RenderError, Renderer, ScheduleKind, Stream, StreamData, state};
+use raystep_kernels::{Accelerator, Device, Kernel, RenderError, Renderer, ScheduleKind, Stream, state};
+use raystep_tests::sessions::{go, streams};
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
 
@@ -18,18 +19,6 @@ async fn new_session(way: Way, device: &Device) -> Session {
     let mut session = Session::new(&scene, &options, device).await.expect("a session");
     session.set_span(6 * 192);
     session
-}
-
-async fn go(session: &mut Session, target: Target) -> usize {
-    session.step(target, &mut go_on).await.expect("a step")
-}
-
-async fn streams(session: &Session) -> Vec<StreamData> {
-    let mut all = Vec::new();
-    for stream in streams_of(session.renderer().plan()) {
-        all.push(session.stream(stream).await.expect("values"));
-    }
-    all
 }
 
 async fn run_to(session: &mut Session, watch: Watch, way: Direction) -> Option<Fired> {
