@@ -3,3 +3,6 @@
 pub mod picture;
 pub mod scene3d;
 pub mod stream;
+
+#[cfg(test)]
+mod uniforms;

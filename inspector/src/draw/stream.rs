@@ -308,3 +308,28 @@ fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
         ..Default::default()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+
+    #[test]
+    fn the_uniform_lies_as_the_shader_says() {
+        let members = [
+            ("offset", offset_of!(Uniform, offset)),
+            ("scale", offset_of!(Uniform, scale)),
+            ("layer", offset_of!(Uniform, layer)),
+            ("lo", offset_of!(Uniform, range)),
+            ("hi", offset_of!(Uniform, range) + 4),
+            ("exposure", offset_of!(Uniform, exposure)),
+            ("mode", offset_of!(Uniform, mode)),
+            ("is_float", offset_of!(Uniform, is_float)),
+            ("has_other", offset_of!(Uniform, has_other)),
+            ("unwritten", offset_of!(Uniform, unwritten)),
+            ("inf", offset_of!(Uniform, inf)),
+        ];
+        crate::draw::uniforms::assert_lies_as(include_str!("stream.wgsl"), "Picture", &members, size_of::<Uniform>());
+    }
+}

@@ -159,3 +159,19 @@ fn pipeline(device: &wgpu::Device, variant: &Variant<'_>) -> wgpu::RenderPipelin
         cache: None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+
+    #[test]
+    fn the_uniform_lies_as_the_shader_says() {
+        macro_rules! members {
+            ($($name:ident)*) => { [$((stringify!($name), offset_of!(View, $name))),*] };
+        }
+        let members = members!(clip_from_world light opacity center edges size_px near hidden nearer wire_px padding);
+        crate::draw::uniforms::assert_lies_as(include_str!("view.wgsl"), "View", &members, size_of::<View>());
+    }
+}
