@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::output::{folder_of, reason};
 
 /// Vertical angle of view of `--eye` without `--fov`, degrees.
-pub(crate) const DEFAULT_FOV_DEG: f64 = 40.0;
+const DEFAULT_FOV_DEG: f64 = 40.0;
 
 /// A scene, and where it came from.
 pub(crate) struct SceneFile {

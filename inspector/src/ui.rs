@@ -8,6 +8,7 @@ mod keep;
 mod layout;
 mod lessons;
 mod menu;
+pub mod offscreen;
 mod palette;
 pub mod pane;
 mod panels;
@@ -25,9 +26,9 @@ use egui_tiles::Tree;
 
 use crate::saved::Saved;
 use crate::session::engine::{Devices, OPENING};
-use crate::session::request::Request;
+use crate::session::request::{Opened, Request};
 use crate::session::{Model, Target};
-use crate::settings::Settings;
+use crate::settings::{Settings, View};
 use canvas::Canvas;
 use command::Command;
 use dialogs::Dialog;
@@ -276,6 +277,7 @@ impl Inspector {
         let Arrival { pixel, place, shown } = self.arrival.take().unwrap_or_default();
         let inside = |[x, y]: &[u32; 2]| *x < plan.width && *y < plan.height;
         let pixel = pixel.or(self.shared.pixel).filter(inside).or(Some([plan.width / 2, plan.height / 2]));
+        let missing = missing_camera(opened);
         let is_other = |m: &Model| m.opened.as_ref().is_some_and(|b| !Arc::ptr_eq(&b.scene, &opened.scene));
         if self.other.as_ref().is_some_and(is_other)
             && let Some(other) = self.other.take()
@@ -287,6 +289,9 @@ impl Inspector {
         self.shared.show = shown;
         if let Some(place) = place {
             self.model.ask(Request::Step(Target::Pass(place)));
+        }
+        if let Some(missing) = missing {
+            self.fail(missing);
         }
     }
 
@@ -329,7 +334,7 @@ impl Inspector {
             // A ray whose following was cancelled can be clicked again.
             let is_known = self.model.life.as_ref().is_some_and(|life| life.pixel == pixel);
             if self.shared.pixel != Some(pixel) || !is_known {
-                (self.shared.pixel, self.shared.row) = (Some(pixel), None);
+                self.shared.pixel = Some(pixel);
                 self.is_to_follow = true;
             }
         }
@@ -342,4 +347,11 @@ impl Inspector {
             }
         }
     }
+}
+
+/// What to say where the scene has no such camera.
+fn missing_camera(opened: &Opened) -> Option<String> {
+    let (View::Scene(index), count) = (opened.settings.view, opened.scene.cameras.len()) else { return None };
+    let text = format!("camera {index}: the scene has {count}, counted from 0; one that frames it is shown");
+    (index > 0 && index >= count).then_some(text)
 }

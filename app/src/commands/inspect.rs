@@ -5,16 +5,16 @@ use std::str::FromStr;
 
 use clap::Args;
 use raystep_inspector::link::{Link, LinkRay};
-use raystep_inspector::settings::{DeviceKind as RunOn, Settings, View};
+use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::{COMMANDS, Command};
 use raystep_inspector::ui::{Arrival, Shown};
-use raystep_kernels::{AdapterChoice, Gpu, Ray};
+use raystep_kernels::{AdapterChoice, Gpu};
 
 use super::trace::Pixel;
-use crate::args::{CameraArgs, DeviceArgs, DeviceKind, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{DeviceArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::device::block_on;
 use crate::error::Error;
-use crate::link::{LinkArgs, Wanted};
+use crate::link::{LinkArgs, Wanted, link_of};
 use crate::output::{Target, write};
 use crate::scene_file;
 use crate::terminal::print;
@@ -140,56 +140,36 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     } else {
         link.wanted(view, run)?
     };
-    let Wanted { scene, view: seen, run, ray } = wanted;
+    let run = &wanted.run;
     run.tuning.check(&[run.accelerator], &[run.schedule])?;
     if !run.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused takes a ray to its end in one pass, which cannot be stepped; first, second and compact can",
         ));
     }
-    let size = [seen.size.width, seen.size.height];
-    let mut given = None;
-    match ray {
-        Some(LinkRay::Pixel(_)) if arrival.pixel.is_some() => {
+    if wanted.view.camera.eye.is_some() {
+        // The same checks as everywhere; the scene has no say in a camera of one's own.
+        scene_file::camera(&wanted.view.camera, &raystep_scenes::Scene::default())?;
+    }
+    let linked = link_of(&wanted)?;
+    if let Some(LinkRay::Pixel(pixel)) = linked.ray {
+        if arrival.pixel.is_some() {
             return Err(Error::usage("--link names a pixel, and so does --pixel: leave one of them out"));
         }
-        Some(LinkRay::Pixel(pixel)) => arrival.pixel = Some(pixel),
-        Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })) => {
-            given = Some([ox, oy, oz, dx, dy, dz]);
-        }
-        None => {}
+        arrival.pixel = Some(pixel);
     }
+    let [width, height] = linked.size;
     if let Some([x, y]) = arrival.pixel
-        && (x >= size[0] || y >= size[1])
+        && (x >= width || y >= height)
     {
-        let (w, h) = (size[0] - 1, size[1] - 1);
+        let (right, bottom) = (width - 1, height - 1);
         return Err(Error::usage(format!(
-            "--pixel {x},{y}: the image has pixels 0,0 to {w},{h}; --size makes it larger"
+            "--pixel {x},{y}: the image has pixels 0,0 to {right},{bottom}; --size makes it larger"
         )));
     }
-    let settings = Settings {
-        accelerator: run.accelerator,
-        schedule: run.schedule,
-        numerics: run.tuning.numerics,
-        grid: run.tuning.grid,
-        skip: run.tuning.skip,
-        steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),
-        size,
-        view: camera(&seen.camera)?,
-        ray: given,
-        keep_all: run.tuning.keep_all,
-        device: if run.device.device == DeviceKind::Cpu { RunOn::Cpu } else { RunOn::Gpu },
-        ..Settings::default()
-    };
+    let settings = Settings::from(&linked);
+    let Wanted { scene, run, .. } = wanted;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
     let start = Start { scene, settings, arrival, size: window.0 };
     Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
-}
-
-fn camera(args: &CameraArgs) -> Result<View, Error> {
-    let (Some(eye), Some(look_at)) = (args.eye, args.look_at) else { return Ok(View::Scene(args.camera.unwrap_or(0))) };
-    // The same checks as everywhere; the scene has no say in a camera of one's own.
-    let (camera, _) = scene_file::camera(args, &raystep_scenes::Scene::default())?;
-    let fov_deg = args.fov.or(Some(scene_file::DEFAULT_FOV_DEG));
-    Ok(View::Free { eye: eye.0, look_at: look_at.0, up: camera.up.to_array(), fov_deg, half_height: 1.0 })
 }

@@ -4,16 +4,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, mutex::RwLock};
-use eframe::egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
-use raystep_inspector::ui::Inspector;
+use eframe::egui_wgpu::{Renderer, RendererOptions};
+use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::{Inspector, offscreen};
 use raystep_kernels::Gpu;
 
 use super::{Start, inspector};
+use crate::device::block_on;
 use crate::error::Error;
-
-/// What egui samples and blends best.
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// How long work may go on before the picture is taken of what there is.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -45,7 +44,7 @@ pub(crate) fn screenshot(
         stage.settle()?;
     }
     let jobs = stage.frame();
-    stage.draw(&jobs, [width, height])
+    Ok(block_on(Some(gpu), offscreen::draw(gpu, &stage.renderer, &jobs, [width, height], scale))?)
 }
 
 struct Stage {
@@ -94,44 +93,5 @@ impl Stage {
         }
         output.textures_delta.clear();
         jobs
-    }
-
-    fn draw(&self, jobs: &[egui::ClippedPrimitive], [width, height]: [u32; 2]) -> Result<image::RgbaImage, Error> {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("screenshot"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&Default::default());
-        let screen = ScreenDescriptor { size_in_pixels: [width, height], pixels_per_point: self.scale };
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let mut renderer = self.renderer.write();
-        let buffers = renderer.update_buffers(device, queue, &mut encoder, jobs, &screen);
-        {
-            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("screenshot"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                ..Default::default()
-            });
-            renderer.render(&mut pass.forget_lifetime(), jobs, &screen);
-        }
-        queue.submit(buffers.into_iter().chain([encoder.finish()]));
-        let bytes = crate::device::block_on(Some(&self.gpu), self.gpu.read_rgba8(&texture))?;
-        image::RgbaImage::from_raw(width, height, bytes)
-            .ok_or_else(|| Error::failed("the screenshot came back in another size"))
     }
 }

@@ -117,6 +117,9 @@ pub(super) struct Panes<'a> {
 
 impl Behavior<Pane> for Panes<'_> {
     fn pane_ui(&mut self, ui: &mut egui::Ui, id: TileId, pane: &mut Pane) -> UiResponse {
+        if ui.rect_contains_pointer(ui.max_rect()) {
+            self.cx.shared.under = Some(id);
+        }
         // Ids begin anew with every arrangement: a list would be scrolled as far as another panel was.
         ui.push_id((id, pane.kind), |ui| {
             egui::Frame::central_panel(ui.style()).inner_margin(6.0).show(ui, |ui| {

@@ -123,7 +123,7 @@ pub trait Panel: Send {
     }
     /// Takes over what was saved; ignores what it cannot read.
     fn load(&mut self, _saved: &str) {}
-    /// For a command about the view in focus: whether the panel did it.
+    /// For a command about a view: whether the panel did it.
     fn command(&mut self, _command: Command, _cx: &mut Context<'_>) -> bool {
         false
     }

@@ -128,7 +128,7 @@ impl Inspector {
         }
     }
 
-    /// Commands about a view go to the panels, until one does it; streams come first.
+    /// Commands about a view go to the panels, until one does it: the one under the cursor first, then streams.
     fn ask_panels(&mut self, command: Command) {
         let mut todo = Vec::new();
         let mut cx = Context {
@@ -138,18 +138,20 @@ impl Inspector {
             shared: &mut self.shared,
             todo: &mut todo,
         };
-        let active = self.tree.active_tiles();
+        let (active, under) = (self.tree.active_tiles(), cx.shared.under);
         let mut panes: Vec<_> = self
             .tree
             .tiles
             .iter_mut()
             .filter_map(|(id, tile)| match tile {
-                egui_tiles::Tile::Pane(pane) => Some((!active.contains(id), pane.kind != PaneKind::Stream, pane)),
+                egui_tiles::Tile::Pane(pane) => {
+                    Some(((!active.contains(id), Some(*id) != under, pane.kind != PaneKind::Stream, id.0), pane))
+                }
                 egui_tiles::Tile::Container(_) => None,
             })
             .collect();
-        panes.sort_by_key(|(is_hidden, is_other, _)| (*is_hidden, *is_other));
-        for (_, _, pane) in panes {
+        panes.sort_by_key(|(order, _)| *order);
+        for (_, pane) in panes {
             if pane.panel.command(command, &mut cx) {
                 break;
             }

@@ -40,8 +40,8 @@ pub struct Shared {
     pub pixel: Option<[u32; 2]>,
     /// The pixel under the cursor, in any stream view.
     pub hovered: Option<[u32; 2]>,
-    /// Row of the ray's life that is looked at; `None` follows the place of the run.
-    pub row: Option<usize>,
+    /// The panel that the cursor was over last: commands about a view go to it first.
+    pub under: Option<egui_tiles::TileId>,
     /// Where this frame's panels want the run to be, as a number of passes.
     pub go_to: Option<usize>,
     /// A pixel that a panel wants to be looked at.
@@ -75,7 +75,7 @@ impl Default for Shared {
         Self {
             pixel: None,
             hovered: None,
-            row: None,
+            under: None,
             go_to: None,
             select: None,
             show: None,

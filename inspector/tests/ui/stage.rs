@@ -7,17 +7,16 @@ use egui::mutex::RwLock;
 use egui::{Event, Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
 use egui_kittest::{Harness, Node, SnapshotOptions, TestRenderer};
-use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use egui_wgpu::{Renderer, RendererOptions};
+use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::session::engine::Devices;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::{Arrival, Inspector};
+use raystep_inspector::ui::{Arrival, Inspector, offscreen};
 use raystep_kernels::{Gpu, Stream};
 
 use crate::adapter::{block_on, gpu};
 use crate::desk::{Desk, TestHost};
-
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// How long anything may take on a slow machine that does other things too.
 const PATIENCE: Duration = Duration::from_secs(240);
@@ -288,40 +287,11 @@ impl TestRenderer for Painter {
     }
 
     fn render(&mut self, ctx: &egui::Context, output: &egui::FullOutput) -> Result<image::RgbaImage, String> {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let points = ctx.pixels_per_point();
         let size = ctx.content_rect().size() * points;
         let [width, height] = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
         let jobs = ctx.tessellate(output.shapes.clone(), points);
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("window"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&Default::default());
-        let screen = ScreenDescriptor { size_in_pixels: [width, height], pixels_per_point: points };
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let mut renderer = self.renderer.write();
-        let buffers = renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("window"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-            })],
-            ..Default::default()
-        });
-        renderer.render(&mut pass.forget_lifetime(), &jobs, &screen);
-        drop(renderer);
-        queue.submit(buffers.into_iter().chain([encoder.finish()]));
-        let bytes = block_on(&self.gpu, self.gpu.read_rgba8(&texture)).map_err(|e| e.to_string())?;
-        image::RgbaImage::from_raw(width, height, bytes).ok_or_else(|| "a picture of another size".into())
+        let drawn = offscreen::draw(&self.gpu, &self.renderer, &jobs, [width, height], points);
+        block_on(&self.gpu, drawn).map_err(|e| e.to_string())
     }
 }

@@ -1,5 +1,6 @@
 //! Two runs of the same scene side by side: the same stream, the same ray, and the difference.
 
+mod counted;
 mod placed;
 
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
@@ -7,14 +8,13 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
 
 use crate::draw::stream::{self, Colors, Meaning};
-use crate::session::compare::Comparison;
 use crate::session::request::Request;
-use crate::session::stats::LayerStats;
 use crate::session::{Model, Target};
 use crate::settings::{DeviceKind, Settings};
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
+use counted::{COUNTING, Counted, Question};
 use placed::Placed;
 
 /// What a side shows.
@@ -36,9 +36,6 @@ struct Drawn {
     is_swapped: bool,
 }
 
-/// How a stream differed at two moments, in words.
-type Found = ([Moment; 2], Stream, usize, Vec<String>);
-
 /// The comparison.
 pub(in crate::ui) struct Compare {
     stream: Stream,
@@ -46,10 +43,10 @@ pub(in crate::ui) struct Compare {
     pictures: [Picture; 3],
     stills: [Still; 2],
     drawn: [Option<Drawn>; 3],
-    asked: Option<([Moment; 2], Stream)>,
-    /// What was found, and of which places.
-    found: Option<Found>,
-    range: [f32; 2],
+    /// What the second run's stream was read for, what the first's engine counts, and what it found.
+    reading: Option<Question>,
+    counting: Option<Question>,
+    found: Option<Counted>,
 }
 
 impl Default for Compare {
@@ -60,9 +57,9 @@ impl Default for Compare {
             pictures: Default::default(),
             stills: Default::default(),
             drawn: [None; 3],
-            asked: None,
+            reading: None,
+            counting: None,
             found: None,
-            range: [0.0, 1.0],
         }
     }
 }
@@ -142,8 +139,8 @@ impl Panel for Compare {
             return;
         }
         self.count(model, other);
-        if let Some((.., lines)) = &self.found {
-            for line in lines {
+        if let Some(found) = &self.found {
+            for line in &found.lines {
                 ui.label(line);
             }
         }
@@ -244,6 +241,11 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
 }
 
 impl Compare {
+    /// The range that both pictures have.
+    fn range(&self) -> [f32; 2] {
+        self.found.as_ref().map_or([0.0, 1.0], |found| found.range)
+    }
+
     /// What the difference's colours mean.
     fn legend(&self) -> String {
         match Meaning::of(self.stream, Some(self.layer)) {
@@ -255,7 +257,8 @@ impl Compare {
     /// The largest difference that has a colour of its own: of counts a tenth of their range, of floats a thousandth.
     fn spread(&self) -> f32 {
         let part = if Meaning::of(self.stream, Some(self.layer)) == Meaning::Count { 0.1 } else { 1e-3 };
-        (self.range[1] - self.range[0]).abs().max(f32::MIN_POSITIVE) * part
+        let [lo, hi] = self.range();
+        (hi - lo).abs().max(f32::MIN_POSITIVE) * part
     }
 
     fn choose_stream(&mut self, ui: &mut Ui, streams: &[Stream]) {
@@ -276,50 +279,28 @@ impl Compare {
         });
     }
 
-    /// Reads both streams once they are there, and says how they differ.
+    /// Has both streams compared, once a pair of places: the second's is read, and the first's engine counts.
     fn count(&mut self, model: &mut Model, other: &mut Model) {
-        let now = [(model.edition, model.place), (other.edition, other.place)];
-        if model.is_busy() || other.is_busy() {
+        let moments = [(model.edition, model.place), (other.edition, other.place)];
+        let question = (moments, self.stream, self.layer);
+        while let Some(counted) = model.take_answer::<Counted>(COUNTING) {
+            self.found = Some(*counted);
+        }
+        let is_known = self.found.as_ref().is_some_and(|found| found.question == question);
+        if is_known || self.counting == Some(question) || model.is_busy() || other.is_busy() {
             return;
         }
-        let key = (now, self.stream, self.layer);
-        let is_known = self.found.as_ref().is_some_and(|(places, stream, layer, _)| (*places, *stream, *layer) == key);
-        if is_known {
-            return;
-        }
-        let read = |model: &Model| {
-            let texels = model.texels.iter().find(|t| t.stream == self.stream && t.place == model.place)?;
+        let read = other.texels.iter().position(|t| t.stream == self.stream && t.place == other.place);
+        if let Some(read) = read {
+            let texels = other.texels.swap_remove(read);
             let [_, _, width, height] = texels.region;
-            Some(StreamData { stream: texels.stream, width, height, bits: texels.bits.clone() })
-        };
-        let (Some(left), Some(right)) = (read(model), read(other)) else {
-            if self.asked != Some((now, self.stream)) {
-                self.asked = Some((now, self.stream));
-                model.ask(Request::ReadAll(self.stream));
-                other.ask(Request::ReadAll(self.stream));
-            }
-            return;
-        };
-        let mut lines = Vec::new();
-        match Comparison::new(&left, &right) {
-            Ok(comparison) => {
-                for (layer, found) in comparison.layers().iter().enumerate() {
-                    let name = self.stream.info().layers[layer];
-                    lines.push(match (&found.floats, found.differing) {
-                        (_, 0) => format!("{name}: the same bits for all rays"),
-                        (Some(floats), rays) => format!(
-                            "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:.3e} in value",
-                            floats.median_ulps, floats.max_ulps, floats.largest
-                        ),
-                        (None, rays) => format!("{name}: {rays} rays differ"),
-                    });
-                }
-            }
-            Err(error) => lines.push(error.to_string()),
+            let right = StreamData { stream: texels.stream, width, height, bits: texels.bits };
+            model.ask(Request::Job(COUNTING, counted::job(question, right)));
+            self.counting = Some(question);
+        } else if self.reading != Some(question) {
+            self.reading = Some(question);
+            other.ask(Request::ReadAll(self.stream));
         }
-        let stats = LayerStats::of(self.stream, self.layer, left.layer(self.layer));
-        self.range = stats.span.as_ref().map_or([0.0, 1.0], |span| [span.min as f32, span.max as f32]);
-        self.found = Some((now, self.stream, self.layer, lines));
     }
 
     #[expect(clippy::too_many_arguments)]
@@ -342,7 +323,7 @@ impl Compare {
             runs: [(model.edition, model.place), (other.edition, other.place)],
             stream: self.stream,
             layer: self.layer,
-            range: self.range,
+            range: self.range(),
             size,
             is_swapped: side == Side::B,
         };
@@ -370,7 +351,7 @@ impl Compare {
                 minus: is_difference.then_some(b),
                 layer: self.layer,
                 meaning,
-                range: if is_difference { [-largest, largest] } else { self.range },
+                range: if is_difference { [-largest, largest] } else { drawn.range },
                 exposure: 1.0,
                 colors: if is_difference { Colors::Diverging } else { Colors::Viridis },
                 offset: [offset.x, offset.y],

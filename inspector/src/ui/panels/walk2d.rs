@@ -9,7 +9,7 @@ use egui::{Rect, Sense, vec2};
 use raystep_kernels::export::trace::Trace;
 use serde::{Deserialize, Serialize};
 
-use super::walked::{Walked, describe};
+use super::walked::{Walked, describe, event_buttons};
 use crate::session::Model;
 use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
@@ -161,14 +161,7 @@ impl Walk2d {
 
     fn tools(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
-            for (command, text) in [(Command::PreviousEvent, "< event"), (Command::NextEvent, "event >")] {
-                let key = command.key_text(ui.ctx());
-                let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
-                button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
-                if button.clicked() {
-                    cx.todo.push(command);
-                }
-            }
+            event_buttons(ui, cx);
             if self.whole.as_ref().is_some_and(|whole| whole.walk.structure == Structure::Grid) {
                 for (by_t, name, text) in [
                     (false, "equal", "all cells equally wide: a corner that the ray only cuts is seen too"),

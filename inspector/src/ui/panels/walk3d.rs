@@ -10,14 +10,13 @@ use egui::{Color32, Rect, Sense, pos2, vec2};
 use raystep_scenes::Scene;
 use serde::{Deserialize, Serialize};
 
-use super::walked::{Walked, describe};
+use super::walked::{Walked, describe, event_buttons};
 use crate::draw::scene3d::{Scene3d, Settings, TriangleStyle};
 use crate::orbit::Orbit;
 use crate::session::Target;
 use crate::session::request::{Opened, Request};
 use crate::settings::View;
 use crate::ui::canvas::Picture;
-use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 use crate::walk::{Aabb, Structure};
 

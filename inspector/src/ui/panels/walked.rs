@@ -6,6 +6,8 @@ use raystep_kernels::export::trace::Trace;
 
 use super::ray::current_row;
 use crate::session::Model;
+use crate::ui::command::Command;
+use crate::ui::pane::Context;
 use crate::walk::{Structure, WalkGeometry};
 
 /// A walk up to the last pass that has run.
@@ -39,6 +41,18 @@ impl Walked {
         (self.life, self.row) = (life, row);
         self.version += 1;
         !is_same
+    }
+}
+
+/// To the ray's events, one back and one on.
+pub(super) fn event_buttons(ui: &mut egui::Ui, cx: &mut Context<'_>) {
+    for (command, text) in [(Command::PreviousEvent, "< event"), (Command::NextEvent, "event >")] {
+        let key = command.key_text(ui.ctx());
+        let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
+        if button.clicked() {
+            cx.todo.push(command);
+        }
     }
 }
 

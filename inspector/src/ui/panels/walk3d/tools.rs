@@ -1,6 +1,6 @@
 //! The buttons over the 3D view.
 
-use super::{Command, Context, TriangleStyle, Walk3d, Wish};
+use super::{Context, TriangleStyle, Walk3d, Wish, event_buttons};
 
 const STYLES: [(TriangleStyle, &str, &str); 4] = [
     (TriangleStyle::Opaque, "opaque", "solid triangles; what is behind them is faint"),
@@ -16,14 +16,7 @@ impl Walk3d {
         // One line in a small tile: what does not fit goes into a menu.
         let is_wide = ui.available_width() >= 640.0;
         ui.horizontal_wrapped(|ui| {
-            for (command, text) in [(Command::PreviousEvent, "< event"), (Command::NextEvent, "event >")] {
-                let key = command.key_text(ui.ctx());
-                let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
-                button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
-                if button.clicked() {
-                    cx.todo.push(command);
-                }
-            }
+            event_buttons(ui, cx);
             self.style(ui);
             if is_wide {
                 self.camera_buttons(ui, &mut wish);

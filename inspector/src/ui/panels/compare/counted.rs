@@ -1,0 +1,58 @@
+//! How far two runs' streams are apart, counted by the engine of the first.
+
+use std::any::Any;
+
+use raystep_kernels::{Stream, StreamData};
+
+use crate::session::compare::Comparison;
+use crate::session::request::{Job, JobContext, JobFuture};
+use crate::session::stats::LayerStats;
+use crate::ui::canvas::Moment;
+
+/// The job's name.
+pub(super) const COUNTING: &str = "comparing two runs";
+
+/// What is compared: the moments of both runs, a stream, the layer whose range is wanted.
+pub(super) type Question = ([Moment; 2], Stream, usize);
+
+/// What it came to.
+pub(super) struct Counted {
+    /// What was compared.
+    pub(super) question: Question,
+    /// A line a layer.
+    pub(super) lines: Vec<String>,
+    /// Smallest and largest value of the layer in the first run.
+    pub(super) range: [f32; 2],
+}
+
+/// Compares the first run's stream, as it is then, with the second's.
+pub(super) fn job(question: Question, right: StreamData) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let ([(edition, _), other], stream, layer) = question;
+            let left = context.session.stream(stream).await.map_err(|e| e.to_string())?;
+            let lines = match Comparison::new(&left, &right) {
+                Ok(comparison) => lines(stream, &comparison),
+                Err(error) => vec![error.to_string()],
+            };
+            let stats = LayerStats::of(stream, layer, left.layer(layer));
+            let range = stats.span.map_or([0.0, 1.0], |span| [span.min as f32, span.max as f32]);
+            let question = ([(edition, context.session.place()), other], stream, layer);
+            Ok(Box::new(Counted { question, lines, range }) as Box<dyn Any + Send>)
+        })
+    })
+}
+
+fn lines(stream: Stream, comparison: &Comparison<'_>) -> Vec<String> {
+    let layers = comparison.layers();
+    let line =
+        |(found, name): (&crate::session::compare::LayerDifference, &&str)| match (&found.floats, found.differing) {
+            (_, 0) => format!("{name}: the same bits for all rays"),
+            (Some(floats), rays) => format!(
+                "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:.3e} in value",
+                floats.median_ulps, floats.max_ulps, floats.largest
+            ),
+            (None, rays) => format!("{name}: {rays} rays differ"),
+        };
+    layers.iter().zip(stream.info().layers).map(line).collect()
+}
