@@ -105,13 +105,13 @@ async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
         all.rays += 1;
         all.cells = all.cells.max(counters.get(0, ray));
         let cell = grid.cell_of_index(state.get(STATE_CELL, ray));
-        for axis in 0..3 {
+        for (axis, index) in cell.into_iter().enumerate() {
             let number = |stream: &StreamData| f64::from(stream.get_f32(axis, ray));
             let (o, d, t) = (number(&origin), number(&direction), number(&tmax));
             if d == 0.0 || t >= f64::from(INF) {
                 continue;
             }
-            let ahead = cell[axis] + i32::from(d > 0.0);
+            let ahead = index + i32::from(d > 0.0);
             let plane = f64::from(grid.corner[axis]) + f64::from(grid.width[axis]) * f64::from(ahead);
             let error = (t - (plane - o) / d).abs();
             let unit = plane.abs().max(o.abs()) / d.abs() / f64::from(1 << 24);
