@@ -2,7 +2,7 @@
 
 use crate::kernel::Kernel;
 use crate::options::{Accelerator, ScheduleKind};
-use crate::state::StateCounts;
+use crate::state::{self, StateCounts};
 
 /// One line of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,6 +13,17 @@ pub enum Step {
     RunUntilIdle(Kernel),
     /// Run the steps again and again while any ray is active in one of the kernels.
     LoopWhileActive(&'static [Kernel], Vec<Step>),
+}
+
+impl Step {
+    /// Whether it is the walk: the steps that move rays until their hits are found.
+    fn is_walk(&self) -> bool {
+        match self {
+            Self::Run(_) => false,
+            Self::RunUntilIdle(kernel) => kernel.is_walk(),
+            Self::LoopWhileActive(kernels, _) => kernels.iter().all(|k| k.is_walk()),
+        }
+    }
 }
 
 /// An order of kernels.
@@ -72,6 +83,14 @@ impl Schedule {
         Self { steps }
     }
 
+    /// The same for several samples a pixel: all steps again and again, as long as a pixel asks for another sample.
+    #[must_use]
+    pub fn for_samples(self) -> Self {
+        let mut body = self.steps;
+        body.push(Step::Run(Kernel::Accumulate));
+        Self { steps: vec![Step::LoopWhileActive(&[Kernel::Generate], body)] }
+    }
+
     /// Every kernel that the schedule can run, in order of first use.
     #[must_use]
     pub fn kernels(&self) -> Vec<Kernel> {
@@ -93,20 +112,45 @@ impl Schedule {
     }
 }
 
+impl Schedule {
+    /// Whether it goes through its steps once a sample.
+    fn has_samples(&self) -> bool {
+        matches!(self.steps[..], [Step::LoopWhileActive([Kernel::Generate], _)])
+    }
+
+    /// The counts after a kernel that is no part of the walk, if it sent all of its rays on to the next kernel.
+    fn after_all(&self, kernel: Kernel, counts: &StateCounts) -> StateCounts {
+        let walk = || self.kernels().into_iter().find(|k| k.is_walk()).and_then(|k| k.info().active.first().copied());
+        let to = match kernel {
+            Kernel::Setup => walk(),
+            Kernel::Accumulate => Some(state::UNWRITTEN),
+            _ => kernel.sends_all_to(),
+        };
+        let mut after = *counts;
+        if let Some(to) = to {
+            kernel.info().active.iter().for_each(|&tag| after[tag as usize] = 0);
+            after[to as usize] += kernel.live(counts);
+        }
+        after
+    }
+}
+
 /// A place in a schedule. Cloning it and walking the clone on a guess tells which passes may come next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cursor {
     /// Index of the step at each depth of nesting, outermost first.
     path: Vec<usize>,
-    /// How often the outermost loop's body was begun.
+    /// How often the body of the walk's loop was begun, of several samples a pixel in this sample.
     pub iteration: u32,
+    /// Samples of every pixel that are complete; 0 where a pixel has one.
+    pub samples: u32,
 }
 
 impl Cursor {
     /// Before the first step.
     #[must_use]
     pub fn start() -> Self {
-        Self { path: vec![0], iteration: 0 }
+        Self { path: vec![0], iteration: 0, samples: 0 }
     }
 
     /// The kernel that runs next, given how many rays are in each state; `None` at the end. Moves past it.
@@ -122,6 +166,11 @@ impl Cursor {
             };
             match step {
                 Step::Run(kernel) => {
+                    match kernel {
+                        Kernel::Generate => self.iteration = 0,
+                        Kernel::Accumulate => self.samples += 1,
+                        _ => {}
+                    }
                     *self.path.last_mut()? += 1;
                     return Some(*kernel);
                 }
@@ -133,7 +182,7 @@ impl Cursor {
                 }
                 Step::LoopWhileActive(kernels, _) => {
                     if kernels.iter().any(|k| k.live(counts) > 0) {
-                        self.iteration += 1;
+                        self.iteration += u32::from(step.is_walk());
                         self.path.push(0);
                     } else {
                         *self.path.last_mut()? += 1;
@@ -143,30 +192,48 @@ impl Cursor {
         }
     }
 
-    /// Goes on behind the outermost loop, whatever is still active in it.
-    pub fn leave_loop(&mut self) {
-        self.path.truncate(1);
-        self.path[0] += 1;
+    /// Goes on behind the walk, whatever is still active in it; stays where it is outside of the walk.
+    pub fn leave_walk(&mut self, schedule: &Schedule) {
+        if let Some(depth) = self.walk_depth(schedule) {
+            self.path.truncate(depth + 1);
+            self.path[depth] += 1;
+        }
     }
 
     /// The next passes if every ray stayed where it is: what may be submitted before the counts of the
     /// first are known. A pass on which no ray is active changes nothing, so a wrong guess is harmless as
     /// long as it only repeats kernels that have become idle.
+    ///
+    /// Of several samples a pixel, also the steps from the end of a walk into the next sample's, as if there were one
+    /// and every ray began to walk: where not, they find no ray either. So a sample costs about one submission.
     #[must_use]
     pub fn guess(&self, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Kernel> {
         let mut cursor = self.clone();
         let Some(first) = cursor.next(schedule, counts) else { return Vec::new() };
         let mut kernels = vec![first];
+        let mut counts = *counts;
+        let mut last = first;
+        while schedule.has_samples() && !last.is_walk() {
+            counts = schedule.after_all(last, &counts);
+            match cursor.next(schedule, &counts) {
+                // The fused kernel is submitted alone: in parts, and what it did is counted anew.
+                Some(next) if kernels.len() < most && ![last, next].contains(&Kernel::Fused) => {
+                    kernels.push(next);
+                    last = next;
+                }
+                _ => return kernels,
+            }
+        }
         // Only inside of a loop may a pass be repeated for nothing.
-        if !cursor.in_loop(schedule) {
+        if !cursor.in_walk(schedule) {
             return kernels;
         }
         while kernels.len() < most.max(1) {
             let mut ahead = cursor.clone();
-            match ahead.next(schedule, counts) {
+            match ahead.next(schedule, &counts) {
                 // A kernel that runs once a turn is idle right after; guessing it again would be for nothing.
                 Some(kernel)
-                    if ahead.in_loop(schedule)
+                    if ahead.in_walk(schedule)
                         && (kernels.last() != Some(&kernel) || ahead.stays(schedule, kernel)) =>
                 {
                     kernels.push(kernel);
@@ -184,9 +251,21 @@ impl Cursor {
         matches!(self.steps(schedule).0.get(index), Some(Step::RunUntilIdle(again)) if *again == kernel)
     }
 
-    fn in_loop(&self, schedule: &Schedule) -> bool {
-        let (steps, parent) = self.steps(schedule);
-        parent.is_some() || matches!(steps.get(self.path[0]), Some(Step::RunUntilIdle(_)))
+    fn in_walk(&self, schedule: &Schedule) -> bool {
+        self.walk_depth(schedule).is_some()
+    }
+
+    /// At which depth of nesting the walk is that the cursor is in, or right before.
+    fn walk_depth(&self, schedule: &Schedule) -> Option<usize> {
+        let mut steps = schedule.steps.as_slice();
+        for (depth, &index) in self.path.iter().enumerate() {
+            match steps.get(index)? {
+                step if step.is_walk() => return Some(depth),
+                Step::LoopWhileActive(_, body) => steps = body,
+                _ => return None,
+            }
+        }
+        None
     }
 
     /// The steps at the innermost depth, and the loop that they are the body of.
@@ -260,6 +339,89 @@ mod tests {
         let script = [c(0, 0, 0), c(9, 0, 0), c(3, 0, 6), c(0, 0, 9), c(0, 0, 0)];
         let names = run(ScheduleKind::Second, Accelerator::None, &script);
         assert_eq!(names, ["generate", "setup", "intersect", "intersect", "shade", "end"]);
+    }
+
+    fn sampled(kind: ScheduleKind, accelerator: Accelerator, many_steps: bool) -> Schedule {
+        Schedule::new(kind, accelerator, false, true, false, many_steps).for_samples()
+    }
+
+    #[test]
+    fn all_steps_come_again_as_long_as_a_pixel_wants_a_sample() {
+        let schedule = sampled(ScheduleKind::Second, Accelerator::Grid, false);
+        let (c, all) = (counts, |tag: u32| std::array::from_fn(|i| if i == tag as usize { 9 } else { 0 }));
+        let (unwritten, done) = (all(0), all(DONE));
+        let mut cursor = Cursor::start();
+        let once = [unwritten, c(0, 0, 0), c(9, 0, 0), c(0, 9, 0), c(0, 0, 9), done];
+        let names = ["generate", "setup", "intersect", "traverse_grid", "shade", "accumulate"];
+        for turn in 0..3 {
+            for ((now, name), iteration) in once.iter().zip(names).zip([0, 0, 1, 1, 1, 1]) {
+                assert_eq!(cursor.next(&schedule, now).map(Kernel::name), Some(name), "sample {turn}");
+                assert_eq!(cursor.iteration, iteration, "{name}");
+                assert_eq!(cursor.samples, turn + u32::from(name == "accumulate"));
+            }
+        }
+        assert_eq!(cursor.next(&schedule, &done), None);
+        assert_eq!(cursor.samples, 3);
+    }
+
+    #[test]
+    fn a_walk_that_is_left_goes_on_with_its_own_sample() {
+        for (kind, accelerator, many_steps) in [
+            (ScheduleKind::Second, Accelerator::Grid, false),
+            (ScheduleKind::First, Accelerator::Grid, false),
+            (ScheduleKind::First, Accelerator::Bvh, false),
+            (ScheduleKind::Compact, Accelerator::Grid, true),
+            (ScheduleKind::Second, Accelerator::None, false),
+        ] {
+            for schedule in [
+                Schedule::new(kind, accelerator, false, true, false, many_steps),
+                sampled(kind, accelerator, many_steps),
+            ] {
+                let mut cursor = Cursor::start();
+                let mut unwritten = counts(5, 5, 0);
+                unwritten[state::UNWRITTEN as usize] = 1;
+                while !cursor.next(&schedule, &unwritten).expect("a walk").is_walk() {
+                    let mut outside = cursor.clone();
+                    outside.leave_walk(&schedule);
+                    assert!(outside == cursor || outside.next(&schedule, &unwritten) == Some(Kernel::Shade));
+                }
+                cursor.next(&schedule, &unwritten);
+                cursor.leave_walk(&schedule);
+                assert_eq!(cursor.next(&schedule, &unwritten), Some(Kernel::Shade), "{kind} {accelerator}");
+                let again = cursor.clone();
+                cursor.leave_walk(&schedule);
+                assert_eq!(cursor, again, "there is nothing to leave");
+            }
+        }
+    }
+
+    #[test]
+    fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
+        use Kernel::{Accumulate, Generate, Intersect, Setup, Shade, TraverseBvh, Walk};
+        let guesses = |schedule: &Schedule, most: usize| {
+            let mut cursor = Cursor::start();
+            let mut unwritten = StateCounts::default();
+            unwritten[state::UNWRITTEN as usize] = 9;
+            let first = cursor.guess(schedule, &unwritten, most);
+            while cursor.next(schedule, &unwritten) != Some(Shade) {}
+            // Right before it, as far as counts go.
+            let mut before = Cursor { path: cursor.path.clone(), ..cursor };
+            if let Some(last) = before.path.last_mut() {
+                *last -= 1;
+            }
+            (first, before.guess(schedule, &counts(0, 0, 9), most))
+        };
+        let compact = sampled(ScheduleKind::Compact, Accelerator::Grid, true);
+        let (first, next) = guesses(&compact, 7);
+        assert_eq!(first, [Generate, Setup, Walk, Walk, Walk, Walk, Walk]);
+        assert_eq!(next, [Shade, Accumulate, Generate, Setup, Walk, Walk, Walk]);
+        assert_eq!(guesses(&compact, 3).1, [Shade, Accumulate, Generate]);
+        let (first, next) = guesses(&sampled(ScheduleKind::Fused, Accelerator::Grid, false), 8);
+        assert_eq!((first, next), (vec![Generate], vec![Shade, Accumulate, Generate]));
+        let (first, _) = guesses(&sampled(ScheduleKind::First, Accelerator::Bvh, false), 8);
+        assert_eq!(first, [Generate, Setup, TraverseBvh], "others may come before the next step");
+        let (first, _) = guesses(&sampled(ScheduleKind::Second, Accelerator::None, false), 4);
+        assert_eq!(first, [Generate, Setup, Intersect, Intersect]);
     }
 
     #[test]
