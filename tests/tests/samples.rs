@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::plan::PlanError;
 use raystep_kernels::{
-    Accelerator, Device, GridSize, Kernel, Limits, Numerics, Options, Plan, Ray, RaySource, Renderer, Sampler, Samples,
+    Accelerator, Device, Kernel, Limits, Numerics, Options, Plan, Ray, RaySource, Renderer, Sampler, Samples,
     ScheduleKind, Stream, StreamData,
 };
 use raystep_scenes::{Camera, Projection, Scene};
-use raystep_tests::ways::{EVERY, STEPPED, Way};
+use raystep_tests::ways::{EVERY, Way};
 use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene, traced, values};
 
 const SIZE: [u32; 2] = [40, 30];
@@ -156,8 +156,9 @@ fn a_run_can_be_read_after_every_sample_and_go_on() {
         for way in [EVERY[0], EVERY[3], EVERY[4], EVERY[8]] {
             let options = way.of(&options);
             let image = |renderer: &Renderer| block_on(gpu_of(&device), renderer.image()).expect("an image");
-            let mut long = block_on(gpu_of(&device), Renderer::new(&scene, &with(&options, 16, Sampler::Sobol), &device))
-                .expect("a renderer");
+            let mut long =
+                block_on(gpu_of(&device), Renderer::new(&scene, &with(&options, 16, Sampler::Sobol), &device))
+                    .expect("a renderer");
             assert_eq!((long.samples(), image(&long).pixels[0]), (0, [0.0; 4]));
             for samples in [2, 3, 8, 16] {
                 let mut last = long.samples();
@@ -213,23 +214,6 @@ fn more_samples_are_nearer_to_the_mean_of_many() {
     println!("RMSE: centre {centre:.2e}, 16 {few:.2e}, 256 {many:.2e}, 256 at random {random:.2e}");
     // 16 times the samples: an eighth of the error at edges; at random, a quarter.
     assert!(few < centre / 4.0 && many < few / 6.0 && many < random / 3.0);
-}
-
-/// By the paper's rules some rays never leave the grid; the others' pixels are complete all the same.
-#[test]
-fn rays_that_never_end_hold_up_no_other() {
-    let (scene, options) = room();
-    let mut options = Options { numerics: Numerics::Paper, grid: GridSize::Cells([3; 3]), ..STEPPED.of(&options) };
-    let RaySource::Camera { camera, .. } = &mut options.rays else { panic!("a camera") };
-    camera.eye = (scene.bounds().min.as_dvec3() + scene.bounds().max.as_dvec3()) / 2.0;
-    for (name, device) in devices() {
-        let renderer = traced(&scene, &with(&options, 4, Sampler::Sobol), &device);
-        assert_eq!(renderer.next_kernel(), None, "{name}");
-        let counts = values(&renderer, Stream::Accumulated).layer(4).to_vec();
-        let complete = counts.iter().filter(|&&n| f32::from_bits(n) == 4.0).count() as u64;
-        assert_eq!(complete + renderer.unfinished(), counts.len() as u64, "{name}");
-        println!("{name}: {} of {} rays never end", renderer.unfinished(), counts.len());
-    }
 }
 
 #[test]

@@ -211,11 +211,55 @@ impl Renderer {
     /// Samples of every pixel that are complete: how many the [`image`](Self::image) is the mean of.
     #[must_use]
     pub fn samples(&self) -> u32 {
-        if self.plan.features.samples { self.cursor.samples } else { u32::from(self.next_kernel().is_none()) }
+        if self.plan.features.samples {
+            // Rays that the bound on passes has held up may want more turns.
+            self.cursor.samples.min(self.samples_wanted())
+        } else {
+            u32::from(self.next_kernel().is_none())
+        }
     }
 
     /// Samples of a pixel that the run ends with.
     fn samples_wanted(&self) -> u32 {
         if self.plan.features.samples { self.data.sampling.samples } else { 1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::{Camera, generate};
+
+    use super::*;
+    use crate::renderer::Device;
+    use crate::{Options, RaySource, Samples, ScheduleKind, Stream};
+
+    /// As if many rays never ended: a bound that is reached in the middle of the first walk.
+    #[test]
+    fn rays_that_reach_the_bound_hold_up_no_other() {
+        let scene = generate::cornell_box();
+        let camera = Camera::framing(&scene.bounds());
+        for (schedule, samples) in [(ScheduleKind::Second, 1), (ScheduleKind::Second, 4), (ScheduleKind::First, 4)] {
+            let rays = RaySource::Camera { camera: camera.clone(), width: 20, height: 20 };
+            let samples = Samples { count: samples, ..Samples::default() };
+            let options = Options { schedule, samples, ..Options::new(rays) };
+            let outcome = pollster::block_on(async {
+                let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
+                renderer.pass_bound = 9;
+                while renderer.step().await?.is_some() {
+                    assert!(renderer.passes().len() < 2_000, "it never ends");
+                }
+                assert!(renderer.unfinished() > 0, "the bound is no bound");
+                let ended = u64::from(renderer.live()[state::DONE as usize]);
+                assert_eq!(ended + renderer.undecided(), 400);
+                if samples.count > 1 {
+                    let counts = renderer.values(Stream::Accumulated).await?;
+                    let complete = counts.layer(4).iter().filter(|&&n| f32::from_bits(n) == 4.0).count();
+                    assert_eq!(complete as u64, ended, "who has ended has all samples");
+                    assert!(ended > 0 && renderer.samples() == 4);
+                }
+                Ok::<(), RenderError>(())
+            });
+            assert!(outcome.is_ok(), "{outcome:?}");
+        }
     }
 }
