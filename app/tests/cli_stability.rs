@@ -29,8 +29,8 @@ fn robust_rules_pass_and_the_papers_fail_where_they_must() {
     let lines = file.iter().filter(|&&b| b == b'\n').count();
     assert_eq!(file.windows(2).filter(|w| w == b"\r\n").count(), lines, "lines end as RFC 4180 says");
     let rows = rows(&file);
-    // In f32 each accelerator by both rules and fused, in f64 by both rules.
-    assert_eq!(rows.len(), 2 * (9 + 6));
+    // In f32 each accelerator by both rules, fused and contracted, in f64 by both rules.
+    assert_eq!(rows.len(), 2 * (12 + 6));
     let page = String::from_utf8(place.read("out/stability.html")).expect("UTF-8");
     for row in &rows {
         let errors: u64 = ["missed", "false_hits", "wrong"].map(|c| row[c].parse::<u64>().expect(c)).iter().sum();
@@ -62,6 +62,25 @@ fn robust_rules_pass_and_the_papers_fail_where_they_must() {
     assert_eq!((again.stdout.as_str(), again.stderr.as_str()), ("", ""));
     assert_eq!(place.read("out/stability.csv"), file, "the same errors again");
     assert_eq!(place.names(), ["out"]);
+}
+
+#[test]
+fn tmax_is_measured_along_the_long_walk() {
+    let place = Place::new();
+    let outcome = place.ok(&["stability", "--case", "long-walk", "--quick", "--device", "cpu", "-o", "out"]);
+    assert!(outcome.stdout.contains("tMax, cpu_f32 robust: off by at most"), "{outcome:?}");
+    let rows = rows(&place.read("out/tmax.csv"));
+    let errors = |rules: &str| -> Vec<f64> {
+        rows.iter().filter(|r| r["rules"] == rules).map(|r| r["error_units"].parse().expect("a number")).collect()
+    };
+    // 8 units of 2^-24 whatever the cell; accumulated, hundreds.
+    assert!(errors("robust").len() > 50 && errors("robust").iter().all(|&e| e <= 8.0), "{:?}", errors("robust"));
+    for rules in ["robust, tMax accumulated", "paper"] {
+        let [first, .., last] = errors(rules)[..] else { panic!("{rules}: few samples") };
+        assert!(last > 100.0 && last > 10.0 * first, "{rules}: {first} to {last}");
+    }
+    let page = String::from_utf8(place.read("out/stability.html")).expect("UTF-8");
+    assert!(page.contains("tMax along a walk") && !page.contains("id=\"pipelines\""), "of all cases only");
 }
 
 #[test]
