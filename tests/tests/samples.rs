@@ -226,7 +226,7 @@ fn samples_that_mean_nothing_are_refused() {
         (Options { rays: given.clone(), ..with(&options, 2, Sampler::Sobol) }, "rays that are given"),
         (Options { shade: false, ..with(&options, 2, Sampler::Sobol) }, "does not shade"),
     ] {
-        let error = Plan::new(&scene, &options, &Limits::CPU).err().expect(reason);
+        let error = Plan::new(&scene, &options, &Limits::CPU).map(|_| ()).expect_err(reason);
         assert!(matches!(error, PlanError::Samples { .. }) && error.to_string().contains(reason), "{error}");
     }
     for options in [
