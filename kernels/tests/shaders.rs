@@ -31,7 +31,7 @@ fn feature_sets() -> Vec<Features> {
         sets.push(base);
         // One of the robust rules at a time.
         let without: [fn(&mut Features); 4] =
-            [|f| f.watertight = false, |f| f.contracted = true, |f| f.accumulated = f.grid, |f| f.in_cell = f.grid];
+            [|f| f.watertight = false, |f| f.contracted = true, |f| f.drifting = f.grid, |f| f.in_cell = f.grid];
         for change in without.into_iter().filter(|_| robust) {
             for (live_lists, many_steps) in [(false, false), (true, true)] {
                 let mut one = Features { live_lists, many_steps, counters: true, ..base };

@@ -41,7 +41,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         robust,
         watertight: robust && options.without != Some(Rule::TriangleTest),
         contracted: options.contracted && robust,
-        accumulated: robust && has_grid && options.without == Some(Rule::TMax),
+        drifting: robust && has_grid && options.without == Some(Rule::TMax),
         in_cell: has_grid && (!robust || options.without == Some(Rule::Acceptance)),
         grid: has_grid,
         bvh: accelerator == Accelerator::Bvh,

@@ -32,7 +32,7 @@ pub struct WalkRules {
     /// Origins may lie outside of the grid.
     pub clip: bool,
     /// tMax grows by tDelta from cell to cell. The paper's rules always have it so.
-    pub accumulated: bool,
+    pub drifting: bool,
 }
 
 /// A ray, and what each of its steps needs.
@@ -122,7 +122,7 @@ impl Grid {
 
     /// The next cell of a ray.
     pub fn advance<R: Real>(&self, rules: WalkRules, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
-        if rules.robust { self.advance_robust(rules.accumulated, walk, ray) } else { self.advance_paper(walk, ray) }
+        if rules.robust { self.advance_robust(rules.drifting, walk, ray) } else { self.advance_paper(walk, ray) }
     }
 
     fn enter_robust<R: Real>(&self, clip: bool, ray: &GridRay<R>) -> Walk<R> {
@@ -157,12 +157,12 @@ impl Grid {
         position.map(|v| v.floor().to_i32()).to_array()
     }
 
-    fn advance_robust<R: Real>(&self, accumulated: bool, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
+    fn advance_robust<R: Real>(&self, drifting: bool, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
         let axis = smallest_axis(walk.tmax);
         let forward = forward(ray);
         let cell = add(walk.cell, [0, 1, 2].map(|a| if axis[a] { forward[a] } else { 0 }));
         let crossed = smallest3(walk.tmax) < R::from_f32(INF);
-        let tmax = if accumulated {
+        let tmax = if drifting {
             let t_delta = (Vec3::from_f32(self.width) * ray.per_axis).abs();
             select(walk.tmax, walk.tmax + t_delta, axis.into())
         } else {

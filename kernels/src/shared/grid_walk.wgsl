@@ -108,7 +108,7 @@ fn advance(walk: Walk, ray: GridRay) -> Walk {
     let forward = select(vec3i(-1), vec3i(1), ray.inverse > vec3f(0.0));
     let cell = walk.cell + select(vec3i(0), forward, axis);
     let crossed = min(min(walk.tmax.x, walk.tmax.y), walk.tmax.z) < INF;
-    @if(accumulated) let tmax = select(walk.tmax, walk.tmax + abs(grid.width * ray.inverse), axis);
+    @if(drifting) let tmax = select(walk.tmax, walk.tmax + abs(grid.width * ray.inverse), axis);
     @else let tmax = cell_exit(cell, ray);
     return Walk(cell, tmax, crossed && is_in_grid(cell));
 }

@@ -140,14 +140,12 @@ fn weights<R: Real, const CONTRACTED: bool>(shear: &Shear<R>, [a, b, c]: &[Vec3<
         return (weights, false);
     }
     if qr == rq || rp == pr || pq == qp {
-        if qr == rq {
-            weights[0] = R::below_rounding([q[0], r[1]], [q[1], r[0]]);
-        }
-        if rp == pr {
-            weights[1] = R::below_rounding([r[0], p[1]], [r[1], p[0]]);
-        }
-        if pq == qp {
-            weights[2] = R::below_rounding([p[0], q[1]], [p[1], q[0]]);
+        let (mut tail, mut head) = (q, r);
+        for (edge, next) in [p, q, r].into_iter().enumerate() {
+            if tail[0] * head[1] == tail[1] * head[0] {
+                weights[edge] = R::below_rounding([tail[0], head[1]], [tail[1], head[0]]);
+            }
+            (tail, head) = (head, next);
         }
         let (one, other) = (weights.iter().any(|w| *w < R::zero()), weights.iter().any(|w| *w > R::zero()));
         return (weights, !(one && other));
