@@ -22,6 +22,7 @@ pub mod rounding;
 use std::ops::ControlFlow;
 
 use crate::parallel::map_ranges;
+use crate::ray_kinds::Random;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::stream::{HIT_TRIANGLE, STATE_T, StreamData};
@@ -68,6 +69,28 @@ pub fn check_rays(
         }
     }
     report
+}
+
+/// What each of some rays may hit, origin and direction each, on all cores.
+#[must_use]
+pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
+    let triangles = BruteForce::new(vertices);
+    let part = |range: std::ops::Range<usize>| {
+        range.map(|i| triangles.candidates(rays[i][0], rays[i][1])).collect::<Vec<_>>()
+    };
+    map_ranges(rays.len(), 16, part).concat()
+}
+
+/// Indices of `count` of `rays` rays, ascending: one at random of each of as many stretches of equal length. All of
+/// them where there are no more.
+#[must_use]
+pub fn sample(rays: usize, count: usize, seed: u32) -> Vec<usize> {
+    if count >= rays {
+        return (0..rays).collect();
+    }
+    let begin = |i: usize| (i as u64 * rays as u64 / count as u64) as usize;
+    let one = |i: usize| begin(i) + Random::new(i as u32, seed).below(begin(i + 1) - begin(i));
+    (0..count).map(one).collect()
 }
 
 /// Every triangle in f64: corners, and a sphere around each for a quick and safe no.
@@ -302,4 +325,19 @@ fn largest_axis(d: [f64; 3]) -> usize {
 
 fn length(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_is_spread_over_all_rays_and_the_same_again() {
+        let some = sample(1000, 100, 7);
+        assert_eq!(some, sample(1000, 100, 7));
+        assert_ne!(some, sample(1000, 100, 8));
+        assert!(some.iter().enumerate().all(|(i, &ray)| (10 * i..10 * i + 10).contains(&ray)), "{some:?}");
+        assert_eq!((sample(3, 3, 1), sample(3, 9, 1), sample(0, 9, 1)), (vec![0, 1, 2], vec![0, 1, 2], vec![]));
+        assert_eq!(sample(5, 0, 1), Vec::<usize>::new());
+    }
 }
