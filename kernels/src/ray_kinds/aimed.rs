@@ -144,7 +144,7 @@ mod tests {
 
     fn planes(scene: &Scene, cells: u32) -> Planes {
         let rays = RaySource::Given(vec![Ray { origin: [0.0; 3], direction: [1.0; 3] }]);
-        let options = Options { grid: GridSize::Cells([cells; 3]), ..Options::new(rays) };
+        let options = Options { grid: GridSize::Cells([cells; 3]), shade: false, ..Options::new(rays) };
         Planes::of(&Plan::new(scene, &options, &Limits::CPU).expect("a plan").1)
     }
 
@@ -186,7 +186,9 @@ mod tests {
     fn walls_in_planes_are_aimed_at_and_nothing_has_no_rays() {
         let wall = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
         let ends = [[[-2.0; 3], [-2.0, -2.0, -1.9], [-2.0, -1.9, -2.0]], [[2.0; 3], [2.0, 2.0, 1.9], [2.0, 1.9, 2.0]]];
-        let scene = Scene { triangles: vec![wall, ends[0], ends[1]], ..Scene::default() };
+        let materials = vec![raystep_scenes::Material::default()];
+        let triangles = vec![wall, ends[0], ends[1]];
+        let scene = Scene { triangles, triangle_materials: vec![0; 3], materials, ..Scene::default() };
         let rays = aimed(&scene, &planes(&scene, 4), Aim::Faces, 100, 3);
         assert_eq!(rays.len(), 100);
         for aim in Aim::ALL {
