@@ -1,6 +1,7 @@
 //! The textual options of the kernels: what a run needs, and for what it does not need, why not.
 
 use crate::shared::grid_walk::WalkRules;
+use crate::shared::triangle::TriangleRules;
 
 macro_rules! features {
     ($($name:ident: $doc:literal,)*) => {
@@ -24,6 +25,10 @@ macro_rules! features {
 
 features! {
     robust: "`--numerics robust`, else `paper`.",
+    watertight: "Triangles are tested by Woop, Benthin and Wald (2013), else by Möller and Trumbore (1997).",
+    contracted: "The watertight test has an explicit fma wherever a compiler may contract.",
+    accumulated: "tMax grows by tDelta from cell to cell, else it follows from the cell.",
+    in_cell: "A hit counts only in the cell that is tested, else the nearest is kept.",
     grid: "The scene is traced through a uniform grid.",
     bvh: "The scene is traced through a tree of boxes.",
     skip: "Rays leap over empty cells of the grid.",
@@ -49,6 +54,18 @@ impl Features {
     /// The part that the grid's walk depends on.
     #[must_use]
     pub fn walk_rules(&self) -> WalkRules {
-        WalkRules { robust: self.robust, clip: self.clip }
+        WalkRules { robust: self.robust, clip: self.clip, accumulated: self.accumulated }
+    }
+
+    /// Whether tMax follows from a ray's cell, so that a kernel which takes several steps need not keep it.
+    #[must_use]
+    pub fn keeps_no_tmax(&self) -> bool {
+        self.robust && !self.accumulated
+    }
+
+    /// The part that the test of a triangle depends on.
+    #[must_use]
+    pub fn triangle_rules(&self) -> TriangleRules {
+        TriangleRules { watertight: self.watertight, contracted: self.contracted }
     }
 }

@@ -49,7 +49,7 @@ impl<R: Real> Trace<R> {
         if self.triangle == NO_TRIANGLE { BACKGROUND } else { SHADE }
     }
 
-    /// Tests one triangle; the cell is used by the paper's acceptance only.
+    /// Tests one triangle; the cell is used where hits must lie in it.
     #[inline]
     pub(crate) fn test(&mut self, scene: &SceneData, entry: u32, cell: [i32; 3]) {
         let features = &scene.features;
@@ -59,17 +59,17 @@ impl<R: Real> Trace<R> {
             Vec3::from_f32([f32::from_bits(packed[c]), f32::from_bits(packed[c + 1]), f32::from_bits(packed[c + 2])])
         };
         let corners = [corner(0), corner(4), corner(8)];
-        let candidate = hit_triangle(features.robust, self.origin, self.direction, &self.shear, corners);
+        let candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
         self.tests += 1;
         if !candidate.is_hit {
             return;
         }
-        let accepted = if features.robust && !features.any_hit {
-            is_nearer(candidate.t, id, self.t, self.triangle)
-        } else if features.robust || !features.grid {
-            candidate.t < self.t
-        } else {
+        let accepted = if features.in_cell {
             candidate.t < self.t && scene.grid.is_in_cell(self.origin + self.direction * candidate.t, cell)
+        } else if features.robust && !features.any_hit {
+            is_nearer(candidate.t, id, self.t, self.triangle)
+        } else {
+            candidate.t < self.t
         };
         if accepted {
             (self.t, self.u, self.v, self.triangle) = (candidate.t, candidate.u, candidate.v, id);
@@ -97,7 +97,7 @@ impl<R: Real> Trace<R> {
                     }
                 }
             }
-            if features.robust {
+            if !features.in_cell {
                 if self.t <= smallest3(walk.tmax) {
                     return;
                 }

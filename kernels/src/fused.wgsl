@@ -26,7 +26,7 @@ fn traced(start: Trace) -> Trace {
     let ray = grid_ray(trace.origin, trace.direction);
     var walk = enter_grid(ray);
     // robust leaves the grid long before; the paper's rules may run over a face again and again.
-    @if(!robust) var bound = 4 * (grid.cells.x + grid.cells.y + grid.cells.z) + 64;
+    @if(in_cell) var bound = 4 * (grid.cells.x + grid.cells.y + grid.cells.z) + 64;
     while (walk.inside) {
         let index = cell_index(walk.cell);
         @if(counters) trace.cells += 1u;
@@ -41,10 +41,10 @@ fn traced(start: Trace) -> Trace {
                 }
             }
         }
-        @if(robust) if (trace.t <= smallest3(walk.tmax)) {
+        @if(!in_cell) if (trace.t <= smallest3(walk.tmax)) {
             break;
         }
-        @if(!robust) {
+        @if(in_cell) {
             bound -= 1;
             if (trace.triangle != NO_TRIANGLE || bound < 0) {
                 break;

@@ -141,17 +141,42 @@ const MOST_LEAPING_CELLS: f64 = 33_000_000.0;
 /// # Errors
 /// Where the size asked for, or the lists, cannot be indexed.
 pub fn build(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
+    build_grown(vertices, size, Growth::of(reach), most_words)
+}
+
+/// The same planes, but cells list only the triangles that they exactly meet: what [`growth`] is for, left out.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_not_grown(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
+    build_grown(vertices, size, Growth { lists: 0.0, ..Growth::of(reach) }, most_words)
+}
+
+/// What planes stand off the scene by half of, and what cells are grown by for their lists.
+#[derive(Clone, Copy)]
+struct Growth {
+    planes: f32,
+    lists: f32,
+}
+
+impl Growth {
+    fn of(reach: f32) -> Self {
+        Self { planes: growth(reach), lists: growth(reach) }
+    }
+}
+
+fn build_grown(vertices: &[f32], size: GridSize, growth: Growth, most_words: u64) -> Result<GridData, GridError> {
     let most = most_words.min(u64::from(u32::MAX));
     let triangles = (vertices.len() / 9) as u64;
     let GridSize::Cells(cells) = size else {
-        return automatic(vertices, |extent| automatic_cells(triangles, extent), 16, reach, most);
+        return automatic(vertices, |extent| automatic_cells(triangles, extent), 16, growth, most);
     };
-    let growth = growth(reach);
     let (min, max) = bounds(vertices);
     check_cells(cells)?;
-    let grid = layout(min, max, cells, growth);
-    let counts = count(vertices, &grid, growth, most).ok_or(GridError::TooManyReferences { cells, limit: most })?;
-    Ok(fill(vertices, grid, growth, counts))
+    let grid = layout(min, max, cells, growth.planes);
+    let too_many = || GridError::TooManyReferences { cells, limit: most };
+    let counts = count(vertices, &grid, growth.lists, most).ok_or_else(too_many)?;
+    Ok(fill(vertices, grid, growth.lists, counts))
 }
 
 /// Builds a grid whose automatic resolution suits walks that leap over empty cells; otherwise as [`build`].
@@ -160,7 +185,7 @@ pub fn build(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> R
 /// Where the lists cannot be indexed.
 pub fn build_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<GridData, GridError> {
     let wanted = ((vertices.len() / 9) as f64 * LEAPING_CELLS_PER_TRIANGLE).clamp(1.0, MOST_LEAPING_CELLS);
-    automatic(vertices, |extent| cubes(wanted, extent), 64, reach, most_words.min(u64::from(u32::MAX)))
+    automatic(vertices, |extent| cubes(wanted, extent), 64, Growth::of(reach), most_words.min(u64::from(u32::MAX)))
 }
 
 /// The resolution that `cells` wants for the scene's extent, or a coarser one whose lists have at most so many
@@ -169,15 +194,14 @@ fn automatic(
     vertices: &[f32],
     cells: impl Fn([f64; 3]) -> [u32; 3],
     entries: u64,
-    reach: f32,
+    growth: Growth,
     most: u64,
 ) -> Result<GridData, GridError> {
-    let growth = growth(reach);
     let (min, max) = bounds(vertices);
     let triangles = (vertices.len() / 9) as u64;
     let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
     // Cells not much larger than their growth would list their neighbours' triangles as well.
-    let finest = extent.map(|e| (e / (8.0 * f64::from(growth))).clamp(1.0, 4096.0) as u32);
+    let finest = extent.map(|e| (e / (8.0 * f64::from(growth.planes))).clamp(1.0, 4096.0) as u32);
     let mut cells = cells(extent);
     cells.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
     let coarser = |cells: [u32; 3]| cells.map(|n| (n * 2 / 3).max(1));
@@ -185,10 +209,10 @@ fn automatic(
         cells = coarser(cells);
     }
     loop {
-        let grid = layout(min, max, cells, growth);
+        let grid = layout(min, max, cells, growth.planes);
         // Triangles much larger than a cell would fill every list; a coarser grid is cheaper then.
-        if let Some(counts) = count(vertices, &grid, growth, most.min(entries * triangles + 4096)) {
-            return Ok(fill(vertices, grid, growth, counts));
+        if let Some(counts) = count(vertices, &grid, growth.lists, most.min(entries * triangles + 4096)) {
+            return Ok(fill(vertices, grid, growth.lists, counts));
         }
         if cells == [1; 3] {
             return Err(GridError::TooManyReferences { cells, limit: most });

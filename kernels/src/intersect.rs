@@ -29,11 +29,11 @@ pub struct SceneInfo {
 /// A cell's list has ended; `exit` is the t at which the ray leaves the cell.
 pub fn list_ended<R: Real>(features: &Features, tag: Tag, nearest_t: R, exit: R) -> Tag {
     let is_hit = tag == ISECT_HIT;
-    match (features.robust, features.any_hit) {
-        (true, false) if is_hit && nearest_t <= exit => SHADE,
+    match (features.in_cell, features.any_hit) {
+        (false, false) if is_hit && nearest_t <= exit => SHADE,
         // Nothing was hit, and nothing behind the ray's end counts.
-        (true, true) if nearest_t <= exit => BACKGROUND,
-        (false, _) if is_hit => SHADE,
+        (false, true) if nearest_t <= exit => BACKGROUND,
+        (true, _) if is_hit => SHADE,
         _ => TRAV,
     }
 }
@@ -80,12 +80,12 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if in_list {
         let triangle = scene.listed(first + item);
         let shear = Shear::of(direction);
-        let candidate = hit_triangle(features.robust, origin, direction, &shear, scene.corners(triangle));
-        let accepted = if features.robust && !features.any_hit {
-            is_nearer(candidate.t, triangle, nearest_t, ray.load_u32(Hit, 2))
-        } else if !features.robust && features.grid {
+        let candidate = hit_triangle(features.triangle_rules(), origin, direction, &shear, scene.corners(triangle));
+        let accepted = if features.in_cell {
             candidate.t < nearest_t
                 && scene.grid.is_in_cell(origin + direction * candidate.t, scene.grid.cell_of_index(cell))
+        } else if features.robust && !features.any_hit {
+            is_nearer(candidate.t, triangle, nearest_t, ray.load_u32(Hit, 2))
         } else {
             candidate.t < nearest_t
         };
@@ -109,7 +109,7 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let ended = if features.robust { item >= count } else { !in_list };
     if ended {
         tag = if features.grid {
-            let exit = if features.robust { smallest3(ray.load_vec3(TMax)) } else { R::from_f32(INF) };
+            let exit = if !features.in_cell { smallest3(ray.load_vec3(TMax)) } else { R::from_f32(INF) };
             list_ended(features, tag, nearest_t, exit)
         } else if features.bvh {
             TRAV

@@ -14,12 +14,12 @@ import package::live::{send};
 @if(live_lists) import package::live::{listed_texel};
 @if(grid) import package::grid_lists::{grid_cells, grid_items, list_ended};
 @if(bvh) import package::bvh_walk::{bvh_nodes};
-@if(grid && !robust) import package::grid_walk::{is_in_cell, cell_of_index};
+@if(in_cell) import package::grid_walk::{is_in_cell, cell_of_index};
 @if(grid && counters) import package::grid_walk::{grid, grid_ray, enter_grid, advance, cell_index};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
-@if(grid && robust) @group(0) @binding(4) var tmax: texture_2d_array<f32>;
+@if(grid && !in_cell) @group(0) @binding(4) var tmax: texture_2d_array<f32>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh) @group(1) @binding(19) var<storage, read> bvh_items: array<u32>;
 
@@ -72,11 +72,11 @@ fn step_item(texel: vec2u) -> u32 {
         @if(!grid && !bvh) let triangle = item;
         let candidate = hit_triangle(
             origin, direction, shear_of(direction), vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u));
-        @if(robust && !any_hit) let accepted = is_nearer(candidate.t, triangle, nearest_t, textureLoad(hit, texel, 2).x);
-        @if(robust && any_hit) let accepted = candidate.t < nearest_t;
-        @if(!robust && grid) let accepted = candidate.t < nearest_t
+        @if(robust && !any_hit && !in_cell) let accepted = is_nearer(candidate.t, triangle, nearest_t, textureLoad(hit, texel, 2).x);
+        @if(any_hit) let accepted = candidate.t < nearest_t;
+        @if(in_cell) let accepted = candidate.t < nearest_t
             && is_in_cell(origin + direction * candidate.t, cell_of_index(cell));
-        @if(!robust && !grid) let accepted = candidate.t < nearest_t;
+        @if(!robust && !in_cell) let accepted = candidate.t < nearest_t;
         if (candidate.is_hit && accepted) {
             textureStore(hit, texel, 0, vec4u(bitcast<u32>(candidate.u)));
             textureStore(hit, texel, 1, vec4u(bitcast<u32>(candidate.v)));
@@ -95,7 +95,7 @@ fn step_item(texel: vec2u) -> u32 {
     @if(robust) let ended = item >= count;
     @else let ended = !in_list;
     if (ended) {
-        @if(grid && robust) {
+        @if(grid && !in_cell) {
             let exit = smallest3(vec3f(
                 textureLoad(tmax, texel, 0, 0).x,
                 textureLoad(tmax, texel, 1, 0).x,
@@ -103,7 +103,7 @@ fn step_item(texel: vec2u) -> u32 {
             ));
             tag = list_ended(tag, nearest_t, exit);
         }
-        @if(grid && !robust) {
+        @if(in_cell) {
             tag = list_ended(tag, nearest_t, INF);
         }
         @if(bvh) {

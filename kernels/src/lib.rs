@@ -72,7 +72,7 @@ pub use executor::gpu::{AdapterChoice, AdapterSummary, Gpu, GpuError, Load, adap
 pub use grid::GridSize;
 pub use image::Image;
 pub use kernel::Kernel;
-pub use options::{Accelerator, Numerics, Options, Ray, RaySource, ScheduleKind, Skip};
+pub use options::{Accelerator, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
 pub use plan::{Limits, Plan, PlanError};
 pub use ray_kinds::RayKind;
 pub use renderer::{Checkpoint, Device, Pass, Progress, RayHit, RenderError, Renderer};

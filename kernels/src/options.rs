@@ -63,6 +63,22 @@ pub enum Numerics {
     Paper,
 }
 
+/// A rule of robust numerics that one may do without, to see what it is worth. See `docs/numerics.md`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// tMax follows from the cell's integer coordinates. Without it, it grows by tDelta from cell to cell, and so
+    /// does its error; walks do not leap over empty cells then.
+    TMax,
+    /// The nearest hit is kept and accepted at t ≤ exit. Without it, a hit counts only in the cell that is tested.
+    Acceptance,
+    /// The watertight test. Without it, Möller and Trumbore's.
+    TriangleTest,
+    /// Cells are grown by the bound on rounding before triangles are listed. Without it, they are not.
+    CellGrowth,
+    /// Boxes of the tree are grown likewise. Without it, they are not.
+    BoxPadding,
+}
+
 /// An option's value has no meaning.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{value:?} is not one of {expected}")]
@@ -121,6 +137,15 @@ pub(crate) use named;
 named!(Accelerator, "auto, grid, bvh, none", Auto "auto", Grid "grid", Bvh "bvh", None "none");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
+named!(
+    Rule,
+    "tmax, acceptance, triangle-test, cell-growth, box-padding",
+    TMax "tmax",
+    Acceptance "acceptance",
+    TriangleTest "triangle-test",
+    CellGrowth "cell-growth",
+    BoxPadding "box-padding"
+);
 named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
 
 impl Accelerator {
@@ -181,6 +206,10 @@ pub struct Options {
     pub schedule: ScheduleKind,
     /// `--numerics`
     pub numerics: Numerics,
+    /// A rule of robust numerics to do without.
+    pub without: Option<Rule>,
+    /// The watertight test as a compiler that contracts would have it: with an explicit fma wherever it may.
+    pub contracted: bool,
     /// `--grid`
     pub grid: GridSize,
     /// `--skip`
@@ -210,6 +239,8 @@ impl Options {
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             numerics: Numerics::default(),
+            without: None,
+            contracted: false,
             grid: GridSize::default(),
             skip: Skip::default(),
             steps_per_pass: STEPS_PER_PASS,

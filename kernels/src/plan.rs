@@ -224,7 +224,7 @@ impl Plan {
             }
         };
         data.info.rays = rays as u32;
-        if features.grid && features.robust {
+        if features.grid && features.keeps_no_tmax() {
             features.skip = match options.skip {
                 Skip::On => true,
                 Skip::Off => false,

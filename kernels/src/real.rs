@@ -46,6 +46,11 @@ pub trait Real:
     fn min(self, other: Self) -> Self;
     /// WGSL's `max`.
     fn max(self, other: Self) -> Self;
+    /// `self * factor + summand`, rounded once.
+    fn fused(self, factor: Self, summand: Self) -> Self;
+    /// `a b - c d` where both products are rounded to the same number: what rounding took, 0 where they are too
+    /// small to be rounded alike.
+    fn below_rounding(ab: [Self; 2], cd: [Self; 2]) -> Self;
     /// Has a minus sign, as -0 has.
     fn is_negative(self) -> bool;
     /// Bit pattern.
@@ -101,6 +106,17 @@ macro_rules! real {
             }
             fn max(self, other: Self) -> Self {
                 if self < other { other } else { self }
+            }
+            fn fused(self, factor: Self, summand: Self) -> Self {
+                self.mul_add(factor, summand)
+            }
+            fn below_rounding([a, b]: [Self; 2], [c, d]: [Self; 2]) -> Self {
+                let product = a * b;
+                if product.abs() < <$float>::MIN_POSITIVE || [a, b, c, d].iter().any(|x| x.is_subnormal()) {
+                    return 0.0;
+                }
+                // Both are exact, and of one exponent or nearly.
+                a.mul_add(b, -product) - c.mul_add(d, -product)
             }
             fn is_negative(self) -> bool {
                 self.is_sign_negative()
@@ -224,5 +240,45 @@ impl<R: Real> Neg for Vec3<R> {
     type Output = Self;
     fn neg(self) -> Self {
         Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Products that f32 cannot tell apart differ by what f64, in which they are exact, says.
+    #[test]
+    fn what_rounding_took_from_two_equal_products_is_known() {
+        let mut random = crate::ray_kinds::Random::new(1, 2);
+        let mut seen = [0; 3];
+        for i in 0..200_000 {
+            let mut number = || ((random.unit() - 0.5) * 2f64.powi(i % 80 - 40)) as f32;
+            let (a, b) = (number(), number());
+            // The same product made of others, and moved by a unit of the last place or two.
+            let c = f32::from_bits(a.to_bits() ^ (1 << (i % 5))) * if i % 2 == 0 { 1.0 } else { -1.0 };
+            let d = a * b / c;
+            if a * b != c * d || (a * b).abs() < f32::MIN_POSITIVE {
+                continue;
+            }
+            let exact = f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d);
+            let found = <f32 as Real>::below_rounding([a, b], [c, d]);
+            // Below 2^-149 nothing is left in f32; above 2^-126 one rounding.
+            let tolerance = exact.abs() / f64::from(1 << 24) + 2f64.powi(-148);
+            assert!((f64::from(found) - exact).abs() <= tolerance, "{a:e} {b:e} {c:e} {d:e}: {found:e}, {exact:e}");
+            seen[match exact.total_cmp(&0.0) {
+                std::cmp::Ordering::Less => 0,
+                std::cmp::Ordering::Equal => 1,
+                std::cmp::Ordering::Greater => 2,
+            }] += 1;
+        }
+        assert!(seen[0] > 10_000 && seen[2] > 10_000, "{seen:?}");
+    }
+
+    #[test]
+    fn in_f64_too() {
+        let e = f64::EPSILON;
+        assert_eq!(<f64 as Real>::below_rounding([1.0 + e, 1.0 + e], [1.0 + 2.0 * e, 1.0]), e * e);
+        assert_eq!(<f64 as Real>::below_rounding([1e-300, 1e-300], [2e-300, 1e-300]), 0.0, "both are flushed");
     }
 }

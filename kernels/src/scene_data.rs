@@ -11,7 +11,7 @@ use crate::features::Features;
 use crate::generate::Camera;
 use crate::grid::{self, GridData, GridSize};
 use crate::intersect::SceneInfo;
-use crate::options::{Options, RaySource, ScheduleKind};
+use crate::options::{Options, RaySource, Rule, ScheduleKind};
 use crate::plan::PlanError;
 use crate::real::{Real, Vec3};
 use crate::shade::{Light, Material, Shading};
@@ -210,10 +210,12 @@ impl SceneData {
         let most_words = storage_bytes / 4;
         if features.grid {
             let reach = reach(&data.vertices, options, units);
-            data.set_grid(grid::build(&data.vertices, options.grid, reach, most_words)?);
+            let build = if options.without == Some(Rule::CellGrowth) { grid::build_not_grown } else { grid::build };
+            data.set_grid(build(&data.vertices, options.grid, reach, most_words)?);
         }
         if features.bvh {
-            data.growth = bvh_growth(reach(&data.vertices, options, units));
+            let is_grown = options.without != Some(Rule::BoxPadding);
+            data.growth = if is_grown { bvh_growth(reach(&data.vertices, options, units)) } else { 0.0 };
             let how = BvhOptions { most_words, quality: BvhQuality::for_triangles(scene.triangles.len() as u64) };
             if options.schedule == ScheduleKind::Fused {
                 let built = bvh::build_wide(&data.vertices, data.growth, &how)?;

@@ -28,7 +28,7 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             ray.store_u32(State, 0, BACKGROUND);
             return;
         }
-        if !(features.many_steps && features.robust) {
+        if !(features.many_steps && features.keeps_no_tmax()) {
             ray.store_vec3(TMax, walk.tmax);
         }
         ray.store_u32(State, 2, scene.grid.cell_index(walk.cell));

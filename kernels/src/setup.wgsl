@@ -9,7 +9,7 @@ import package::live::{send, tiled_texel};
 @if(grid) import package::grid_walk::{grid_ray, enter_grid, cell_index};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
-@if(grid && !(many_steps && robust)) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
+@if(grid && !(many_steps && robust && !accumulated)) @group(0) @binding(3) var tmax: texture_storage_2d_array<r32float, write>;
 @if(bvh) @group(0) @binding(3) var previous: texture_storage_2d_array<r32uint, write>;
 @if(counters) @group(0) @binding(4) var counters: texture_storage_2d_array<r32uint, write>;
 
@@ -32,7 +32,7 @@ fn set_up(texel: vec2u) -> u32 {
             textureStore(state, texel, 0, vec4u(BACKGROUND));
             return BACKGROUND;
         }
-        @if(!(many_steps && robust)) {
+        @if(!(many_steps && robust && !accumulated)) {
             textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
             textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
             textureStore(tmax, texel, 2, vec4f(walk.tmax.z));

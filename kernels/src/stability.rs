@@ -31,7 +31,6 @@ use crate::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
 use crate::plan::PlanError;
 use crate::renderer::{Device, RenderError, Renderer};
 pub use cases::CASES;
-pub use claims::KNOWN;
 pub use row::{COLUMNS, Expected, Place, Row, SCHEMA_VERSION, write_rows};
 pub use score::{Judge, Largest, Score};
 
@@ -93,17 +92,6 @@ pub struct Paper {
     pub because: &'static str,
 }
 
-/// A known failure of the robust rules.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Known {
-    /// The case's name.
-    pub case: &'static str,
-    /// Through what it may fail.
-    pub accelerators: &'static [Accelerator],
-    /// Why.
-    pub because: &'static str,
-}
-
 /// A scene and the rays to trace in it.
 #[derive(Clone, Debug)]
 pub struct Workload {
@@ -141,16 +129,30 @@ pub struct Variant {
     pub accelerator: Accelerator,
     /// In which order kernels run.
     pub schedule: ScheduleKind,
+    /// With explicit fma wherever a compiler may contract, see [`Options::contracted`].
+    pub contracted: bool,
 }
 
 impl Variant {
-    /// Those of one accelerator: both rules in steps, and the robust ones in one kernel too.
+    /// Those of one accelerator: both rules in steps; the robust ones in one kernel too, and as a compiler that
+    /// contracts has them.
     #[must_use]
-    pub fn of(accelerator: Accelerator) -> [Self; 3] {
+    pub fn of(accelerator: Accelerator) -> [Self; 4] {
         use Numerics::{Paper, Robust};
         use ScheduleKind::{Compact, Fused};
-        let variant = |numerics, schedule| Self { numerics, accelerator, schedule };
-        [variant(Robust, Compact), variant(Robust, Fused), variant(Paper, Compact)]
+        let variant = |numerics, schedule| Self { numerics, accelerator, schedule, contracted: false };
+        let robust = variant(Robust, Compact);
+        [robust, variant(Robust, Fused), Self { contracted: true, ..robust }, variant(Paper, Compact)]
+    }
+
+    /// The name of its test of a triangle in `stability.csv`.
+    #[must_use]
+    pub fn triangle_test(&self) -> &'static str {
+        match (self.numerics, self.contracted) {
+            (Numerics::Robust, false) => "watertight",
+            (Numerics::Robust, true) => "watertight_fma",
+            (Numerics::Paper, _) => "moller_trumbore",
+        }
     }
 }
 
@@ -188,6 +190,7 @@ pub async fn run(
         numerics: variant.numerics,
         accelerator: variant.accelerator,
         schedule: variant.schedule,
+        contracted: variant.contracted,
         grid: if variant.accelerator == Accelerator::Grid { workload.grid } else { GridSize::Auto },
         shade: variant.schedule == ScheduleKind::Fused && is_camera,
         ..Options::new(workload.rays.clone())

@@ -27,7 +27,7 @@ impl<R: Real> Place<R> {
         let grid_ray = grid.ray(rules, self.trace.origin, self.trace.direction);
         let cell = grid.cell_of_index(self.cell);
         // robust: from the cell each time, so there is nothing to keep.
-        let tmax = if features.robust { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(TMax) };
+        let tmax = if features.keeps_no_tmax() { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(TMax) };
         let mut walk = Walk { cell, tmax, inside: true };
         for _ in 0..scene.info.steps {
             let distance = if features.skip { scene.empty_distance(self.cell) } else { 0 };
@@ -57,7 +57,7 @@ impl<R: Real> Place<R> {
             self.cell = grid.cell_index(walk.cell);
             self.trace.cells += 1;
         }
-        if !features.robust {
+        if !features.keeps_no_tmax() {
             ray.store_vec3(TMax, walk.tmax);
         }
     }

@@ -10,7 +10,7 @@ import package::scene::{scene};
 import package::live::{listed_texel, send};
 @if(grid) import package::vector::{smallest3};
 @if(grid) import package::grid_walk::{Walk, grid_ray, advance, cell_index, cell_of_index};
-@if(grid && robust) import package::grid_walk::{cell_exit};
+@if(grid && robust && !accumulated) import package::grid_walk::{cell_exit};
 @if(grid && skip) import package::grid_walk::{leap};
 @if(grid && skip) import package::grid_lists::{empty_distance};
 @if(grid) import package::grid_lists::{grid_cells, grid_items, list_ended};
@@ -18,7 +18,7 @@ import package::live::{listed_texel, send};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
-@if(grid && !robust) @group(0) @binding(4) var tmax: texture_storage_2d_array<r32float, read_write>;
+@if(grid && (!robust || accumulated)) @group(0) @binding(4) var tmax: texture_storage_2d_array<r32float, read_write>;
 @if(bvh) @group(0) @binding(4) var previous: texture_storage_2d_array<r32uint, read_write>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 
@@ -38,7 +38,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
     walk.cell = cell_of_index(place.cell);
     walk.inside = true;
     // robust: from the cell each time, so there is nothing to keep.
-    @if(robust) walk.tmax = cell_exit(walk.cell, ray);
+    @if(robust && !accumulated) walk.tmax = cell_exit(walk.cell, ray);
     @else walk.tmax = vec3f(
         textureLoad(tmax, texel, 0).x,
         textureLoad(tmax, texel, 1).x,
@@ -79,7 +79,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
         place.cell = cell_index(walk.cell);
         @if(counters) place.trace.cells += 1u;
     }
-    @if(!robust) {
+    @if(!robust || accumulated) {
         textureStore(tmax, texel, 0, vec4f(walk.tmax.x));
         textureStore(tmax, texel, 1, vec4f(walk.tmax.y));
         textureStore(tmax, texel, 2, vec4f(walk.tmax.z));

@@ -25,8 +25,19 @@ fn feature_sets() -> Vec<Features> {
         (false, false, true),
         (false, false, false),
     ] {
-        let base = Features { robust, grid, bvh, ..Features::default() };
+        let in_cell = grid && !robust;
+        let base = Features { robust, watertight: robust, in_cell, grid, bvh, ..Features::default() };
         sets.push(base);
+        // One of the robust rules at a time.
+        let without: [fn(&mut Features); 4] =
+            [|f| f.watertight = false, |f| f.contracted = true, |f| f.accumulated = f.grid, |f| f.in_cell = f.grid];
+        for change in without.into_iter().filter(|_| robust) {
+            for (live_lists, many_steps) in [(false, false), (true, true)] {
+                let mut one = Features { live_lists, many_steps, counters: true, ..base };
+                change(&mut one);
+                sets.push(one);
+            }
+        }
         let toggles: [fn(&mut Features); 17] = [
             // Leaps need exact planes; the paper's rules have none.
             |f| f.skip = f.robust && f.grid,

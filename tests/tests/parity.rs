@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use raystep_kernels::kernel::KERNELS;
 use raystep_kernels::state::{self, TRANSITIONS};
-use raystep_kernels::{Accelerator, GridSize, Kernel, Options, Plan, RaySource, Renderer, ScheduleKind, Stream};
+use raystep_kernels::{
+    Accelerator, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, ScheduleKind, Skip, Stream,
+};
 use raystep_tests::parity::Parity;
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files};
@@ -99,6 +101,19 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             let rays = RaySource::Given(rays::segments(&scene, 500, 3));
             let options = Options { any_hit: true, shade: false, ..way.of(&Options::new(rays)) };
             found.add(&format!("{file} {way} any hit"), parity::compare(&gpu, &scene, &options));
+        }
+    }
+    // Without one of the robust rules, and as a compiler that contracts has them.
+    for file in ["cornell-box.gltf", "primitives.gltf"] {
+        let scene = scene(file);
+        for way in WAYS.into_iter().filter(|way| way.numerics == Numerics::Robust && way.skip == Skip::Off) {
+            let options = way.of(&options(&scene, 45, 37));
+            for without in Rule::ALL {
+                let options = Options { without: Some(*without), ..options.clone() };
+                found.add(&format!("{file} {way} without {without}"), parity::compare(&gpu, &scene, &options));
+            }
+            let options = Options { contracted: true, ..options };
+            found.add(&format!("{file} {way} contracted"), parity::compare(&gpu, &scene, &options));
         }
     }
     let Found { sum, failures } = found;

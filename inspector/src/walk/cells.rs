@@ -142,7 +142,11 @@ impl WalkGeometry {
         }
         let [origin, direction] = [ray.origin, ray.direction].map(Vec3::<f32>::from_f32);
         let grid_ray = data.grid.ray(data.features.walk_rules(), origin, direction);
-        if data.features.robust { data.grid.cell_exit(cell, &grid_ray).to_array().map(finite) } else { [None; 3] }
+        if data.features.keeps_no_tmax() {
+            data.grid.cell_exit(cell, &grid_ray).to_array().map(finite)
+        } else {
+            [None; 3]
+        }
     }
 }
 

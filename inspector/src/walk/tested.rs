@@ -80,11 +80,11 @@ impl WalkGeometry {
         };
         let after = &row.after;
         let [origin, direction] = [after.origin, after.direction].map(Vec3::<f32>::from_f32);
-        let (robust, shear) = (data.features.robust, Shear::of(direction));
+        let (rules, shear) = (data.features.triangle_rules(), Shear::of(direction));
         let vertices = data.corners(triangle);
-        let mut candidate = hit_triangle::<f32>(robust, origin, direction, &shear, vertices);
+        let mut candidate = hit_triangle::<f32>(rules, origin, direction, &shear, vertices);
         let is_hit = candidate.is_hit;
-        if robust && !is_hit {
+        if rules.watertight && !is_hit {
             candidate = plane_hit(origin, &shear, vertices);
         }
         let is_new = before.is_none_or(|b| b.triangle != after.triangle || b.t != after.t);

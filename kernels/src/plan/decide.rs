@@ -6,7 +6,7 @@ use super::{Because, LeftOut, Plan};
 use crate::buffer::BUFFERS;
 use crate::features::Features;
 use crate::kernel::{KERNELS, Kernel};
-use crate::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
+use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
 use crate::scene_data::traced_camera;
 use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
@@ -14,6 +14,8 @@ use crate::units::Units;
 /// Decides every option of the kernels.
 pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerator, units: Units) -> Features {
     let keep = options.keep_all;
+    let robust = options.numerics == Numerics::Robust;
+    let has_grid = accelerator == Accelerator::Grid;
     let inside = match &options.rays {
         RaySource::Camera { camera, width, height } => {
             let c = traced_camera(camera, units, *width, *height);
@@ -35,14 +37,18 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
     let any_light = |f: fn(&Light) -> bool| keep || scene.lights.iter().any(f);
     let any_material = |f: fn(&raystep_scenes::Material) -> bool| keep || scene.materials.iter().any(f);
     Features {
-        robust: options.numerics == Numerics::Robust,
-        grid: accelerator == Accelerator::Grid,
+        robust,
+        watertight: robust && options.without != Some(Rule::TriangleTest),
+        contracted: options.contracted && robust,
+        accumulated: robust && has_grid && options.without == Some(Rule::TMax),
+        in_cell: has_grid && (!robust || options.without == Some(Rule::Acceptance)),
+        grid: has_grid,
         bvh: accelerator == Accelerator::Bvh,
         skip: false,
         stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
-        any_hit: options.any_hit && options.numerics == Numerics::Robust,
+        any_hit: options.any_hit && robust && options.without.is_none(),
         eye_rays: is_fused && !options.shade && !given,
         clip: keep || !inside,
         perspective: match &options.rays {

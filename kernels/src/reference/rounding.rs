@@ -176,8 +176,8 @@ impl Rounding<'_> {
             let exit = self.floats(Stream::TMax, ray).into_iter().fold(f32::INFINITY, f32::min);
             let nearest = f32::from_bits(self.component(Stream::State, STATE_T, ray));
             let close = |t: f32| (f64::from(t) - p.t).abs() <= 2.0 * p.t_bound;
-            let is_paper_grid = !self.data.features.robust && self.data.features.grid;
-            !p.is_definite || close(exit) || close(nearest) || is_paper_grid && self.near_plane(at(p.t), None)
+            let in_cell = self.data.features.in_cell;
+            !p.is_definite || close(exit) || close(nearest) || in_cell && self.near_plane(at(p.t), None)
         };
         match self.kernel {
             Kernel::Setup => Some(self.walk_may_begin_elsewhere(ray)),

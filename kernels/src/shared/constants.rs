@@ -17,6 +17,9 @@ pub const PAPER_PARALLEL: f32 = 0.001;
 /// The determinant's threshold in the published Möller–Trumbore test (1997).
 pub const PAPER_EPSILON: f32 = 1e-6;
 
+/// The smallest f32 with all of its digits, 2⁻¹²⁶.
+pub const MIN_NORMAL: f32 = f32::MIN_POSITIVE;
+
 /// The triangle of a ray that hit nothing.
 pub const NO_TRIANGLE: u32 = 0xffff_ffff;
 
@@ -45,6 +48,7 @@ pub fn wgsl_module(stack: u32) -> String {
     format!(
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
          const PAPER_PARALLEL: f32 = {PAPER_PARALLEL:e}f;\nconst PAPER_EPSILON: f32 = {PAPER_EPSILON:e}f;\n\
+         const MIN_NORMAL: f32 = {MIN_NORMAL:e}f;\n\
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n",

@@ -15,8 +15,8 @@ fn empty_distance(index: u32) -> i32 {
 
 // A cell's list has ended; exit is the t at which the ray leaves the cell.
 fn list_ended(tag: u32, nearest_t: f32, exit: f32) -> u32 {
-    @if(robust && !any_hit) return select(TRAV, SHADE, tag == ISECT_HIT && nearest_t <= exit);
+    @if(!in_cell && !any_hit) return select(TRAV, SHADE, tag == ISECT_HIT && nearest_t <= exit);
     // Nothing was hit, and nothing behind the ray's end counts.
-    @if(robust && any_hit) return select(TRAV, BACKGROUND, nearest_t <= exit);
-    @if(!robust) return select(TRAV, SHADE, tag == ISECT_HIT);
+    @if(!in_cell && any_hit) return select(TRAV, BACKGROUND, nearest_t <= exit);
+    @if(in_cell) return select(TRAV, SHADE, tag == ISECT_HIT);
 }

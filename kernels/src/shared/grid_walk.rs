@@ -31,6 +31,8 @@ pub struct WalkRules {
     pub robust: bool,
     /// Origins may lie outside of the grid.
     pub clip: bool,
+    /// tMax grows by tDelta from cell to cell. The paper's rules always have it so.
+    pub accumulated: bool,
 }
 
 /// A ray, and what each of its steps needs.
@@ -120,7 +122,7 @@ impl Grid {
 
     /// The next cell of a ray.
     pub fn advance<R: Real>(&self, rules: WalkRules, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
-        if rules.robust { self.advance_robust(walk, ray) } else { self.advance_paper(walk, ray) }
+        if rules.robust { self.advance_robust(rules.accumulated, walk, ray) } else { self.advance_paper(walk, ray) }
     }
 
     fn enter_robust<R: Real>(&self, clip: bool, ray: &GridRay<R>) -> Walk<R> {
@@ -155,12 +157,18 @@ impl Grid {
         position.map(|v| v.floor().to_i32()).to_array()
     }
 
-    fn advance_robust<R: Real>(&self, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
+    fn advance_robust<R: Real>(&self, accumulated: bool, walk: Walk<R>, ray: &GridRay<R>) -> Walk<R> {
         let axis = smallest_axis(walk.tmax);
         let forward = forward(ray);
         let cell = add(walk.cell, [0, 1, 2].map(|a| if axis[a] { forward[a] } else { 0 }));
         let crossed = smallest3(walk.tmax) < R::from_f32(INF);
-        Walk { cell, tmax: self.cell_exit(cell, ray), inside: crossed && self.is_in_grid(cell) }
+        let tmax = if accumulated {
+            let t_delta = (Vec3::from_f32(self.width) * ray.per_axis).abs();
+            select(walk.tmax, walk.tmax + t_delta, axis.into())
+        } else {
+            self.cell_exit(cell, ray)
+        };
+        Walk { cell, tmax, inside: crossed && self.is_in_grid(cell) }
     }
 
     /// Leaves a cube of empty cells at once: every cell that is fewer than `distance` cells away along each

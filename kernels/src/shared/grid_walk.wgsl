@@ -58,7 +58,7 @@ fn cell_plane(cell: vec3i) -> vec3f {
     return grid.corner + grid.width * vec3f(cell);
 }
 
-@if(!robust)
+@if(in_cell)
 fn is_in_cell(position: vec3f, cell: vec3i) -> bool {
     let low = cell_plane(cell);
     return all(position >= low) && all(position <= low + grid.width);
@@ -108,7 +108,9 @@ fn advance(walk: Walk, ray: GridRay) -> Walk {
     let forward = select(vec3i(-1), vec3i(1), ray.inverse > vec3f(0.0));
     let cell = walk.cell + select(vec3i(0), forward, axis);
     let crossed = min(min(walk.tmax.x, walk.tmax.y), walk.tmax.z) < INF;
-    return Walk(cell, cell_exit(cell, ray), crossed && is_in_grid(cell));
+    @if(accumulated) let tmax = select(walk.tmax, walk.tmax + abs(grid.width * ray.inverse), axis);
+    @else let tmax = cell_exit(cell, ray);
+    return Walk(cell, tmax, crossed && is_in_grid(cell));
 }
 
 // Leaves a cube of empty cells at once (proximity clouds, Cohen and Sheffer, 1994): every cell that is

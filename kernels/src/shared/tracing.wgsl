@@ -2,7 +2,7 @@
 
 import package::triangle::{Shear, hit_triangle, is_nearer};
 import package::packed_triangles::{packed_triangle};
-@if(grid && !robust) import package::grid_walk::{is_in_cell};
+@if(in_cell) import package::grid_walk::{is_in_cell};
 
 // The ray, what it has hit so far, and what that took.
 struct Trace {
@@ -19,16 +19,16 @@ struct Trace {
     ended: bool,
 }
 
-// Tests one triangle; the cell is used by the paper's acceptance only.
+// Tests one triangle; the cell is used where hits must lie in it.
 fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     var trace = before;
     let triangle = packed_triangle(entry);
     let candidate = hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c);
-    @if(robust && !any_hit) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
-    @if(robust && any_hit) let accepted = candidate.t < trace.t;
-    @if(!robust && grid) let accepted = candidate.t < trace.t
+    @if(robust && !any_hit && !in_cell) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
+    @if(any_hit) let accepted = candidate.t < trace.t;
+    @if(in_cell) let accepted = candidate.t < trace.t
         && is_in_cell(trace.origin + trace.direction * candidate.t, cell);
-    @if(!robust && !grid) let accepted = candidate.t < trace.t;
+    @if(!robust && !in_cell) let accepted = candidate.t < trace.t;
     if (candidate.is_hit && accepted) {
         trace.t = candidate.t;
         trace.u = candidate.u;

@@ -50,9 +50,19 @@ impl<R: Real> Shear<R> {
 
     /// A corner relative to the origin, as seen across the ray.
     #[inline(always)]
-    fn across(&self, corner: Vec3<R>) -> [R; 2] {
+    fn across<const CONTRACTED: bool>(&self, corner: Vec3<R>) -> [R; 2] {
         let (c, [x, y, z]) = (corner.to_array(), self.axes);
+        if CONTRACTED {
+            return [self.row(x, self.x, c), self.row(y, self.y, c)];
+        }
         [c[x] - self.x * c[z], c[y] - self.y * c[z]]
+    }
+
+    /// The WGSL's row of one axis across, as it is contracted: which product is added last depends on the rotation.
+    fn row(&self, axis: usize, slope: R, corner: [R; 3]) -> R {
+        let mut row = [R::zero(); 3];
+        (row[axis], row[self.axes[2]]) = (R::one(), -slope);
+        corner[0].fused(row[0], corner[1].fused(row[1], corner[2] * row[2]))
     }
 
     /// The same along the ray, in units of t.
@@ -62,27 +72,44 @@ impl<R: Real> Shear<R> {
     }
 }
 
-/// Tests by the rules of `--numerics`; `shear` is the direction's.
+/// How triangles are tested.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct TriangleRules {
+    /// [`watertight`], else [`moller_trumbore`].
+    pub watertight: bool,
+    /// With every product that is added to something in one explicit fma, as a compiler may have it.
+    pub contracted: bool,
+}
+
+/// Tests by the rules of a run; `shear` is the direction's.
 #[inline]
 pub fn hit_triangle<R: Real>(
-    robust: bool,
+    rules: TriangleRules,
     origin: Vec3<R>,
     direction: Vec3<R>,
     shear: &Shear<R>,
     corners: [Vec3<R>; 3],
 ) -> Candidate<R> {
-    if robust { watertight(origin, shear, corners) } else { moller_trumbore(origin, direction, corners) }
+    match rules {
+        TriangleRules { watertight: true, contracted: false } => watertight::<R, false>(origin, shear, corners),
+        TriangleRules { watertight: true, contracted: true } => watertight::<R, true>(origin, shear, corners),
+        TriangleRules { watertight: false, .. } => moller_trumbore(origin, direction, corners),
+    }
 }
 
 /// Woop, Benthin and Wald (2013): no ray passes between two triangles that share an edge.
 #[inline]
-pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, [a, b, c]: [Vec3<R>; 3]) -> Candidate<R> {
+pub fn watertight<R: Real, const CONTRACTED: bool>(
+    origin: Vec3<R>,
+    shear: &Shear<R>,
+    [a, b, c]: [Vec3<R>; 3],
+) -> Candidate<R> {
     let corners = [a - origin, b - origin, c - origin];
-    let (weights, is_inside) = weights(shear, &corners);
+    let (weights, is_inside) = weights::<R, CONTRACTED>(shear, &corners);
     if !is_inside {
         return Candidate { t: R::zero(), u: R::zero(), v: R::zero(), is_hit: false };
     }
-    let on_plane = on_plane(shear, &corners, weights);
+    let on_plane = on_plane::<R, CONTRACTED>(shear, &corners, weights);
     let det = weights[0] + weights[1] + weights[2];
     let is_hit = det != R::zero() && on_plane.t > R::zero() && on_plane.t < R::from_f32(INF);
     Candidate { is_hit, ..on_plane }
@@ -91,14 +118,14 @@ pub fn watertight<R: Real>(origin: Vec3<R>, shear: &Shear<R>, [a, b, c]: [Vec3<R
 /// Where the ray meets the triangle's plane, inside of the triangle or not: what tells why [`watertight`] missed.
 pub fn plane_hit<R: Real>(origin: Vec3<R>, shear: &Shear<R>, corners: [Vec3<R>; 3]) -> Candidate<R> {
     let corners = corners.map(|corner| corner - origin);
-    on_plane(shear, &corners, weights(shear, &corners).0)
+    on_plane::<R, false>(shear, &corners, weights::<R, false>(shear, &corners).0)
 }
 
 /// The corners' weights, not divided by their sum, and whether all are of one sign. The corners are relative to
 /// the origin.
 #[inline(always)]
-fn weights<R: Real>(shear: &Shear<R>, [a, b, c]: &[Vec3<R>; 3]) -> ([R; 3], bool) {
-    let [p, q, r] = [shear.across(*a), shear.across(*b), shear.across(*c)];
+fn weights<R: Real, const CONTRACTED: bool>(shear: &Shear<R>, [a, b, c]: &[Vec3<R>; 3]) -> ([R; 3], bool) {
+    let [p, q, r] = [a, b, c].map(|corner| shear.across::<CONTRACTED>(*corner));
     let qr = q[0] * r[1];
     let rq = q[1] * r[0];
     let rp = r[0] * p[1];
@@ -107,15 +134,38 @@ fn weights<R: Real>(shear: &Shear<R>, [a, b, c]: &[Vec3<R>; 3]) -> ([R; 3], bool
     let qp = p[1] * q[0];
     let front = qr >= rq && rp >= pr && pq >= qp;
     let back = qr <= rq && rp <= pr && pq <= qp;
-    ([qr - rq, rp - pr, pq - qp], front || back)
+    let minus = |x: R, y: R, product: R, other: R| if CONTRACTED { x.fused(y, -other) } else { product - other };
+    let mut weights = [minus(q[0], r[1], qr, rq), minus(r[0], p[1], rp, pr), minus(p[0], q[1], pq, qp)];
+    if !(front || back) {
+        return (weights, false);
+    }
+    if qr == rq || rp == pr || pq == qp {
+        if qr == rq {
+            weights[0] = R::below_rounding([q[0], r[1]], [q[1], r[0]]);
+        }
+        if rp == pr {
+            weights[1] = R::below_rounding([r[0], p[1]], [r[1], p[0]]);
+        }
+        if pq == qp {
+            weights[2] = R::below_rounding([p[0], q[1]], [p[1], q[0]]);
+        }
+        let (one, other) = (weights.iter().any(|w| *w < R::zero()), weights.iter().any(|w| *w > R::zero()));
+        return (weights, !(one && other));
+    }
+    (weights, true)
 }
 
-fn on_plane<R: Real>(shear: &Shear<R>, corners: &[Vec3<R>; 3], [a, b, c]: [R; 3]) -> Candidate<R> {
+fn on_plane<R: Real, const CONTRACTED: bool>(
+    shear: &Shear<R>,
+    corners: &[Vec3<R>; 3],
+    [a, b, c]: [R; 3],
+) -> Candidate<R> {
     let inverse = R::one() / (a + b + c);
     let [p, q, r] = corners.map(|corner| shear.along(corner));
     // Divided first: a weight times a depth is a length cubed, which underflows long before either does.
     let [w, u, v] = [a * inverse, b * inverse, c * inverse];
-    Candidate { t: w * p + u * q + v * r, u, v, is_hit: false }
+    let t = if CONTRACTED { w.fused(p, u.fused(q, v * r)) } else { w * p + (u * q + v * r) };
+    Candidate { t, u, v, is_hit: false }
 }
 
 /// Möller and Trumbore (1997), as published, with its threshold on the determinant.

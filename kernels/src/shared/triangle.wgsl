@@ -1,13 +1,15 @@
 // One ray against one triangle.
 //
-// watertight: Woop, Benthin and Wald (2013), without their fall-back to double precision. What is on
-// an edge is decided by comparing the two products of the edge function: rounding is monotone, so
-// where they differ the comparison is exact for the sheared corners, and a shared edge gives both of
-// its triangles the same two products in opposite roles. Equal products count as inside for both.
+// watertight: Woop, Benthin and Wald (2013). What is on an edge is decided by comparing the two products of the
+// edge function: rounding is monotone, so where they differ the comparison is exact for the sheared corners, and a
+// shared edge gives both of its triangles the same two products in opposite roles. Where they are equal, integers
+// decide instead of the double precision of the paper. A ray that is exactly on an edge is inside for both.
+//
+// contracted: the same with every product that is added to something in one explicit fma, as a compiler may have it.
 //
 // moller_trumbore: Möller and Trumbore (1997) as published, the paper's test.
 
-import package::constants::{INF, PAPER_EPSILON};
+import package::constants::{INF, MIN_NORMAL, PAPER_EPSILON};
 import package::vector::{dot3, cross3};
 
 struct Candidate {
@@ -43,21 +45,49 @@ fn shear_of(direction: vec3f) -> Shear {
 }
 
 fn hit_triangle(origin: vec3f, direction: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
-    @if(robust) return watertight(origin, shear, a, b, c);
+    @if(watertight) return watertight(origin, shear, a, b, c);
     @else return moller_trumbore(origin, direction, a, b, c);
+}
+
+// a b + c
+fn times_plus(a: f32, b: f32, c: f32) -> f32 {
+    @if(contracted) return fma(a, b, c);
+    @else return a * b + c;
+}
+
+fn row(corner: vec3f, r: vec3f) -> f32 {
+    @if(contracted) return fma(corner.x, r.x, fma(corner.y, r.y, corner.z * r.z));
+    @else return corner.x * r.x + corner.y * r.y + corner.z * r.z;
 }
 
 // A corner relative to the origin, as seen across the ray.
 fn across(corner: vec3f, s: Shear) -> vec2f {
-    return vec2f(
-        corner.x * s.x.x + corner.y * s.x.y + corner.z * s.x.z,
-        corner.x * s.y.x + corner.y * s.y.y + corner.z * s.y.z,
-    );
+    return vec2f(row(corner, s.x), row(corner, s.y));
 }
 
-// The same along the ray, in units of t.
-fn along(corner: vec3f, s: Shear) -> f32 {
-    return corner.x * s.z.x + corner.y * s.z.y + corner.z * s.z.z;
+// 2^exponent, for exponents of -126 to 127.
+fn power_of_two(exponent: i32) -> f32 {
+    return bitcast<f32>(u32(exponent + 127) << 23u);
+}
+
+// a b - c d where both products are rounded to the same f32. They differ by less than 2^25 units in the last place of
+// the exact products, so the low 32 bits of those tell by how much. 0 where they are too small to be rounded alike.
+fn below_rounding(a: f32, b: f32, c: f32, d: f32) -> f32 {
+    let bits = bitcast<vec4u>(vec4f(a, b, c, d));
+    let exponents = vec4i((bits >> vec4u(23u)) & vec4u(0xffu));
+    if (abs(a * b) < MIN_NORMAL || any(exponents == vec4i(0))) {
+        return 0.0;
+    }
+    let digits = (bits & vec4u(0x7fffffu)) | vec4u(0x800000u);
+    let ab = exponents.x + exponents.y;
+    let cd = exponents.z + exponents.w;
+    let last = min(ab, cd);
+    let difference = bitcast<i32>(((digits.x * digits.y) << u32(ab - last)) - ((digits.z * digits.w) << u32(cd - last)));
+    let magnitude = select(difference, -difference, ((bits.x ^ bits.y) >> 31u) == 1u);
+    // Exponents are 127 too large each, and the digits 2^23 times; in two steps, as 2^-172 is no f32.
+    let exponent = last - 300;
+    let half = exponent / 2;
+    return f32(magnitude) * power_of_two(half) * power_of_two(exponent - half);
 }
 
 fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Candidate {
@@ -79,16 +109,26 @@ fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Cand
     if (!(front || back)) {
         return Candidate(0.0, 0.0, 0.0, false);
     }
-    let weight_a = qr - rq;
-    let weight_b = rp - pr;
-    let weight_c = pq - qp;
+    var weight_a = times_plus(q.x, r.y, -rq);
+    var weight_b = times_plus(r.x, p.y, -pr);
+    var weight_c = times_plus(p.x, q.y, -qp);
+    if (qr == rq || rp == pr || pq == qp) {
+        weight_a = select(weight_a, below_rounding(q.x, r.y, q.y, r.x), qr == rq);
+        weight_b = select(weight_b, below_rounding(r.x, p.y, r.y, p.x), rp == pr);
+        weight_c = select(weight_c, below_rounding(p.x, q.y, p.y, q.x), pq == qp);
+        if (min(min(weight_a, weight_b), weight_c) < 0.0 && max(max(weight_a, weight_b), weight_c) > 0.0) {
+            return Candidate(0.0, 0.0, 0.0, false);
+        }
+    }
     let det = weight_a + weight_b + weight_c;
     let inverse = 1.0 / det;
     // Divided first: a weight times a depth is a length cubed, which underflows long before either does.
     let w = weight_a * inverse;
     let u = weight_b * inverse;
     let v = weight_c * inverse;
-    let t = w * along(oa, shear) + u * along(ob, shear) + v * along(oc, shear);
+    // Depths, in units of t.
+    let z = vec3f(row(oa, shear.z), row(ob, shear.z), row(oc, shear.z));
+    let t = times_plus(w, z.x, times_plus(u, z.y, v * z.z));
     return Candidate(t, u, v, det != 0.0 && t > 0.0 && t < INF);
 }
 

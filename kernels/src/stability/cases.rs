@@ -2,7 +2,7 @@
 
 use crate::options::Accelerator::Grid;
 use crate::stability::claims::{
-    AT_CORNERS, AT_EDGES, BY_CHANCE, EDGES_CRACK, EVERYTHING, HALF_AT_EDGES, NONE, OUTSIDE, SMALL, fails, up_to,
+    AT_CORNERS, AT_EDGES, BY_CHANCE, EDGES_CRACK, HALF_AT_EDGES, NONE, OUTSIDE, SMALL, fails, up_to,
 };
 use crate::stability::make::{self, At};
 use crate::stability::planes::{On, on_planes};
@@ -134,7 +134,7 @@ pub static CASES: &[Case] = &[
         name: "slivers-1e8",
         what: "slivers 100,000,000 times longer than wide, side by side",
         make: |n| make::slivers(n, 1e8),
-        undecided: EVERYTHING,
+        undecided: up_to(8.0 / 9.0, "three roundings of 0.4 move the ray by up to four slivers either way, evenly"),
         paper: SMALL,
         ..CASE
     },
@@ -180,7 +180,7 @@ pub static CASES: &[Case] = &[
         what: "origins a million radii away",
         make: |n| make::from_afar(n, 1e6),
         truth: Truth::Open,
-        undecided: EVERYTHING,
+        undecided: up_to(0.5, "rounding moves edges by as much as triangles are wide, to either side"),
         ..CASE
     },
     // Places and sizes.
@@ -261,7 +261,10 @@ pub static CASES: &[Case] = &[
         what: "the same from one side, so that the corners do not lie in a line once they are rounded",
         make: |n| make::line(n, 5.0),
         truth: Truth::Open,
-        undecided: up_to(1.0, "the rays are aimed at triangles without a width: edge functions are 0 but for rounding"),
+        undecided: up_to(
+            0.25,
+            "rounding must move the middle corner to the ray's side, and farther than the ray: 1 in 4",
+        ),
         ..CASE
     },
     Case {
@@ -355,18 +358,16 @@ mod tests {
 
     use super::*;
     use crate::options::RaySource;
-    use crate::stability::KNOWN;
 
     #[test]
     fn every_case_is_made_says_what_it_is_and_may_fail() {
         let names: BTreeSet<&str> = CASES.iter().map(|case| case.name).collect();
         assert_eq!(names.len(), CASES.len(), "names are unique");
-        assert!(KNOWN.iter().all(|known| names.contains(known.case) && !known.because.is_empty()));
         for case in CASES {
             let Workload { scene, rays, .. } = (case.make)(64).unwrap_or_else(|e| panic!("{}: {e}", case.name));
             assert!(!case.what.is_empty() && !case.undecided.because.is_empty(), "{}", case.name);
             assert_eq!(case.paper.fails_on.is_empty(), case.paper.because.is_empty(), "{}", case.name);
-            assert!((0.0..=1.0).contains(&case.undecided.share), "{}", case.name);
+            assert!((0.0..1.0).contains(&case.undecided.share), "{}", case.name);
             assert!(scene.triangles.iter().flatten().flatten().all(|v| v.is_finite()), "{}", case.name);
             match rays {
                 RaySource::Given(rays) => assert_eq!(rays.len(), 64, "{}", case.name),

@@ -1,8 +1,8 @@
-//! What is claimed of the cases: how many rays may be undecided, where the paper's rules must fail, and where robust
-//! rules are known to; each with the reason.
+//! What is claimed of the cases: how many rays may be undecided, and where the paper's rules must fail; each with the
+//! reason.
 
 use crate::options::Accelerator::{self, Bvh, Grid, None};
-use crate::stability::{Ceiling, Known, Paper};
+use crate::stability::{Ceiling, Paper};
 
 pub(super) const BY_CHANCE: Ceiling = Ceiling {
     share: 0.002,
@@ -17,8 +17,6 @@ pub(super) const HALF_AT_EDGES: Ceiling = Ceiling {
 };
 pub(super) const AT_CORNERS: Ceiling =
     Ceiling { share: 5.0 / 6.0, because: "of six triangles around a corner any may be the exact one" };
-pub(super) const EVERYTHING: Ceiling = Ceiling { share: 1.0, because: "triangles are smaller than the error bound" };
-
 pub(super) const fn up_to(share: f64, because: &'static str) -> Ceiling {
     Ceiling { share, because }
 }
@@ -36,18 +34,3 @@ pub(super) const SMALL: Paper = fails(
     &[Grid, Bvh, None],
     "the determinant's threshold of 1e-6 is absolute, and these triangles' determinants are smaller",
 );
-
-/// Where robust rules are known to fail. Reported as such, and to be mended.
-pub static KNOWN: &[Known] = &[
-    Known {
-        case: "in-tilted-plane",
-        accelerators: &[None],
-        because: "edge functions that are 0 but for rounding may agree in sign where the ray, in the triangle's plane, \
-                  passes beside it; through grid and tree it is not tested there",
-    },
-    Known {
-        case: "line-aslant",
-        accelerators: &[Bvh, None],
-        because: "the same of triangles without an area whose corners differ: edge functions are 0 but for rounding",
-    },
-];

@@ -5,6 +5,7 @@
 //! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
 //! | `case`, `rays`, `triangles` | what was traced |
 //! | `numerics`, `accelerator`, `schedule` | how |
+//! | `triangle_test` | `watertight`; `watertight_fma`, with explicit fma wherever a compiler may contract; `moller_trumbore` |
 //! | `device` | `gpu`, `cpu_f32` or `cpu_f64` |
 //! | `adapter` | the GPU's name |
 //! | `missed`, `false_hits`, `wrong` | rays with an error |
@@ -16,20 +17,20 @@
 //! | `at_bound` | rays that still walked when the bound on passes was reached |
 //! | `passes` | that the run took |
 //! | `t_relative`, `t_ulp`, … | largest errors of t, u and v among hits of the exact triangle, see [`crate::stability::Largest`] |
-//! | `expected` | `pass`; `fail`; `any` where nothing is; `known_failure` where robust rules are known to fail |
+//! | `expected` | `pass`; `fail`; `any` where nothing is |
 //! | `result` | `pass`, or `fail` where there is any error or too much is undecided |
 
 use std::io::Write;
 
 use crate::export::csv::{self, known};
 use crate::options::Numerics;
-use crate::stability::{Case, KNOWN, Run, Variant};
+use crate::stability::{Case, Run, Variant};
 
 /// Version of the columns.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 27] = [
+pub const COLUMNS: [&str; 28] = [
     "schema_version",
     "case",
     "rays",
@@ -37,6 +38,7 @@ pub const COLUMNS: [&str; 27] = [
     "numerics",
     "accelerator",
     "schedule",
+    "triangle_test",
     "device",
     "adapter",
     "missed",
@@ -68,8 +70,6 @@ pub enum Expected {
     Fail,
     /// Nothing.
     Any,
-    /// Nothing: robust rules are known to fail, see [`KNOWN`].
-    KnownFailure,
 }
 
 /// Where a variant ran.
@@ -121,6 +121,7 @@ impl Row {
             variant.numerics.to_string(),
             variant.accelerator.to_string(),
             variant.schedule.to_string(),
+            variant.triangle_test().into(),
             place.device.into(),
             place.adapter.clone(),
             score.missed.to_string(),
@@ -151,7 +152,7 @@ impl Row {
         match self.expected {
             Expected::Pass => self.passed,
             Expected::Fail => self.has_errors,
-            Expected::Any | Expected::KnownFailure => true,
+            Expected::Any => true,
         }
     }
 
@@ -165,9 +166,7 @@ impl Row {
 impl Expected {
     fn of(case: &Case, variant: Variant, place: &Place) -> Self {
         let accelerator = &variant.accelerator;
-        let is_known = KNOWN.iter().any(|known| known.case == case.name && known.accelerators.contains(accelerator));
         match variant.numerics {
-            Numerics::Robust if is_known => Self::KnownFailure,
             Numerics::Robust => Self::Pass,
             // In f64 the paper's rules may get by where rounding is what breaks them.
             Numerics::Paper if place.device != "cpu_f64" && case.paper.fails_on.contains(accelerator) => Self::Fail,
@@ -182,7 +181,6 @@ impl Expected {
             Self::Pass => "pass",
             Self::Fail => "fail",
             Self::Any => "any",
-            Self::KnownFailure => "known_failure",
         }
     }
 }
@@ -212,7 +210,8 @@ mod tests {
         let score = Score { verdicts: vec![Verdict::Same; 1000], undecided: 2, ..Score::default() };
         let mut run = Run { score, passes: 7, at_bound: 0 };
         change(&mut run);
-        let variant = Variant { numerics, accelerator: Accelerator::Grid, schedule: ScheduleKind::Compact };
+        let variant =
+            Variant { numerics, accelerator: Accelerator::Grid, schedule: ScheduleKind::Compact, contracted: false };
         Row::new(case, 1280, variant, &Place { device, adapter: "a, \"b\"".into() }, &run)
     }
 

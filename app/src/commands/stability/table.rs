@@ -1,6 +1,6 @@
 //! The results for people: a line a case, and a line for everything that is not as expected.
 
-use raystep_kernels::stability::{Case, Expected, KNOWN, Known, Row, Truth};
+use raystep_kernels::stability::{Case, Row, Truth};
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
 
 use super::Outcome;
@@ -10,7 +10,8 @@ use crate::commands::aligned;
 pub(super) fn way(row: &Row) -> String {
     let v = &row.variant;
     let fused = if v.schedule == ScheduleKind::Fused { " fused" } else { "" };
-    format!("{} {}{fused} {}", v.numerics, v.accelerator, row.device)
+    let contracted = if v.contracted { " fma" } else { "" };
+    format!("{} {}{fused}{contracted} {}", v.numerics, v.accelerator, row.device)
 }
 
 /// A run, in words.
@@ -51,7 +52,6 @@ pub(super) fn text(outcomes: &[Outcome]) -> String {
             paper(Accelerator::Bvh),
             paper(Accelerator::None),
             match not {
-                0 if known_failures(outcome).next().is_some() => "known failure".into(),
                 0 => "yes".into(),
                 _ => format!("NO: {not} of {}", rows.len()),
             },
@@ -64,21 +64,11 @@ pub(super) fn text(outcomes: &[Outcome]) -> String {
             let counts = fields.map(|c| format!("{} {c}", row.field(c))).join(", ");
             text += &format!("not as expected: {}: {counts}; expected to {}\n", name(row), row.field("expected"));
         }
-        for known in known_failures(outcome) {
-            text += &format!("known failure: {}: {}\n", known.case, known.because);
-        }
         if let Some(wrong_ray) = &outcome.first_wrong_ray {
             text += &format!("{wrong_ray}\n");
         }
     }
     text
-}
-
-/// What is known of robust rules that failed, where one of the runs did.
-pub(super) fn known_failures(outcome: &Outcome) -> impl Iterator<Item = &'static Known> {
-    let has_failed = outcome.rows.iter().any(|row| row.expected == Expected::KnownFailure && !row.passed);
-    let case = outcome.case.name;
-    KNOWN.iter().filter(move |known| has_failed && known.case == case)
 }
 
 /// What there is.

@@ -113,7 +113,7 @@ fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (
         state::TRAV if data.features.bvh => "the leaf is done".into(),
         state::SHADE if data.features.any_hit => "any hit ends the ray".into(),
         state::SHADE if !data.features.grid => "last triangle: the nearest hit is accepted".into(),
-        state::SHADE if data.features.robust => {
+        state::SHADE if !data.features.in_cell => {
             format!("list ended: t {} <= exit {exit}, accepted", after.t.unwrap_or(INF))
         }
         state::SHADE => "list ended with a hit: accepted".into(),
@@ -131,17 +131,17 @@ fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (
         return (None, if is_empty { format!("empty cell; {next}") } else { next });
     };
     let [o, d] = [before.origin, before.direction].map(Vec3::<f32>::from_f32);
-    let (robust, shear, corners) = (data.features.robust, Shear::of(d), data.corners(triangle));
-    let mut candidate = hit_triangle::<f32>(robust, o, d, &shear, corners);
-    if robust && !candidate.is_hit {
+    let (rules, shear, corners) = (data.features.triangle_rules(), Shear::of(d), data.corners(triangle));
+    let mut candidate = hit_triangle::<f32>(rules, o, d, &shear, corners);
+    if rules.watertight && !candidate.is_hit {
         candidate = plane_hit(o, &shear, corners);
     }
     let accepted = after.triangle == Some(triangle) && after.t != before.t || before.triangle != after.triangle;
-    let test = describe_test(triangle, &candidate, accepted, data.features.robust, before);
+    let test = describe_test(triangle, &candidate, accepted, !data.features.in_cell, before);
     (tested, if next.is_empty() { test } else { format!("{test}; {next}") })
 }
 
-fn describe_test(triangle: u32, c: &Candidate<f32>, accepted: bool, is_robust: bool, before: &RayState) -> String {
+fn describe_test(triangle: u32, c: &Candidate<f32>, accepted: bool, anywhere: bool, before: &RayState) -> String {
     let w = 1.0 - c.u - c.v;
     let t = c.t;
     if c.is_hit && accepted {
@@ -154,7 +154,7 @@ fn describe_test(triangle: u32, c: &Candidate<f32>, accepted: bool, is_robust: b
             }
             Some(nearest) if t >= nearest => format!("triangle {triangle}: hit at t {t}, not nearer than {nearest}"),
             // Worked out again here, on the CPU: the device's own rounding decided.
-            _ if is_robust => format!("triangle {triangle}: missed by less than a rounding"),
+            _ if anywhere => format!("triangle {triangle}: missed by less than a rounding"),
             _ => format!("triangle {triangle}: hit at t {t}, but outside of this cell"),
         };
     }
