@@ -6,7 +6,7 @@
 use raystep_kernels::ray_kinds::{Aim, Planes, aimed};
 use raystep_kernels::statistics::quantile;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, Skip};
 
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};
@@ -77,12 +77,26 @@ fn ways(rays: &RaySource, cells: GridSize) -> Vec<Way> {
     let mut ways = Vec::new();
     for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
         let grid = if accelerator == Accelerator::Grid { cells } else { GridSize::Auto };
-        let options = Options { accelerator, grid, shade: false, ..Options::new(rays.clone()) };
+        // One thing at a time: some rules leap over no cells, so that none do.
+        let skip = Skip::Off;
+        let options = Options { accelerator, grid, skip, shade: false, ..Options::new(rays.clone()) };
         let mut add = |factor: &str, options: Options| ways.push(Way { accelerator, factor: factor.into(), options });
         add(ROBUST, options.clone());
+        for &rule in Rule::ALL.iter().filter(|rule| has_rule(accelerator, **rule)) {
+            add(&format!("without {rule}"), Options { without: Some(rule), ..options.clone() });
+        }
         add(PAPER, Options { numerics: Numerics::Paper, ..options });
     }
     ways
+}
+
+/// Whether walks through this have the rule.
+fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
+    match rule {
+        Rule::TMax | Rule::Acceptance | Rule::CellGrowth => accelerator == Accelerator::Grid,
+        Rule::BoxPadding => accelerator == Accelerator::Bvh,
+        Rule::TriangleTest => true,
+    }
 }
 
 /// Four times as fine as the automatic grid along each axis that has more than one cell, where there is room.

@@ -12,20 +12,6 @@ use super::table::Row;
 use super::work::{SEED, Work};
 use crate::error::Error;
 
-/// Columns that [`Judged::fill`] fills.
-pub(super) const COLUMNS: [&str; 10] = [
-    "judged_rays",
-    "missed",
-    "false_hits",
-    "wrong_hits",
-    "undecided",
-    "wrong_rays",
-    "wrong_per_million",
-    "wrong_per_million_low",
-    "wrong_per_million_high",
-    "at_bound",
-];
-
 /// Truth, worked out for the first run that is judged and kept for the others.
 #[derive(Default)]
 pub(super) struct Judge {
@@ -103,11 +89,6 @@ impl Judge {
     pub(super) fn direction(&self, place: usize) -> [f64; 3] {
         self.rays[place][1].map(|v| f64::from(f32::from_bits(v)))
     }
-
-    /// The origin of a ray of the sample, in traced units.
-    pub(super) fn origin(&self, place: usize) -> [f64; 3] {
-        self.rays[place][0].map(|v| f64::from(f32::from_bits(v)))
-    }
 }
 
 impl Judged {
@@ -121,7 +102,7 @@ impl Judged {
         self.verdicts.iter().filter(|v| is_error(**v)).count() as u64
     }
 
-    /// Fills [`COLUMNS`].
+    /// Fills the columns of verdicts.
     pub(super) fn fill(&self, row: Row) -> Row {
         let (rays, errors) = (self.verdicts.len() as u64, self.errors());
         let million = |share: f64| 1e6 * share;
