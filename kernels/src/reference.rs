@@ -247,6 +247,28 @@ impl<'a> BruteForce<'a> {
         all
     }
 
+    /// Whether the surface that the ray exactly meets at `t` goes on all around: whether rays a little to each side,
+    /// by more than any rounding of this one, meet something `within` so much of it. Then f32 may not know which of the triangles
+    /// around it hits, but a ray that hits none of them is lost: it has gone through a crack.
+    #[must_use]
+    pub fn is_closed_around(&self, origin: [f32; 3], direction: [f32; 3], t: f64, within: f64) -> bool {
+        // Against the direction's largest component, and so along any axis about as far as along the others.
+        const ASIDE: f64 = 1.0 / (1u32 << 14) as f64;
+        // How much farther or nearer a surface may be there, that is not seen nearly edge-on.
+        const NEXT_TO_IT: f64 = 1.0 / (1u32 << 9) as f64;
+        let d = direction.map(f64::from);
+        let k = largest_axis(d);
+        let (i, j, step) = ((k + 1) % 3, (k + 2) % 3, ASIDE * d[k].abs());
+        (0..8).all(|turn| {
+            let [across, up] = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]][turn];
+            let mut aside = d;
+            aside[i] += step * f64::from(across);
+            aside[j] += step * f64::from(up);
+            let found = self.candidates(origin, aside.map(|v| v as f32));
+            found.exact.is_some_and(|(_, other)| (other - t).abs() <= within.min(NEXT_TO_IT * t))
+        })
+    }
+
     /// `None` where f32, too, must see that the ray misses the triangle.
     fn test(&self, origin: [f32; 3], direction: [f32; 3], o: [f64; 3], d: [f64; 3], triangle: u32) -> Option<Possible> {
         let first = 9 * triangle as usize;
@@ -330,6 +352,19 @@ fn length(a: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_surface_goes_on_around_an_inner_edge_and_ends_at_an_outer_one() {
+        // Two triangles of a square, the diagonal between them, and a wall behind.
+        let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);
+        let wall = [[-90.0, -90.0, 9.0], [90.0, -90.0, 9.0], [0.0, 90.0, 9.0]];
+        let vertices: Vec<f32> = [[a, b, c], [a, c, d], wall].into_iter().flatten().flatten().collect();
+        let triangles = BruteForce::new(&vertices);
+        let is_closed = |x: f32, y: f32| triangles.is_closed_around([0.0; 3], [x, y, 2.0], 1.0, 1.0);
+        assert!(is_closed(0.0, 0.0) && is_closed(0.5, 0.5) && is_closed(0.3, -0.2));
+        assert!(!is_closed(1.0, 0.0) && !is_closed(1.0, 1.0) && !is_closed(-1.0, 0.3));
+        assert!(!triangles.is_closed_around([0.0; 3], [0.5, 0.5, 2.0], 1.0, 1e-9), "rays aside are longer");
+    }
 
     #[test]
     fn a_sample_is_spread_over_all_rays_and_the_same_again() {

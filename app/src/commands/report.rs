@@ -17,9 +17,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use raystep_kernels::{Device, Load};
+use raystep_kernels::{Device, GridSize, Load};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, parse_grid};
 use crate::commands::distinct;
 use crate::commands::input::Input;
 use crate::device::{self, Chosen};
@@ -68,6 +68,10 @@ pub(crate) struct ReportArgs {
     /// Pixels a row and rows of views [default: 192x192; with --quick 64x64]
     #[arg(long, value_name = "WxH", help_heading = "Scene and view")]
     size: Option<Size>,
+    /// Cells of the grid in the section factors [default: auto, finer than elsewhere]
+    #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
+          value_parser = parse_grid, help_heading = "Tracing")]
+    grid: GridSize,
     #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
@@ -121,8 +125,8 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
     let mut tables: Vec<(&Section, Table)> = sections.iter().map(|s| (*s, Table::new(s.columns))).collect();
     let mut scenes = Vec::new();
     for input in &inputs {
-        let is_quick = args.quick;
-        let work = Work { input, chosen: &chosen, size: args.size(), is_quick, progress, load: load.as_ref() };
+        let (size, grid, is_quick) = (args.size(), args.grid, args.quick);
+        let work = Work { input, chosen: &chosen, size, grid, is_quick, progress, load: load.as_ref() };
         let mut parts = Vec::new();
         for (section, table) in &mut tables {
             let part = (section.run)(&work, table)?;

@@ -16,7 +16,7 @@ use crate::scene_data::SceneData;
 pub enum Aim {
     /// Middles of edges, corners, and points along edges.
     Edges,
-    /// Points of triangles that lie in the face of a cell.
+    /// Points of triangles that lie in the face of a cell, every other one on an edge of it if there is one.
     Faces,
     /// Any direction.
     Anywhere,
@@ -79,7 +79,7 @@ pub fn aimed(scene: &Scene, planes: &Planes, aim: Aim, count: usize, seed: u32) 
         let origin = origin.as_vec3().as_dvec3();
         let direction = match aim {
             Aim::Edges => on_edge(scene, i, &mut random) - origin,
-            Aim::Faces => in_face(scene, planes, &mut random) - origin,
+            Aim::Faces => in_face(scene, planes, i, &mut random) - origin,
             Aim::Anywhere => random.on_sphere(),
         };
         ray(origin, direction)
@@ -104,7 +104,7 @@ fn on_edge(scene: &Scene, i: usize, random: &mut Random) -> DVec3 {
     a + (b - a) * along
 }
 
-fn in_face(scene: &Scene, planes: &Planes, random: &mut Random) -> DVec3 {
+fn in_face(scene: &Scene, planes: &Planes, i: usize, random: &mut Random) -> DVec3 {
     let mut point = DVec3::ZERO;
     for _ in 0..TRIES {
         let corners = triangle(scene, random);
@@ -124,7 +124,14 @@ fn in_face(scene: &Scene, planes: &Planes, random: &mut Random) -> DVec3 {
         };
         let cuts: Vec<DVec3> = (0..3).filter_map(cut).collect();
         if let [first, .., last] = cuts[..] {
-            return first + (last - first) * random.unit();
+            // At the edge of a cell, where the line from one point to the other crosses another plane.
+            let other = (axis + 1 + random.below(2)) % 3;
+            let (a, b) = (first[other], last[other]);
+            let share = match planes.between(other, a.min(b), a.max(b), random) {
+                Some(plane) if i % 2 == 0 && a != b => (plane - a) / (b - a),
+                _ => random.unit(),
+            };
+            return first + (last - first) * share;
         }
         if low == high {
             return point;

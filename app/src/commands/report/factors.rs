@@ -1,7 +1,7 @@
 //! One rule exchanged at a time: what it costs, and which rays it saves.
 //!
 //! Rays start in the scene's box, so that what rules say of origins outside does not cover up the rest, and are aimed
-//! where rules differ. The grid is finer than the automatic one: more faces to lose rays at, longer walks to drift along.
+//! where rules differ. The grid is finer than the automatic one.
 
 use raystep_kernels::ray_kinds::{Aim, Planes, aimed};
 use raystep_kernels::statistics::quantile;
@@ -99,17 +99,17 @@ fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
     }
 }
 
-/// Four times as fine as the automatic grid along each axis that has more than one cell, where there is room.
-fn finer(work: &Work<'_>, cells: [i32; 3]) -> [u32; 3] {
-    let most = work.either(1u64 << 19, 1 << 23);
-    let mut factor = 4.0;
-    loop {
-        let finer = cells.map(|n| if n > 1 { (f64::from(n) * factor).round().clamp(2.0, 1024.0) as u32 } else { 1 });
-        if finer.iter().map(|&n| u64::from(n)).product::<u64>() <= most || factor < 0.1 {
-            return finer;
-        }
-        factor *= 0.8;
+/// As asked for; else many more cells than the automatic grid has, along each axis that has more than one: more faces
+/// to lose rays at, and longer walks to drift along.
+fn cells(work: &Work<'_>, automatic: [i32; 3]) -> [u32; 3] {
+    if let GridSize::Cells(cells) = work.grid {
+        return cells;
     }
+    let most = work.either(1u32 << 15, 1 << 20);
+    let axes = automatic.iter().filter(|&&n| n > 1).count().max(1);
+    let count: f64 = automatic.iter().map(|&n| f64::from(n.max(1))).product();
+    let factor = (f64::from(most) / count).powf(1.0 / axes as f64).max(1.0);
+    automatic.map(|n| if n > 1 { (f64::from(n) * factor).round().min(1024.0) as u32 } else { 1 })
 }
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
@@ -123,7 +123,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     // Where origins are decides a little of the grid: these are as those to come.
     let nowhere = Options { shade: false, ..Options::new(RaySource::Given(vec![some_ray(work)])) };
     let (_, data) = Plan::new(scene, &nowhere, &work.chosen.limits())?;
-    let cells = finer(work, data.grid.cells);
+    let cells = cells(work, data.grid.cells);
     let gridded = Options { grid: GridSize::Cells(cells), ..nowhere };
     let (_, data) = Plan::new(scene, &gridded, &work.chosen.limits())?;
     let planes = Planes::of(&data);

@@ -2,8 +2,11 @@
 //!
 //! Every triangle against every ray is too much for a large scene: then a random sample of the rays is judged, spread
 //! over all of them and the same in every run.
+//!
+//! At an edge f32 may not know which of two triangles a ray hits, and either is right. But where the surface goes on all
+//! around, one of them it must be: a ray that goes on is lost, and counts as missed.
 
-use raystep_kernels::reference::{Candidates, Possible, Verdict, candidates_of, sample};
+use raystep_kernels::reference::{BruteForce, Candidates, Possible, Verdict, candidates_of, sample};
 use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
 use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{Renderer, Stream, StreamData};
@@ -57,11 +60,15 @@ impl Judge {
         let (origins, directions) = (read(Stream::RayOrigin)?, read(Stream::RayDirection)?);
         let (state, hit) = (read(Stream::State)?, read(Stream::Hit)?);
         self.prepare(work, renderer, &origins, &directions);
+        let triangles = BruteForce::new(&renderer.data().vertices);
         let mut judged = Judged { at_bound: renderer.unfinished(), ..Judged::default() };
         for (place, (&ray, candidates)) in self.sample.iter().zip(&self.candidates).enumerate() {
             let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), state.get_f32(STATE_T, ray));
             let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
-            let (mistake, _) = candidates.judge(ray, found);
+            let (mut mistake, _) = candidates.judge(ray, found);
+            if mistake.verdict == Verdict::Tie && self.is_lost(&triangles, place, found) {
+                mistake.verdict = Verdict::Missed;
+            }
             if let (Verdict::Same, Some((triangle, t))) = (mistake.verdict, found)
                 && let Some(&exact) = candidates.of(triangle)
             {
@@ -70,6 +77,20 @@ impl Judge {
             judged.verdicts.push(mistake.verdict);
         }
         Ok(judged)
+    }
+
+    /// Whether a ray whose triangle f32 cannot tell has hit none of those that it may: it went on through a crack
+    /// between triangles, where the surface has no end.
+    fn is_lost(&self, triangles: &BruteForce<'_>, place: usize, found: Option<(u32, f64)>) -> bool {
+        let candidates = &self.candidates[place];
+        let Some((triangle, t)) = candidates.exact else { return false };
+        let bound = |triangle| candidates.of(triangle).map_or(0.0, |p| p.t_bound);
+        let goes_on = |(hit, found): (u32, f64)| found > t + bound(hit) + bound(triangle);
+        // What lies around must be nearer than what was found: else the ray passes the surface's end, and meets what
+        // is close behind.
+        let gap = found.map_or(t, |(_, found)| found - t);
+        let [origin, direction] = self.rays[place].map(|v| v.map(f32::from_bits));
+        found.is_none_or(goes_on) && triangles.is_closed_around(origin, direction, t, 0.25 * gap)
     }
 
     /// Works out what each ray may hit, unless these are the rays of before.

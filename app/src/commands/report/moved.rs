@@ -10,6 +10,10 @@
 //! |Δt| ≤ Σ |n_axis| · (h(o_axis) + max h(c_axis)) / |d·n|
 //! ```
 //!
+//! Both are worst cases. A sharper line, and no bound, is one rounding, 2⁻²⁴, of the depth of the farthest corner of what
+//! is hit: t is a mean of the corners' depths, each of which has been rounded, and the errors of their weights move it
+//! only as far as depths differ.
+//!
 //! Errors of t become distances along the ray, relative to the scene's extent, so that all places can be compared.
 
 use std::ops::ControlFlow;
@@ -58,6 +62,8 @@ pub(super) const COLUMNS: &[&str] = &[
     "t_bound_extents_median",
     "t_largest_by_bound",
     "t_error_by_own_bound_largest",
+    "t_step_extents_largest",
+    "t_largest_by_step",
     "rounding_rays",
     "rounding_error_extents_largest",
     "rounding_error_extents_median",
@@ -121,14 +127,16 @@ fn say(rows: &[Row], part: &mut Part) {
         let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
         robust.filter_map(|r| Some((r.number(column)?, r.get(column)))).max_by(|a, b| a.0.total_cmp(&b.0))
     };
-    if let (Some((_, of_largest)), Some((own, of_own))) = (most("t_largest_by_bound"), most("t_error_by_own_bound_largest"))
-    {
-        let loose = if own < 0.1 { ": more than ten times too loose to be called tight" } else { "" };
+    let ratios = (most("t_largest_by_bound"), most("t_error_by_own_bound_largest"), most("t_largest_by_step"));
+    if let (Some((largest, of_largest)), Some((_, of_own)), Some((_, of_step))) = ratios {
+        let loose = if largest < 0.1 { ": too loose to be read as a prediction of it" } else { "" };
         part.prose.push(format!(
-            "By robust rules the largest error is at most {} of the largest bound, the dashed line of the same colour; no \
-             single ray comes nearer to its own bound than {}{loose}.",
+            "By robust rules the largest error of the arithmetic is at most {} of the largest bound{loose}. No single ray \
+             comes nearer to its own bound than {} of it. The largest error is at most {} of one rounding, 2⁻²⁴, of the \
+             largest depth that is rounded.",
             number(of_largest),
-            number(of_own)
+            number(of_own),
+            number(of_step)
         ));
     }
     if let Some((_, ratio)) = most("rounding_largest_by_bound") {
@@ -251,6 +259,8 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
 struct Errors {
     errors: Vec<f64>,
     bounds: Vec<f64>,
+    /// Of the arithmetic: one rounding of the largest depth.
+    steps: Vec<f64>,
 }
 
 impl Errors {
@@ -271,7 +281,12 @@ impl Errors {
             .set(&format!("{of}_bound_extents_median"), quantile(&self.bounds, 0.5))
             .set(&format!("{of}_largest_by_bound"), error.zip(bound).map(|(e, b)| e / b));
         match of {
-            "t" => row.set("t_error_by_own_bound_largest", own.reduce(f64::max)),
+            "t" => {
+                let step = largest(&self.steps);
+                row.set("t_error_by_own_bound_largest", own.reduce(f64::max))
+                    .set("t_step_extents_largest", step)
+                    .set("t_largest_by_step", error.zip(step).map(|(e, s)| e / s))
+            }
             _ => row.set("rounding_beyond_bound_rays", own.filter(|&share| share > 1.0).count()),
         }
     }
@@ -283,6 +298,7 @@ fn measure(judged: &Judged, judge: &Judge, extent: f64) -> Errors {
     for right in &judged.right {
         let length = DVec3::from(judge.direction(right.place)).length() / extent;
         errors.add((right.t - right.exact.t).abs() * length, right.exact.t_bound * length);
+        errors.steps.push(0.5 * f64::from(f32::EPSILON) * right.exact.far * length);
     }
     errors
 }
@@ -346,13 +362,14 @@ fn error_plot(column: &str, rows: &[Row]) -> Plot {
     ] {
         series.push(Series::line(name, color, points(&format!("{of}_error_extents_{which}"))));
         let predicted = points(&format!("{of}_bound_extents_{which}"));
-        series.push(Series::dashed(format!("… predicted, {which}"), color, predicted));
+        series.push(Series::dashed(format!("bound, {which}"), color, predicted));
     }
     // One entry in the legend for each colour's prediction.
     for s in series.iter_mut().filter(|s| s.stroke == Stroke::Dashed && s.color != 0) {
         s.name = String::new();
     }
-    series[1].name = "predicted".into();
+    series[1].name = "their bounds".into();
+    series.push(Series::dashed("one rounding of the depth", 6, points("t_step_extents_largest")));
     Plot {
         title: "Error of t along the ray, robust rules".into(),
         x: axis_of(column),

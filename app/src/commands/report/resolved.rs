@@ -249,12 +249,19 @@ fn read_back(
     for (index, pass) in passes.iter().enumerate() {
         let now = decided(&pass.counts);
         let is_last = index + 1 == passes.len();
+        if index == 0 && now == 0 {
+            // Where the curves begin.
+            read.push(ReadBack { pass: 0, is_resolved: vec![false; judge.sample.len()] });
+        }
         if now == before && !is_last {
             continue;
         }
         work.progress.part("reading back", index as u64, passes.len() as u64);
         work.chosen.wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
-        if now != before || read.is_empty() {
+        if now != before || is_last {
+            if read.last().is_some_and(|r| r.pass == index) {
+                read.pop();
+            }
             let tags = work.chosen.wait(renderer.values(Stream::State))?;
             let is_done = |&ray: &usize| {
                 matches!(tags.get(STATE_TAG, ray), state::SHADE | state::BACKGROUND | state::DONE)

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use raystep_kernels::export::csv::Timer;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Load, Options, RaySource, RenderError, Renderer};
+use raystep_kernels::{GridSize, Load, Options, RaySource, RenderError, Renderer};
 
 use super::table::Row;
 use crate::args::Size;
@@ -33,6 +33,8 @@ pub(super) struct Work<'a> {
     pub(super) input: &'a Input,
     pub(super) chosen: &'a Chosen,
     pub(super) size: Size,
+    /// For what is not about the grid's resolution.
+    pub(super) grid: GridSize,
     pub(super) is_quick: bool,
     pub(super) progress: &'a Progress,
     /// What a GPU does between runs, which keeps its clocks up.

@@ -53,7 +53,7 @@ impl Axis {
         if scale == Scale::Linear {
             let (low, high) = span(&mut values.into_iter());
             // From 0 on, where that is not far.
-            let low = if low > 0.0 && low < 0.6 * high { 0.0 } else { low };
+            let low = if low > 0.0 && (low < 0.6 * high || low == high) { 0.0 } else { low };
             let room = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
             let low = if low == 0.0 { 0.0 } else { low - room };
             return Ranged { scale, low, high: high + room };
