@@ -6,7 +6,9 @@ use std::path::Path;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::commands::{bench, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace};
+use crate::commands::{
+    bench, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace,
+};
 use crate::error::Error;
 use crate::window;
 

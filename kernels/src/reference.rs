@@ -75,9 +75,8 @@ pub fn check_rays(
 #[must_use]
 pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
     let triangles = BruteForce::new(vertices);
-    let part = |range: std::ops::Range<usize>| {
-        range.map(|i| triangles.candidates(rays[i][0], rays[i][1])).collect::<Vec<_>>()
-    };
+    let part =
+        |range: std::ops::Range<usize>| range.map(|i| triangles.candidates(rays[i][0], rays[i][1])).collect::<Vec<_>>();
     map_ranges(rays.len(), 16, part).concat()
 }
 
@@ -363,7 +362,11 @@ mod tests {
         let is_closed = |x: f32, y: f32| triangles.is_closed_around([0.0; 3], [x, y, 2.0], 1.0, 1.0);
         assert!(is_closed(0.0, 0.0) && is_closed(0.5, 0.5) && is_closed(0.3, -0.2));
         assert!(!is_closed(1.0, 0.0) && !is_closed(1.0, 1.0) && !is_closed(-1.0, 0.3));
-        assert!(!triangles.is_closed_around([0.0; 3], [0.5, 0.5, 2.0], 1.0, 1e-9), "rays aside are longer");
+        // Close behind the end of one surface is another: whether that goes on from it is a question of how near.
+        let behind = wall.map(|[x, y, _]| [x, y, 2.0002]);
+        let vertices: Vec<f32> = [[a, b, c], [a, c, d], behind].into_iter().flatten().flatten().collect();
+        let is_closed = |within| BruteForce::new(&vertices).is_closed_around([0.0; 3], [1.0, 0.0, 2.0], 1.0, within);
+        assert!(is_closed(1e-3) && !is_closed(2.5e-5));
     }
 
     #[test]

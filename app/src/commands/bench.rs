@@ -14,12 +14,12 @@ use raystep_kernels::options::STEPS_PER_PASS;
 use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
 
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, TuningArgs, grid_text, named};
+use crate::commands::distinct;
+use crate::commands::input::Input;
 use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::terminal::{Progress, print};
-use crate::commands::distinct;
-use crate::commands::input::Input;
 use baseline::Baseline;
 use input::Viewed;
 use measure::{Bench, Group};

@@ -3,9 +3,9 @@
 //! Rays start in the scene's box, so that what rules say of origins outside does not cover up the rest, and are aimed
 //! where rules differ. The grid is finer than the automatic one.
 
+use raystep_kernels::plan::Plan;
 use raystep_kernels::ray_kinds::{Aim, Planes, aimed};
 use raystep_kernels::statistics::quantile;
-use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, Skip};
 
 use super::judge::{Judge, Judged};
@@ -182,7 +182,8 @@ fn one_aim(work: &Work<'_>, aim: Aim, ways: &[Way], table: &mut Table, part: &mu
         // What was given up is judged as far as it came.
         let judged: Judged = judge.judge(work, &ready.renderer)?;
         let robust = robust_of(way.accelerator).map(|r| times[r].as_slice());
-        let ratios: Vec<f64> = times[i].iter().zip(robust.unwrap_or_default()).map(|(ns, robust)| ns / robust).collect();
+        let ratios: Vec<f64> =
+            times[i].iter().zip(robust.unwrap_or_default()).map(|(ns, robust)| ns / robust).collect();
         let [x, y, z] = ready.renderer.data().grid.cells;
         let is_grid = way.accelerator == Accelerator::Grid;
         let cells = |n: i32| is_grid.then_some(n);

@@ -158,7 +158,8 @@ fn ways(work: &Work<'_>) -> Result<Vec<Way>, Error> {
     while exponent <= 2.0 {
         let factor = 2f64.powf(exponent);
         exponent += steps;
-        let cells = automatic.map(|n| if n > 1 { (f64::from(n) * factor).round().clamp(1.0, 4096.0) as u32 } else { 1 });
+        let cells =
+            automatic.map(|n| if n > 1 { (f64::from(n) * factor).round().clamp(1.0, 4096.0) as u32 } else { 1 });
         if seen.contains(&cells) || cells.iter().map(|&n| u64::from(n)).product::<u64>() > MOST_CELLS {
             continue;
         }

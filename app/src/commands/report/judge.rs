@@ -68,6 +68,17 @@ impl Judge {
             let (mut mistake, _) = candidates.judge(ray, found);
             if mistake.verdict == Verdict::Tie && self.is_lost(&triangles, place, found) {
                 mistake.verdict = Verdict::Missed;
+                if std::env::var_os("DBG").is_some() {
+                    eprintln!(
+                        "lost {ray} {:?} found {found:?} {:?}",
+                        self.rays[place].map(|v| v.map(f32::from_bits)),
+                        candidates
+                    );
+                    for p in &candidates.possible {
+                        let v = &renderer.data().vertices[9 * p.triangle as usize..];
+                        eprintln!("  {:?}", &v[..9]);
+                    }
+                }
             }
             if let (Verdict::Same, Some((triangle, t))) = (mistake.verdict, found)
                 && let Some(&exact) = candidates.of(triangle)

@@ -94,9 +94,10 @@ fn one(work: &Work<'_>, accelerator: Accelerator, schedule: ScheduleKind, part: 
     // Built in turn, too: what a driver caches it caches for both. The last of each is run.
     let mut compile: [Vec<f64>; 2] = Default::default();
     let mut last: [Option<Renderer>; 2] = Default::default();
+    let planned = [work.plan(&options)?, work.plan(&kept)?];
     for _ in 0..work.either(2, 5) {
         for (i, options) in [&options, &kept].into_iter().enumerate() {
-            let built = work.build(options)?;
+            let built = work.start(&planned[i], options)?;
             compile[i].push(built.compile_s);
             last[i] = Some(built.renderer);
         }
@@ -168,8 +169,7 @@ fn first_of(rays: &[usize]) -> String {
 fn plot(rows: &[Row]) -> Plot {
     let mut series = Vec::new();
     for (color, accelerator, mark) in [(0, "grid", Mark::Dot), (1, "bvh", Mark::Triangle)] {
-        let of: Vec<(usize, &Row)> =
-            rows.iter().filter(|r| r.get("accelerator") == accelerator).enumerate().collect();
+        let of: Vec<(usize, &Row)> = rows.iter().filter(|r| r.get("accelerator") == accelerator).enumerate().collect();
         // Side by side: the place along x is the schedule's, numbered as the legend says.
         let x = |i: usize| i as f64 + 1.0 + if color == 0 { -0.06 } else { 0.06 };
         let points = of.iter().filter_map(|(i, r)| Some((x(*i), r.number("time_ratio")?))).collect();

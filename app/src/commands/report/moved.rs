@@ -62,6 +62,7 @@ pub(super) const COLUMNS: &[&str] = &[
     "t_bound_extents_median",
     "t_largest_by_bound",
     "t_error_by_own_bound_largest",
+    "t_bound_extents_of_largest_error",
     "t_step_extents_largest",
     "t_largest_by_step",
     "rounding_rays",
@@ -164,10 +165,13 @@ impl Here {
         let mut renderer = work.build(&options)?.renderer;
         work.chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
         // All of them: there are no more than can be judged.
-        let traced: Vec<_> = rays.iter().map(|ray| {
-            let (ray, _) = raystep_kernels::scene_data::traced_ray(ray, renderer.data().units);
-            [ray.origin, ray.direction]
-        }).collect();
+        let traced: Vec<_> = rays
+            .iter()
+            .map(|ray| {
+                let (ray, _) = raystep_kernels::scene_data::traced_ray(ray, renderer.data().units);
+                [ray.origin, ray.direction]
+            })
+            .collect();
         let candidates = raystep_kernels::reference::candidates_of(&renderer.data().vertices, &traced);
         let exact = candidates.iter().enumerate().map(|(i, c)| c.exact.map(|(k, t)| (k, t * renderer.t_scale(i))));
         Ok(Self { extent: extent(scene), exact: exact.collect(), rays })
@@ -283,7 +287,10 @@ impl Errors {
         match of {
             "t" => {
                 let step = largest(&self.steps);
+                let pairs = self.errors.iter().zip(&self.bounds);
+                let worst = pairs.max_by(|a, b| a.0.total_cmp(b.0)).map(|(_, bound)| *bound);
                 row.set("t_error_by_own_bound_largest", own.reduce(f64::max))
+                    .set("t_bound_extents_of_largest_error", worst)
                     .set("t_step_extents_largest", step)
                     .set("t_largest_by_step", error.zip(step).map(|(e, s)| e / s))
             }
@@ -322,14 +329,16 @@ fn rounding(
         }
         let scale = renderer.t_scale(index);
         let (ray, corners) = (&rays[index], &scene.triangles[triangle as usize]);
-        let [direction, a, b, c] = [ray.direction, corners[0], corners[1], corners[2]].map(|v| glam::Vec3::from(v).as_dvec3());
+        let [direction, a, b, c] =
+            [ray.direction, corners[0], corners[1], corners[2]].map(|v| glam::Vec3::from(v).as_dvec3());
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-        let half_steps = |axis: usize| {
-            half_step(ray.origin[axis]) + corners.iter().map(|c| half_step(c[axis])).fold(0.0, f64::max)
-        };
-        let moved: f64 = (0..3).map(|axis| normal[axis].abs() * half_steps(axis)).sum::<f64>() / direction.dot(normal).abs();
+        let half_steps =
+            |axis: usize| half_step(ray.origin[axis]) + corners.iter().map(|c| half_step(c[axis])).fold(0.0, f64::max);
+        let moved: f64 =
+            (0..3).map(|axis| normal[axis].abs() * half_steps(axis)).sum::<f64>() / direction.dot(normal).abs();
         let length = direction.length() / (here.extent * place.scale());
-        errors.add((right.t * scale - t * place.scale()).abs() * length, (moved + right.exact.t_bound * scale) * length);
+        errors
+            .add((right.t * scale - t * place.scale()).abs() * length, (moved + right.exact.t_bound * scale) * length);
     }
     errors
 }
@@ -365,10 +374,10 @@ fn error_plot(column: &str, rows: &[Row]) -> Plot {
         series.push(Series::dashed(format!("bound, {which}"), color, predicted));
     }
     // One entry in the legend for each colour's prediction.
-    for s in series.iter_mut().filter(|s| s.stroke == Stroke::Dashed && s.color != 0) {
-        s.name = String::new();
+    for s in series.iter_mut().filter(|s| s.stroke == Stroke::Dashed) {
+        s.name = if s.color == 0 { "bounds of the same colour".into() } else { String::new() };
     }
-    series[1].name = "their bounds".into();
+    series.push(Series::dashed("arithmetic, of the worst ray", 5, points("t_bound_extents_of_largest_error")));
     series.push(Series::dashed("one rounding of the depth", 6, points("t_step_extents_largest")));
     Plot {
         title: "Error of t along the ray, robust rules".into(),

@@ -39,7 +39,8 @@ impl Part {
             return;
         }
         // Numbers stand at the right, words at the left.
-        let is_words = |column: &str| rows.iter().any(|row| row.number(column).is_none() && !row.get(column).is_empty());
+        let is_words =
+            |column: &str| rows.iter().any(|row| row.number(column).is_none() && !row.get(column).is_empty());
         let class: Vec<&str> = columns.iter().map(|c| if is_words(c) { " class=\"l\"" } else { "" }).collect();
         let mut html = String::from("<div class=\"wide\"><table><tr>");
         // Writing to a string cannot fail.

@@ -11,7 +11,9 @@ use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea as _};
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{BLACK, Color as _, FontTransform, IntoFont as _, IntoTextStyle as _, RGBColor, ShapeStyle, WHITE};
+use plotters::style::{
+    BLACK, Color as _, FontTransform, IntoFont as _, IntoTextStyle as _, RGBColor, ShapeStyle, WHITE,
+};
 
 pub(super) use axis::{Axis, Scale};
 

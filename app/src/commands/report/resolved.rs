@@ -144,7 +144,8 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge) -> Result<Result<Vec<Row>, 
         timings: true,
         ..Options::new(work.camera_rays())
     };
-    let mut timed = work.build(&options)?.renderer;
+    let planned = work.plan(&options)?;
+    let mut timed = work.start(&planned, &options)?.renderer;
     let Some((passes, times)) = timed_passes(work, &mut timed)? else {
         return Ok(Err("it was given up: too slow, or without an end".into()));
     };
@@ -152,7 +153,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge) -> Result<Result<Vec<Row>, 
     let run_ns = match work.chosen.gpu() {
         None => times.last().copied(),
         Some(_) => {
-            let mut plain = work.build(&Options { timings: false, ..options })?.renderer;
+            let mut plain = work.start(&planned, &Options { timings: false, ..options })?.renderer;
             quantile(&work.time_in_turn(&mut [&mut plain], work.either(3, 5))?[0], 0.5)
         }
     };
@@ -249,23 +250,15 @@ fn read_back(
     for (index, pass) in passes.iter().enumerate() {
         let now = decided(&pass.counts);
         let is_last = index + 1 == passes.len();
-        if index == 0 && now == 0 {
-            // Where the curves begin.
-            read.push(ReadBack { pass: 0, is_resolved: vec![false; judge.sample.len()] });
-        }
         if now == before && !is_last {
             continue;
         }
         work.progress.part("reading back", index as u64, passes.len() as u64);
         work.chosen.wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
         if now != before || is_last {
-            if read.last().is_some_and(|r| r.pass == index) {
-                read.pop();
-            }
             let tags = work.chosen.wait(renderer.values(Stream::State))?;
-            let is_done = |&ray: &usize| {
-                matches!(tags.get(STATE_TAG, ray), state::SHADE | state::BACKGROUND | state::DONE)
-            };
+            let is_done =
+                |&ray: &usize| matches!(tags.get(STATE_TAG, ray), state::SHADE | state::BACKGROUND | state::DONE);
             read.push(ReadBack { pass: index, is_resolved: judge.sample.iter().map(is_done).collect() });
         }
         before = now;
@@ -275,6 +268,12 @@ fn read_back(
 
 fn curve(row: &[&Row], y: impl Fn(&Row) -> Option<f64>) -> Vec<(f64, f64)> {
     row.iter().filter_map(|r| Some((r.number("time_ns")? / 1e6, y(r)?))).collect()
+}
+
+/// Until the first pass that changes anything, there is nothing.
+fn from_zero(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let begin = points.first().map(|p| (p.0, 0.0));
+    begin.into_iter().chain(points).collect()
 }
 
 fn rows_of<'a>(rows: &'a [Row], wanted: &[(&str, &str)]) -> Vec<&'a Row> {
@@ -287,8 +286,11 @@ fn resolved_plot(accelerator: &str, rows: &[Row]) -> Plot {
     let paper = [("first", "paper"), ("second", "paper")];
     let series = ways.iter().chain(&paper).enumerate().filter_map(|(i, &(schedule, numerics))| {
         let of_way = [("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)];
-        let points = curve(&rows_of(rows, &of_way), share);
         let is_point = schedule == "fused";
+        let points = curve(&rows_of(rows, &of_way), share);
+        // All at once: what it shades with afterwards does not matter.
+        let points =
+            if is_point { points.into_iter().filter(|p| p.1 > 0.0).take(1).collect() } else { from_zero(points) };
         let name = if numerics == "paper" { format!("{schedule}, paper's rules") } else { schedule.to_owned() };
         let mark = if is_point { Mark::Square } else { Mark::None };
         let stroke = if is_point { Stroke::None } else { Stroke::Steps };
@@ -310,13 +312,12 @@ fn wrong_plot(rows: &[Row]) -> Plot {
     };
     let mut series = Vec::new();
     for (color, accelerator) in ["grid", "bvh", "none"].into_iter().enumerate() {
-        for (numerics, schedules, stroke) in [
-            ("paper", &["first", "second"][..], Stroke::Steps),
-            ("robust", &["compact"], Stroke::Dashed),
-        ] {
+        for (numerics, schedules, stroke) in
+            [("paper", &["first", "second"][..], Stroke::Steps), ("robust", &["compact"], Stroke::Dashed)]
+        {
             for schedule in schedules {
                 let of_way = [("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)];
-                let points = curve(&rows_of(rows, &of_way), wrong);
+                let points = from_zero(curve(&rows_of(rows, &of_way), wrong));
                 let name = format!("{accelerator} {schedule}, {numerics}");
                 if !points.is_empty() {
                     series.push(Series { name, points, whiskers: Vec::new(), color, mark: Mark::None, stroke });

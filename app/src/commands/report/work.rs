@@ -1,10 +1,12 @@
 //! What a section works with: a scene on a device, how long runs may take, and runs measured in turn.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use raystep_kernels::export::csv::Timer;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{GridSize, Load, Options, RaySource, RenderError, Renderer};
 
 use super::table::Row;
@@ -39,6 +41,14 @@ pub(super) struct Work<'a> {
     pub(super) progress: &'a Progress,
     /// What a GPU does between runs, which keeps its clocks up.
     pub(super) load: Option<&'a Load>,
+}
+
+/// Something that is planned, for as many runs as are wanted.
+pub(super) struct Planned {
+    plan: Arc<Plan>,
+    data: Arc<SceneData>,
+    /// Planning: the structure above all.
+    build_s: f64,
 }
 
 /// Something that is ready to run, and what that took.
@@ -89,18 +99,29 @@ impl Work<'_> {
         }
     }
 
-    /// Plans, builds, compiles. Whether runs are timed as a whole or by pass is the caller's choice on a GPU; the
+    /// Plans and builds.
+    pub(super) fn plan(&self, options: &Options) -> Result<Planned, Error> {
+        let begin = Instant::now();
+        let (plan, data) = Plan::new(&self.input.scene, options, &self.chosen.limits())?;
+        Ok(Planned { plan: Arc::new(plan), data: Arc::new(data), build_s: begin.elapsed().as_secs_f64() })
+    }
+
+    /// Compiles, allocates, uploads. Whether runs are timed as a whole or by pass is the caller's choice on a GPU; the
     /// twins' total is the sum of their passes.
-    pub(super) fn build(&self, options: &Options) -> Result<Built, Error> {
+    pub(super) fn start(&self, planned: &Planned, options: &Options) -> Result<Built, Error> {
         let mut options = options.clone();
         options.timings |= self.chosen.gpu().is_none();
         let begin = Instant::now();
-        let (plan, data) = Plan::new(&self.input.scene, &options, &self.chosen.limits())?;
-        let build_s = begin.elapsed().as_secs_f64();
-        let begin = Instant::now();
-        let renderer = self.chosen.wait(Renderer::from_plan(plan, data, &options, &self.chosen.device))?;
+        let Planned { plan, data, build_s } = planned;
+        let starting = Renderer::from_plan(plan.clone(), data.clone(), &options, &self.chosen.device);
+        let renderer = self.chosen.wait(starting)?;
         self.chosen.settle();
-        Ok(Built { renderer, build_s, compile_s: begin.elapsed().as_secs_f64() })
+        Ok(Built { renderer, build_s: *build_s, compile_s: begin.elapsed().as_secs_f64() })
+    }
+
+    /// Both.
+    pub(super) fn build(&self, options: &Options) -> Result<Built, Error> {
+        self.start(&self.plan(options)?, options)
     }
 
     /// Whether an error is one of what was asked for, so that the rest can go on: not so where the device has failed.
