@@ -65,6 +65,25 @@ fn robust_rules_pass_and_the_papers_fail_where_they_must() {
 }
 
 #[test]
+fn tmax_is_measured_along_the_long_walk() {
+    let place = Place::new();
+    let outcome = place.ok(&["stability", "--case", "long-walk", "--quick", "--device", "cpu", "-o", "out"]);
+    assert!(outcome.stdout.contains("tMax, cpu_f32 robust: off by at most"), "{outcome:?}");
+    let rows = rows(&place.read("out/tmax.csv"));
+    let errors = |rules: &str| -> Vec<f64> {
+        rows.iter().filter(|r| r["rules"] == rules).map(|r| r["error_units"].parse().expect("a number")).collect()
+    };
+    // 8 units of 2^-24 whatever the cell; accumulated, hundreds.
+    assert!(errors("robust").len() > 50 && errors("robust").iter().all(|&e| e <= 8.0), "{:?}", errors("robust"));
+    for rules in ["robust, tMax accumulated", "paper"] {
+        let [first, .., last] = errors(rules)[..] else { panic!("{rules}: few samples") };
+        assert!(last > 100.0 && last > 10.0 * first, "{rules}: {first} to {last}");
+    }
+    let page = String::from_utf8(place.read("out/stability.html")).expect("UTF-8");
+    assert!(page.contains("tMax along a walk") && !page.contains("id=\"pipelines\""), "of all cases only");
+}
+
+#[test]
 fn one_accelerator_without_files_and_the_list_of_cases() {
     let place = Place::new();
     let outcome = place.ok(&[&TWO[..], &["--accelerator", "grid"]].concat());

@@ -9,15 +9,19 @@
 //! | `cases` | the table |
 //! | `claims` | what the table claims of them, with reasons |
 //! | `make`, `planes` | the scenes and rays that its entries are made of |
+//! | `probe` | the same pairs of ray and triangle through every pipeline |
 //! | `score` | what became of every ray, counted |
+//! | `drift` | how far tMax is off along a walk |
 //! | `row` | a row of `stability.csv`, and whether it is as it must be |
 //!
 //! Nothing here reads a clock or writes a file.
 
 mod cases;
 mod claims;
+pub mod drift;
 mod make;
 mod planes;
+pub mod probe;
 mod row;
 mod score;
 

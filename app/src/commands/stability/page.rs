@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use raystep_kernels::stability::Row;
+use raystep_kernels::stability::{Row, drift, probe};
 
 use super::picture::{LEGEND, Picture};
-use super::{Outcome, table};
+use super::{Outcome, Report, table};
 use crate::commands::html::{self, escaped};
 use crate::error::Error;
 
@@ -43,8 +43,8 @@ pixelated;border:1px solid var(--rule);width:16rem}.key{display:inline-block;wid
 border:1px solid #bbb}";
 
 /// The page.
-pub(super) fn html(outcomes: &[Outcome]) -> Result<String, Error> {
-    let mut page = String::new();
+pub(super) fn html(report: &Report) -> Result<String, Error> {
+    let (mut page, outcomes) = (String::new(), &report.outcomes);
     let rows: Vec<&Row> = outcomes.iter().flat_map(|o| &o.rows).collect();
     let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
     let adapter = rows.iter().map(|row| row.field("adapter")).find(|name| !name.is_empty());
@@ -69,6 +69,8 @@ pub(super) fn html(outcomes: &[Outcome]) -> Result<String, Error> {
     for outcome in outcomes {
         section(&mut page, outcome)?;
     }
+    walks(&mut page, &report.walks);
+    pipelines(&mut page, &report.pipelines);
     Ok(html::page("raystep: stability", STYLE, &page))
 }
 
@@ -135,6 +137,69 @@ fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
     Ok(())
 }
 
+fn walks(page: &mut String, walks: &[drift::Walked]) {
+    if walks.is_empty() {
+        return;
+    }
+    *page += "<h2 id=\"tmax\">tMax along a walk</h2>\n<p>The error of tMax over the cells of a walk, in units of \
+              2<sup>-24</sup> max(|plane|, |origin|) / |direction|. Robust rules work it out from the cell each time. \
+              All samples are in <code>tmax.csv</code>.</p>\n<table><tr><th class=\"l\">device</th><th class=\"l\">\
+              rules</th><th>cells</th><th>largest error</th><th>bound</th></tr>\n";
+    for walked in walks {
+        let (Some(last), class) = (walked.samples.last(), if walked.is_as_expected() { "" } else { " class=\"odd\"" })
+        else {
+            continue;
+        };
+        let bound = if walked.is_bounded() { drift::BOUND.to_string() } else { String::new() };
+        let _ = writeln!(
+            page,
+            "<tr{class}><td class=\"l\">{}</td><td class=\"l\">{}</td><td>{}</td><td>{:.4}</td><td>{bound}</td></tr>",
+            walked.place.device,
+            escaped(walked.rules.name),
+            last.cells,
+            walked.largest(),
+        );
+    }
+    *page += "</table>\n";
+}
+
+/// Columns of `pipelines.csv` that are shown.
+const PROBED: [(&str, &str); 11] = [
+    ("device", "device"),
+    ("pipeline", "pipeline"),
+    ("compared_with", "compared with"),
+    ("pairs", "pairs"),
+    ("other_triangle", "other triangle"),
+    ("differing_t", "t differs"),
+    ("differing_u", "u differs"),
+    ("differing_v", "v differs"),
+    ("t_ulp", "t, ulp"),
+    ("u_ulp", "u, ulp of 1"),
+    ("v_ulp", "v, ulp of 1"),
+];
+
+fn pipelines(page: &mut String, rows: &[probe::Row]) {
+    if rows.is_empty() {
+        return;
+    }
+    *page += "<h2 id=\"pipelines\">Pipelines</h2>\n<p>The same pairs of ray and triangle through every pipeline that \
+              has the triangle test in it: each is compiled apart, and t may differ in its last bits. Grid, tree and \
+              none agree bit for bit as far as nothing differs here. The rows are those of \
+              <code>pipelines.csv</code>.</p>\n<div class=\"wide\"><table><tr>";
+    for (column, heading) in PROBED {
+        let _ = write!(page, "<th{}>{heading}</th>", class_of(column));
+    }
+    *page += "</tr>\n";
+    for row in rows {
+        *page += "<tr>";
+        for (column, _) in PROBED {
+            let _ = write!(page, "<td{}>{}</td>", class_of(column), escaped(row.field(column)));
+        }
+        *page += "</tr>\n";
+    }
+    *page += "</table></div>\n";
+}
+
 fn figure(page: &mut String, picture: &Picture) -> Result<(), Error> {
     let [width, height] = picture.size();
     let ways = escaped(&picture.ways.join("; "));
@@ -151,7 +216,8 @@ fn figure(page: &mut String, picture: &Picture) -> Result<(), Error> {
 /// Words stand at the left of their column.
 fn class_of(column: &str) -> &'static str {
     match column {
-        "numerics" | "accelerator" | "schedule" | "triangle_test" | "device" | "expected" | "result" => " class=\"l\"",
+        "numerics" | "accelerator" | "schedule" | "triangle_test" | "device" | "pipeline" | "compared_with"
+        | "expected" | "result" => " class=\"l\"",
         _ => "",
     }
 }

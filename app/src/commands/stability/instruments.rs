@@ -1,0 +1,82 @@
+//! What is measured beside the cases: tMax along a walk, and how pipelines differ.
+
+use std::fmt::Write as _;
+
+use raystep_kernels::stability::{Place, drift, probe};
+
+use super::Report;
+use crate::device::{Chosen, block_on};
+use crate::error::Error;
+use crate::terminal::Progress;
+
+/// Rays of the long walk.
+const WALKING: usize = 256;
+/// Rays of the probe.
+const PROBED: usize = 16_384;
+
+/// Walks by each of the rules, where numbers are f32.
+pub(super) fn walks(quick: bool, places: &[(Place, Chosen)], progress: &Progress) -> Result<Vec<drift::Walked>, Error> {
+    let mut all = Vec::new();
+    for (place, chosen) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
+        for rules in drift::RULES {
+            progress.stage(&format!("tMax along a walk, {}: {}", place.device, rules.name));
+            let walking = drift::walk(rules, if quick { WALKING / 8 } else { WALKING }, &chosen.device);
+            all.push(drift::Walked { place: place.clone(), rules, samples: block_on(chosen.gpu(), walking)? });
+        }
+    }
+    Ok(all)
+}
+
+/// Traces the same pairs through every pipeline of every device, where numbers are f32. The first device's first
+/// pipeline is what all others with the same rays are compared with.
+pub(super) fn pipelines(
+    quick: bool,
+    places: &[(Place, Chosen)],
+    progress: &Progress,
+) -> Result<Vec<probe::Row>, Error> {
+    let workloads = probe::workloads(if quick { PROBED / 8 } else { PROBED })?;
+    let mut rows = Vec::new();
+    let mut bases: [Option<(String, probe::Bits)>; 2] = [None, None];
+    for (place, chosen) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
+        for pipeline in probe::pipelines(&workloads) {
+            progress.stage(&format!("pipelines, {}: {}", place.device, pipeline.name));
+            let bits = block_on(chosen.gpu(), probe::run(&pipeline, &workloads, &chosen.device))?;
+            let (name, base) = bases[usize::from(pipeline.is_camera)]
+                .get_or_insert_with(|| (format!("{}: {}", place.device, pipeline.name), bits.clone()));
+            rows.push(probe::Row::new(place, &pipeline, name, bits.difference(base)));
+        }
+    }
+    Ok(rows)
+}
+
+/// What came of a walk, in words.
+pub(super) fn told(walked: &drift::Walked) -> String {
+    let last = walked.samples.last().map_or(0, |sample| sample.cells);
+    let bound = if walked.is_bounded() { format!(", bound {}", drift::BOUND) } else { String::new() };
+    format!(
+        "{} {}: off by at most {:.1} units of 2^-24 over {last} cells{bound}",
+        walked.place.device,
+        walked.rules.name,
+        walked.largest(),
+    )
+}
+
+/// What came of both, for people.
+pub(super) fn text(report: &Report) -> String {
+    let mut text = String::new();
+    for walked in &report.walks {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "tMax, {}", told(walked));
+    }
+    let all = &report.pipelines;
+    let differing: Vec<_> = all.iter().filter(|row| row.difference.differing != [0; 3]).collect();
+    if !all.is_empty() {
+        let _ = writeln!(
+            text,
+            "{} pipelines; {} differ in some bits from the first of the same rays",
+            all.len(),
+            differing.len()
+        );
+    }
+    text
+}
