@@ -52,12 +52,11 @@ impl Planes {
         let index = |x: f64| (x - self.corner[axis]) / self.width[axis];
         let first = index(low).ceil().max(1.0);
         let last = index(high).floor().min(f64::from(self.cells[axis] - 1));
-        // Not a number where the grid has no width.
-        if !(first <= last) {
-            return None;
-        }
-        let chosen = first + random.below((last - first) as usize + 1) as f64;
-        Some(self.corner[axis] + self.width[axis] * chosen)
+        // Neither is a number where the grid has no width.
+        (first <= last).then(|| {
+            let chosen = first + random.below((last - first) as usize + 1) as f64;
+            self.corner[axis] + self.width[axis] * chosen
+        })
     }
 }
 
@@ -128,7 +127,7 @@ fn in_face(scene: &Scene, planes: &Planes, i: usize, random: &mut Random) -> DVe
             let other = (axis + 1 + random.below(2)) % 3;
             let (a, b) = (first[other], last[other]);
             let share = match planes.between(other, a.min(b), a.max(b), random) {
-                Some(plane) if i % 2 == 0 && a != b => (plane - a) / (b - a),
+                Some(plane) if i.is_multiple_of(2) && a != b => (plane - a) / (b - a),
                 _ => random.unit(),
             };
             return first + (last - first) * share;

@@ -68,17 +68,6 @@ impl Judge {
             let (mut mistake, _) = candidates.judge(ray, found);
             if mistake.verdict == Verdict::Tie && self.is_lost(&triangles, place, found) {
                 mistake.verdict = Verdict::Missed;
-                if std::env::var_os("DBG").is_some() {
-                    eprintln!(
-                        "lost {ray} {:?} found {found:?} {:?}",
-                        self.rays[place].map(|v| v.map(f32::from_bits)),
-                        candidates
-                    );
-                    for p in &candidates.possible {
-                        let v = &renderer.data().vertices[9 * p.triangle as usize..];
-                        eprintln!("  {:?}", &v[..9]);
-                    }
-                }
             }
             if let (Verdict::Same, Some((triangle, t))) = (mistake.verdict, found)
                 && let Some(&exact) = candidates.of(triangle)
@@ -101,7 +90,8 @@ impl Judge {
         // is close behind.
         let gap = found.map_or(t, |(_, found)| found - t);
         let [origin, direction] = self.rays[place].map(|v| v.map(f32::from_bits));
-        found.is_none_or(goes_on) && triangles.is_closed_around(origin, direction, t, 0.25 * gap)
+        // Of a ray that starts on the surface, the sign of t is that of its rounding.
+        t > bound(triangle) && found.is_none_or(goes_on) && triangles.is_closed_around(origin, direction, t, 0.25 * gap)
     }
 
     /// Works out what each ray may hit, unless these are the rays of before.
