@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip};
 
 use crate::error::Error;
 
@@ -28,6 +28,44 @@ pub(crate) struct ViewArgs {
     pub(crate) size: Size,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) samples: SampleArgs,
+}
+
+/// Samples a pixel.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Scene and view")]
+pub(crate) struct SampleArgs {
+    /// Samples a pixel: the mean of so many rays through it. 1 is the pixel's centre; with more, hits and all other
+    /// streams but color and accumulated are those of the last sample's ray
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(Samples::MOST)))]
+    pub(crate) spp: u32,
+    /// Where in the pixel they lie: evenly spread, a scrambled Sobol' sequence (sobol); independently (random)
+    #[arg(long, default_value = "sobol", value_parser = named(Sampler::ALL, Sampler::name))]
+    pub(crate) sampler: Sampler,
+    /// Another seed puts them elsewhere; the same one gives the same picture
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u32,
+}
+
+impl From<SampleArgs> for Samples {
+    fn from(args: SampleArgs) -> Self {
+        Self { count: args.spp, sampler: args.sampler, seed: args.seed }
+    }
+}
+
+impl SampleArgs {
+    /// Refuses what would have no effect: whoever asks for it expects something else.
+    pub(crate) fn check(self) -> Result<(), Error> {
+        let all = [("--sampler random", self.sampler == Sampler::Random), ("--seed", self.seed != 0)];
+        match all.iter().find(|(_, is_asked)| *is_asked) {
+            Some((option, _)) if self.spp == 1 => Err(Error::usage(format!(
+                "{option} is about several samples a pixel, and one lies in its centre: leave it out, or give --spp"
+            ))),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// What is seen.

@@ -51,6 +51,7 @@ impl From<PlanError> for Error {
     fn from(error: PlanError) -> Self {
         match error {
             PlanError::Grid(GridError::Size(_)) => Self::usage(format!("--grid: {error}")),
+            PlanError::Samples { .. } => Self::usage(format!("--spp: {error}")),
             PlanError::Ray { .. } => Self::usage(format!("--ray: {error}")),
             PlanError::BufferSize { .. } => Self::failed(format!("{error}; --device cpu is bound by memory only")),
             _ => Self::failed(error),

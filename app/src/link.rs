@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
 
-use crate::args::{CameraArgs, DeviceArgs, DeviceKind, RunArgs, SceneArgs, Size, TuningArgs, Vector, ViewArgs};
+use crate::args::{
+    CameraArgs, DeviceArgs, DeviceKind, RunArgs, SampleArgs, SceneArgs, Size, TuningArgs, Vector, ViewArgs,
+};
 use crate::error::Error;
 
 /// A scene's file, or a link.
@@ -24,7 +26,7 @@ pub(crate) struct LinkArgs {
         value_name = "LINK",
         conflicts_with_all = [
             "scene", "scene_index", "size", "camera", "eye", "look_at", "up", "fov", "accelerator", "schedule",
-            "numerics", "grid", "skip", "steps_per_pass", "keep_all",
+            "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp", "sampler", "seed",
         ]
     )]
     pub(crate) link: Option<String>,
@@ -86,6 +88,7 @@ fn from_link(link: Link, device: DeviceArgs) -> Result<Wanted, Error> {
                     fov: Some(fov_deg),
                 },
             },
+            samples: SampleArgs { spp: link.samples.count, sampler: link.samples.sampler, seed: link.samples.seed },
         },
         run: RunArgs {
             accelerator: link.accelerator,
@@ -130,6 +133,7 @@ pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
         skip: run.tuning.skip,
         steps_per_pass: run.tuning.steps_per_pass.unwrap_or(1),
         keep_all: run.tuning.keep_all,
+        samples: view.samples.into(),
         device: match run.device.device {
             DeviceKind::Auto => LinkDevice::Auto,
             DeviceKind::Gpu => LinkDevice::Gpu,

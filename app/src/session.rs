@@ -67,6 +67,7 @@ impl Session {
         adjust: impl FnOnce(&mut Options),
     ) -> Result<Self, Error> {
         run.tuning.check(&[run.accelerator], &[run.schedule])?;
+        view.samples.check()?;
         let mut watch = Stopwatch::start();
         progress.stage("reading the scene");
         let scene_path = scene.scene.clone();
@@ -84,6 +85,7 @@ impl Session {
         watch.lap("device");
         let rays = RaySource::Camera { camera, width: view.size.width, height: view.size.height };
         let mut options = Options { accelerator: run.accelerator, schedule: run.schedule, ..run.tuning.options(rays) };
+        options.samples = view.samples.into();
         adjust(&mut options);
         progress.stage("planning and building");
         let (plan, data) = Plan::new(&scene, &options, &chosen.limits())?;
@@ -161,6 +163,9 @@ impl Running {
             },
             counters: options.counters,
             keep_all: options.keep_all,
+            spp: options.samples.count,
+            sampler: (options.samples.count > 1).then(|| options.samples.sampler.name()),
+            seed: (options.samples.count > 1).then_some(options.samples.seed),
         }
     }
 

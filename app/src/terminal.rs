@@ -50,7 +50,12 @@ impl Progress {
             self.bar.set_length(progress.rays);
             self.bar.set_style(style("{msg:<24} [{bar:30}] {human_pos} of {human_len} rays decided, {elapsed}"));
         }
-        self.bar.set_message(format!("pass {}", progress.passes));
+        if progress.samples_wanted > 1 {
+            let sample = (progress.samples + 1).min(progress.samples_wanted);
+            self.bar.set_message(format!("sample {sample} of {}", progress.samples_wanted));
+        } else {
+            self.bar.set_message(format!("pass {}", progress.passes));
+        }
         self.bar.set_position(progress.rays_decided);
     }
 

@@ -17,6 +17,7 @@
 //! | `grid`, `skip` | as the options | auto |
 //! | `steps-per-pass` | of the compact schedule | 1: every step is a pass |
 //! | `keep-all` | true, false | false |
+//! | `spp`, `sampler`, `seed` | samples a pixel, and where they lie, as the options | 1, sobol, 0 |
 //! | `device`, `adapter` | auto, gpu, cpu; part of an adapter's name | auto |
 //! | `pixel`; or `ray` | X,Y; or origin and direction, decimal or the bits of an f32 in hex | |
 //! | `pass` | passes that have run | |
@@ -29,7 +30,7 @@ mod read;
 use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, ScheduleKind, Skip, Stream};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
 
 pub use error::LinkError;
 
@@ -44,7 +45,7 @@ pub const MOST_CELLS: u32 = 4096;
 pub const MOST_STEPS: u32 = 4096;
 
 /// Every key, in the order in which they are written.
-pub const KEYS: [&str; 23] = [
+pub const KEYS: [&str; 26] = [
     "scene",
     "scene-index",
     "camera",
@@ -60,6 +61,9 @@ pub const KEYS: [&str; 23] = [
     "skip",
     "steps-per-pass",
     "keep-all",
+    "spp",
+    "sampler",
+    "seed",
     "device",
     "adapter",
     "pixel",
@@ -106,6 +110,8 @@ pub struct Link {
     pub steps_per_pass: u32,
     /// Nothing is left out of the plan.
     pub keep_all: bool,
+    /// Samples a pixel.
+    pub samples: Samples,
     /// Where passes run.
     pub device: LinkDevice,
     /// Part of the name of a GPU adapter.
@@ -210,6 +216,7 @@ impl Default for Link {
             skip: Skip::Auto,
             steps_per_pass: 1,
             keep_all: false,
+            samples: Samples { count: 1, sampler: Sampler::Sobol, seed: 0 },
             device: LinkDevice::Auto,
             adapter: None,
             ray: None,
@@ -255,6 +262,10 @@ impl Link {
         let steps = self.steps_per_pass;
         add("steps-per-pass", (steps != default.steps_per_pass).then(|| steps.to_string()));
         add("keep-all", self.keep_all.then(|| "true".into()));
+        let Samples { count, sampler, seed } = self.samples;
+        add("spp", (count != default.samples.count).then(|| count.to_string()));
+        add("sampler", (sampler != default.samples.sampler).then(|| sampler.to_string()));
+        add("seed", (seed != default.samples.seed).then(|| seed.to_string()));
         add("device", (self.device != default.device).then(|| self.device.name().into()));
         add("adapter", self.adapter.clone());
         match self.ray {

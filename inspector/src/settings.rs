@@ -1,7 +1,7 @@
 //! What a run is asked for, as plain data: what the options panel edits, and what is saved.
 
 use glam::DVec3;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip};
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -79,6 +79,9 @@ pub struct Settings {
     pub counters: bool,
     /// Leave nothing out of the plan.
     pub keep_all: bool,
+    /// Samples a pixel, of a picture.
+    #[serde(default)]
+    pub samples: Samples,
     /// Where passes run.
     pub device: DeviceKind,
 }
@@ -97,6 +100,7 @@ impl Default for Settings {
             ray: None,
             counters: true,
             keep_all: false,
+            samples: Samples::default(),
             device: DeviceKind::Gpu,
         }
     }
@@ -158,6 +162,7 @@ impl From<&Link> for Settings {
             view,
             ray,
             keep_all: link.keep_all,
+            samples: link.samples,
             device: if link.device == LinkDevice::Cpu { DeviceKind::Cpu } else { DeviceKind::Gpu },
             ..Self::default()
         }
@@ -190,10 +195,16 @@ impl Settings {
             skip: self.skip,
             steps_per_pass: self.steps_per_pass,
             keep_all: self.keep_all,
+            samples: self.samples_taken(),
             device: if self.device == DeviceKind::Gpu { LinkDevice::Gpu } else { LinkDevice::Cpu },
             ray: given,
             ..Link::default()
         }
+    }
+
+    /// One ray has no pixel to spread samples over.
+    fn samples_taken(&self) -> Samples {
+        if self.ray.is_some() { Samples::default() } else { self.samples }
     }
 
     /// A run's options. Passes are timed where the device can.
@@ -218,6 +229,7 @@ impl Settings {
             counters: self.counters,
             timings: true,
             keep_all: self.keep_all,
+            samples: self.samples_taken(),
             ..Options::new(rays)
         }
     }

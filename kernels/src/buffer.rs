@@ -25,6 +25,7 @@ pub const BUFFERS: &[BufferInfo] = &[
     uniform("grid", "corner, cells, cell width; traced units"),
     uniform("scene", "triangles, steps a pass, rays, first row of workgroups"),
     uniform("shading", "background, number of lights"),
+    uniform("sampling", "samples a pixel, seed"),
     storage("vertices", "nine f32 a triangle: corners 0, 1, 2, traced units"),
     storage("grid_cells", "u32 a cell and one more: start of its list in grid_items"),
     storage("grid_items", "u32 triangle ids, ascending within a cell"),

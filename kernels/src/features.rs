@@ -1,5 +1,6 @@
 //! The textual options of the kernels: what a run needs, and for what it does not need, why not.
 
+use crate::samples::Sampler;
 use crate::shared::grid_walk::WalkRules;
 use crate::shared::triangle::TriangleRules;
 
@@ -48,6 +49,8 @@ features! {
     many_lights: "There is more than one light.",
     directional_lights: "A light is directional.",
     spot_lights: "A light is a spot.",
+    samples: "A pixel has several samples, each with a ray of its own.",
+    sobol: "Samples are spread evenly over the pixel, else at random.",
 }
 
 impl Features {
@@ -67,5 +70,11 @@ impl Features {
     #[must_use]
     pub fn triangle_rules(&self) -> TriangleRules {
         TriangleRules { watertight: self.watertight, contracted: self.contracted }
+    }
+
+    /// How samples are spread over a pixel, where it has several.
+    #[must_use]
+    pub fn sampler(&self) -> Sampler {
+        if self.sobol { Sampler::Sobol } else { Sampler::Random }
     }
 }

@@ -6,8 +6,10 @@ use crate::executor::cpu::Texels;
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::shared::samples::jitter;
 use crate::state::{TRAV_SETUP, UNWRITTEN};
-use crate::stream::Stream::{Hit, RayDirection, RayOrigin, State};
+use crate::stream::ACCUMULATED_SAMPLES;
+use crate::stream::Stream::{Accumulated, Hit, RayDirection, RayOrigin, State};
 
 /// The uniform `camera`, in traced units.
 #[repr(C)]
@@ -29,12 +31,17 @@ pub struct Camera {
     pub(crate) _pad1: u32,
 }
 
-/// Origin and direction of a pixel's ray.
+/// Origin and direction of the ray through a pixel's centre.
 pub fn eye_ray<R: Real>(scene: &SceneData, x: u32, y: u32) -> (Vec3<R>, Vec3<R>) {
-    let camera = &scene.camera;
     let half = R::from_f32(0.5);
-    let x = (R::from_i32(x as i32) + half) * R::from_f32(camera.pixel_x) - R::one();
-    let y = R::one() - (R::from_i32(y as i32) + half) * R::from_f32(camera.pixel_y);
+    eye_ray_at(scene, [R::from_i32(x as i32) + half, R::from_i32(y as i32) + half])
+}
+
+/// Origin and direction of the ray through a place in pixels from the picture's upper left corner.
+pub fn eye_ray_at<R: Real>(scene: &SceneData, place: [R; 2]) -> (Vec3<R>, Vec3<R>) {
+    let camera = &scene.camera;
+    let x = place[0] * R::from_f32(camera.pixel_x) - R::one();
+    let y = R::one() - place[1] * R::from_f32(camera.pixel_y);
     let across = Vec3::from_f32(camera.right) * x;
     let upward = Vec3::from_f32(camera.up) * y;
     if scene.features.perspective {
@@ -49,7 +56,14 @@ pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if ray.load_u32(State, 0) != UNWRITTEN {
         return;
     }
-    let (origin, direction) = eye_ray(scene, ray.x, ray.y);
+    let (origin, direction) = if scene.features.samples {
+        // The next sample's number is how many there are.
+        let sample = ray.load(Accumulated, ACCUMULATED_SAMPLES).to_i32() as u32;
+        let place = jitter(scene.features.sampler(), [ray.x, ray.y], sample, scene.sampling.seed).map(R::from_f32);
+        eye_ray_at(scene, [R::from_i32(ray.x as i32) + place[0], R::from_i32(ray.y as i32) + place[1]])
+    } else {
+        eye_ray(scene, ray.x, ray.y)
+    };
 
     ray.store_vec3(RayOrigin, origin);
     ray.store_vec3(RayDirection, direction);

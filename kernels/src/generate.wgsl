@@ -2,12 +2,15 @@
 
 import package::constants::{INF, NO_TRIANGLE, WORKGROUP};
 import package::state::{UNWRITTEN, TRAV_SETUP};
-import package::camera::{eye_ray};
+@if(!samples) import package::camera::{eye_ray};
+@if(samples) import package::camera::{eye_ray_at};
+@if(samples) import package::samples::{jitter};
 
 @group(0) @binding(0) var ray_origin: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(1) var ray_direction: texture_storage_2d_array<r32float, write>;
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, write>;
+@if(samples) @group(0) @binding(5) var accumulated: texture_2d_array<f32>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn generate(@builtin(global_invocation_id) id: vec3u) {
@@ -19,7 +22,10 @@ fn generate(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
 
-    let ray = eye_ray(texel);
+    // The next sample's number is how many there are.
+    @if(samples) let place = jitter(texel, u32(textureLoad(accumulated, texel, 4, 0).x));
+    @if(samples) let ray = eye_ray_at(vec2f(texel) + place);
+    @else let ray = eye_ray(texel);
     textureStore(ray_origin, texel, 0, vec4f(ray.origin.x));
     textureStore(ray_origin, texel, 1, vec4f(ray.origin.y));
     textureStore(ray_origin, texel, 2, vec4f(ray.origin.z));

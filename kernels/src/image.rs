@@ -11,7 +11,8 @@ pub struct Image {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// R G B linear light, A 1 where a ray hit something and 0 where it did not.
+    /// R G B linear light; A 1 where a ray hit something and 0 where it did not, of several samples the share
+    /// that did.
     pub pixels: Vec<[f32; 4]>,
 }
 
@@ -24,6 +25,13 @@ impl Image {
             })
             .collect();
         Self { width: color.width, height: color.height, pixels }
+    }
+
+    /// Of the stream `accumulated`.
+    pub(crate) fn from_mean(mean: &StreamData) -> Self {
+        let pixel = |i| [0, 1, 2, 3].map(|layer| mean.get_f32(layer, i));
+        let pixels = (0..mean.width as usize * mean.height as usize).map(pixel).collect();
+        Self { width: mean.width, height: mean.height, pixels }
     }
 
     /// R G B, 8 bits each, sRGB-encoded and clamped.

@@ -4,7 +4,7 @@ use crate::executor::cpu::Twin;
 use crate::real::Real;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::state::{self, StateCounts, Tag};
-use crate::{fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
+use crate::{accumulate, fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
 
 /// A kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -25,6 +25,8 @@ pub enum Kernel {
     Fused,
     /// Colours what was hit.
     Shade,
+    /// Adds a sample to its pixel's mean.
+    Accumulate,
 }
 
 /// A row of the table.
@@ -75,6 +77,7 @@ kernels! {
     Walk walk &[state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT], "takes the ray several cells or nodes on";
     Fused fused &[state::TRAV_SETUP], "takes the ray from its start to its nearest hit";
     Shade shade &[state::SHADE, state::BACKGROUND], "colours the ray from its hit, or the background";
+    Accumulate accumulate &[state::DONE], "adds the sample to its pixel's mean, and asks for the next one";
 }
 
 impl Kernel {

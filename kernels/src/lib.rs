@@ -34,6 +34,7 @@
 //! # }).unwrap();
 //! ```
 
+pub mod accumulate;
 pub mod buffer;
 pub mod bvh;
 pub mod executor;
@@ -52,6 +53,7 @@ pub mod ray_kinds;
 pub mod real;
 pub mod reference;
 pub mod renderer;
+pub mod samples;
 pub mod scene_data;
 pub mod schedule;
 pub mod setup;
@@ -76,4 +78,5 @@ pub use options::{Accelerator, Numerics, Options, Ray, RaySource, Rule, Schedule
 pub use plan::{Limits, Plan, PlanError};
 pub use ray_kinds::RayKind;
 pub use renderer::{Checkpoint, Device, Pass, Progress, RayHit, RenderError, Renderer};
+pub use samples::{Sampler, Samples};
 pub use stream::{Region, Stream, StreamData};

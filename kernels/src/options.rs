@@ -3,6 +3,7 @@
 use raystep_scenes::Camera;
 
 use crate::grid::GridSize;
+use crate::samples::Samples;
 
 /// What keeps a ray from testing every triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -229,6 +230,8 @@ pub struct Options {
     pub timings: bool,
     /// `--keep-all`: leave nothing out, to see what leaving out saves.
     pub keep_all: bool,
+    /// `--spp`, `--sampler`, `--seed`: samples a pixel. More than one need a camera's rays, and shading.
+    pub samples: Samples,
 }
 
 impl Options {
@@ -250,6 +253,7 @@ impl Options {
             counters: false,
             timings: false,
             keep_all: false,
+            samples: Samples::default(),
         }
     }
 }

@@ -26,7 +26,7 @@ use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
 
 pub use check::{MAX_TEXELS, PlanError, given_width};
-use check::{check_buffer, check_rays, check_scene, image_size};
+use check::{check_buffer, check_rays, check_samples, check_scene, image_size};
 use decide::{features, left_out};
 pub(crate) use display::element;
 pub use display::{Bytes, PlanText};
@@ -211,6 +211,7 @@ impl Plan {
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;
         check_rays(options, units)?;
+        check_samples(options)?;
         let given = matches!(options.rays, RaySource::Given(_));
         let mut candidates = options.accelerator.candidates(scene.triangles.len()).iter();
         let (accelerator, mut features, mut data) = loop {
@@ -236,6 +237,7 @@ impl Plan {
         }
         let schedule =
             Schedule::new(options.schedule, accelerator, given, options.shade, features.eye_rays, features.many_steps);
+        let schedule = if features.samples { schedule.for_samples() } else { schedule };
         let variants =
             schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
         let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
@@ -298,7 +300,7 @@ impl Plan {
         self.variants.iter().find(|v| v.kernel == kernel)
     }
 
-    /// Most passes that a run can take before it must be over: every ray visits at most nx + ny + nz + 2
+    /// Most passes that a sample of all pixels can take before it must be over: every ray visits at most nx + ny + nz + 2
     /// cells and tests no list more than once. The paper's numerics can exceed it, see `docs`.
     #[must_use]
     pub fn pass_bound(&self, data: &SceneData) -> u64 {

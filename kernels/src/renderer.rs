@@ -123,6 +123,10 @@ pub struct Progress {
     pub rays_decided: u64,
     /// All rays.
     pub rays: u64,
+    /// Samples of every pixel that are complete; rays are those of the next one.
+    pub samples: u32,
+    /// All samples of a pixel.
+    pub samples_wanted: u32,
 }
 
 /// A scene, its options and a device, between two passes.

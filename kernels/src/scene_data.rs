@@ -17,6 +17,7 @@ use crate::real::{Real, Vec3};
 use crate::shade::{Light, Material, Shading};
 use crate::shared::bvh_walk::link_above;
 use crate::shared::grid_walk::Grid;
+use crate::shared::samples::Sampling;
 use crate::shared::texture::Texture;
 use crate::units::Units;
 pub use shading::{BACKGROUND, linear_to_srgb, srgb_to_linear};
@@ -37,6 +38,8 @@ pub struct SceneData {
     pub grid: Grid,
     /// Uniform `scene`.
     pub info: SceneInfo,
+    /// Uniform `sampling`.
+    pub sampling: Sampling,
     /// Uniform `shading`.
     pub shading: Shading,
     /// Nine a triangle, traced units.
@@ -169,6 +172,7 @@ impl SceneData {
             "grid" => bytemuck::bytes_of(&self.grid),
             "scene" => bytemuck::bytes_of(&self.info),
             "shading" => bytemuck::bytes_of(&self.shading),
+            "sampling" => bytemuck::bytes_of(&self.sampling),
             "vertices" => cast_slice(&self.vertices),
             "grid_cells" => cast_slice(&self.grid_cells),
             "grid_items" => cast_slice(&self.grid_items),
@@ -264,6 +268,9 @@ impl SceneData {
             && let RaySource::Camera { camera, width, height } = &options.rays
         {
             data.camera = traced_camera(camera, units, *width, *height);
+        }
+        if wanted("sampling") {
+            data.sampling = Sampling { samples: options.samples.count, seed: options.samples.seed };
         }
         if wanted("packed_triangles") && data.packed_triangles.is_empty() {
             data.packed_triangles = packed_triangles(&data.vertices, features.bvh.then_some(&data.bvh_items));

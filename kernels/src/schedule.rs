@@ -2,7 +2,7 @@
 
 use crate::kernel::Kernel;
 use crate::options::{Accelerator, ScheduleKind};
-use crate::state::StateCounts;
+use crate::state::{self, StateCounts};
 
 /// One line of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,6 +13,17 @@ pub enum Step {
     RunUntilIdle(Kernel),
     /// Run the steps again and again while any ray is active in one of the kernels.
     LoopWhileActive(&'static [Kernel], Vec<Step>),
+}
+
+impl Step {
+    /// Whether it is the walk: the steps that move rays until their hits are found.
+    fn is_walk(&self) -> bool {
+        match self {
+            Self::Run(_) => false,
+            Self::RunUntilIdle(kernel) => kernel.is_walk(),
+            Self::LoopWhileActive(kernels, _) => kernels.iter().all(|k| k.is_walk()),
+        }
+    }
 }
 
 /// An order of kernels.
@@ -72,6 +83,14 @@ impl Schedule {
         Self { steps }
     }
 
+    /// The same for several samples a pixel: all steps again and again, as long as a pixel asks for another sample.
+    #[must_use]
+    pub fn for_samples(self) -> Self {
+        let mut body = self.steps;
+        body.push(Step::Run(Kernel::Accumulate));
+        Self { steps: vec![Step::LoopWhileActive(&[Kernel::Generate], body)] }
+    }
+
     /// Every kernel that the schedule can run, in order of first use.
     #[must_use]
     pub fn kernels(&self) -> Vec<Kernel> {
@@ -93,20 +112,45 @@ impl Schedule {
     }
 }
 
+impl Schedule {
+    /// Whether it goes through its steps once a sample.
+    fn has_samples(&self) -> bool {
+        matches!(self.steps[..], [Step::LoopWhileActive([Kernel::Generate], _)])
+    }
+
+    /// The counts after a kernel that is no part of the walk, if it sent all of its rays on to the next kernel.
+    fn after_all(&self, kernel: Kernel, counts: &StateCounts) -> StateCounts {
+        let walk = || self.kernels().into_iter().find(|k| k.is_walk()).and_then(|k| k.info().active.first().copied());
+        let to = match kernel {
+            Kernel::Setup => walk(),
+            Kernel::Accumulate => Some(state::UNWRITTEN),
+            _ => kernel.sends_all_to(),
+        };
+        let mut after = *counts;
+        if let Some(to) = to {
+            kernel.info().active.iter().for_each(|&tag| after[tag as usize] = 0);
+            after[to as usize] += kernel.live(counts);
+        }
+        after
+    }
+}
+
 /// A place in a schedule. Cloning it and walking the clone on a guess tells which passes may come next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cursor {
     /// Index of the step at each depth of nesting, outermost first.
     path: Vec<usize>,
-    /// How often the outermost loop's body was begun.
+    /// How often the body of the walk's loop was begun, of several samples a pixel in this sample.
     pub iteration: u32,
+    /// Samples of every pixel that are complete; 0 where a pixel has one.
+    pub samples: u32,
 }
 
 impl Cursor {
     /// Before the first step.
     #[must_use]
     pub fn start() -> Self {
-        Self { path: vec![0], iteration: 0 }
+        Self { path: vec![0], iteration: 0, samples: 0 }
     }
 
     /// The kernel that runs next, given how many rays are in each state; `None` at the end. Moves past it.
@@ -122,6 +166,11 @@ impl Cursor {
             };
             match step {
                 Step::Run(kernel) => {
+                    match kernel {
+                        Kernel::Generate => self.iteration = 0,
+                        Kernel::Accumulate => self.samples += 1,
+                        _ => {}
+                    }
                     *self.path.last_mut()? += 1;
                     return Some(*kernel);
                 }
@@ -133,7 +182,7 @@ impl Cursor {
                 }
                 Step::LoopWhileActive(kernels, _) => {
                     if kernels.iter().any(|k| k.live(counts) > 0) {
-                        self.iteration += 1;
+                        self.iteration += u32::from(step.is_walk());
                         self.path.push(0);
                     } else {
                         *self.path.last_mut()? += 1;
@@ -143,30 +192,48 @@ impl Cursor {
         }
     }
 
-    /// Goes on behind the outermost loop, whatever is still active in it.
-    pub fn leave_loop(&mut self) {
-        self.path.truncate(1);
-        self.path[0] += 1;
+    /// Goes on behind the walk, whatever is still active in it; stays where it is outside of the walk.
+    pub fn leave_walk(&mut self, schedule: &Schedule) {
+        if let Some(depth) = self.walk_depth(schedule) {
+            self.path.truncate(depth + 1);
+            self.path[depth] += 1;
+        }
     }
 
     /// The next passes if every ray stayed where it is: what may be submitted before the counts of the
     /// first are known. A pass on which no ray is active changes nothing, so a wrong guess is harmless as
     /// long as it only repeats kernels that have become idle.
+    ///
+    /// Of several samples a pixel, also the steps from the end of a walk into the next sample's, as if there were one
+    /// and every ray began to walk: where not, they find no ray either. So a sample costs about one submission.
     #[must_use]
     pub fn guess(&self, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Kernel> {
         let mut cursor = self.clone();
         let Some(first) = cursor.next(schedule, counts) else { return Vec::new() };
         let mut kernels = vec![first];
+        let mut counts = *counts;
+        let mut last = first;
+        while schedule.has_samples() && !last.is_walk() {
+            counts = schedule.after_all(last, &counts);
+            match cursor.next(schedule, &counts) {
+                // The fused kernel is submitted alone: in parts, and what it did is counted anew.
+                Some(next) if kernels.len() < most && ![last, next].contains(&Kernel::Fused) => {
+                    kernels.push(next);
+                    last = next;
+                }
+                _ => return kernels,
+            }
+        }
         // Only inside of a loop may a pass be repeated for nothing.
-        if !cursor.in_loop(schedule) {
+        if !cursor.in_walk(schedule) {
             return kernels;
         }
         while kernels.len() < most.max(1) {
             let mut ahead = cursor.clone();
-            match ahead.next(schedule, counts) {
+            match ahead.next(schedule, &counts) {
                 // A kernel that runs once a turn is idle right after; guessing it again would be for nothing.
                 Some(kernel)
-                    if ahead.in_loop(schedule)
+                    if ahead.in_walk(schedule)
                         && (kernels.last() != Some(&kernel) || ahead.stays(schedule, kernel)) =>
                 {
                     kernels.push(kernel);
@@ -184,9 +251,21 @@ impl Cursor {
         matches!(self.steps(schedule).0.get(index), Some(Step::RunUntilIdle(again)) if *again == kernel)
     }
 
-    fn in_loop(&self, schedule: &Schedule) -> bool {
-        let (steps, parent) = self.steps(schedule);
-        parent.is_some() || matches!(steps.get(self.path[0]), Some(Step::RunUntilIdle(_)))
+    fn in_walk(&self, schedule: &Schedule) -> bool {
+        self.walk_depth(schedule).is_some()
+    }
+
+    /// At which depth of nesting the walk is that the cursor is in, or right before.
+    fn walk_depth(&self, schedule: &Schedule) -> Option<usize> {
+        let mut steps = schedule.steps.as_slice();
+        for (depth, &index) in self.path.iter().enumerate() {
+            match steps.get(index)? {
+                step if step.is_walk() => return Some(depth),
+                Step::LoopWhileActive(_, body) => steps = body,
+                _ => return None,
+            }
+        }
+        None
     }
 
     /// The steps at the innermost depth, and the loop that they are the body of.
@@ -201,87 +280,4 @@ impl Cursor {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::state::{DONE, ISECT_NO_HIT, SHADE, TRAV};
-
-    fn counts(isect: u32, trav: u32, shade: u32) -> StateCounts {
-        let mut c = StateCounts::default();
-        (c[ISECT_NO_HIT as usize], c[TRAV as usize], c[SHADE as usize]) = (isect, trav, shade);
-        c
-    }
-
-    fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[StateCounts]) -> Vec<&'static str> {
-        let schedule = Schedule::new(kind, accelerator, false, true, false, false);
-        let mut cursor = Cursor::start();
-        let mut now = counts(0, 0, 0);
-        let mut names = Vec::new();
-        for after in script {
-            names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
-            now = *after;
-        }
-        names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
-        names
-    }
-
-    #[test]
-    fn second_takes_turns_until_both_are_idle() {
-        let (c, mut done) = (counts, StateCounts::default());
-        done[DONE as usize] = 9;
-        let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(9, 0, 0), c(0, 4, 5), c(0, 0, 9), done];
-        let names = run(ScheduleKind::Second, Accelerator::Grid, &script);
-        let expected =
-            ["generate", "setup", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
-        assert_eq!(names, expected);
-    }
-
-    #[test]
-    fn first_empties_intersect_before_it_traverses() {
-        let c = counts;
-        let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(0, 9, 0), c(2, 0, 7), c(0, 0, 9), c(0, 0, 9), c(0, 0, 0)];
-        let names = run(ScheduleKind::First, Accelerator::Grid, &script);
-        let expected = [
-            "generate",
-            "setup",
-            "intersect",
-            "intersect",
-            "traverse_grid",
-            "intersect",
-            "traverse_grid",
-            "shade",
-            "end",
-        ];
-        assert_eq!(names, expected);
-    }
-
-    #[test]
-    fn without_a_grid_there_is_nothing_to_traverse() {
-        let c = counts;
-        let script = [c(0, 0, 0), c(9, 0, 0), c(3, 0, 6), c(0, 0, 9), c(0, 0, 0)];
-        let names = run(ScheduleKind::Second, Accelerator::None, &script);
-        assert_eq!(names, ["generate", "setup", "intersect", "intersect", "shade", "end"]);
-    }
-
-    #[test]
-    fn a_guess_never_leaves_the_loop() {
-        let schedule = Schedule::new(ScheduleKind::First, Accelerator::Grid, false, true, false, false);
-        let mut cursor = Cursor::start();
-        assert_eq!(cursor.guess(&schedule, &counts(0, 0, 0), 8), [Kernel::Generate]);
-        cursor.next(&schedule, &counts(0, 0, 0));
-        cursor.next(&schedule, &counts(0, 0, 0));
-        assert_eq!(cursor.guess(&schedule, &counts(5, 0, 0), 4), [Kernel::Intersect; 4]);
-    }
-
-    #[test]
-    fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
-        let schedule = Schedule::new(ScheduleKind::First, Accelerator::Bvh, false, true, false, false);
-        let mut cursor = Cursor::start();
-        for _ in 0..2 {
-            cursor.next(&schedule, &counts(0, 0, 0));
-        }
-        // Rays that this step takes to a leaf are tested before the next one.
-        assert_eq!(cursor.guess(&schedule, &counts(0, 9, 0), 8), [Kernel::TraverseBvh]);
-        cursor.next(&schedule, &counts(0, 9, 0));
-        assert_eq!(cursor.guess(&schedule, &counts(4, 5, 0), 3), [Kernel::Intersect; 3]);
-    }
-}
+mod tests;

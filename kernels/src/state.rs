@@ -105,6 +105,8 @@ pub const TRANSITIONS: &[Transition] = &[
     way(TRAV_SETUP, Kernel::Fused, "no hit", BACKGROUND),
     way(SHADE, Kernel::Shade, "shaded", DONE),
     way(BACKGROUND, Kernel::Shade, "background", DONE),
+    way(DONE, Kernel::Accumulate, "the pixel wants more samples", UNWRITTEN),
+    way(DONE, Kernel::Accumulate, "it was the last sample", DONE),
 ];
 
 /// The WGSL module `package::state`.

@@ -12,11 +12,15 @@
 //! hit           u32  u  v  triangle      u, v as f32 bits
 //! color         f32  r  g  b             linear light
 //! counters      u32  cells  triangles  repeated
+//! accumulated   f32  r  g  b  a  samples mean so far, linear light; a: share of samples that hit
 //! ```
 //!
 //! Lengths are in *traced units*: scene units times a power of two, see [`crate::units`]. `t` is the
 //! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
 //! of a primary ray is its depth.
+//!
+//! With several samples a pixel, every sample's ray uses the same texels: all streams but `accumulated` hold the
+//! latest sample's, at the end of a run the last one's. Only `color` is given the mean then.
 
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +47,8 @@ pub enum Stream {
     Color,
     /// Cells visited, triangles tested, repeated tests.
     Counters,
+    /// Mean colour and coverage of the samples so far, and their number.
+    Accumulated,
 }
 
 /// What a texel component is.
@@ -95,9 +101,11 @@ pub const STATE_CELL: usize = 2;
 pub const STATE_ITEM: usize = 3;
 /// Layer of the `hit` stream: the triangle, [`NO_TRIANGLE`] without a hit.
 pub const HIT_TRIANGLE: usize = 2;
+/// Layer of the `accumulated` stream: the samples in the mean; exact, as a float counts to 2²⁴.
+pub const ACCUMULATED_SAMPLES: usize = 4;
 
 /// Every stream.
-pub const STREAMS: [StreamInfo; 8] = [
+pub const STREAMS: [StreamInfo; 9] = [
     row(Stream::RayOrigin, "ray_origin", Texel::F32, &["x", "y", "z"], &[], "traced units", &[0; 3]),
     row(Stream::RayDirection, "ray_direction", Texel::F32, &["x", "y", "z"], &[], "traced units per t", &[0; 3]),
     row(
@@ -122,6 +130,15 @@ pub const STREAMS: [StreamInfo; 8] = [
     ),
     row(Stream::Color, "color", Texel::F32, &["r", "g", "b"], &[], "linear light", &[0; 3]),
     row(Stream::Counters, "counters", Texel::U32, &["cells", "triangles", "repeated"], &[], "count", &[0; 3]),
+    row(
+        Stream::Accumulated,
+        "accumulated",
+        Texel::F32,
+        &["r", "g", "b", "a", "samples"],
+        &[],
+        "linear light, share of samples that hit, count",
+        &[0; 5],
+    ),
 ];
 
 impl Stream {

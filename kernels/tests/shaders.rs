@@ -11,6 +11,7 @@ use raystep_kernels::kernel::KERNELS;
 use raystep_kernels::shade::{Light, Material, Shading};
 use raystep_kernels::shader::{Resource, Variant};
 use raystep_kernels::shared::grid_walk::Grid;
+use raystep_kernels::shared::samples::Sampling;
 use raystep_kernels::shared::texture::Texture;
 use raystep_kernels::{Kernel, Stream};
 
@@ -38,7 +39,7 @@ fn feature_sets() -> Vec<Features> {
                 sets.push(one);
             }
         }
-        let toggles: [fn(&mut Features); 17] = [
+        let toggles: [fn(&mut Features); 19] = [
             // Leaps need exact planes; the paper's rules have none.
             |f| f.skip = f.robust && f.grid,
             |f| f.live_lists = true,
@@ -57,6 +58,8 @@ fn feature_sets() -> Vec<Features> {
             |f| f.many_lights = true,
             |f| f.directional_lights = true,
             |f| f.spot_lights = true,
+            |f| f.samples = true,
+            |f| (f.samples, f.sobol) = (true, true),
         ];
         let mut all = base;
         for toggle in toggles {
@@ -78,6 +81,7 @@ fn has_kernel(features: &Features, kernel: Kernel) -> bool {
         Kernel::Fused => !features.live_lists,
         Kernel::Walk => features.live_lists && features.many_steps,
         Kernel::Intersect if features.many_steps => false,
+        Kernel::Accumulate => features.samples,
         _ => true,
     }
 }
@@ -147,7 +151,7 @@ fn kernels_write_what_table_1_says() {
 #[test]
 fn host_structs_lie_as_naga_says() {
     let mut all = Features { robust: true, grid: true, textures: true, spot_lights: true, ..Features::default() };
-    all.many_lights = true;
+    (all.many_lights, all.samples) = (true, true);
     let mut layouts = Vec::new();
     for features in [all, Features { grid: false, ..all }, Features { grid: false, bvh: true, ..all }] {
         for info in KERNELS.iter().filter(|k| has_kernel(&features, k.kernel)) {
@@ -168,6 +172,7 @@ fn host_structs_lie_as_naga_says() {
     }
     check!(Camera, "Camera", eye, pixel_x, right, pixel_y, up, forward);
     check!(Grid, "Grid", corner, cells, width, inverse_width);
+    check!(Sampling, "Sampling", samples, seed);
     check!(Shading, "Shading", background, lights);
     check!(Material, "Material", base_color, texture, emissive, double_sided);
     check!(Light, "Light", position, kind, direction, cos_outer, color, cone_scale);

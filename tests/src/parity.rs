@@ -105,7 +105,8 @@ fn run(
         let mut before = Vec::new();
         for &stream in &streams {
             let mut values = renderer.values(stream).await.expect("values");
-            if makes_rays && stream != Stream::State {
+            // Two streams begin with what they are cleared to: which kernel is next, and how many samples there are.
+            if makes_rays && ![Stream::State, Stream::Accumulated].contains(&stream) {
                 values.bits.fill(0x7fc0_dead);
                 assert!(renderer.write(&values));
             }

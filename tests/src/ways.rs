@@ -41,6 +41,12 @@ impl Way {
         Self { numerics: Numerics::Paper, ..self }
     }
 
+    /// Whether a ray's walk takes many passes.
+    #[must_use]
+    pub fn is_stepped(self) -> bool {
+        self.schedule.is_stepped()
+    }
+
     /// The options with this way in place of theirs.
     #[must_use]
     pub fn of(self, options: &Options) -> Options {

@@ -5,8 +5,10 @@ use std::collections::BTreeSet;
 use raystep_kernels::kernel::KERNELS;
 use raystep_kernels::state::{self, TRANSITIONS};
 use raystep_kernels::{
-    Accelerator, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, ScheduleKind, Skip, Stream,
+    Accelerator, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, Sampler, Samples, ScheduleKind,
+    Skip, Stream,
 };
+use raystep_scenes::Projection;
 use raystep_tests::parity::Parity;
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files};
@@ -79,8 +81,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
                 continue;
             }
             // Hundreds of passes each, which differ in their launch only: some scenes are enough for that.
-            let is_stepped = way.steps == 1 && way.schedule != ScheduleKind::Fused;
-            if is_stepped && way != STEPPED && !FEW.contains(&file.as_str()) {
+            if way.is_stepped() && way.steps == 1 && way != STEPPED && !FEW.contains(&file.as_str()) {
                 continue;
             }
             // Not whole workgroups; not so many rays that the many passes of a step each take long.
@@ -93,6 +94,19 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
                 options.shade = false;
                 found.add(&label, parity::compare(&gpu, &scene, &options));
             }
+        }
+    }
+    // Several samples a pixel, by either sampler and either kind of camera.
+    for (file, sampler) in [("cornell-box.gltf", Sampler::Sobol), ("lights.gltf", Sampler::Random)] {
+        let scene = scene(file);
+        for way in [STEPPED].into_iter().chain(WAYS.into_iter().filter(|way| way.steps != 1 || !way.is_stepped())) {
+            let samples = Samples { count: 3, sampler, seed: 5 };
+            let mut options = Options { counters: true, samples, ..way.of(&options(&scene, 29, 19)) };
+            found.add(&format!("{file} {way} {sampler}"), parity::compare(&gpu, &scene, &options));
+            if let RaySource::Camera { camera, .. } = &mut options.rays {
+                camera.projection = Projection::Orthographic { half_height: 1.0 };
+            }
+            found.add(&format!("{file} {way} {sampler} parallel"), parity::compare(&gpu, &scene, &options));
         }
     }
     for file in ["cornell-box.gltf", "primitives.gltf"] {
@@ -200,6 +214,23 @@ const BREAKS: [Break; 24] = {
     ]
 };
 
+/// The same of what only runs with several samples a pixel compile, with a sampler.
+const SAMPLING_BREAKS: [(Kernel, Sampler, &str, &str); 8] = [
+    (Kernel::Generate, Sampler::Sobol, "column ^= column >> 1u", "column = column >> 1u"),
+    (Kernel::Generate, Sampler::Sobol, "89287766u", "89287764u"),
+    (Kernel::Generate, Sampler::Sobol, "hashed(sampling.seed)", "hashed(0u)"),
+    (Kernel::Generate, Sampler::Random, "hashed(hashed(sample) + second_seed)", "hashed(sample + second_seed)"),
+    (Kernel::Accumulate, Sampler::Sobol, "/ samples", "* 0.5"),
+    (Kernel::Accumulate, Sampler::Sobol, "!= NO_TRIANGLE", "!= 0u"),
+    (Kernel::Accumulate, Sampler::Sobol, "samples < f32(sampling.samples)", "samples < 3.0"),
+    (
+        Kernel::Accumulate,
+        Sampler::Sobol,
+        "textureStore(color, texel, 1, vec4f(mean.y))",
+        "textureStore(color, texel, 1, vec4f(mean.x))",
+    ),
+];
+
 /// Changes a kernel's WGSL, and only that.
 fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
     move |plan| {
@@ -229,7 +260,17 @@ fn a_broken_kernel_is_named() {
         let first = found.breaches.first().unwrap_or_else(|| panic!("{} with {to:?} went unnoticed", kernel.name()));
         assert_eq!(first.kernel, kernel, "{first}");
     }
-    // What only some runs compile: rays that the kernel makes, and rays that end at any hit.
+    // What only some runs compile: several samples, rays that the kernel makes, and rays that end at any hit.
+    for (kernel, sampler, from, to) in SAMPLING_BREAKS {
+        let way = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8);
+        let options = Options { samples: Samples { count: 5, sampler, seed: 1 }, ..room(way) };
+        let found = compare_broken(&options, kernel, from, to);
+        let first = found.breaches.first().map(|b| b.kernel);
+        assert_eq!(first, Some(kernel), "{} with {to:?}", kernel.name());
+    }
+    let options = Options { samples: Samples { count: 2, ..Samples::default() }, ..room(STEPPED) };
+    let found = compare_broken(&options, Kernel::Accumulate, "atomicAdd(&sent_here[tag], 1u)", "");
+    assert!(found.miscounts.first().is_some_and(|m| m.starts_with("accumulate")), "{:?}", found.miscounts);
     let own_rays = Options { shade: false, ..room(Way::new(Accelerator::Bvh, ScheduleKind::Fused, 1)) };
     let found = compare_broken(&own_rays, Kernel::Fused, "0.5", "0.4995");
     assert!(found.breaches.iter().any(|b| b.component == (Stream::State, 1)), "rays of its own went unnoticed");

@@ -17,6 +17,7 @@ fn letter(kernel: Kernel) -> char {
         Kernel::Walk => 'w',
         Kernel::Fused => 'f',
         Kernel::Shade => '*',
+        Kernel::Accumulate => '+',
     }
 }
 

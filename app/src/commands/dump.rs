@@ -151,7 +151,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         options.counters = args.counters || args.stream.contains(&Wanted::Stream(Stream::Counters));
         // The image is the one thing that only shading makes.
-        options.shade = is_wanted(Stream::Color);
+        options.shade = is_wanted(Stream::Color) || options.samples.count > 1;
     })?;
     folder.refuse_inputs(&session.inputs, is_ours)?;
     let streams = streams(args, &session.plan)?;

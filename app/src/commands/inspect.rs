@@ -142,6 +142,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     };
     let run = &wanted.run;
     run.tuning.check(&[run.accelerator], &[run.schedule])?;
+    wanted.view.samples.check()?;
     if !run.schedule.is_stepped() {
         return Err(Error::usage(
             "--schedule fused takes a ray to its end in one pass, which cannot be stepped; first, second and compact can",
@@ -157,6 +158,9 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
             return Err(Error::usage("--link names a pixel, and so does --pixel: leave one of them out"));
         }
         arrival.pixel = Some(pixel);
+    }
+    if matches!(linked.ray, Some(LinkRay::Given(_))) && linked.samples.count > 1 {
+        return Err(Error::usage("--link has a ray of its own, which --spp cannot spread over a pixel"));
     }
     let [width, height] = linked.size;
     if let Some([x, y]) = arrival.pixel

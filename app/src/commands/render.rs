@@ -11,7 +11,7 @@ use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
 use raystep_kernels::reference::{Report, check_rays};
-use raystep_kernels::{Image, Numerics, RayHit, Stream};
+use raystep_kernels::{Image, Kernel, Numerics, RayHit, Stream};
 
 use super::summary;
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -31,6 +31,7 @@ const MISTAKES_SHOWN: usize = 8;
 #[command(after_help = "\
 Examples:
   raystep render scenes/cornell-box.gltf -o box.png
+  raystep render scenes/cornell-box.gltf -o box.png --spp 64
   raystep render scenes/teapot.glb -o teapot.exr --size 1920x1080 --device cpu
   raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
   raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
@@ -151,7 +152,11 @@ fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<O
         return Ok(None);
     }
     let (mut all, mut before) = (Vec::new(), CounterSums::default());
-    while chosen.wait(renderer.step())?.is_some() {
+    while let Some(pass) = chosen.wait(renderer.step())? {
+        if matches!(pass.kernel, Kernel::Setup | Kernel::Fused) {
+            // They count from 0 in every sample.
+            before = CounterSums::default();
+        }
         let after =
             CounterSums::of(&chosen.wait(renderer.values(Stream::Counters))?, renderer.plan()).unwrap_or_default();
         all.push(PassWork {

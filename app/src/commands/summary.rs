@@ -73,16 +73,25 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
         }
     }
     line("passes", format!("{}: {}", summary.passes, kernels.join(", ")));
-    line("rays", format!("{}, {} hit something", summary.rays, summary.hits));
+    let hits = format!("{}, {} hit something", summary.rays, summary.hits);
+    match summary.options.spp {
+        1 => line("rays", hits),
+        spp => {
+            let (sampler, seed) = (summary.options.sampler.unwrap_or_default(), summary.options.seed.unwrap_or(0));
+            line("samples", format!("{spp} a pixel, {sampler}, seed {seed}"));
+            line("rays", format!("{hits}, in the last sample"));
+        }
+    }
     if summary.unfinished > 0 {
         line("", format!("{} were still walking at the bound on passes", summary.unfinished));
     }
     if let Some(c) = &summary.counters {
         let places = if summary.structure.bvh.is_some() { "nodes" } else { "cells" };
+        let of = if summary.options.spp > 1 { ", in the last sample" } else { "" };
         let again = c.repeated_tests.map(|n| format!(", {n} of them again")).unwrap_or_default();
         line(
             "counters",
-            format!("{} {places} visited, {} triangles tested{again}", c.cells_visited, c.triangles_tested),
+            format!("{} {places} visited, {} triangles tested{again}{of}", c.cells_visited, c.triangles_tested),
         );
     }
     let seconds: Vec<_> = running.watch.stages.iter().map(|(name, s)| format!("{} {s:.3}", in_words(name))).collect();

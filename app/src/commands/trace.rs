@@ -125,6 +125,9 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
             "--schedule fused takes a ray to its end in one pass, which cannot be followed; first, second and compact can",
         ));
     }
+    if matches!(ray, Some(LinkRay::Given(_))) && wanted.view.samples.spp > 1 {
+        return Err(Error::usage("--spp spreads samples over a pixel, and --ray is one ray: leave one of them out"));
+    }
     let link = args.print_link.then(|| link_of(&wanted)).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&wanted.scene, &wanted.view, &wanted.run, &progress, |options| {

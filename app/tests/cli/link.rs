@@ -77,6 +77,7 @@ fn what_a_link_sets_is_not_set_again() {
         ("cannot be used with", &link, &["--grid", "8"]),
         ("cannot be used with", &link, &["--steps-per-pass", "1"]),
         ("cannot be used with", &link, &["--keep-all"]),
+        ("cannot be used with", &link, &["--spp", "2"]),
         ("--link names a ray, and so does --pixel or --ray", &link, &["--pixel", "1,1"]),
         ("--link names a ray", &link, &["--ray", "0,0,5,0,0,-1"]),
         ("on which device", &link, &["--device", "gpu"]),

@@ -182,7 +182,7 @@ fn completions_know_every_subcommand_and_value() {
         let script = place.ok(&["completions", shell]).stdout;
         let words =
             ["render", "trace", "dump", "bench", "sphere-flake", "robust", "second", "compact", "fused", "bvh", "auto"];
-        for word in words.into_iter().chain(["steps-per-pass", "skip", "accelerators", "trace-json"]) {
+        for word in words.into_iter().chain(["steps-per-pass", "skip", "accelerators", "trace-json", "spp", "sobol"]) {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }

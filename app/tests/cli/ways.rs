@@ -191,6 +191,73 @@ fn what_would_have_no_effect_is_refused() {
 }
 
 #[test]
+fn several_samples_make_another_picture_and_the_same_one_twice() {
+    let place = Place::new();
+    let file = cornell_box();
+    let render = |name: &str, how: &[&str]| {
+        let summary = format!("{name}.json");
+        let args = ["render", &file, "-o", name, "--size", "24x20", "--summary-json", &summary];
+        let said = place.ok(&[&args[..], how].concat()).stderr;
+        let summary: serde_json::Value = serde_json::from_slice(&place.read(&summary)).expect("JSON");
+        (image::load_from_memory(&place.read(name)).expect("a picture").to_rgb8(), summary, said)
+    };
+    let cpu = ["--device", "cpu"];
+    let (centre, summary, said) = render("a.png", &cpu);
+    assert!(summary["options"]["spp"] == 1 && summary["options"]["sampler"].is_null() && !said.contains("samples"));
+    assert_eq!(render("b.png", &["--device", "cpu", "--spp", "1"]).0, centre);
+    let (many, summary, said) = render("c.png", &["--device", "cpu", "--spp", "16", "--counters", "--check"]);
+    assert!(many != centre && said.contains("samples   16 a pixel, sobol, seed 0"), "{said}");
+    let options = &summary["options"];
+    assert_eq!((&options["spp"], &options["sampler"], &options["seed"]), (&16.into(), &"sobol".into(), &0.into()));
+    assert_eq!(summary["kernels"]["accumulate"]["passes"], 16);
+    assert_eq!(summary["kernels"]["generate"]["rays_in"], 16 * 24 * 20);
+    assert!(summary["stream_bytes"]["accumulated"] == 5 * 4 * 24 * 20 && summary["check"]["wrong"] == 0);
+    // The middle of the back wall is as flat as before; at an edge there are colours between.
+    let far = |a: &image::Rgb<u8>, b: &image::Rgb<u8>| (0..3).any(|c| a.0[c].abs_diff(b.0[c]) > 40);
+    let apart = centre.pixels().zip(many.pixels()).filter(|(a, b)| far(a, b)).count();
+    assert!((1..200).contains(&apart), "{apart} of 480 pixels");
+    for how in [&cpu[..], &["--device", "gpu"], &["--schedule", "fused"], &["--accelerator", "bvh", "--device", "cpu"]]
+    {
+        assert_eq!(render("d.png", &[how, &["--spp", "16"]].concat()).0, many, "{how:?}");
+    }
+    for how in [&["--seed", "1"][..], &["--sampler", "random"]] {
+        assert_ne!(render("e.png", &[&cpu[..], &["--spp", "16"], how].concat()).0, many, "{how:?}");
+    }
+}
+
+#[test]
+fn samples_that_cannot_be_are_refused_in_a_line() {
+    let place = Place::new();
+    let file = cornell_box();
+    let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
+    for (wanted, how) in [
+        ("0 is not in 1..=65536", &["--spp", "0"][..]),
+        ("65537 is not in 1..=65536", &["--spp", "65537"]),
+        ("invalid digit", &["--spp", "x"]),
+        ("sobol, random", &["--spp", "4", "--sampler", "blue"]),
+        ("give --spp", &["--sampler", "random"]),
+        ("give --spp", &["--seed", "7"]),
+    ] {
+        place.fails(2, wanted, &[&render[..], how].concat());
+    }
+    let ray = ["trace", &file, "--ray", "0,0,5,0,0,-1", "--size", "8x8", "--device", "cpu"];
+    place.fails(2, "--ray is one ray", &[&ray[..], &["--spp", "2"]].concat());
+    place.ok(&[&ray[..], &["--spp", "1"]].concat());
+    // A ray's life goes on with the next sample, and the link says how many.
+    let traced =
+        place.ok(&["trace", &file, "--pixel", "3,4", "--size", "8x8", "--device", "cpu", "--spp", "3", "--print-link"]);
+    for words in ["sample 1: a ray", "sample 3: a ray", "mean of 2 of 3 samples: on to the next", "mean of 3 of 3"] {
+        assert!(traced.stdout.contains(words), "{words}: {traced:?}");
+    }
+    assert!(traced.stderr.contains("spp=3"), "{traced:?}");
+    // Hits are those of a sample, so a dump of them is of a run that shades.
+    let dump = ["dump", &file, "-o", "d", "--stream", "hit", "--pass", "last", "--size", "8x8", "--device", "cpu"];
+    place.ok(&[&dump[..], &["--spp", "2"]].concat());
+    assert!(place.ok(&["plan", &file, "--spp", "2", "--device", "cpu"]).stdout.contains("accumulate"));
+    assert!(place.ok(&["plan", &file, "--device", "cpu"]).stdout.contains("one sample a pixel"));
+}
+
+#[test]
 fn what_has_one_pass_is_not_looked_at_pass_by_pass() {
     let place = Place::new();
     let file = cornell_box();

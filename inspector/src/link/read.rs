@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use percent_encoding::percent_decode_str;
-use raystep_kernels::{GridSize, Ray, Stream};
+use raystep_kernels::{GridSize, Ray, Samples, Stream};
 
 use super::error::start;
 use super::{
@@ -38,6 +38,11 @@ impl FromStr for Link {
             steps_per_pass: pairs.take("steps-per-pass", steps)?.unwrap_or(default.steps_per_pass),
             keep_all: pairs.take("keep-all", |v| v.parse().map_err(|_| "true or false is wanted".into()))?
                 == Some(true),
+            samples: Samples {
+                count: pairs.take("spp", spp)?.unwrap_or(default.samples.count),
+                sampler: pairs.take("sampler", named)?.unwrap_or(default.samples.sampler),
+                seed: pairs.take("seed", seed)?.unwrap_or(default.samples.seed),
+            },
             device: pairs.take("device", device)?.unwrap_or(default.device),
             adapter: pairs.take("adapter", |v| not_empty(v).ok_or("part of an adapter's name is wanted".into()))?,
             ray: ray(&pairs)?,
@@ -166,6 +171,15 @@ fn grid(value: &str) -> Result<GridSize, String> {
 fn steps(value: &str) -> Result<u32, String> {
     let steps = value.parse().ok().filter(|n| (1..=MOST_STEPS).contains(n));
     steps.ok_or_else(|| format!("a number from 1 to {MOST_STEPS} is wanted"))
+}
+
+fn spp(value: &str) -> Result<u32, String> {
+    let count = value.parse().ok().filter(|n| (1..=Samples::MOST).contains(n));
+    count.ok_or_else(|| format!("a number from 1 to {} is wanted", Samples::MOST))
+}
+
+fn seed(value: &str) -> Result<u32, String> {
+    value.parse().map_err(|_| format!("a number from 0 to {} is wanted", u32::MAX))
 }
 
 fn stream(value: &str) -> Result<LinkStream, String> {

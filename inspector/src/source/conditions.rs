@@ -75,6 +75,11 @@ pub const CONDITIONS: &[Condition] = &[
     row(Kernel::Shade, "material.texture != 0xffffffffu", |_| None),
     row(Kernel::Shade, "material.double_sided != 0u && dot3(normal, direction) > 0.0", |_| None),
     row(Kernel::Shade, "var i = 0u; i < shading.lights; i++", |_| None),
+    row(Kernel::Accumulate, OUTSIDE, |_| Some(false)),
+    row(Kernel::Accumulate, "textureLoad(state, texel, 0).x != DONE || before >= f32(sampling.samples)", |c| {
+        Some(c.after.samples == c.before.samples)
+    }),
+    row(Kernel::Accumulate, "samples < f32(sampling.samples)", |c| Some(c.is(&[UNWRITTEN]))),
     // Of a kernel that takes several steps, only what lies around them.
     row(Kernel::Walk, OUTSIDE, |_| Some(false)),
     row(Kernel::Walk, "place.tag != TRAV && place.tag != ISECT_NO_HIT && place.tag != ISECT_HIT", |c| {

@@ -2,7 +2,7 @@
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
 use raystep_kernels::stream::STREAMS;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, ScheduleKind, Skip, Stream};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
 
 /// xorshift64*.
 struct Random(u64);
@@ -68,6 +68,11 @@ impl Random {
             skip: self.of(Skip::ALL),
             steps_per_pass: 1 + self.below(4096) as u32,
             keep_all: self.below(2) == 0,
+            samples: Samples {
+                count: 1 + self.below(65_536) as u32,
+                sampler: self.of(Sampler::ALL),
+                seed: self.bits() as u32,
+            },
             device: self.of(&LinkDevice::ALL),
             adapter: self.maybe(Self::text),
             ray: match self.below(3) {

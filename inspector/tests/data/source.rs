@@ -7,13 +7,15 @@ use raystep_inspector::source::conditions::CONDITIONS;
 use raystep_inspector::source::{Class, Line, Mark, composed, conditions_in, kernel_file, lines};
 use raystep_kernels::export::trace::{RayState, ray_state};
 use raystep_kernels::kernel::KERNELS;
-use raystep_kernels::{Accelerator, Device, Kernel, Numerics, Options, Renderer, ScheduleKind};
+use raystep_kernels::{Accelerator, Device, Kernel, Numerics, Options, Renderer, Samples, ScheduleKind};
 use raystep_scenes::{Scene, generate};
 
 use crate::common::options;
 
-const STEPPED: [Kernel; 6] =
-    [Kernel::Generate, Kernel::Setup, Kernel::TraverseGrid, Kernel::TraverseBvh, Kernel::Intersect, Kernel::Shade];
+const STEPPED: [Kernel; 7] = {
+    use Kernel::{Accumulate, Generate, Intersect, Setup, Shade, TraverseBvh, TraverseGrid};
+    [Generate, Setup, TraverseGrid, TraverseBvh, Intersect, Shade, Accumulate]
+};
 
 #[test]
 fn every_condition_of_a_kernel_is_in_the_table_and_the_table_has_no_other() {
@@ -91,15 +93,27 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
     let mut ways = 0;
     for scene in [generate::cornell_box(), generate::icosphere(1).expect("a sphere")] {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
-            for (numerics, counters, keep_all) in
-                [(Numerics::Robust, false, false), (Numerics::Robust, true, true), (Numerics::Paper, true, false)]
-            {
+            for (numerics, counters, keep_all, count) in [
+                (Numerics::Robust, false, false, 1),
+                (Numerics::Robust, false, false, 3),
+                (Numerics::Robust, true, true, 1),
+                (Numerics::Paper, true, false, 1),
+            ] {
                 let options = options(&scene, accelerator, ScheduleKind::Second, [4, 3]);
-                let options = Options { numerics, counters, keep_all, ..options };
+                let samples = Samples { count, ..Samples::default() };
+                let options = Options { numerics, counters, keep_all, samples, ..options };
                 follow(&scene, &options, |renderer, kernel, before, after| {
                     let features = &renderer.plan().features;
                     let lines = kernel_file(kernel, features, Some((before, after)));
                     let what = || format!("{accelerator} {} {} > {}", kernel.name(), before.state, after.state);
+                    if kernel == Kernel::Accumulate {
+                        // The last sample leaves the tag alone, and gives the mean to the picture.
+                        let moved = |part: &str| !ran(&lines, part).is_empty();
+                        assert_eq!(moved("textureStore(state, texel, 0, vec4u(UNWRITTEN))"), after.tag == 0);
+                        assert_eq!(moved("textureStore(color, texel, 0,"), after.tag == 7);
+                        ways += 1;
+                        return;
+                    }
                     // Exactly one line stores the tag, and where the tag is written out it is the ray's.
                     let stores = ran(&lines, "textureStore(state, texel, 0,");
                     assert_eq!(stores.len(), 1, "{}: {stores:?}", what());

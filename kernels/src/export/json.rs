@@ -122,6 +122,12 @@ pub struct RunOptions {
     pub counters: bool,
     /// `--keep-all`
     pub keep_all: bool,
+    /// `--spp`: samples a pixel. Rays, hits, counters and `check` are those of one sample, of several the last.
+    pub spp: u32,
+    /// `--sampler`; `null` where a pixel has one sample.
+    pub sampler: Option<&'static str>,
+    /// `--seed`; `null` where a pixel has one sample.
+    pub seed: Option<u32>,
 }
 
 /// A grid in numbers.

@@ -13,7 +13,7 @@ use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::state::{self, Tag};
-use crate::stream::Stream;
+use crate::stream::{ACCUMULATED_SAMPLES, Stream};
 use explain::explain;
 
 /// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
@@ -44,6 +44,9 @@ pub struct RayState {
     pub barycentric: Option<[f32; 2]>,
     /// Linear colour.
     pub color: Option<[f32; 3]>,
+    /// Samples in the pixel's mean; absent where a pixel has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u32>,
 }
 
 /// What one pass did to the ray.
@@ -113,9 +116,9 @@ pub async fn trace(
 /// # Errors
 /// Where the image has no such pixel, or the device fails.
 pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, RenderError> {
-    use Stream::{Color, Hit, Previous, RayDirection, RayOrigin, State, TMax};
+    use Stream::{Accumulated, Color, Hit, Previous, RayDirection, RayOrigin, State, TMax};
     let plan = renderer.plan();
-    let optional = [RayOrigin, RayDirection, TMax, Previous, Color];
+    let optional = [RayOrigin, RayDirection, TMax, Previous, Color, Accumulated];
     let streams: Vec<Stream> =
         [State, Hit].into_iter().chain(optional.into_iter().filter(|&s| plan.has_stream(s))).collect();
     let texels = renderer.texels(&streams, x, y).await?;
@@ -143,6 +146,7 @@ pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, 
         triangle: is_hit.then_some(hit[2]),
         barycentric: is_hit.then(|| [f32::from_bits(hit[0]), f32::from_bits(hit[1])]),
         color,
+        samples: texel(Accumulated).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
     })
 }
 

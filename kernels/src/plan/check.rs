@@ -6,6 +6,7 @@ use super::{Bytes, Limits};
 use crate::bvh::BvhError;
 use crate::grid::GridError;
 use crate::options::{Options, RaySource};
+use crate::samples::Samples;
 use crate::scene_data::traced_camera;
 use crate::shader::ShaderError;
 use crate::units::Units;
@@ -54,6 +55,14 @@ pub enum PlanError {
         /// Its place in the list.
         index: usize,
         /// What is wrong.
+        reason: &'static str,
+    },
+    /// So many samples a pixel cannot be taken.
+    #[error("{count} samples a pixel cannot be taken: {reason}")]
+    Samples {
+        /// How many were asked for.
+        count: u32,
+        /// Why not.
         reason: &'static str,
     },
     /// An attribute of the scene has the wrong number of entries.
@@ -194,6 +203,18 @@ pub(super) fn check_rays(options: &Options, units: Units) -> Result<(), PlanErro
             Ok(())
         }
     }
+}
+
+pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
+    let count = options.samples.count;
+    let reason = match options.rays {
+        _ if !(1..=Samples::MOST).contains(&count) => "1 to 65536 can",
+        _ if count == 1 => return Ok(()),
+        RaySource::Given(_) => "rays that are given have no pixels to spread samples over",
+        RaySource::Camera { .. } if !options.shade => "they are for the mean of colours, and this run does not shade",
+        RaySource::Camera { .. } => return Ok(()),
+    };
+    Err(PlanError::Samples { count, reason })
 }
 
 pub(super) fn check_buffer(name: &'static str, bytes: u64, limits: &Limits) -> Result<(), PlanError> {

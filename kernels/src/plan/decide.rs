@@ -7,6 +7,7 @@ use crate::buffer::BUFFERS;
 use crate::features::Features;
 use crate::kernel::{KERNELS, Kernel};
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
+use crate::samples::Sampler;
 use crate::scene_data::traced_camera;
 use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
@@ -65,6 +66,8 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         many_lights: keep || scene.lights.len() > 1,
         directional_lights: any_light(|l| matches!(l, Light::Directional { .. })),
         spot_lights: any_light(|l| matches!(l, Light::Spot { .. })),
+        samples: options.samples.count > 1,
+        sobol: options.samples.count > 1 && options.samples.sampler == Sampler::Sobol,
     }
 }
 
@@ -86,6 +89,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     let stepped = (O, "the schedule steps");
     let many = (O, "several steps a pass are taken in one kernel");
     let no_shade = (V, "the result wanted is the hits, not the image");
+    let one_sample = (O, "one sample a pixel");
     for k in KERNELS.iter().filter(|k| plan.variant(k.kernel).is_none()) {
         let why = match k.kernel {
             Kernel::Generate if plan.features.eye_rays => (O, "the fused kernel makes its rays itself"),
@@ -97,6 +101,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
             Kernel::Setup | Kernel::Intersect if is_fused => fused,
             Kernel::TraverseGrid | Kernel::TraverseBvh if is_fused => fused,
             Kernel::TraverseGrid | Kernel::TraverseBvh => other,
+            Kernel::Accumulate => one_sample,
             _ => no_shade,
         };
         add(format!("kernel {}", k.name), why);
@@ -105,6 +110,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
         let why = match s.stream {
             Stream::Counters => (O, "counters are not asked for"),
             Stream::Color => no_shade,
+            Stream::Accumulated => one_sample,
             Stream::RayOrigin | Stream::RayDirection => (O, "the fused kernel makes its rays itself"),
             _ if is_fused => fused,
             Stream::TMax if plan.features.grid => (O, "several steps a pass: worked out from the cell"),
@@ -115,6 +121,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     for b in BUFFERS.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
         let why = match b.name {
             "camera" => (V, "the rays are given"),
+            "sampling" => one_sample,
             "scene" => (O, "one step a pass, and lists that have their own ends"),
             "grid" | "grid_cells" | "grid_items" => other,
             "grid_distances" if plan.features.grid && !plan.features.robust => {

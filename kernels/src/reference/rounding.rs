@@ -16,7 +16,7 @@ use crate::shared::bvh_walk::finite_inverse;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::shared::grid_walk::smallest_axis;
 use crate::shared::vector::smallest3;
-use crate::stream::{STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
+use crate::stream::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
 pub use judge::{Component, Judged, Verdict, judging_bytes};
 
 /// What a ray is made of.
@@ -69,6 +69,7 @@ impl Rounding<'_> {
     /// * tmax: a division and a product: 4 ulp; by the paper's rules it grows by that at every step.
     /// * color: square roots, divisions and sums of terms below 1 or the value itself; a spot's cone multiplies
     ///   the error of a cosine by its scale.
+    /// * accumulated, and color where it is given the mean: a division that is added to; 4 roundings.
     /// * t, u, v: by the triangle's own bound, see [`super`]. It allows the 10 roundings of a
     ///   sheared corner; a ray that the kernel makes itself is off by 4 more, so the double of it covers both.
     ///
@@ -84,8 +85,10 @@ impl Rounding<'_> {
             (Stream::State, STATE_T) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
             (Stream::Color, _) => {
                 let cone = self.data.lights.iter().fold(1.0f32, |m, l| m.max(l.cone_scale));
-                (x - y).abs() <= 64.0 * f32::EPSILON * size * cone
+                let of_one_kernel = if self.kernel == Kernel::Accumulate { 4.0 } else { 64.0 * cone };
+                (x - y).abs() <= of_one_kernel * f32::EPSILON * size
             }
+            (Stream::Accumulated, 0..ACCUMULATED_SAMPLES) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
             _ => false,
         }
     }
@@ -187,7 +190,7 @@ impl Rounding<'_> {
             Kernel::TraverseGrid if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
             Kernel::TraverseBvh => Some(self.grazes_a_box(ray, origin, direction)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
-            Kernel::Generate | Kernel::TraverseGrid | Kernel::Shade => Some(false),
+            Kernel::Generate | Kernel::TraverseGrid | Kernel::Shade | Kernel::Accumulate => Some(false),
         }
     }
 }

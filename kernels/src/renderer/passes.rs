@@ -33,7 +33,7 @@ impl Renderer {
     pub fn next_pass(&self) -> Option<(Kernel, u32)> {
         let mut cursor = self.cursor.clone();
         if self.is_over_bound() {
-            cursor.leave_loop();
+            cursor.leave_walk(&self.plan.schedule);
         }
         let kernel = cursor.next(&self.plan.schedule, &self.counts)?;
         Some((kernel, cursor.iteration))
@@ -55,6 +55,16 @@ impl Renderer {
     pub async fn run_to(
         &mut self,
         place: usize,
+        progress: impl FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
+        let left = |renderer: &Self| place.checked_sub(renderer.passes.len()).filter(|&left| left > 0);
+        self.run_while(left, progress).await
+    }
+
+    /// Runs as long as `left` says how many passes may follow.
+    async fn run_while(
+        &mut self,
+        left: impl Fn(&Self) -> Option<usize>,
         mut progress: impl FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<(), RenderError> {
         // Enough passes to hide the read-back, few enough rays to report often.
@@ -63,8 +73,8 @@ impl Renderer {
             Executor::Cpu(_) | Executor::CpuF64(_) => 1,
         };
         let mut batch = 8.min(most);
-        while self.passes.len() < place {
-            let submitted = batch.min(place - self.passes.len());
+        while let Some(left_here) = left(self) {
+            let submitted = batch.min(left_here);
             let recorded = self.advance(submitted).await?;
             if recorded == 0 {
                 break;
@@ -72,14 +82,31 @@ impl Renderer {
             // Where fewer were needed than submitted, a kernel is idle soon; the rest was for nothing.
             let wanted = if 2 * recorded < submitted { 2 * recorded } else { 2 * batch };
             // Passes that launch every ray cost as much at the end as at the beginning.
-            let launched = if self.plan.features.live_lists { self.undecided() } else { self.plan.rays };
+            let walking = self.undecided();
+            // Where no ray walks, all rays of the next sample soon do.
+            let launched = if self.plan.features.live_lists && walking > 0 { walking } else { self.plan.rays };
             batch = wanted.min((RAYS_A_BATCH / launched.max(1)) as usize).max(2).min(most);
-            let is_over = self.passes.len() >= place || self.next_kernel().is_none();
+            let is_over = left(self).is_none() || self.next_kernel().is_none();
             if progress(&self.progress()).is_break() && !is_over {
                 return Err(RenderError::Cancelled { passes: self.passes.len() });
             }
         }
         Ok(())
+    }
+
+    /// Runs until so many samples of every pixel are complete, or to the end where that comes first. Then
+    /// [`image`](Self::image) is the mean of exactly those, be it that passes of the next sample have run too, and
+    /// the run can go on from there: one run of 1,024 samples shows the pictures of 2, 4, 8, … on its way.
+    /// `progress` is called between batches of passes and may stop the run.
+    ///
+    /// # Errors
+    /// Where the device fails, or `progress` said so.
+    pub async fn run_to_sample(
+        &mut self,
+        samples: u32,
+        progress: impl FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
+        self.run_while(|renderer| (renderer.samples() < samples).then_some(usize::MAX), progress).await
     }
 
     /// Submits up to `most` passes and records those that the schedule asked for.
@@ -108,7 +135,7 @@ impl Renderer {
     async fn submit(&mut self, most: usize) -> Result<usize, RenderError> {
         if self.is_over_bound() {
             self.unfinished = self.undecided();
-            self.cursor.leave_loop();
+            self.cursor.leave_walk(&self.plan.schedule);
         }
         let guess = self.cursor.guess(&self.plan.schedule, &self.counts, most);
         if guess.is_empty() {
@@ -149,9 +176,15 @@ impl Renderer {
         Ok(recorded)
     }
 
-    /// Only the paper's numerics can get here: a ray that wraps over a face of the grid.
+    /// Only the paper's numerics can get here: a ray that wraps over a face of the grid. Of several samples a pixel,
+    /// it walks on in those that follow, and nobody waits for it again.
     fn is_over_bound(&self) -> bool {
-        self.passes.len() as u64 >= self.pass_bound && self.unfinished == 0
+        if self.unfinished > 0 {
+            return self.plan.features.samples && self.undecided() <= self.unfinished;
+        }
+        let is_of_this_sample = |pass: &&Pass| pass.kernel != Kernel::Generate;
+        self.passes.len() as u64 >= self.pass_bound
+            && self.passes.iter().rev().take_while(is_of_this_sample).count() as u64 >= self.pass_bound
     }
 
     fn undecided(&self) -> u64 {
@@ -166,6 +199,67 @@ impl Renderer {
     pub fn progress(&self) -> Progress {
         let decided = [state::SHADE, state::BACKGROUND, state::DONE];
         let rays_decided = decided.iter().map(|&tag| u64::from(self.counts[tag as usize])).sum();
-        Progress { passes: self.passes.len(), rays_decided, rays: self.plan.rays }
+        Progress {
+            passes: self.passes.len(),
+            rays_decided,
+            rays: self.plan.rays,
+            samples: self.samples(),
+            samples_wanted: self.samples_wanted(),
+        }
+    }
+
+    /// Samples of every pixel that are complete: how many the [`image`](Self::image) is the mean of.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        if self.plan.features.samples {
+            // Rays that the bound on passes has held up may want more turns.
+            self.cursor.samples.min(self.samples_wanted())
+        } else {
+            u32::from(self.next_kernel().is_none())
+        }
+    }
+
+    /// Samples of a pixel that the run ends with.
+    fn samples_wanted(&self) -> u32 {
+        if self.plan.features.samples { self.data.sampling.samples } else { 1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::{Camera, generate};
+
+    use super::*;
+    use crate::renderer::Device;
+    use crate::{Options, RaySource, Samples, ScheduleKind, Stream};
+
+    /// As if many rays never ended: a bound that is reached in the middle of the first walk.
+    #[test]
+    fn rays_that_reach_the_bound_hold_up_no_other() {
+        let scene = generate::cornell_box();
+        let camera = Camera::framing(&scene.bounds());
+        for (schedule, samples) in [(ScheduleKind::Second, 1), (ScheduleKind::Second, 4), (ScheduleKind::First, 4)] {
+            let rays = RaySource::Camera { camera: camera.clone(), width: 20, height: 20 };
+            let samples = Samples { count: samples, ..Samples::default() };
+            let options = Options { schedule, samples, ..Options::new(rays) };
+            let outcome = pollster::block_on(async {
+                let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
+                renderer.pass_bound = 9;
+                while renderer.step().await?.is_some() {
+                    assert!(renderer.passes().len() < 2_000, "it never ends");
+                }
+                assert!(renderer.unfinished() > 0, "the bound is no bound");
+                let ended = u64::from(renderer.live()[state::DONE as usize]);
+                assert_eq!(ended + renderer.undecided(), 400);
+                if samples.count > 1 {
+                    let counts = renderer.values(Stream::Accumulated).await?;
+                    let complete = counts.layer(4).iter().filter(|&&n| f32::from_bits(n) == 4.0).count();
+                    assert_eq!(complete as u64, ended, "who has ended has all samples");
+                    assert!(ended > 0 && renderer.samples() == 4);
+                }
+                Ok::<(), RenderError>(())
+            });
+            assert!(outcome.is_ok(), "{outcome:?}");
+        }
     }
 }

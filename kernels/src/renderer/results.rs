@@ -84,11 +84,16 @@ impl Renderer {
         if region.is_in(width, height) { Ok(()) } else { Err(RenderError::NoPixel { region, width, height }) }
     }
 
-    /// The image so far, linear; alpha is 1 where a ray hit something.
+    /// The image so far, linear; alpha is 1 where a ray hit something. With several samples a pixel, the mean of
+    /// those that are complete and the share of them that hit: of [`samples`](Self::samples) samples, in every
+    /// pixel, between any two passes but with unwritten zeros before the first sample is complete.
     ///
     /// # Errors
     /// Where the run does not shade, or the device fails.
     pub async fn image(&self) -> Result<Image, RenderError> {
+        if self.plan.features.samples {
+            return Ok(Image::from_mean(&self.values(Stream::Accumulated).await?));
+        }
         let color = self.values(Stream::Color).await?;
         let hit = self.values(Stream::Hit).await?;
         Ok(Image::from_streams(&color, &hit))
@@ -103,7 +108,7 @@ impl Renderer {
         given.map_or_else(|| self.data.units.scene_units_per_stream_unit(), |&exponent| exp2(exponent))
     }
 
-    /// What every ray hit so far, in scene units.
+    /// What every ray hit so far, in scene units; of several samples a pixel, the latest sample's ray.
     ///
     /// # Errors
     /// Where the device fails.

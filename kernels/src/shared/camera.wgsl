@@ -1,4 +1,5 @@
-// A ray for a pixel: from the eye through the pixel's centre on the view plane, which lies at distance 1.
+// A ray for a pixel: from the eye through the pixel's centre, or another place in it, on the view plane, which lies
+// at distance 1.
 // The direction is not normalised, so t is the depth along the view axis, and no square root is needed,
 // whose rounding differs from one GPU to another.
 
@@ -24,8 +25,13 @@ struct Ray {
 }
 
 fn eye_ray(texel: vec2u) -> Ray {
-    let x = (f32(texel.x) + 0.5) * camera.pixel_x - 1.0;
-    let y = 1.0 - (f32(texel.y) + 0.5) * camera.pixel_y;
+    return eye_ray_at(vec2f(texel) + 0.5);
+}
+
+// Of a place in pixels from the picture's upper left corner.
+fn eye_ray_at(place: vec2f) -> Ray {
+    let x = place.x * camera.pixel_x - 1.0;
+    let y = 1.0 - place.y * camera.pixel_y;
     @if(perspective) return Ray(camera.eye, camera.forward + camera.right * x + camera.up * y);
     @else return Ray(camera.eye + camera.right * x + camera.up * y, camera.forward);
 }

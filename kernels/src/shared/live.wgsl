@@ -57,14 +57,19 @@ fn add_sent(state: u32) {
     }
 }
 
-// Every thread of the workgroup calls this, with NOBODY for a tag where it had no ray to work on.
-@if(!live_lists)
-fn send(lane: u32, texel: vec2u, tag: u32) {
+// As send, of a kernel that no kernel with a list comes right after.
+fn book(lane: u32, tag: u32) {
     note_sent(tag);
     workgroupBarrier();
     if (lane < 8u) {
         add_sent(lane);
     }
+}
+
+// Every thread of the workgroup calls this, with NOBODY for a tag where it had no ray to work on.
+@if(!live_lists)
+fn send(lane: u32, texel: vec2u, tag: u32) {
+    book(lane, tag);
 }
 
 @if(live_lists)

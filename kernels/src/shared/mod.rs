@@ -3,6 +3,7 @@
 pub mod bvh_walk;
 pub mod constants;
 pub mod grid_walk;
+pub mod samples;
 pub mod texture;
 pub mod triangle;
 pub mod vector;
@@ -10,13 +11,14 @@ pub mod wide_walk;
 
 /// WESL modules that kernels import from, by name: `package::NAME`.
 #[must_use]
-pub(crate) fn modules(stack: u32) -> [(&'static str, String); 16] {
+pub(crate) fn modules(stack: u32) -> [(&'static str, String); 17] {
     [
         ("constants", constants::wgsl_module(stack)),
         ("state", crate::state::wgsl_module()),
         ("vector", include_str!("vector.wgsl").into()),
         ("ray", include_str!("ray.wgsl").into()),
         ("camera", include_str!("camera.wgsl").into()),
+        ("samples", include_str!("samples.wgsl").into()),
         ("scene", include_str!("scene.wgsl").into()),
         ("live", include_str!("live.wgsl").into()),
         ("grid_lists", include_str!("grid_lists.wgsl").into()),

@@ -18,6 +18,7 @@ pub(in crate::ui) fn kernel_color(kernel: Kernel) -> Color32 {
         Kernel::Walk => [190, 150, 30],
         Kernel::Fused => [200, 80, 140],
         Kernel::Shade => [90, 165, 90],
+        Kernel::Accumulate => [120, 130, 140],
     };
     Color32::from_rgb(r, g, b)
 }

@@ -14,7 +14,15 @@ use crate::state;
 /// Which triangle a pass tested, and why it left the ray as it did.
 pub(super) fn explain(kernel: Kernel, data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
     match kernel {
+        Kernel::Generate if data.features.samples => {
+            (None, format!("sample {}: a ray through its place in the pixel", before.samples.unwrap_or_default() + 1))
+        }
         Kernel::Generate => (None, "a ray through the pixel's centre".into()),
+        Kernel::Accumulate => {
+            let samples = after.samples.unwrap_or_default();
+            let next = if after.tag == state::DONE { "the picture has it" } else { "on to the next sample" };
+            (None, format!("mean of {samples} of {} samples: {next}", data.sampling.samples))
+        }
         Kernel::Setup => (None, explain_setup(data, after)),
         Kernel::TraverseGrid => (None, explain_step(data, before, after)),
         Kernel::TraverseBvh => (None, explain_node(data, before, after)),

@@ -1,0 +1,54 @@
+// Where in its pixel a sample lies. All integers until the last step, which is exact: every device has the same places.
+
+struct Sampling {
+    // Samples a pixel.
+    samples: u32,
+    seed: u32,
+}
+
+@group(1) @binding(21) var<uniform> sampling: Sampling;
+
+// PCG's output permutation on a step of its generator: every bit of the result depends on all of them.
+fn hashed(value: u32) -> u32 {
+    let step = value * 747796405u + 2891336453u;
+    let word = ((step >> ((step >> 28u) + 4u)) ^ step) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+// Digits of the second coordinate: each bit of the index adds a column of Pascal's triangle modulo 2.
+@if(sobol)
+fn sobol_second(index: u32) -> u32 {
+    var digits = 0u;
+    var column = 0x80000000u;
+    for (var left = index; left != 0u; left >>= 1u) {
+        digits ^= column * (left & 1u);
+        column ^= column >> 1u;
+    }
+    return digits;
+}
+
+// Owen's scrambling: whether a digit flips depends on the seed and on the digits before it. Multiplying by an even
+// number, and adding, carry from low bits to high ones only, so the digits go in reversed.
+@if(sobol)
+fn scrambled(digits: u32, seed: u32) -> u32 {
+    var x = reverseBits(digits);
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return reverseBits(x);
+}
+
+// The two coordinates as fractions of 2³².
+fn sample_bits(texel: vec2u, sample: u32) -> vec2u {
+    let first_seed = hashed(texel.x + hashed(texel.y + hashed(sampling.seed)));
+    let second_seed = hashed(first_seed);
+    @if(sobol) return vec2u(scrambled(reverseBits(sample), first_seed), scrambled(sobol_second(sample), second_seed));
+    @else return vec2u(hashed(sample + first_seed), hashed(hashed(sample) + second_seed));
+}
+
+// From the pixel's upper left corner, below 1 each way: 24 bits, as many as a float holds.
+fn jitter(texel: vec2u, sample: u32) -> vec2f {
+    return vec2f(sample_bits(texel, sample) >> vec2u(8u)) * 5.9604644775390625e-8;
+}

@@ -1,0 +1,239 @@
+//! Several samples a pixel: the picture is the mean of the pictures of its samples, in every way to trace it, and
+//! one sample is what it always was.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::plan::PlanError;
+use raystep_kernels::{
+    Accelerator, Device, Kernel, Limits, Numerics, Options, Plan, Ray, RaySource, Renderer, Sampler, Samples,
+    ScheduleKind, Stream, StreamData,
+};
+use raystep_scenes::{Camera, Projection, Scene};
+use raystep_tests::ways::{EVERY, Way};
+use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene, traced, values};
+
+const SIZE: [u32; 2] = [40, 30];
+
+fn with(options: &Options, count: u32, sampler: Sampler) -> Options {
+    Options { samples: Samples { count, sampler, seed: 3 }, ..options.clone() }
+}
+
+fn room() -> (Scene, Options) {
+    let scene = scene("cornell-box.gltf");
+    let options = options(&scene, SIZE[0], SIZE[1]);
+    (scene, options)
+}
+
+fn names(plan: &Plan) -> Vec<&'static str> {
+    plan.schedule.kernels().into_iter().map(Kernel::name).collect()
+}
+
+#[test]
+fn one_sample_leaves_everything_out_and_says_why() {
+    let (scene, options) = room();
+    for way in EVERY {
+        let one = way.of(&options);
+        let (plain, _) = Plan::new(&scene, &one, &Limits::CPU).expect("a plan");
+        // Seed and sampler of one sample mean nothing.
+        let (seeded, _) = Plan::new(&scene, &with(&one, 1, Sampler::Random), &Limits::CPU).expect("a plan");
+        assert_eq!(plain.to_string(), seeded.to_string(), "{way}");
+        for part in ["kernel accumulate", "stream accumulated", "buffer sampling"] {
+            let left_out = plain.left_out.iter().find(|l| l.what == part).expect(part);
+            assert_eq!(left_out.reason, "one sample a pixel");
+        }
+        let source: String = plain.variants.iter().map(|v| v.source.as_str()).collect();
+        assert!(!source.contains("jitter") && !source.contains("accumulated"), "{way}");
+        let (several, _) = Plan::new(&scene, &with(&one, 2, Sampler::Sobol), &Limits::CPU).expect("a plan");
+        assert_eq!(names(&several), [names(&plain), vec!["accumulate"]].concat(), "{way}");
+        assert!(!several.left_out.iter().any(|l| l.reason == "one sample a pixel"), "{way}\n{several}");
+        let source: String = several.variants.iter().map(|v| v.source.as_str()).collect();
+        assert!(source.contains("scrambled") && several.has_stream(Stream::Accumulated), "{way}");
+        let (random, _) = Plan::new(&scene, &with(&one, 2, Sampler::Random), &Limits::CPU).expect("a plan");
+        assert!(random.variants.iter().all(|v| !v.source.contains("scrambled")), "{way}");
+    }
+}
+
+/// A camera whose pixel centres are where a sample of the given camera's pixel lies: it looks through one pixel.
+fn through(camera: &Camera, [x, y]: [f64; 2]) -> Camera {
+    let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
+    let half = match camera.projection {
+        Projection::Perspective { vertical_fov } => (vertical_fov / 2.0).tan(),
+        Projection::Orthographic { half_height } => half_height,
+    };
+    let across = camera.right * (half * aspect * (2.0 * x / f64::from(SIZE[0]) - 1.0));
+    let up = camera.up * (half * (1.0 - 2.0 * y / f64::from(SIZE[1])));
+    match camera.projection {
+        Projection::Perspective { .. } => Camera { forward: camera.forward + across + up, ..camera.clone() },
+        Projection::Orthographic { .. } => Camera { eye: camera.eye + across + up, ..camera.clone() },
+    }
+}
+
+fn color(renderer: &Renderer, ray: usize) -> [f64; 3] {
+    let colors = values(renderer, Stream::Color);
+    [0, 1, 2].map(|layer| f64::from(colors.get_f32(layer, ray)))
+}
+
+/// Some pixels, each of whose samples is traced as a picture of one pixel by the f64 twins.
+#[test]
+fn the_mean_of_four_is_that_of_four_pictures_of_one_sample() {
+    let (scene, mut options) = room();
+    let RaySource::Camera { camera, .. } = options.rays.clone() else { panic!("a camera") };
+    for projection in [camera.projection, Projection::Orthographic { half_height: 0.9 }] {
+        let camera = Camera { projection, ..camera.clone() };
+        options.rays = RaySource::Camera { camera: camera.clone(), width: SIZE[0], height: SIZE[1] };
+        for &sampler in Sampler::ALL {
+            let run = traced(&scene, &with(&options, 4, sampler), &Device::CpuF64(None));
+            for [x, y] in [[3, 2], [20, 15], [21, 3], [39, 29], [11, 22], [30, 8]] {
+                let mut mean = [0.0; 3];
+                for sample in 0..4 {
+                    let [jx, jy] = sampler.place([x, y], sample, 3).map(f64::from);
+                    let camera = through(&camera, [f64::from(x) + jx, f64::from(y) + jy]);
+                    // The picture's centre is the pixel's: any aperture will do.
+                    let rays = RaySource::Camera { camera, width: 1, height: 1 };
+                    let one = traced(&scene, &Options { rays, ..options.clone() }, &Device::CpuF64(None));
+                    let of_one = color(&one, 0);
+                    (0..3).for_each(|c| mean[c] += of_one[c] / 4.0);
+                }
+                let found = color(&run, (y * SIZE[0] + x) as usize);
+                for (found, mean) in found.into_iter().zip(mean) {
+                    // The camera's f32 vectors differ by their rounding, some 2⁻²³ of the view plane, and shading
+                    // turns that into as much colour; the stream is rounded to f32.
+                    assert!((found - mean).abs() < 2e-6, "{sampler} pixel {x},{y}: {found} and {mean}");
+                }
+            }
+        }
+    }
+}
+
+fn streams(renderer: &Renderer) -> [StreamData; 4] {
+    [Stream::Color, Stream::Accumulated, Stream::Hit, Stream::RayDirection].map(|s| values(renderer, s))
+}
+
+/// t differs by its rounding between kernels that are compiled apart on some GPUs, and colours with it; not on the
+/// twins, and not on software Vulkan.
+#[test]
+fn every_way_ends_in_the_same_bits_and_so_does_the_second_run() {
+    let (scene, options) = room();
+    for (name, device) in devices() {
+        let mut first: Option<[StreamData; 4]> = None;
+        for way in EVERY {
+            let renderer = traced(&scene, &with(&way.of(&options), 5, Sampler::Sobol), &device);
+            assert_eq!(renderer.samples(), 5);
+            let found = streams(&renderer);
+            assert!(found[1].layer(4).iter().all(|&n| f32::from_bits(n) == 5.0), "{name} {way}");
+            let mean: Vec<u32> = (0..3).flat_map(|layer| found[1].layer(layer).to_vec()).collect();
+            assert!(mean == found[0].bits, "{name} {way}: color is the mean");
+            let expected = first.get_or_insert_with(|| found.clone());
+            assert!(*expected == found, "{name} {way}: other bits than {}", EVERY[0]);
+            let again = traced(&scene, &with(&way.of(&options), 5, Sampler::Sobol), &device);
+            assert!(streams(&again) == found, "{name} {way}: other bits the second time");
+        }
+    }
+}
+
+#[test]
+fn gpu_and_twins_make_the_same_picture() {
+    let (scene, options) = room();
+    for numerics in [Numerics::Robust, Numerics::Paper] {
+        let options = Options { numerics, ..with(&options, 8, Sampler::Sobol) };
+        let picture = |device: Device| {
+            let renderer = traced(&scene, &options, &device);
+            block_on(gpu_of(&device), renderer.image()).expect("an image").pixels
+        };
+        let [on_gpu, on_cpu] = [Device::Gpu(gpu()), Device::Cpu(None)].map(picture);
+        let pairs = || on_gpu.as_flattened().iter().zip(on_cpu.as_flattened());
+        let apart = pairs().filter(|(a, b)| (*a - *b).abs() > 1e-5).count();
+        // A ray that f32 cannot decide moves its pixel by an eighth.
+        assert!(apart * 1000 < on_gpu.len(), "{numerics}: {apart} of {}", on_gpu.len());
+    }
+}
+
+/// One run of sixteen shows on its way what shorter runs end with.
+#[test]
+fn a_run_can_be_read_after_every_sample_and_go_on() {
+    let (scene, options) = room();
+    for (name, device) in devices() {
+        for way in [EVERY[0], EVERY[3], EVERY[4], EVERY[8]] {
+            let options = way.of(&options);
+            let image = |renderer: &Renderer| block_on(gpu_of(&device), renderer.image()).expect("an image");
+            let mut long =
+                block_on(gpu_of(&device), Renderer::new(&scene, &with(&options, 16, Sampler::Sobol), &device))
+                    .expect("a renderer");
+            assert_eq!((long.samples(), image(&long).pixels[0]), (0, [0.0; 4]));
+            for samples in [2, 3, 8, 16] {
+                let mut last = long.samples();
+                let seen = |progress: &raystep_kernels::Progress| {
+                    assert!((last..=samples).contains(&progress.samples) && progress.samples_wanted == 16);
+                    last = progress.samples;
+                    ControlFlow::Continue(())
+                };
+                block_on(gpu_of(&device), long.run_to_sample(samples, seen)).expect("a run");
+                assert_eq!(long.samples(), samples, "{name} {way}");
+                let short = traced(&scene, &with(&options, samples, Sampler::Sobol), &device);
+                assert!(image(&long) == image(&short), "{name} {way}: after {samples}");
+            }
+            assert_eq!(long.next_kernel(), None);
+            // By single passes it is the same, and a checkpoint in the middle of a sample comes back to it.
+            let end = image(&long);
+            long.restart();
+            block_on(gpu_of(&device), async {
+                long.run_to_sample(5, |_| ControlFlow::Continue(())).await.expect("a run");
+                long.step().await.expect("a pass");
+                let (kept, place) = (long.checkpoint().await.expect("a checkpoint"), long.passes().len());
+                long.run(|_| ControlFlow::Continue(())).await.expect("a run");
+                let passes = long.passes().to_vec();
+                long.restore(&kept).expect("its own");
+                assert_eq!((long.samples(), long.passes().len()), (5, place));
+                while long.step().await.expect("a pass").is_some() {}
+                let kernels = |passes: &[raystep_kernels::Pass]| {
+                    passes.iter().map(|p| (p.index, p.iteration, p.kernel, p.rays_in, p.counts)).collect::<Vec<_>>()
+                };
+                assert_eq!(kernels(long.passes()), kernels(&passes), "{name} {way}");
+            });
+            assert!(image(&long) == end, "{name} {way}: pass by pass");
+        }
+    }
+}
+
+#[test]
+fn more_samples_are_nearer_to_the_mean_of_many() {
+    let (scene, options) = room();
+    let options = Way::new(Accelerator::Bvh, ScheduleKind::Compact, 8).of(&options);
+    let device = Device::Cpu(None);
+    let picture = |count, sampler| {
+        let renderer = traced(&scene, &with(&options, count, sampler), &device);
+        block_on(None, renderer.image()).expect("an image").pixels
+    };
+    let reference = picture(4096, Sampler::Sobol);
+    let rmse = |pixels: &[[f32; 4]]| {
+        let squares = pixels.as_flattened().iter().zip(reference.as_flattened()).map(|(a, b)| f64::from(a - b).powi(2));
+        (squares.sum::<f64>() / reference.as_flattened().len() as f64).sqrt()
+    };
+    let [centre, few, many] = [1, 16, 256].map(|count| rmse(&picture(count, Sampler::Sobol)));
+    let random = rmse(&picture(256, Sampler::Random));
+    println!("RMSE: centre {centre:.2e}, 16 {few:.2e}, 256 {many:.2e}, 256 at random {random:.2e}");
+    // 16 times the samples: an eighth of the error at edges; at random, a quarter.
+    assert!(few < centre / 4.0 && many < few / 6.0 && many < random / 3.0);
+}
+
+#[test]
+fn samples_that_mean_nothing_are_refused() {
+    let (scene, options) = room();
+    let given = RaySource::Given(vec![Ray { origin: [0.0; 3], direction: [0.0, 0.0, -1.0] }]);
+    for (options, reason) in [
+        (with(&options, 0, Sampler::Sobol), "1 to 65536"),
+        (with(&options, 65_537, Sampler::Sobol), "1 to 65536"),
+        (Options { rays: given.clone(), ..with(&options, 2, Sampler::Sobol) }, "rays that are given"),
+        (Options { shade: false, ..with(&options, 2, Sampler::Sobol) }, "does not shade"),
+    ] {
+        let error = Plan::new(&scene, &options, &Limits::CPU).map(|_| ()).expect_err(reason);
+        assert!(matches!(error, PlanError::Samples { .. }) && error.to_string().contains(reason), "{error}");
+    }
+    for options in [
+        Options { rays: given, ..with(&options, 1, Sampler::Random) },
+        Options { shade: false, ..with(&options, 1, Sampler::Random) },
+        with(&options, 65_536, Sampler::Random),
+    ] {
+        assert!(Plan::new(&scene, &options, &Limits::CPU).is_ok());
+    }
+}
