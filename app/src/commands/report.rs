@@ -9,6 +9,7 @@ mod output;
 mod page;
 mod plot;
 mod resolved;
+mod samples;
 mod section;
 mod table;
 mod work;
@@ -33,8 +34,8 @@ use work::Work;
 /// Measure error against run time: CSVs, plots and a page
 ///
 /// How fast rays are resolved and how many of them wrongly, by accelerator and schedule; which rule costs what and saves
-/// which rays; the error far from the origin and in tiny and huge units; the grid's resolution; what leaving out saves.
-/// Every ray is compared with f64 brute force, or in large scenes a sample of them.
+/// which rays; the error far from the origin and in tiny and huge units; the grid's resolution; samples a pixel; what
+/// leaving out saves. Every ray is compared with f64 brute force, or in large scenes a sample of them.
 ///
 /// DIR/index.html is a page that needs nothing beside it; each of its numbers is in a CSV there, and each of its plots is
 /// an SVG there. The same command on the same machine finds the same errors; times differ.

@@ -189,10 +189,13 @@ fn decided(counts: &StateCounts) -> u32 {
     [state::SHADE, state::BACKGROUND, state::DONE].iter().map(|&tag| counts[tag as usize]).sum()
 }
 
-/// The passes of a run, and when each of them was over; of three runs the middle one.
-fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<(Vec<Pass>, Vec<f64>)>, Error> {
+/// The passes of a run, and when each of them was over.
+type Timed = (Vec<Pass>, Vec<f64>);
+
+/// Of three runs the middle one; `None` where one was given up.
+fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed>, Error> {
     let has_clock = work.chosen.timer().is_some();
-    let mut runs: Vec<(Vec<Pass>, Vec<f64>)> = Vec::new();
+    let mut runs: Vec<Timed> = Vec::new();
     for run in 0..4 {
         if work.run(renderer)?.is_none() {
             return Ok(None);

@@ -288,7 +288,8 @@ fn plot(of: Of, rows: &[Row]) -> Plot {
         let over_time: Vec<_> =
             points(rows, sampler.name(), of, "time_ns").into_iter().map(|(ns, rmse)| (ns / 1e6, rmse)).collect();
         // The fitted slope, through the middle of the points.
-        let slope = rows.iter().find(|r| r.get("sampler") == sampler.name()).and_then(|r| r.number(&of.column("slope")));
+        let slope =
+            rows.iter().find(|r| r.get("sampler") == sampler.name()).and_then(|r| r.number(&of.column("slope")));
         let ends = over_time.first().zip(over_time.last()).zip(slope).map(|((first, last), slope)| {
             let n = over_time.len() as f64;
             let middle = |f: fn(&(f64, f64)) -> f64| (over_time.iter().map(|p| f(p).ln()).sum::<f64>() / n).exp();

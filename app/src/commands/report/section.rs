@@ -3,7 +3,7 @@
 use super::page::Part;
 use super::table::Table;
 use super::work::Work;
-use super::{factors, grid, left_out, moved, resolved};
+use super::{factors, grid, left_out, moved, resolved, samples};
 use crate::error::Error;
 
 /// A section: one CSV, and a part of the page for every scene.
@@ -68,6 +68,15 @@ pub(super) const SECTIONS: &[Section] = &[
         file: "grid.csv",
         columns: grid::COLUMNS,
         run: grid::run,
+    },
+    Section {
+        name: "samples",
+        title: "Samples",
+        what: "The picture's root mean square error over time, from one sample a pixel on: how fast several samples \
+               approach the picture that no number of them reaches.",
+        file: "samples.csv",
+        columns: samples::COLUMNS,
+        run: samples::run,
     },
     Section {
         name: "left-out",

@@ -38,7 +38,7 @@ impl Field for f64 {
         match rounded.abs() {
             m if !m.is_finite() => String::new(),
             0.0 => "0".into(),
-            m if m >= 1e15 || m < 1e-5 => format!("{rounded:e}"),
+            m if !(1e-5..1e15).contains(&m) => format!("{rounded:e}"),
             _ => rounded.to_string(),
         }
     }

@@ -131,7 +131,7 @@ fn label(value: f64) -> String {
     let rounded = format!("{value:.3e}").parse().unwrap_or(value);
     match magnitude {
         0.0 => "0".into(),
-        m if m >= 1e6 || m < 1e-4 => format!("{rounded:e}"),
+        m if !(1e-4..1e6).contains(&m) => format!("{rounded:e}"),
         m if m >= 1e4 => format!("{}k", rounded / 1e3),
         _ => format!("{rounded}"),
     }
