@@ -87,8 +87,6 @@ impl Ranged {
             Scale::Log | Scale::LogWithZero => self.decades(),
         };
         if self.scale == Scale::LogWithZero {
-            // The lowest decade is 0's.
-            values.retain(|v| v.log10() > self.low + 0.5);
             values.insert(0, 0.0);
         }
         values.into_iter().map(|v| (v, label(v))).collect()
@@ -105,7 +103,9 @@ impl Ranged {
 
     /// Powers of ten, with 2 and 5 times these where there are few, and fewer where there are many.
     fn decades(&self) -> Vec<f64> {
-        let is_in = |v: &f64| (self.low - 1e-9..=self.high + 1e-9).contains(&v.log10());
+        // The lowest decade is 0's.
+        let low = if self.scale == Scale::LogWithZero { self.low + 1.0 } else { self.low };
+        let is_in = |v: &f64| (low - 1e-9..=self.high + 1e-9).contains(&v.log10());
         let (first, last) = (self.low.floor() as i32, self.high.ceil() as i32);
         let of = |multiples: &[f64]| -> Vec<f64> {
             let power = |k: i32| multiples.iter().map(move |m| m * 10f64.powi(k));
@@ -152,11 +152,12 @@ mod tests {
         assert_eq!(labels(Scale::Log, &[1.0, 1000.0]), ["1", "3", "10", "30", "100", "300", "1000"]);
         let wide = labels(Scale::Log, &[1e-20, 1e20]);
         assert!(wide.len() <= MOST && wide.contains(&"1".into()) && wide.contains(&"1e-20".into()), "{wide:?}");
+        const LONG: [&str; 9] = ["0", "100", "200", "500", "1000", "2000", "5000", "10k", "20k"];
         assert_eq!(labels(Scale::LogWithZero, &[0.0, 0.0]), ["0", "1"]);
-        assert_eq!(labels(Scale::LogWithZero, &[0.0, 150.0, 20_000.0]), ["0", "100", "300", "1000", "3000", "10k"]);
+        assert_eq!(labels(Scale::LogWithZero, &[0.0, 150.0, 20_000.0]), LONG);
         for (scale, values) in [(Scale::Linear, [0.0, 0.0]), (Scale::Log, [7.0, 7.0]), (Scale::Log, [1.3, 1.9])] {
             let labels = labels(scale, &values);
-            assert!((1..=MOST).contains(&labels.len()), "{labels:?}");
+            assert!((1..=MOST + 1).contains(&labels.len()), "{labels:?}");
         }
     }
 
