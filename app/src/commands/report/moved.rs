@@ -377,7 +377,7 @@ fn error_plot(column: &str, rows: &[Row]) -> Plot {
     for s in series.iter_mut().filter(|s| s.stroke == Stroke::Dashed) {
         s.name = if s.color == 0 { "bounds of the same colour".into() } else { String::new() };
     }
-    series.push(Series::dashed("arithmetic, of the worst ray", 5, points("t_bound_extents_of_largest_error")));
+    series.push(Series::dashed("bound of the worst ray", 5, points("t_bound_extents_of_largest_error")));
     series.push(Series::dashed("one rounding of the depth", 6, points("t_step_extents_largest")));
     Plot {
         title: "Error of t along the ray, robust rules".into(),
