@@ -88,7 +88,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     work.stage("grid resolution");
     let first = table.rows.len();
     let mut built: Vec<(Way, Built)> = Vec::new();
-    for way in ways(work)? {
+    for way in ways(work, &mut part)? {
         let what = match way.factor {
             Some(factor) => format!("the grid at {factor:.3} times the automatic resolution"),
             None => way.options.accelerator.to_string(),
@@ -147,7 +147,7 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
 }
 
 /// The automatic grid, coarser and finer ones, the tree, and nothing.
-fn ways(work: &Work<'_>) -> Result<Vec<Way>, Error> {
+fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
     let options = Options { shade: false, ..Options::new(work.camera_rays()) };
     let (_, data) = Plan::new(&work.input.scene, &options, &work.chosen.limits())?;
     let automatic = data.grid.cells.map(|n| n.max(1) as u32);
@@ -160,7 +160,12 @@ fn ways(work: &Work<'_>) -> Result<Vec<Way>, Error> {
         exponent += steps;
         let cells =
             automatic.map(|n| if n > 1 { (f64::from(n) * factor).round().clamp(1.0, 4096.0) as u32 } else { 1 });
-        if seen.contains(&cells) || cells.iter().map(|&n| u64::from(n)).product::<u64>() > MOST_CELLS {
+        if seen.contains(&cells) {
+            continue;
+        }
+        if cells.iter().map(|&n| u64::from(n)).product::<u64>() > MOST_CELLS {
+            part.notes
+                .push(format!("the grid at {factor:.3} times the automatic resolution: more than {MOST_CELLS} cells"));
             continue;
         }
         seen.push(cells);
