@@ -277,7 +277,8 @@ pub(crate) fn grid_text(size: GridSize) -> String {
     }
 }
 
-fn parse_grid(value: &str) -> Result<GridSize, String> {
+/// Reads `--grid`.
+pub(crate) fn parse_grid(value: &str) -> Result<GridSize, String> {
     let wrong = || "auto, a number of cells, or one each for x, y and z are wanted, such as 32 or 32,8,32".to_owned();
     if value == "auto" {
         return Ok(GridSize::Auto);

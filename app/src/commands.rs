@@ -3,10 +3,13 @@
 pub(crate) mod bench;
 pub(crate) mod completions;
 pub(crate) mod dump;
+mod html;
 pub(crate) mod info;
+mod input;
 pub(crate) mod inspect;
 pub(crate) mod plan;
 pub(crate) mod render;
+pub(crate) mod report;
 pub(crate) mod scene;
 pub(crate) mod stability;
 mod summary;
@@ -39,4 +42,15 @@ fn aligned(lines: &[impl AsRef<[String]>], left: usize) -> Vec<String> {
     };
     let line = |cells: &[String]| cells.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ");
     lines.iter().map(|cells| line(cells.as_ref()).trim_end().to_owned() + "\n").collect()
+}
+
+/// Each value once, in the order of their first mention.
+fn distinct<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
+    let mut distinct: Vec<T> = Vec::new();
+    for value in values {
+        if !distinct.contains(value) {
+            distinct.push(value.clone());
+        }
+    }
+    distinct
 }

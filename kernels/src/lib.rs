@@ -62,6 +62,7 @@ pub mod shader;
 pub mod shared;
 pub mod stability;
 pub mod state;
+pub mod statistics;
 pub mod stream;
 pub mod traverse_bvh;
 pub mod traverse_grid;

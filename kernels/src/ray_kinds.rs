@@ -16,6 +16,7 @@
 //! the largest coordinate of the scene's box. Rounding a point to f32 moves it by at most 2⁻²⁴ of that, so the
 //! origin stays on the viewer's side.
 
+mod aimed;
 mod random;
 
 use glam::DVec3;
@@ -26,6 +27,7 @@ use crate::parallel::map_ranges;
 use crate::plan::given_width;
 use crate::renderer::RayHit;
 use crate::shared::constants::WORKGROUP;
+pub use aimed::{Aim, Planes, aimed};
 pub(crate) use random::Random;
 
 /// How far origins are moved off a surface, as a share of the largest coordinate of the scene's box.

@@ -22,6 +22,7 @@ pub mod rounding;
 use std::ops::ControlFlow;
 
 use crate::parallel::map_ranges;
+use crate::ray_kinds::Random;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::stream::{HIT_TRIANGLE, STATE_T, StreamData};
@@ -68,6 +69,27 @@ pub fn check_rays(
         }
     }
     report
+}
+
+/// What each of some rays may hit, origin and direction each, on all cores.
+#[must_use]
+pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
+    let triangles = BruteForce::new(vertices);
+    let part =
+        |range: std::ops::Range<usize>| range.map(|i| triangles.candidates(rays[i][0], rays[i][1])).collect::<Vec<_>>();
+    map_ranges(rays.len(), 16, part).concat()
+}
+
+/// Indices of `count` of `rays` rays, ascending: one at random of each of as many stretches of equal length. All of
+/// them where there are no more.
+#[must_use]
+pub fn sample(rays: usize, count: usize, seed: u32) -> Vec<usize> {
+    if count >= rays {
+        return (0..rays).collect();
+    }
+    let begin = |i: usize| (i as u64 * rays as u64 / count as u64) as usize;
+    let one = |i: usize| begin(i) + Random::new(i as u32, seed).below(begin(i + 1) - begin(i));
+    (0..count).map(one).collect()
 }
 
 /// Every triangle in f64: corners, and a sphere around each for a quick and safe no.
@@ -224,6 +246,28 @@ impl<'a> BruteForce<'a> {
         all
     }
 
+    /// Whether the surface that the ray exactly meets at `t` goes on all around: whether rays a little to each side,
+    /// by more than any rounding of this one, meet something `within` so much of it. Then f32 may not know which of the triangles
+    /// around it hits, but a ray that hits none of them is lost: it has gone through a crack.
+    #[must_use]
+    pub fn is_closed_around(&self, origin: [f32; 3], direction: [f32; 3], t: f64, within: f64) -> bool {
+        // Against the direction's largest component, and so along any axis about as far as along the others.
+        const ASIDE: f64 = 1.0 / (1u32 << 14) as f64;
+        // How much farther or nearer a surface may be there, that is not seen nearly edge-on.
+        const NEXT_TO_IT: f64 = 1.0 / (1u32 << 9) as f64;
+        let d = direction.map(f64::from);
+        let k = largest_axis(d);
+        let (i, j, step) = ((k + 1) % 3, (k + 2) % 3, ASIDE * d[k].abs());
+        (0..8).all(|turn| {
+            let [across, up] = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]][turn];
+            let mut aside = d;
+            aside[i] += step * f64::from(across);
+            aside[j] += step * f64::from(up);
+            let found = self.candidates(origin, aside.map(|v| v as f32));
+            found.exact.is_some_and(|(_, other)| (other - t).abs() <= within.min(NEXT_TO_IT * t))
+        })
+    }
+
     /// `None` where f32, too, must see that the ray misses the triangle.
     fn test(&self, origin: [f32; 3], direction: [f32; 3], o: [f64; 3], d: [f64; 3], triangle: u32) -> Option<Possible> {
         let first = 9 * triangle as usize;
@@ -302,4 +346,36 @@ fn largest_axis(d: [f64; 3]) -> usize {
 
 fn length(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_goes_on_around_an_inner_edge_and_ends_at_an_outer_one() {
+        // Two triangles of a square, the diagonal between them, and a wall behind.
+        let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);
+        let wall = [[-90.0, -90.0, 9.0], [90.0, -90.0, 9.0], [0.0, 90.0, 9.0]];
+        let vertices: Vec<f32> = [[a, b, c], [a, c, d], wall].into_iter().flatten().flatten().collect();
+        let triangles = BruteForce::new(&vertices);
+        let is_closed = |x: f32, y: f32| triangles.is_closed_around([0.0; 3], [x, y, 2.0], 1.0, 1.0);
+        assert!(is_closed(0.0, 0.0) && is_closed(0.5, 0.5) && is_closed(0.3, -0.2));
+        assert!(!is_closed(1.0, 0.0) && !is_closed(1.0, 1.0) && !is_closed(-1.0, 0.3));
+        // Close behind the end of one surface is another: whether that goes on from it is a question of how near.
+        let behind = wall.map(|[x, y, _]| [x, y, 2.0002]);
+        let vertices: Vec<f32> = [[a, b, c], [a, c, d], behind].into_iter().flatten().flatten().collect();
+        let is_closed = |within| BruteForce::new(&vertices).is_closed_around([0.0; 3], [1.0, 0.0, 2.0], 1.0, within);
+        assert!(is_closed(1e-3) && !is_closed(2.5e-5));
+    }
+
+    #[test]
+    fn a_sample_is_spread_over_all_rays_and_the_same_again() {
+        let some = sample(1000, 100, 7);
+        assert_eq!(some, sample(1000, 100, 7));
+        assert_ne!(some, sample(1000, 100, 8));
+        assert!(some.iter().enumerate().all(|(i, &ray)| (10 * i..10 * i + 10).contains(&ray)), "{some:?}");
+        assert_eq!((sample(3, 3, 1), sample(3, 9, 1), sample(0, 9, 1)), (vec![0, 1, 2], vec![0, 1, 2], vec![]));
+        assert_eq!(sample(5, 0, 1), Vec::<usize>::new());
+    }
 }

@@ -14,12 +14,14 @@ use raystep_kernels::options::STEPS_PER_PASS;
 use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
 
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, TuningArgs, grid_text, named};
+use crate::commands::distinct;
+use crate::commands::input::Input;
 use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::terminal::{Progress, print};
 use baseline::Baseline;
-use input::{Input, Viewed};
+use input::Viewed;
 use measure::{Bench, Group};
 
 /// Measure how fast rays are traced
@@ -152,7 +154,7 @@ fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
 fn read_scenes(args: &BenchArgs, folder: &TargetFolder, progress: &Progress) -> Result<Vec<Input>, Error> {
     let mut inputs = Vec::new();
     for path in &distinct(&args.scenes) {
-        let input = Input::read(path, args, progress)?;
+        let input = Input::read(path, args.scene_index, &args.camera, progress)?;
         folder.refuse_inputs(&input.files, |name| output::NAMES.contains(&name))?;
         inputs.push(input);
     }
@@ -186,17 +188,6 @@ fn tuning_text(tuning: &TuningArgs, has_steps: bool) -> String {
         text += &format!(" steps_per_pass={}", tuning.steps_per_pass.unwrap_or(STEPS_PER_PASS));
     }
     text + if tuning.keep_all { " keep_all" } else { "" }
-}
-
-/// Each value once, in the order of their first mention.
-fn distinct<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
-    let mut distinct: Vec<T> = Vec::new();
-    for value in values {
-        if !distinct.contains(value) {
-            distinct.push(value.clone());
-        }
-    }
-    distinct
 }
 
 /// What was measured, with what is worth saying of it.

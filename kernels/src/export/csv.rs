@@ -146,7 +146,8 @@ pub fn rays_out(pass: &Pass) -> u32 {
 }
 
 /// A writer of RFC 4180, whose lines end with CRLF.
-pub(crate) fn writer<W: Write>(out: W) -> ::csv::Writer<W> {
+#[must_use]
+pub fn writer<W: Write>(out: W) -> ::csv::Writer<W> {
     ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).from_writer(out)
 }
 

@@ -1,30 +1,6 @@
 //! Lines through times, and where two of them cross.
 
-/// `y = intercept + slope * x`
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line {
-    pub(crate) intercept: f64,
-    pub(crate) slope: f64,
-    /// Largest distance of a point from the line, as a share of the point's y.
-    pub(crate) worst: f64,
-}
-
-impl Line {
-    /// Least squares. `None` where there are fewer than two different x.
-    pub(crate) fn through(points: &[(f64, f64)]) -> Option<Self> {
-        let n = points.len() as f64;
-        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-        let spread: f64 = points.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
-        if points.len() < 2 || spread <= 0.0 {
-            return None;
-        }
-        let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
-        let intercept = y - slope * x;
-        let worst = points.iter().map(|p| ((intercept + slope * p.0 - p.1) / p.1).abs()).fold(0.0, f64::max);
-        Some(Self { intercept, slope, worst })
-    }
-}
+pub(crate) use raystep_kernels::statistics::Line;
 
 /// The x from which on `b` is below `a` for good, by straight lines between points `[x, a, b]` on logarithmic axes,
 /// x ascending. `None` where `b` is not below at the end, or never was above.
@@ -38,17 +14,6 @@ pub(crate) fn crossover(points: &[[f64; 3]]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_line_is_found_with_what_it_misses() {
-        let exact = Line::through(&[(1.0, 5.0), (2.0, 7.0), (4.0, 11.0)]).expect("a line");
-        assert!((exact.intercept - 3.0).abs() < 1e-12 && (exact.slope - 2.0).abs() < 1e-12 && exact.worst < 1e-12);
-        // By hand: slope 1, intercept 1/3; the middle point, 1, is 1/3 below its line.
-        let off = Line::through(&[(0.0, 0.5), (1.0, 1.0), (2.0, 2.5)]).expect("a line");
-        assert!((off.slope - 1.0).abs() < 1e-12 && (off.intercept - 1.0 / 3.0).abs() < 1e-12);
-        assert!((off.worst - 1.0 / 3.0).abs() < 1e-12, "{off:?}");
-        assert_eq!(Line::through(&[(1.0, 5.0), (1.0, 6.0)]), None);
-    }
 
     #[test]
     fn lines_cross_where_logarithms_say() {

@@ -1,54 +1,17 @@
-//! Scenes to measure, and the rays that are traced in them.
+//! The rays that are traced in a scene.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
 
-use raystep_kernels::export::bench::Hash;
 use raystep_kernels::ray_kinds::{PrimaryHits, random};
 use raystep_kernels::{Options, RayHit, RayKind, RaySource, Renderer};
-use raystep_scenes::{Camera, LoadOptions, Scene};
 
-use super::BenchArgs;
-use crate::args::{SceneArgs, Size, TuningArgs};
+use crate::args::{Size, TuningArgs};
+use crate::commands::input::Input;
 use crate::device::Chosen;
 use crate::error::Error;
-use crate::scene_file::{self, SceneFile, read_file};
-use crate::terminal::Progress;
 
 /// What random rays begin with: the same in every run of every version.
 pub(super) const SEED: u32 = 1;
-
-/// A scene and its view.
-pub(super) struct Input {
-    /// As the user wrote it.
-    pub(super) path: PathBuf,
-    /// The scene.
-    pub(super) scene: Scene,
-    /// What is seen.
-    pub(super) camera: Camera,
-    /// Of all files that it was read from.
-    pub(super) hash: Hash,
-    /// Their canonical names.
-    pub(super) files: Vec<PathBuf>,
-}
-
-impl Input {
-    /// Reads a scene, says its notes.
-    pub(super) fn read(path: &Path, args: &BenchArgs, progress: &Progress) -> Result<Self, Error> {
-        let file = SceneArgs { scene: path.to_owned(), scene_index: args.scene_index };
-        let SceneFile { scene, inputs: files } = scene_file::read(&file)?;
-        let mut hash = Hash::default();
-        for file in &files {
-            let bytes = read_file(file, LoadOptions::default().max_bytes);
-            hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", file.display())))?);
-        }
-        let (camera, note) = scene_file::camera(&args.camera, &scene)?;
-        for note in scene.notes.iter().map(|n| &n.0).chain(&note) {
-            progress.say(format_args!("note: {}: {note}", scene.name));
-        }
-        Ok(Self { path: path.to_owned(), scene, camera, hash, files })
-    }
-}
 
 /// A scene at one size.
 pub(super) struct Viewed<'a> {

@@ -13,9 +13,9 @@ use raystep_kernels::{
     Accelerator, Device, Load, Numerics, Options, Pass, RayKind, RaySource, RenderError, Renderer, ScheduleKind, Stream,
 };
 
-use super::input::Input;
 use super::{BenchArgs, Measured, tuning_text};
 use crate::args::Size;
+use crate::commands::input::Input;
 use crate::device::Chosen;
 use crate::error::Error;
 use crate::session::{MISSES_ALL, misses_all, run_context, run_id};

@@ -10,9 +10,10 @@ use raystep_kernels::export::csv::{PassesCsv, Timer};
 use raystep_kernels::export::json::AdapterInfo;
 use serde::Serialize;
 
-use super::input::{Input, SEED};
+use super::input::SEED;
 use super::{BenchArgs, Measured, tuning_text};
 use crate::args::grid_text;
+use crate::commands::input::Input;
 use crate::device::Chosen;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};

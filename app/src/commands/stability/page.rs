@@ -8,6 +8,7 @@ use raystep_kernels::stability::{Row, drift, probe};
 
 use super::picture::{LEGEND, Picture};
 use super::{Outcome, Report, table};
+use crate::commands::html::{self, escaped};
 use crate::error::Error;
 
 /// Columns of a case's table, with their headings.
@@ -35,15 +36,11 @@ const SHOWN: [(&str, &str); 21] = [
     ("result", "result"),
 ];
 
+/// What only this page has.
 const STYLE: &str = "\
-:root{color-scheme:light}body{font:15px/1.5 system-ui,sans-serif;color:#222;background:#fff;max-width:76rem;margin:2rem \
-auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin:2.5rem 0 .3rem}p{margin:.3rem 0;max-width:50rem}\
-table{border-collapse:collapse;margin:.8rem 0;font-size:.82rem}th,td{padding:.15rem .55rem;border-bottom:1px solid \
-#e4e4e0;text-align:right;white-space:nowrap}th{font-weight:600;text-align:right;border-bottom:1px solid #999}\
-.l{text-align:left}.fail{color:#b01525}.odd{background:#fde9e9}.note{color:#555}figure{display:inline-block;margin:.4rem \
-1rem .4rem 0;vertical-align:top}figcaption{font-size:.78rem;color:#555;max-width:16rem}img{image-rendering:pixelated;\
-border:1px solid #ddd;width:16rem}.key{display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 1em;border:1px solid \
-#bbb}.wide{overflow-x:auto}";
+figure{display:inline-block;margin:.4rem 1rem .4rem 0;vertical-align:top}figcaption{max-width:16rem}img{image-rendering:\
+pixelated;border:1px solid var(--rule);width:16rem}.key{display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 1em;\
+border:1px solid #bbb}";
 
 /// The page.
 pub(super) fn html(report: &Report) -> Result<String, Error> {
@@ -54,9 +51,7 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
     // Writing to a string cannot fail.
     let _ = write!(
         page,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width\"><title>raystep: stability</title><style>{STYLE}</style></head><body>\n\
-         <h1>Stability</h1>\n<p>Every ray of {} cases against f64 brute force with exact predicates at edges: {} runs, \
+        "<h1>Stability</h1>\n<p>Every ray of {} cases against f64 brute force with exact predicates at edges: {} runs, \
          {odd} of them not as expected. GPU: {}. All numbers are in <code>stability.csv</code>, beside this page.</p>\n\
          <p>Robust rules must make no error. The paper's rules must fail where a case says so; elsewhere they may. \
          <em>Undecided</em> are rays whose hit is not the exact one where f32 cannot tell. Errors of t, u and v are the \
@@ -76,8 +71,7 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
     }
     walks(&mut page, &report.walks);
     pipelines(&mut page, &report.pipelines);
-    page += "</body></html>\n";
-    Ok(page)
+    Ok(html::page("raystep: stability", STYLE, &page))
 }
 
 /// A line a case, linked to its section.
@@ -226,8 +220,4 @@ fn class_of(column: &str) -> &'static str {
         | "expected" | "result" => " class=\"l\"",
         _ => "",
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,0 +1,48 @@
+//! Scenes to measure: with a view, and a hash that tells whether they have changed.
+
+use std::path::{Path, PathBuf};
+
+use raystep_kernels::export::bench::Hash;
+use raystep_scenes::{Camera, LoadOptions, Scene};
+
+use crate::args::{CameraArgs, SceneArgs};
+use crate::error::Error;
+use crate::scene_file::{self, SceneFile, read_file};
+use crate::terminal::Progress;
+
+/// A scene and its view.
+pub(crate) struct Input {
+    /// As the user wrote it.
+    pub(crate) path: PathBuf,
+    /// The scene.
+    pub(crate) scene: Scene,
+    /// What is seen.
+    pub(crate) camera: Camera,
+    /// Of all files that it was read from.
+    pub(crate) hash: Hash,
+    /// Their canonical names.
+    pub(crate) files: Vec<PathBuf>,
+}
+
+impl Input {
+    /// Reads a scene, says its notes.
+    pub(crate) fn read(
+        path: &Path,
+        scene_index: Option<usize>,
+        camera: &CameraArgs,
+        progress: &Progress,
+    ) -> Result<Self, Error> {
+        let file = SceneArgs { scene: path.to_owned(), scene_index };
+        let SceneFile { scene, inputs: files } = scene_file::read(&file)?;
+        let mut hash = Hash::default();
+        for file in &files {
+            let bytes = read_file(file, LoadOptions::default().max_bytes);
+            hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", file.display())))?);
+        }
+        let (camera, note) = scene_file::camera(camera, &scene)?;
+        for note in scene.notes.iter().map(|n| &n.0).chain(&note) {
+            progress.say(format_args!("note: {}: {note}", scene.name));
+        }
+        Ok(Self { path: path.to_owned(), scene, camera, hash, files })
+    }
+}

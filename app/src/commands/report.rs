@@ -1,0 +1,169 @@
+//! `raystep report`
+
+mod factors;
+mod grid;
+mod judge;
+mod left_out;
+mod moved;
+mod output;
+mod page;
+mod plot;
+mod resolved;
+mod samples;
+mod section;
+mod table;
+mod work;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use raystep_kernels::{Device, GridSize, Load};
+
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, parse_grid};
+use crate::commands::distinct;
+use crate::commands::input::Input;
+use crate::device::{self, Chosen};
+use crate::error::Error;
+use crate::output::TargetFolder;
+use crate::terminal::Progress;
+use section::{SECTIONS, Section};
+use table::Table;
+use work::Work;
+
+/// Measure error against run time: CSVs, plots and a page
+///
+/// How fast rays are resolved and how many of them wrongly, by accelerator and schedule; which rule costs what and saves
+/// which rays; the error far from the origin and in tiny and huge units; the grid's resolution; samples a pixel; what
+/// leaving out saves. Every ray is compared with f64 brute force, or in large scenes a sample of them.
+///
+/// DIR/index.html is a page that needs nothing beside it; each of its numbers is in a CSV there, and each of its plots is
+/// an SVG there. The same command on the same machine finds the same errors; times differ.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep report scenes/cornell-box.gltf -o report
+  raystep report scenes/cornell-box.gltf scenes/teapot.glb --device gpu -o report
+  raystep report scenes/teapot.glb --section factors,moved --size 256x256 -o report
+  raystep report scenes/cornell-box.gltf --quick -o report")]
+pub(crate) struct ReportArgs {
+    /// The scenes: glTF 2.0, .gltf or .glb
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+    /// The folder to write: new, or empty
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Replace the report in a folder that is not empty; other files stay
+    #[arg(long)]
+    force: bool,
+    /// Fewer rays, fewer repeats
+    #[arg(long)]
+    quick: bool,
+    /// Only these sections
+    #[arg(long = "section", value_name = "A,B…", value_delimiter = ',',
+          value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
+    sections: Vec<String>,
+    /// Which scene of files that hold several, counted from 0 [default: each file's own]
+    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    scene_index: Option<usize>,
+    /// Pixels a row and rows of views [default: 192x192; with --quick 64x64]
+    #[arg(long, value_name = "WxH", help_heading = "Scene and view")]
+    size: Option<Size>,
+    /// Cells of the grid in the section factors [default: auto, finer than elsewhere]
+    #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
+          value_parser = parse_grid, help_heading = "Tracing")]
+    grid: GridSize,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+}
+
+/// Pixels each way, unless asked otherwise: quick, and not.
+const SIDES: [u32; 2] = [64, 192];
+
+impl ReportArgs {
+    fn size(&self) -> Size {
+        let side = if self.quick { SIDES[0] } else { SIDES[1] };
+        self.size.unwrap_or(Size { width: side, height: side })
+    }
+
+    fn sections(&self) -> Vec<&'static Section> {
+        let is_wanted = |s: &&Section| self.sections.is_empty() || self.sections.iter().any(|name| name == s.name);
+        SECTIONS.iter().filter(is_wanted).collect()
+    }
+}
+
+pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
+    let progress = Progress::new(args.quiet.quiet);
+    let stale = output::plots_in(&args.output);
+    TargetFolder::new(&args.output, args.force)?.fill(&stale, |folder| fill(args, folder, &progress))?;
+    progress.finish();
+    progress.say(format_args!("wrote {} with its CSVs and plots", args.output.join(output::PAGE).display()));
+    Ok(())
+}
+
+/// Measures and writes every file.
+fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result<(), Error> {
+    output::refuse_others(&args.output)?;
+    progress.stage("reading scenes");
+    let mut inputs = Vec::new();
+    for path in &distinct(&args.scenes) {
+        let input = Input::read(path, args.scene_index, &args.camera, progress)?;
+        folder.refuse_inputs(&input.files, output::is_ours)?;
+        inputs.push(input);
+    }
+    progress.stage("looking for a device");
+    let chosen = device::choose(&args.device)?;
+    let load = match &chosen.device {
+        Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
+        Device::Cpu(_) | Device::CpuF64(_) => None,
+    };
+
+    let sections = args.sections();
+    let mut tables: Vec<(&Section, Table)> = sections.iter().map(|s| (*s, Table::new(s.columns))).collect();
+    let mut scenes = Vec::new();
+    for input in &inputs {
+        let (size, grid, is_quick) = (args.size(), args.grid, args.quick);
+        let work = Work { input, chosen: &chosen, size, grid, is_quick, progress, load: load.as_ref() };
+        let mut parts = Vec::new();
+        for (section, table) in &mut tables {
+            let part = (section.run)(&work, table)?;
+            for note in &part.notes {
+                progress.say(format_args!("note: {}, {}: {note}", input.scene.name, section.name));
+            }
+            parts.push((section.name, part));
+        }
+        let triangles = input.scene.triangles.len();
+        let about = format!("{}: {triangles} triangles; views of {} pixels.", input.path.display(), work.size);
+        scenes.push(page::Scene { name: input.scene.name.clone(), about, parts });
+    }
+    progress.stage("writing");
+    output::write(folder, &about(&chosen), &tables, &scenes)
+}
+
+/// On what, by which command.
+fn about(chosen: &Chosen) -> page::About {
+    let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    let mut about = vec![
+        ("command", std::iter::once("raystep".to_owned()).chain(command_line).collect::<Vec<_>>().join(" ")),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("device", format!("{} ({})", chosen.kind(), chosen.reason)),
+    ];
+    match chosen.gpu() {
+        Some(gpu) => {
+            let info = raystep_kernels::export::json::AdapterInfo::from(&gpu.info);
+            about.extend([
+                ("adapter", format!("{} ({}, {})", info.name, info.kind, info.backend)),
+                ("driver", info.driver),
+            ]);
+        }
+        None => {
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            about.push(("adapter", format!("none: the CPU twins on {cores} cores")));
+        }
+    }
+    about
+}

@@ -1,0 +1,148 @@
+//! What became of rays, by f64 brute force with exact predicates.
+//!
+//! Every triangle against every ray is too much for a large scene: then a random sample of the rays is judged, spread
+//! over all of them and the same in every run.
+//!
+//! At an edge f32 may not know which of two triangles a ray hits, and either is right. But where the surface goes on all
+//! around, one of them it must be: a ray that goes on is lost, and counts as missed.
+
+use raystep_kernels::reference::{BruteForce, Candidates, Possible, Verdict, candidates_of, sample};
+use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
+use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
+use raystep_kernels::{Renderer, Stream, StreamData};
+
+use super::table::Row;
+use super::work::{SEED, Work};
+use crate::error::Error;
+
+/// Truth, worked out for the first run that is judged and kept for the others.
+#[derive(Default)]
+pub(super) struct Judge {
+    /// Those that are judged.
+    pub(super) sample: Vec<usize>,
+    rays: Vec<[[u32; 3]; 2]>,
+    candidates: Vec<Candidates>,
+}
+
+/// A hit that is right, to measure its t.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Right {
+    /// Its place in the sample.
+    pub(super) place: usize,
+    /// As it was found, in traced units.
+    pub(super) t: f64,
+    /// What is exact, and the bound.
+    pub(super) exact: Possible,
+}
+
+/// What a run found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Judged {
+    /// One a ray of the sample.
+    pub(super) verdicts: Vec<Verdict>,
+    /// Every hit of the exact triangle.
+    pub(super) right: Vec<Right>,
+    /// Rays that still walked when their bound was reached.
+    at_bound: u64,
+}
+
+impl Judge {
+    /// The most rays that are judged of a scene with so many triangles.
+    pub(super) fn most_rays(work: &Work<'_>) -> usize {
+        // Some nanoseconds each: a second or two on a few cores.
+        let tests: usize = work.either(1 << 24, 1 << 28);
+        (tests / work.input.scene.triangles.len().max(1)).max(64)
+    }
+
+    /// Judges a run that is over.
+    pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
+        let read = |stream| work.chosen.wait(renderer.values(stream));
+        let (origins, directions) = (read(Stream::RayOrigin)?, read(Stream::RayDirection)?);
+        let (state, hit) = (read(Stream::State)?, read(Stream::Hit)?);
+        self.prepare(work, renderer, &origins, &directions);
+        let triangles = BruteForce::new(&renderer.data().vertices);
+        let mut judged = Judged { at_bound: renderer.unfinished(), ..Judged::default() };
+        for (place, (&ray, candidates)) in self.sample.iter().zip(&self.candidates).enumerate() {
+            let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), state.get_f32(STATE_T, ray));
+            let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
+            let (mut mistake, _) = candidates.judge(ray, found);
+            if mistake.verdict == Verdict::Tie && self.is_lost(&triangles, place, found) {
+                mistake.verdict = Verdict::Missed;
+            }
+            if let (Verdict::Same, Some((triangle, t))) = (mistake.verdict, found)
+                && let Some(&exact) = candidates.of(triangle)
+            {
+                judged.right.push(Right { place, t, exact });
+            }
+            judged.verdicts.push(mistake.verdict);
+        }
+        Ok(judged)
+    }
+
+    /// Whether a ray whose triangle f32 cannot tell has hit none of those that it may: it went on through a crack
+    /// between triangles, where the surface has no end.
+    fn is_lost(&self, triangles: &BruteForce<'_>, place: usize, found: Option<(u32, f64)>) -> bool {
+        let candidates = &self.candidates[place];
+        let Some((triangle, t)) = candidates.exact else { return false };
+        let bound = |triangle| candidates.of(triangle).map_or(0.0, |p| p.t_bound);
+        let goes_on = |(hit, found): (u32, f64)| found > t + bound(hit) + bound(triangle);
+        // What lies around must be nearer than what was found: else the ray passes the surface's end, and meets what
+        // is close behind.
+        let gap = found.map_or(t, |(_, found)| found - t);
+        let [origin, direction] = self.rays[place].map(|v| v.map(f32::from_bits));
+        // Of a ray that starts on the surface, the sign of t is that of its rounding.
+        t > bound(triangle) && found.is_none_or(goes_on) && triangles.is_closed_around(origin, direction, t, 0.25 * gap)
+    }
+
+    /// Works out what each ray may hit, unless these are the rays of before.
+    fn prepare(&mut self, work: &Work<'_>, renderer: &Renderer, origins: &StreamData, directions: &StreamData) {
+        let sample = sample(renderer.plan().rays as usize, Self::most_rays(work), SEED);
+        let component = |s: &StreamData, ray| [0, 1, 2].map(|layer| s.get(layer, ray));
+        let rays: Vec<_> = sample.iter().map(|&ray| [component(origins, ray), component(directions, ray)]).collect();
+        if self.rays == rays && self.sample == sample {
+            return;
+        }
+        let floats: Vec<_> = rays.iter().map(|ray| ray.map(|v| v.map(f32::from_bits))).collect();
+        self.candidates = candidates_of(&renderer.data().vertices, &floats);
+        (self.sample, self.rays) = (sample, rays);
+    }
+
+    /// The direction of a ray of the sample, in traced units per unit of t.
+    pub(super) fn direction(&self, place: usize) -> [f64; 3] {
+        self.rays[place][1].map(|v| f64::from(f32::from_bits(v)))
+    }
+}
+
+impl Judged {
+    /// Rays with a verdict.
+    pub(super) fn count(&self, verdict: Verdict) -> u64 {
+        self.verdicts.iter().filter(|v| **v == verdict).count() as u64
+    }
+
+    /// Missed, false and wrong together.
+    pub(super) fn errors(&self) -> u64 {
+        self.verdicts.iter().filter(|v| is_error(**v)).count() as u64
+    }
+
+    /// Fills the columns of verdicts.
+    pub(super) fn fill(&self, row: Row) -> Row {
+        let (rays, errors) = (self.verdicts.len() as u64, self.errors());
+        let million = |share: f64| 1e6 * share;
+        let interval = raystep_kernels::statistics::wilson(errors, rays);
+        row.set("judged_rays", rays)
+            .set("missed", self.count(Verdict::Missed))
+            .set("false_hits", self.count(Verdict::False))
+            .set("wrong_hits", self.count(Verdict::Wrong))
+            .set("undecided", self.count(Verdict::Tie))
+            .set("wrong_rays", errors)
+            .set("wrong_per_million", (rays > 0).then(|| million(errors as f64 / rays as f64)))
+            .set("wrong_per_million_low", interval.map(|i| million(i[0])))
+            .set("wrong_per_million_high", interval.map(|i| million(i[1])))
+            .set("at_bound", self.at_bound)
+    }
+}
+
+/// Whether a verdict is one of an error: what f32 cannot decide is none.
+pub(super) fn is_error(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Missed | Verdict::False | Verdict::Wrong)
+}

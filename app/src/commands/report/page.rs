@@ -1,0 +1,182 @@
+//! `index.html`: one page that needs nothing beside it. Its numbers are fields of the CSVs, as they are written there.
+
+use std::fmt::Write as _;
+
+use super::plot::PALETTE;
+use super::section::SECTIONS;
+use super::table::Row;
+use crate::commands::html::{self, escaped};
+
+/// What a section says of a scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Part {
+    /// Paragraphs, as HTML.
+    pub(super) prose: Vec<String>,
+    /// What is missing and why, and what else to know: as text.
+    pub(super) notes: Vec<String>,
+    figures: Vec<Figure>,
+    /// As HTML.
+    tables: Vec<String>,
+}
+
+/// A plot with what it shows.
+#[derive(Clone, Debug)]
+struct Figure {
+    svg: String,
+    caption: String,
+}
+
+impl Part {
+    /// Adds a plot, where there is one.
+    pub(super) fn figure(&mut self, svg: Option<String>, caption: &str) {
+        self.figures.extend(svg.map(|svg| Figure { svg, caption: caption.to_owned() }));
+    }
+
+    /// Adds a table of some columns.
+    pub(super) fn table<'a>(&mut self, rows: impl IntoIterator<Item = &'a Row>, columns: &[&str]) {
+        let rows: Vec<&Row> = rows.into_iter().collect();
+        if rows.is_empty() {
+            return;
+        }
+        // Numbers stand at the right, words at the left.
+        let is_words =
+            |column: &str| rows.iter().any(|row| row.number(column).is_none() && !row.get(column).is_empty());
+        let class: Vec<&str> = columns.iter().map(|c| if is_words(c) { " class=\"l\"" } else { "" }).collect();
+        let mut html = String::from("<div class=\"wide\"><table><tr>");
+        // Writing to a string cannot fail.
+        for (column, class) in columns.iter().zip(&class) {
+            let _ = write!(html, "<th{class}>{}</th>", escaped(&column.replace('_', " ")));
+        }
+        html += "</tr>\n";
+        for row in rows {
+            html += "<tr>";
+            for (column, class) in columns.iter().zip(&class) {
+                let _ = write!(html, "<td{class}>{}</td>", escaped(row.get(column)));
+            }
+            html += "</tr>\n";
+        }
+        html += "</table></div>\n";
+        self.tables.push(html);
+    }
+
+    /// The plots, for files of their own.
+    pub(super) fn svgs(&self) -> impl Iterator<Item = &str> {
+        self.figures.iter().map(|f| f.svg.as_str())
+    }
+}
+
+/// A field of a CSV within prose, as HTML.
+pub(super) fn number(field: &str) -> String {
+    format!("<b class=\"n\">{}</b>", if field.is_empty() { "?" } else { field })
+}
+
+/// A scene of the report.
+pub(super) struct Scene {
+    pub(super) name: String,
+    /// What is known of it, as text.
+    pub(super) about: String,
+    /// By section, in their order; those that were not asked for are missing.
+    pub(super) parts: Vec<(&'static str, Part)>,
+}
+
+/// What the page says of the machine and the command: names with values.
+pub(super) type About = Vec<(&'static str, String)>;
+
+/// The page.
+pub(super) fn html(about: &About, scenes: &[Scene]) -> String {
+    let mut page = String::from(
+        "<h1>Error against run time</h1>\n<p>What each choice of a ray tracer costs in time and in wrong rays. A ray is \
+         wrong where f64 brute force with exact predicates at edges finds another hit than it has, and f32 could have \
+         told; what f32 cannot tell is called undecided and is no error. Every number here is in a CSV beside this \
+         page. Times serve as ratios within this report.</p>\n<table>\n",
+    );
+    for (name, value) in about {
+        let _ = writeln!(page, "<tr><th class=\"l\">{name}</th><td class=\"l a\">{}</td></tr>", escaped(value));
+    }
+    page += "</table>\n<p>";
+    for (i, scene) in scenes.iter().enumerate() {
+        let _ = write!(page, "<a href=\"#scene-{i}\">{}</a>: ", escaped(&scene.name));
+        for (key, _) in &scene.parts {
+            let title = SECTIONS.iter().find(|s| s.name == *key).map_or("", |s| s.title);
+            let _ = write!(page, "<a href=\"#{key}-{i}\">{}</a> · ", title.to_lowercase());
+        }
+        page += "<br>";
+    }
+    page += "</p>\n";
+    for (i, scene) in scenes.iter().enumerate() {
+        let _ = write!(
+            page,
+            "<h2 class=\"s\" id=\"scene-{i}\">{}</h2>\n<p>{}</p>\n",
+            escaped(&scene.name),
+            escaped(&scene.about)
+        );
+        for (key, part) in &scene.parts {
+            section(&mut page, i, key, part);
+        }
+    }
+    html::page("raystep: error against run time", &style(), &page)
+}
+
+fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
+    let Some(section) = SECTIONS.iter().find(|s| s.name == key) else { return };
+    let _ = write!(
+        page,
+        "<h3 id=\"{key}-{scene}\">{}</h3>\n<p>{} All of it is in <code>{}</code>.</p>\n",
+        section.title, section.what, section.file
+    );
+    for paragraph in &part.prose {
+        let _ = writeln!(page, "<p>{paragraph}</p>");
+    }
+    for Figure { svg, caption } in &part.figures {
+        let _ = writeln!(page, "<figure>{}<figcaption>{}</figcaption></figure>", inline(svg), escaped(caption));
+    }
+    part.tables.iter().for_each(|table| *page += table);
+    if !part.notes.is_empty() {
+        *page += "<p class=\"note\">Left out, or to know:</p><ul class=\"note\">";
+        for note in &part.notes {
+            let _ = write!(page, "<li>{}</li>", escaped(note));
+        }
+        *page += "</ul>\n";
+    }
+}
+
+/// An SVG file as an element of a page: without the name of its namespace, and as one image to a screen reader.
+fn inline(svg: &str) -> String {
+    svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1)
+}
+
+/// What only this page has. Plots are drawn for the light; in the dark their colours are exchanged, those of lines for
+/// lighter ones of the same hue.
+fn style() -> String {
+    const DARK: [&str; 7] = ["#4aa8e0", "#ff8a3d", "#2fc79a", "#e59cc4", "#8fd0f5", "#d0b84a", "#dddddd"];
+    let mut style = String::from(
+        "h2.s{border-top:2px solid var(--head);padding-top:1rem;font-size:1.4rem}h3{font-size:1.15rem;margin:2rem 0 .3rem}\
+         figure{margin:.6rem 0}figure svg{max-width:100%;height:auto}td.a{white-space:normal}ul{max-width:50rem;font-size:\
+         .85rem}@media(prefers-color-scheme:dark){svg [fill=\"#FFFFFF\"]{fill:var(--paper)}svg [stroke=\"#E6E6E6\"]{stroke:\
+         var(--rule)}",
+    );
+    for (light, dark) in PALETTE.iter().zip(DARK) {
+        let light = format!("#{:02X}{:02X}{:02X}", light.0, light.1, light.2);
+        let _ = write!(style, "svg [fill=\"{light}\"]{{fill:{dark}}}svg [stroke=\"{light}\"]{{stroke:{dark}}}");
+    }
+    style + "}"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_text_and_numbers_are_fields() {
+        const COLUMNS: &[&str] = &["schema_version", "scene", "rays_per_s"];
+        let row = Row::new(COLUMNS).set("scene", "<b>").set("rays_per_s", 12.5);
+        let mut part = Part::default();
+        part.table([&row], COLUMNS);
+        part.notes.push("a < b".into());
+        let scenes = [Scene { name: "<x>".into(), about: "1 & 2".into(), parts: vec![(SECTIONS[0].name, part)] }];
+        let page = html(&vec![("command", "raystep \"x\"".into())], &scenes);
+        assert!(page.contains("<th class=\"l\">scene</th>") && page.contains("<th>rays per s</th>"), "{page}");
+        assert!(page.contains("<td class=\"l\">&lt;b&gt;</td><td>12.5</td>") && page.contains("a &lt; b"));
+        assert!(page.contains("raystep &quot;x&quot;") && !page.contains("<x>") && page.contains("1 &amp; 2"));
+    }
+}

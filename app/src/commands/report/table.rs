@@ -1,0 +1,121 @@
+//! A CSV in memory: what the page shows are its fields, as they are written.
+
+use std::io::{self, Write};
+
+use raystep_kernels::export::csv;
+
+/// Version of the columns of all files: it rises when one changes its meaning.
+pub(super) const SCHEMA_VERSION: u32 = 1;
+
+/// Rows of one file.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    pub(super) columns: &'static [&'static str],
+    pub(super) rows: Vec<Row>,
+}
+
+/// A row: a field a column, empty where nothing is known.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Row {
+    columns: &'static [&'static str],
+    fields: Vec<String>,
+}
+
+/// What a field can hold.
+pub(super) trait Field {
+    fn text(&self) -> String;
+}
+
+macro_rules! displayed {
+    ($($type:ty),*) => { $(impl Field for $type { fn text(&self) -> String { self.to_string() } })* };
+}
+displayed!(u32, u64, usize, i32, bool, &str, String);
+
+impl Field for f64 {
+    /// Six digits, which no measurement here exceeds; what is no number is not known.
+    fn text(&self) -> String {
+        let rounded: f64 = format!("{self:.5e}").parse().unwrap_or(*self);
+        match rounded.abs() {
+            m if !m.is_finite() => String::new(),
+            0.0 => "0".into(),
+            m if !(1e-5..1e15).contains(&m) => format!("{rounded:e}"),
+            _ => rounded.to_string(),
+        }
+    }
+}
+
+impl<T: Field> Field for Option<T> {
+    fn text(&self) -> String {
+        self.as_ref().map(Field::text).unwrap_or_default()
+    }
+}
+
+impl Table {
+    pub(super) fn new(columns: &'static [&'static str]) -> Self {
+        Self { columns, rows: Vec::new() }
+    }
+
+    /// Writes RFC 4180.
+    pub(super) fn write(&self, out: impl Write) -> io::Result<()> {
+        let mut writer = csv::writer(out);
+        writer.write_record(self.columns)?;
+        for row in &self.rows {
+            writer.write_record(&row.fields)?;
+        }
+        writer.flush()
+    }
+}
+
+impl Row {
+    /// An empty one of these columns.
+    pub(super) fn new(columns: &'static [&'static str]) -> Self {
+        Self { columns, fields: vec![String::new(); columns.len()] }.set("schema_version", SCHEMA_VERSION)
+    }
+
+    fn place(&self, column: &str) -> Option<usize> {
+        let place = self.columns.iter().position(|&c| c == column);
+        debug_assert!(place.is_some(), "there is no column {column}");
+        place
+    }
+
+    /// Fills a field.
+    pub(super) fn set(mut self, column: &str, value: impl Field) -> Self {
+        if let Some(place) = self.place(column) {
+            self.fields[place] = value.text();
+        }
+        self
+    }
+
+    /// A field as it is written.
+    pub(super) fn get(&self, column: &str) -> &str {
+        self.place(column).map_or("", |place| &self.fields[place])
+    }
+
+    /// A field that is a number; `None` where it is not known.
+    pub(super) fn number(&self, column: &str) -> Option<f64> {
+        self.get(column).parse().ok()
+    }
+
+    /// Whether each of these columns holds this.
+    pub(super) fn is(&self, wanted: &[(&str, &str)]) -> bool {
+        wanted.iter().all(|(column, value)| self.get(column) == *value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_raw_numbers_and_empty_where_nothing_is_known() {
+        let texts = [0.0, 1.0, 0.1 + 0.2, 1234567.0, 1e-20, 1e20, f64::NAN, f64::INFINITY, -2.5].map(|v| v.text());
+        assert_eq!(texts, ["0", "1", "0.3", "1234570", "1e-20", "1e20", "", "", "-2.5"]);
+        const COLUMNS: &[&str] = &["schema_version", "a", "b"];
+        let row = Row::new(COLUMNS).set("b", "x, \"y\"").set("a", None::<u64>);
+        assert_eq!((row.get("a"), row.number("a"), row.number("schema_version")), ("", None, Some(1.0)));
+        assert!(row.is(&[("b", "x, \"y\""), ("a", "")]));
+        let (mut file, table) = (Vec::new(), Table { columns: COLUMNS, rows: vec![row] });
+        table.write(&mut file).expect("memory");
+        assert_eq!(String::from_utf8_lossy(&file), "schema_version,a,b\r\n1,,\"x, \"\"y\"\"\"\r\n");
+    }
+}

@@ -1,0 +1,282 @@
+//! `raystep report`, from the built binary: its CSVs read back by a strict reader, its page held against them, and its
+//! exit codes.
+
+#[path = "cli/common.rs"]
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use common::{Place, scene};
+
+type Row = BTreeMap<String, String>;
+
+/// Each file with its documented columns: see docs/measurements.md.
+const FILES: [(&str, &str); 7] = [
+    (
+        "resolved.csv",
+        "schema_version,scene,adapter,accelerator,schedule,numerics,rays,judged_rays,pass_index,kernel,time_ns,\
+         resolved_rays,judged_resolved_rays,judged_wrong_rays,judged_undecided_rays,is_last,run_ns,run_ratio,clock",
+    ),
+    (
+        "factors.csv",
+        "schema_version,scene,adapter,aim,accelerator,factor,cells_x,cells_y,cells_z,rays,judged_rays,missed,false_hits,\
+         wrong_hits,undecided,wrong_rays,wrong_per_million,wrong_per_million_low,wrong_per_million_high,at_bound,passes,\
+         median_ns,p05_ns,p95_ns,time_ratio,clock",
+    ),
+    ("moved.csv", MOVED),
+    ("scaled.csv", MOVED),
+    (
+        "grid.csv",
+        "schema_version,scene,adapter,accelerator,resolution_factor,is_automatic,cells_x,cells_y,cells_z,cells,leaps,\
+         references,structure_bytes,build_s,rays,median_ns,p05_ns,p95_ns,ns_per_ray,trace_ratio,view_s,view_with_build_s,\
+         paid_off_rays,passes,judged_rays,missed,false_hits,wrong_hits,undecided,wrong_rays,wrong_per_million,\
+         wrong_per_million_low,wrong_per_million_high,at_bound,clock",
+    ),
+    (
+        "samples.csv",
+        "schema_version,scene,adapter,sampler,samples,width_px,height_px,time_ns,rmse,is_plotted,slope,edge_pixels,\
+         edges_rmse,edges_is_plotted,edges_slope,reference_samples,reference_rmse,edges_reference_rmse,clock",
+    ),
+    (
+        "left_out.csv",
+        "schema_version,scene,adapter,accelerator,schedule,rays,left_out,put_back,stream_bytes,kept_stream_bytes,\
+         buffer_bytes,kept_buffer_bytes,bytes_ratio,compile_s,kept_compile_s,compile_ratio,repeats,median_ns,\
+         kept_median_ns,time_ratio,time_ratio_p05,time_ratio_p95,differing_hits,first_differing_rays,clock",
+    ),
+];
+
+const MOVED: &str = "schema_version,scene,adapter,offset_extents,scale,numerics,rays,judged_rays,missed,false_hits,\
+    wrong_hits,undecided,wrong_rays,wrong_per_million,wrong_per_million_low,wrong_per_million_high,at_bound,\
+    lost_per_million,lost_per_million_low,lost_per_million_high,measured_rays,t_error_extents_largest,\
+    t_error_extents_median,t_bound_extents_largest,t_bound_extents_median,t_largest_by_bound,\
+    t_error_by_own_bound_largest,t_bound_extents_of_largest_error,t_step_extents_largest,t_largest_by_step,rounding_rays,rounding_error_extents_largest,\
+    rounding_error_extents_median,rounding_bound_extents_largest,rounding_bound_extents_median,\
+    rounding_largest_by_bound,rounding_beyond_bound_rays";
+
+fn cornell_box() -> String {
+    scene("cornell-box.gltf").display().to_string()
+}
+
+/// The rows of a file, which must have these columns and end its lines as RFC 4180 says.
+fn rows(place: &Place, folder: &str, name: &str, columns: &str) -> Vec<Row> {
+    let file = place.read(&format!("{folder}/{name}"));
+    let lines = file.iter().filter(|&&b| b == b'\n').count();
+    assert_eq!(file.windows(2).filter(|w| w == b"\r\n").count(), lines, "{name}");
+    let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
+    let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+    assert_eq!(names.join(","), columns, "{name}");
+    let row = |record: csv::StringRecord| names.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|r| row(r.unwrap_or_else(|e| panic!("{name}: {e}")))).collect()
+}
+
+fn all_rows(place: &Place, folder: &str) -> BTreeMap<&'static str, Vec<Row>> {
+    FILES.iter().map(|(name, columns)| (*name, rows(place, folder, name, columns))).collect()
+}
+
+fn number(row: &Row, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} is no number: {row:?}"))
+}
+
+/// Whether what a column holds depends on how fast the machine was.
+fn is_of_time(column: &str) -> bool {
+    column.ends_with("_ns")
+        || column.ends_with("_s")
+        || matches!(
+            column,
+            "run_ratio" | "time_ratio" | "trace_ratio" | "compile_ratio" | "paid_off_rays" | "ns_per_ray"
+        )
+        || column.starts_with("time_ratio_")
+}
+
+/// What stands between two pieces of markup, wherever they follow each other.
+fn between<'a>(page: &'a str, begin: &str, end: &str) -> Vec<&'a str> {
+    page.split(begin).skip(1).filter_map(|rest| rest.split(end).next()).collect()
+}
+
+/// The page needs nothing, and each of its numbers is a field of a CSV.
+fn check_page(place: &Place, folder: &str, tables: &BTreeMap<&'static str, Vec<Row>>) {
+    let page = String::from_utf8(place.read(&format!("{folder}/index.html"))).expect("UTF-8");
+    for foreign in ["http:", "https:", "<script", "<link", "src=", "@import", "url("] {
+        assert!(!page.contains(foreign), "{foreign} in the page");
+    }
+    assert!(page.contains("prefers-color-scheme:dark") && page.contains("raystep report"));
+    let fields: BTreeSet<&str> = tables.values().flatten().flat_map(|row| row.values().map(String::as_str)).collect();
+    let mut numbers = 0;
+    let cells = between(&page, "<td>", "</td>").into_iter().chain(between(&page, "<b class=\"n\">", "</b>"));
+    for text in cells.filter(|text| !text.is_empty()) {
+        assert!(fields.contains(text), "{text:?} is in no CSV");
+        numbers += 1;
+    }
+    // Of a scene with something in it.
+    assert!(numbers > 100 || tables["factors.csv"].is_empty(), "{numbers} numbers");
+    let plots = page.matches("<svg").count();
+    let files = std::fs::read_dir(place.path(folder)).expect("the folder");
+    let svgs = files.filter(|f| f.as_ref().is_ok_and(|f| f.path().extension().is_some_and(|e| e == "svg"))).count();
+    assert_eq!(plots, svgs, "every plot is in the page and in a file");
+}
+
+#[test]
+fn a_quick_report_is_complete_and_finds_the_same_errors_again() {
+    let place = Place::new();
+    let report = |folder: &str, more: &[&str]| {
+        let file = cornell_box();
+        place.ok(&[&["report", &file, "--quick", "--device", "cpu", "-o", folder], more].concat())
+    };
+    let outcome = report("out", &[]);
+    assert_eq!(outcome.stdout, "");
+    let tables = all_rows(&place, "out");
+    for (name, rows) in &tables {
+        assert!(!rows.is_empty(), "{name} is empty");
+        assert!(
+            rows.iter().all(|r| r["schema_version"] == "1" && r["scene"] == "cornell-box" && r["adapter"] == "cpu")
+        );
+    }
+    check_page(&place, "out", &tables);
+
+    let resolved = &tables["resolved.csv"];
+    let ways: BTreeSet<_> =
+        resolved.iter().map(|r| [r["accelerator"].as_str(), &r["schedule"], &r["numerics"]]).collect();
+    assert_eq!(ways.len(), 14, "{ways:?}");
+    for way in ways {
+        let of: Vec<&Row> =
+            resolved.iter().filter(|r| way == [r["accelerator"].as_str(), &r["schedule"], &r["numerics"]]).collect();
+        let grows = |column: &str| of.windows(2).all(|w| number(w[0], column) <= number(w[1], column));
+        assert!(grows("time_ns") && grows("resolved_rays") && grows("judged_wrong_rays"), "{way:?}");
+        let last = of.last().expect("a row");
+        assert_eq!((last["is_last"].as_str(), &last["resolved_rays"]), ("true", &last["rays"]), "{way:?}");
+        assert!(way[2] != "robust" || last["judged_wrong_rays"] == "0", "{last:?}");
+    }
+
+    for row in &tables["factors.csv"] {
+        let [low, wrong, high] =
+            ["wrong_per_million_low", "wrong_per_million", "wrong_per_million_high"].map(|c| number(row, c));
+        assert!(low <= wrong && wrong <= high && high > 0.0, "{row:?}");
+        let is_cracked = matches!(row["factor"].as_str(), "without triangle-test" | "paper") && row["aim"] == "edges";
+        assert!(!is_cracked || wrong > 0.0, "Möller and Trumbore's test loses rays at edges: {row:?}");
+        assert!(row["factor"] != "robust" || wrong == 0.0, "{row:?}");
+    }
+    for name in ["moved.csv", "scaled.csv"] {
+        for row in tables[name].iter().filter(|r| r["numerics"] == "robust") {
+            assert_eq!((row["wrong_rays"].as_str(), row["rounding_beyond_bound_rays"].as_str()), ("0", "0"), "{row:?}");
+            assert!(number(row, "t_error_by_own_bound_largest") <= 1.0, "{row:?}");
+        }
+    }
+    assert_eq!((tables["moved.csv"].len(), tables["scaled.csv"].len()), (14, 18));
+    assert!(tables["grid.csv"].iter().all(|r| r["wrong_rays"] == "0"));
+    assert_eq!(tables["grid.csv"].iter().filter(|r| r["is_automatic"] == "true").count(), 1);
+    assert!(tables["left_out.csv"].iter().all(|r| r["differing_hits"] == "0" && r["compile_s"].is_empty()));
+    for sampler in ["sobol", "random"] {
+        let errors: Vec<f64> =
+            tables["samples.csv"].iter().filter(|r| r["sampler"] == sampler).map(|r| number(r, "rmse")).collect();
+        assert!(errors.len() > 4 && errors.first() > errors.last(), "{sampler}: {errors:?}");
+    }
+
+    let again = report("out", &["--force", "--quiet"]);
+    assert_eq!((again.stdout.as_str(), again.stderr.as_str()), ("", ""));
+    for (name, rows) in all_rows(&place, "out") {
+        assert_eq!(rows.len(), tables[name].len(), "{name}");
+        for (now, then) in rows.iter().zip(&tables[name]) {
+            for (column, value) in now.iter().filter(|(column, _)| !is_of_time(column)) {
+                assert_eq!(value, &then[column], "{name}, {column}: {now:?}");
+            }
+        }
+    }
+    assert_eq!(place.names(), ["out"]);
+}
+
+#[test]
+fn the_default_device_and_an_adapter_report_too() {
+    let place = Place::new();
+    let file = cornell_box();
+    place.ok(&["report", &file, "--quick", "-o", "default", "--quiet"]);
+    check_page(&place, "default", &all_rows(&place, "default"));
+    place.ok(&[
+        "report",
+        &file,
+        "--quick",
+        "--device",
+        "gpu",
+        "--section",
+        "resolved,left-out",
+        "-o",
+        "gpu",
+        "--quiet",
+    ]);
+    let left_out = rows(&place, "gpu", "left_out.csv", FILES[6].1);
+    println!("{}", left_out[0]["adapter"]);
+    for row in &left_out {
+        assert!(number(row, "compile_s") > 0.0 && number(row, "time_ratio") > 0.0, "{row:?}");
+        assert_eq!(row["differing_hits"], "0", "{row:?}");
+    }
+    let resolved = rows(&place, "gpu", "resolved.csv", FILES[0].1);
+    let wrong = |r: &&Row| r["numerics"] == "robust" && r["judged_wrong_rays"] != "0";
+    assert_eq!(resolved.iter().find(wrong), None);
+    assert!(resolved.iter().all(|r| r["clock"] == "gpu_timestamp" || r["clock"] == "wall"));
+}
+
+#[test]
+fn scenes_with_nothing_or_one_triangle_in_them_have_a_page() {
+    let place = Place::new();
+    let files = ["empty.gltf", "single-triangle.gltf"].map(|name| scene(name).display().to_string());
+    let outcome = place.ok(&["report", &files[0], &files[1], "--quick", "--device", "cpu", "-o", "out"]);
+    assert!(outcome.stderr.contains("note: empty, factors: there is no triangle to aim at"), "{outcome:?}");
+    let tables = all_rows(&place, "out");
+    check_page(&place, "out", &tables);
+    assert!(tables["factors.csv"].iter().all(|r| r["scene"] == "single-triangle"));
+    assert!(tables["grid.csv"].iter().any(|r| r["scene"] == "empty" && r["wrong_rays"] == "0"));
+}
+
+#[test]
+fn a_section_alone_replaces_what_an_earlier_report_wrote() {
+    let place = Place::new();
+    let file = cornell_box();
+    let report = ["report", &file, "--quick", "--device", "cpu", "-o", "out", "--section"];
+    place.ok(&[&report[..], &["moved,grid"]].concat());
+    std::fs::write(place.path("out/mine.txt"), "mine").expect("a file");
+    place.fails(1, "out is not empty", &[&report[..], &["grid"]].concat());
+    place.ok(&[&report[..], &["grid", "--force"]].concat());
+    let names = std::fs::read_dir(place.path("out")).expect("the folder").map(|e| e.expect("an entry").file_name());
+    let names: BTreeSet<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
+    let expected = ["about.csv", "grid.csv", "index.html", "mine.txt", "plot-001.svg", "plot-002.svg", "plot-003.svg"];
+    assert_eq!(names.into_iter().collect::<Vec<_>>(), expected);
+    std::fs::write(place.path("out/index.html"), "<p>mine</p>").expect("a file");
+    place.fails(1, "no such report's", &[&report[..], &["grid", "--force"]].concat());
+    assert_eq!(place.read("out/index.html"), b"<p>mine</p>");
+}
+
+#[test]
+fn wrong_usage_and_unreadable_scenes_are_one_line() {
+    let place = Place::new();
+    let file = cornell_box();
+    let cases: &[(i32, &str, &[&str])] = &[
+        (2, "--output", &["report", &file]),
+        (2, "<SCENE>", &["report", "-o", "out"]),
+        (2, "resolved, factors", &["report", &file, "-o", "out", "--section", "speed"]),
+        (2, "640x480", &["report", &file, "-o", "out", "--size", "8"]),
+        (2, "has 1, counted from 0", &["report", &file, "-o", "out", "--camera", "1"]),
+        (1, "nothing.glb: No such file", &["report", &file, "nothing.glb", "-o", "out"]),
+        (1, "there is no folder nowhere", &["report", &file, "-o", "nowhere/out"]),
+    ];
+    for (code, wanted, arguments) in cases {
+        place.fails(*code, wanted, arguments);
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_report_leaves_nothing_behind() {
+    let place = Place::new();
+    let file = scene("teapot.glb").display().to_string();
+    let arguments = ["report", &file, "--device", "cpu", "--quiet", "-o", "out"].map(std::ffi::OsStr::new);
+    let mut child = place.command(&arguments).spawn().expect("the binary starts");
+    let begun = std::time::Instant::now();
+    while place.names().is_empty() && begun.elapsed().as_secs() < 20 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert!(place.names().iter().all(|n| n.starts_with(".raystep-")), "{:?}", place.names());
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.is_ok_and(|status| status.success()));
+    assert_eq!(child.wait().expect("an end").code(), Some(130));
+    assert_eq!(place.names(), Vec::<String>::new());
+}
