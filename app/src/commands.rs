@@ -8,6 +8,7 @@ pub(crate) mod info;
 mod input;
 pub(crate) mod inspect;
 pub(crate) mod plan;
+mod plot;
 pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod scene;

@@ -51,7 +51,7 @@ const MOVED: &str = "schema_version,scene,adapter,offset_extents,scale,numerics,
     t_error_extents_median,t_bound_extents_largest,t_bound_extents_median,t_largest_by_bound,\
     t_error_by_own_bound_largest,t_bound_extents_of_largest_error,t_step_extents_largest,t_largest_by_step,rounding_rays,rounding_error_extents_largest,\
     rounding_error_extents_median,rounding_bound_extents_largest,rounding_bound_extents_median,\
-    rounding_largest_by_bound,rounding_beyond_bound_rays";
+    rounding_largest_by_bound,rounding_error_by_own_bound_largest,rounding_beyond_bound_rays";
 
 fn cornell_box() -> String {
     scene("cornell-box.gltf").display().to_string()

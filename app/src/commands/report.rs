@@ -7,7 +7,6 @@ mod left_out;
 mod moved;
 mod output;
 mod page;
-mod plot;
 mod resolved;
 mod samples;
 mod section;

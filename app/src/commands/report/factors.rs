@@ -10,9 +10,9 @@ use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, 
 
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};
-use super::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use super::table::{Row, Table};
 use super::work::{Built, SEED, Work};
+use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::error::Error;
 
 pub(super) const COLUMNS: &[&str] = &[

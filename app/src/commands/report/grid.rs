@@ -10,9 +10,9 @@ use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
 
 use super::judge::Judge;
 use super::page::{Part, number};
-use super::plot::{Axis, Bars, Plot, Scale, Series};
 use super::table::{Row, Table};
 use super::work::{Built, Work};
+use crate::commands::plot::{Axis, Bars, Plot, Scale, Series};
 use crate::error::Error;
 
 pub(super) const COLUMNS: &[&str] = &[

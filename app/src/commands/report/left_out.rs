@@ -5,9 +5,9 @@ use raystep_kernels::statistics::quantile;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
 
 use super::page::{Part, number};
-use super::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use super::table::{Row, Table};
 use super::work::Work;
+use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::error::Error;
 
 pub(super) const COLUMNS: &[&str] = &[
@@ -170,7 +170,7 @@ fn plot(rows: &[Row]) -> Plot {
     let mut series = Vec::new();
     for (color, accelerator, mark) in [(0, "grid", Mark::Dot), (1, "bvh", Mark::Triangle)] {
         let of: Vec<(usize, &Row)> = rows.iter().filter(|r| r.get("accelerator") == accelerator).enumerate().collect();
-        // Side by side: the place along x is the schedule's, numbered as the legend says.
+        // Side by side.
         let x = |i: usize| i as f64 + 1.0 + if color == 0 { -0.06 } else { 0.06 };
         let points = of.iter().filter_map(|(i, r)| Some((x(*i), r.number("time_ratio")?))).collect();
         let ends = |r: &Row| Some((r.number("time_ratio_p05")?, r.number("time_ratio_p95")?));
@@ -178,10 +178,10 @@ fn plot(rows: &[Row]) -> Plot {
         let name = accelerator.to_owned();
         series.push(Series { name, points, whiskers, color, mark, stroke: Stroke::None });
     }
-    series.push(Series::dashed("no difference", 6, vec![(0.7, 1.0), (3.3, 1.0)]));
+    series.push(Series::dashed("no difference", 6, vec![(0.5, 1.0), (3.5, 1.0)]));
     Plot {
         title: "Time with everything put back, by time without".into(),
-        x: Axis { label: "schedule: 1 second, 2 compact, 3 fused".into(), scale: Scale::Linear },
+        x: Axis { label: "schedule".into(), scale: Scale::Names(&["second", "compact", "fused"]) },
         y: Axis { label: "ratio of times".into(), scale: Scale::Linear },
         series,
         places: Vec::new(),

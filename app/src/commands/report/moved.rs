@@ -72,6 +72,7 @@ pub(super) const COLUMNS: &[&str] = &[
     "rounding_bound_extents_largest",
     "rounding_bound_extents_median",
     "rounding_largest_by_bound",
+    "rounding_error_by_own_bound_largest",
     "rounding_beyond_bound_rays",
 ];
 
@@ -113,6 +114,7 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
         }
     }
     let rows = &table.rows[first..];
+    part.figure(plots::by_bound(column, rows).svg()?, "");
     part.figure(plots::errors(column, rows).svg()?, "");
     part.figure(plots::lost(column, rows).svg()?, "");
     let mut columns = vec![column, "numerics"];
@@ -125,27 +127,38 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
 
 /// How tight the predictions are, in words.
 fn say(rows: &[Row], part: &mut Part) {
-    let most = |column: &str| {
+    let ends = |column: &str| {
         let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
-        robust.filter_map(|r| Some((r.number(column)?, r.get(column)))).max_by(|a, b| a.0.total_cmp(&b.0))
+        let mut all: Vec<(f64, &str)> = robust.filter_map(|r| Some((r.number(column)?, r.get(column)))).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Some((*all.first()?, *all.last()?))
     };
-    let ratios = (most("t_largest_by_bound"), most("t_error_by_own_bound_largest"), most("t_largest_by_step"));
-    if let (Some((largest, of_largest)), Some((_, of_own)), Some((_, of_step))) = ratios {
-        let loose = if largest < 0.1 { ": too loose to be read as a prediction of it" } else { "" };
+    let share = |column: &str| {
+        let ((_, least), (most, most_text)) = ends(column)?;
+        let verdict = match most {
+            m if m > 1.0 => ": the bound does not hold",
+            m if m < 0.1 => ": it is too loose to be called a bound",
+            _ => "",
+        };
+        Some(format!("{} to {} of its own bound{verdict}", number(least), number(most_text)))
+    };
+    if let Some(share) = share("t_error_by_own_bound_largest") {
         part.prose.push(format!(
-            "By robust rules the largest error of the arithmetic is at most {} of the largest bound{loose}. No single ray \
-             comes nearer to its own bound than {} of it. The largest error is at most {} of one rounding, 2⁻²⁴, of the \
-             largest depth that is rounded.",
-            number(of_largest),
-            number(of_own),
-            number(of_step)
+            "By robust rules the arithmetic's error of the ray that comes nearest to its bound is {share}. The bound is that \
+             of each ray by itself: a ray that grazes its triangle may be off by a thousand times what another may."
         ));
     }
-    if let Some((_, ratio)) = most("rounding_largest_by_bound") {
+    if let Some(share) = share("rounding_error_by_own_bound_largest") {
         part.prose.push(format!(
-            "What rounding made of the scene before it was traced is at most {} of what is predicted from half a unit in \
-             the last place of each coordinate, |Δt| ≤ Σ |n| · (h(origin) + h(corner)) / |d·n|.",
-            number(ratio)
+            "What rounding made of the scene before it was traced is, in the ray that comes nearest, {share}, which follows \
+             from half a unit in the last place of each coordinate: |Δt| ≤ Σ |n| · (h(origin) + h(corner)) / |d·n|, and the \
+             arithmetic's bound."
+        ));
+    }
+    if let Some((_, (_, of_step))) = ends("t_largest_by_step") {
+        part.prose.push(format!(
+            "The largest error of all is at most {} times one rounding, 2⁻²⁴, of the largest depth that is rounded.",
+            number(of_step)
         ));
     }
 }
@@ -295,7 +308,9 @@ impl Errors {
                     .set("t_step_extents_largest", step)
                     .set("t_largest_by_step", error.zip(step).map(|(e, s)| e / s))
             }
-            _ => row.set("rounding_beyond_bound_rays", own.filter(|&share| share > 1.0).count()),
+            _ => row
+                .set("rounding_error_by_own_bound_largest", own.clone().reduce(f64::max))
+                .set("rounding_beyond_bound_rays", own.filter(|&share| share > 1.0).count()),
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::plot::PALETTE;
 use super::section::SECTIONS;
 use super::table::Row;
 use crate::commands::html::{self, escaped};
+use crate::commands::plot;
 
 /// What a section says of a scene.
 #[derive(Clone, Debug, Default)]
@@ -128,7 +128,7 @@ fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
         let _ = writeln!(page, "<p>{paragraph}</p>");
     }
     for Figure { svg, caption } in &part.figures {
-        let _ = writeln!(page, "<figure>{}<figcaption>{}</figcaption></figure>", inline(svg), escaped(caption));
+        let _ = writeln!(page, "<figure>{}<figcaption>{}</figcaption></figure>", plot::inline(svg), escaped(caption));
     }
     part.tables.iter().for_each(|table| *page += table);
     if !part.notes.is_empty() {
@@ -140,26 +140,12 @@ fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
     }
 }
 
-/// An SVG file as an element of a page: without the name of its namespace, and as one image to a screen reader.
-fn inline(svg: &str) -> String {
-    svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1)
-}
-
-/// What only this page has. Plots are drawn for the light; in the dark their colours are exchanged, those of lines for
-/// lighter ones of the same hue.
+/// What only this page has.
 fn style() -> String {
-    const DARK: [&str; 7] = ["#4aa8e0", "#ff8a3d", "#2fc79a", "#e59cc4", "#8fd0f5", "#d0b84a", "#dddddd"];
-    let mut style = String::from(
-        "h2.s{border-top:2px solid var(--head);padding-top:1rem;font-size:1.4rem}h3{font-size:1.15rem;margin:2rem 0 .3rem}\
-         figure{margin:.6rem 0}figure svg{max-width:100%;height:auto}td.a{white-space:normal}ul{max-width:50rem;font-size:\
-         .85rem}@media(prefers-color-scheme:dark){svg [fill=\"#FFFFFF\"]{fill:var(--paper)}svg [stroke=\"#E6E6E6\"]{stroke:\
-         var(--rule)}",
-    );
-    for (light, dark) in PALETTE.iter().zip(DARK) {
-        let light = format!("#{:02X}{:02X}{:02X}", light.0, light.1, light.2);
-        let _ = write!(style, "svg [fill=\"{light}\"]{{fill:{dark}}}svg [stroke=\"{light}\"]{{stroke:{dark}}}");
-    }
-    style + "}"
+    "h2.s{border-top:2px solid var(--head);padding-top:1rem;font-size:1.4rem}h3{font-size:1.15rem;margin:2rem 0 .3rem}\
+     figure{margin:.6rem 0}td.a{white-space:normal}ul{max-width:50rem;font-size:.85rem}"
+        .to_owned()
+        + &plot::style()
 }
 
 #[cfg(test)]

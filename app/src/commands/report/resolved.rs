@@ -15,9 +15,9 @@ use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKi
 
 use super::judge::{Judge, is_error};
 use super::page::{Part, number};
-use super::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use super::table::{Row, Table};
 use super::work::Work;
+use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::error::Error;
 use crate::session::{MISSES_ALL, misses_all};
 

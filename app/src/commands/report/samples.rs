@@ -11,9 +11,9 @@ use raystep_kernels::statistics::{power_law, root_mean_square};
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
 
 use super::page::{Part, number};
-use super::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use super::table::{Row, Table};
 use super::work::{SEED, Work};
+use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::error::Error;
 
 pub(super) const COLUMNS: &[&str] = &[

@@ -9,6 +9,7 @@ use raystep_kernels::stability::{Row, drift, probe};
 use super::picture::{LEGEND, Picture};
 use super::{Outcome, Report, table};
 use crate::commands::html::{self, escaped};
+use crate::commands::plot::{self, Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::error::Error;
 
 /// Columns of a case's table, with their headings.
@@ -65,13 +66,21 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
         let _ = write!(page, "<span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>{name}");
     }
     page += "</p>\n";
+    for (id, name, is_there) in [
+        ("tmax", "tMax along a walk", !report.walks.is_empty()),
+        ("pipelines", "pipelines", !report.pipelines.is_empty()),
+    ] {
+        if is_there {
+            let _ = writeln!(page, "<p>Beside the cases: <a href=\"#{id}\">{name}</a>.</p>");
+        }
+    }
     overview(&mut page, outcomes);
     for outcome in outcomes {
         section(&mut page, outcome)?;
     }
-    walks(&mut page, &report.walks);
+    walks(&mut page, &report.walks)?;
     pipelines(&mut page, &report.pipelines);
-    Ok(html::page("raystep: stability", STYLE, &page))
+    Ok(html::page("raystep: stability", &(STYLE.to_owned() + &plot::style()), &page))
 }
 
 /// A line a case, linked to its section.
@@ -137,9 +146,9 @@ fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
     Ok(())
 }
 
-fn walks(page: &mut String, walks: &[drift::Walked]) {
+fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
     if walks.is_empty() {
-        return;
+        return Ok(());
     }
     *page += "<h2 id=\"tmax\">tMax along a walk</h2>\n<p>The error of tMax over the cells of a walk, in units of \
               2<sup>-24</sup> max(|plane|, |origin|) / |direction|. Robust rules work it out from the cell each time. \
@@ -161,6 +170,33 @@ fn walks(page: &mut String, walks: &[drift::Walked]) {
         );
     }
     *page += "</table>\n";
+    if let Some(svg) = walks_plot(walks).svg()? {
+        let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plot::inline(&svg));
+    }
+    Ok(())
+}
+
+/// Of the first device: the twins walk alike.
+fn walks_plot(walks: &[drift::Walked]) -> Plot {
+    let of_first = walks.iter().filter(|walked| walked.place == walks[0].place);
+    let mut series: Vec<Series> = (0..)
+        .zip(of_first)
+        .map(|(color, walked)| {
+            let points = walked.samples.iter().map(|s| (f64::from(s.cells), s.error)).collect();
+            Series { mark: Mark::None, ..Series::line(walked.rules.name, color, points) }
+        })
+        .collect();
+    // One lies on the other: dashes show both.
+    series.iter_mut().skip(2).for_each(|s| s.stroke = Stroke::Dashed);
+    let ends = series.first().map(|s| s.points.clone()).unwrap_or_default();
+    series.push(Series::dashed("bound of the robust rules", 6, ends.iter().map(|p| (p.0, drift::BOUND)).collect()));
+    Plot {
+        title: "Largest error of tMax over the cells of a walk".into(),
+        x: Axis { label: "cells visited".into(), scale: Scale::Linear },
+        y: Axis { label: "error, units of 2⁻²⁴ of the larger of plane and origin".into(), scale: Scale::Log },
+        series,
+        places: Vec::new(),
+    }
 }
 
 /// Columns of `pipelines.csv` that are shown.

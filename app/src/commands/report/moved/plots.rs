@@ -1,6 +1,6 @@
 //! The plots of offset and scale.
 
-use crate::commands::report::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::commands::report::table::Row;
 
 fn axis_of(column: &str) -> Axis {
@@ -11,12 +11,36 @@ fn axis_of(column: &str) -> Axis {
     Axis { label, scale: Scale::Log }
 }
 
-/// Errors of t, with what is predicted of them.
+/// Of robust rules, one column over the other.
+fn points(rows: &[Row], x: &str, y: &str) -> Vec<(f64, f64)> {
+    let of = rows.iter().filter(|r| r.get("numerics") == "robust");
+    of.filter_map(|r| Some((r.number(x)?, r.number(y)?))).collect()
+}
+
+/// Errors by what is predicted of each ray: 1 is the bound, and a bound that nothing comes near to by a factor of ten is
+/// none.
+pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
+    let of = |y: &str| points(rows, column, y);
+    let mut series = vec![
+        Series::line("arithmetic", 0, of("t_error_by_own_bound_largest")),
+        Series::line("with rounding", 1, of("rounding_error_by_own_bound_largest")),
+    ];
+    let ends = of("t_error_by_own_bound_largest");
+    for (name, color, at) in [("the bound", 6, 1.0), ("a tenth of it", 4, 0.1)] {
+        series.push(Series::dashed(name, color, ends.iter().map(|p| (p.0, at)).collect()));
+    }
+    Plot {
+        title: "Largest error of t by the same ray's bound, robust rules".into(),
+        x: axis_of(column),
+        y: Axis { label: "error by bound".into(), scale: Scale::Log },
+        series,
+        places: Vec::new(),
+    }
+}
+
+/// Errors of t, and, over offsets, what rounding of the scene is predicted to do.
 pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
-    let points = |y: &str| {
-        let of = rows.iter().filter(|r| r.get("numerics") == "robust");
-        of.filter_map(|r| Some((r.number(column)?, r.number(y)?))).collect::<Vec<_>>()
-    };
+    let points = |y: &str| points(rows, column, y);
     let mut series = Vec::new();
     for (color, name, of, which) in [
         (0, "arithmetic, largest", "t", "largest"),
@@ -25,14 +49,12 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
         (3, "with rounding, median", "rounding", "median"),
     ] {
         series.push(Series::line(name, color, points(&format!("{of}_error_extents_{which}"))));
-        let predicted = points(&format!("{of}_bound_extents_{which}"));
-        series.push(Series::dashed(format!("bound, {which}"), color, predicted));
+        // The scale rounds coordinates by the same share wherever it puts them: there is nothing to follow.
+        if of == "rounding" && column != "scale" {
+            let predicted = points(&format!("{of}_bound_extents_{which}"));
+            series.push(Series::dashed(format!("predicted, {which}"), color, predicted));
+        }
     }
-    // One entry in the legend for each colour's prediction.
-    for s in series.iter_mut().filter(|s| s.stroke == Stroke::Dashed) {
-        s.name = if s.color == 0 { "bounds of the same colour".into() } else { String::new() };
-    }
-    series.push(Series::dashed("bound of the worst ray", 5, points("t_bound_extents_of_largest_error")));
     series.push(Series::dashed("one rounding of the depth", 6, points("t_step_extents_largest")));
     Plot {
         title: "Error of t along the ray, robust rules".into(),

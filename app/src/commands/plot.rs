@@ -20,7 +20,7 @@ pub(super) use axis::{Axis, Scale};
 use crate::error::Error;
 
 /// Okabe and Ito's colours, which people who see few colours can tell apart.
-pub(super) const PALETTE: [RGBColor; 7] = [
+const PALETTE: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -326,6 +326,26 @@ fn mark(area: &Area<'_>, mark: Mark, (x, y): (i32, i32), color: RGBColor) -> Dra
         Mark::Square => area.draw(&Rectangle::new([(x - 4, y - 4), (x + 4, y + 4)], style))?,
     }
     Ok(())
+}
+
+/// An SVG file as an element of a page: without the name of its namespace, and as one image to a screen reader.
+pub(super) fn inline(svg: &str) -> String {
+    svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1)
+}
+
+/// The style of a page with plots in it. They are drawn for the light; in the dark their colours are exchanged, those
+/// of lines for lighter ones of the same hue.
+pub(super) fn style() -> String {
+    const DARK: [&str; 7] = ["#4aa8e0", "#ff8a3d", "#2fc79a", "#e59cc4", "#8fd0f5", "#d0b84a", "#dddddd"];
+    let mut style = String::from(
+        "figure svg{max-width:100%;height:auto}@media(prefers-color-scheme:dark){svg [fill=\"#FFFFFF\"]{fill:\
+         var(--paper)}svg [stroke=\"#E6E6E6\"]{stroke:var(--rule)}",
+    );
+    for (light, dark) in PALETTE.iter().zip(DARK) {
+        let light = format!("#{:02X}{:02X}{:02X}", light.0, light.1, light.2);
+        style += &format!("svg [fill=\"{light}\"]{{fill:{dark}}}svg [stroke=\"{light}\"]{{stroke:{dark}}}");
+    }
+    style + "}"
 }
 
 #[cfg(test)]

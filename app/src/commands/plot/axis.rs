@@ -2,12 +2,14 @@
 
 /// Where values lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::commands::report) enum Scale {
+pub(in crate::commands) enum Scale {
     Linear,
     /// Each decade is as long as the others; what is not above 0 is not shown.
     Log,
     /// The same, with a place for 0 below the lowest decade.
     LogWithZero,
+    /// Kinds: the value 1 is the first of these names, and so on.
+    Names(&'static [&'static str]),
 }
 
 impl Scale {
@@ -15,7 +17,7 @@ impl Scale {
     pub(super) fn has(self, value: f64) -> bool {
         value.is_finite()
             && match self {
-                Self::Linear => true,
+                Self::Linear | Self::Names(_) => true,
                 Self::Log => value > 0.0,
                 Self::LogWithZero => value >= 0.0,
             }
@@ -24,10 +26,10 @@ impl Scale {
 
 /// What an axis shows.
 #[derive(Clone, Debug)]
-pub(in crate::commands::report) struct Axis {
+pub(in crate::commands) struct Axis {
     /// With the unit.
-    pub(in crate::commands::report) label: String,
-    pub(in crate::commands::report) scale: Scale,
+    pub(in crate::commands) label: String,
+    pub(in crate::commands) scale: Scale,
 }
 
 /// An axis with its ends.
@@ -50,6 +52,9 @@ impl Axis {
         let span = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (f64::min(l, v), f64::max(h, v)))
         };
+        if let Scale::Names(names) = scale {
+            return Ranged { scale, low: 0.5, high: names.len() as f64 + 0.5 };
+        }
         if scale == Scale::Linear {
             let (low, high) = span(&mut values.into_iter());
             // From 0 on, where that is not far.
@@ -73,7 +78,7 @@ impl Ranged {
     /// Where a value lies, from 0 to 1.
     pub(super) fn part(&self, value: f64) -> f64 {
         let value = match self.scale {
-            Scale::Linear => value,
+            Scale::Linear | Scale::Names(_) => value,
             Scale::LogWithZero if value <= 0.0 => self.low,
             Scale::Log | Scale::LogWithZero => value.max(f64::MIN_POSITIVE).log10(),
         };
@@ -83,6 +88,7 @@ impl Ranged {
     /// Values with their labels.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let mut values = match self.scale {
+            Scale::Names(names) => return (1..).map(f64::from).zip(names.iter().map(|&n| n.to_owned())).collect(),
             Scale::Linear => self.even(),
             Scale::Log | Scale::LogWithZero => self.decades(),
         };
@@ -154,6 +160,7 @@ mod tests {
         assert!(wide.len() <= MOST && wide.contains(&"1".into()) && wide.contains(&"1e-20".into()), "{wide:?}");
         const LONG: [&str; 9] = ["0", "100", "200", "500", "1000", "2000", "5000", "10k", "20k"];
         assert_eq!(labels(Scale::LogWithZero, &[0.0, 0.0]), ["0", "1"]);
+        assert_eq!(labels(Scale::Names(&["a", "b"]), &[1.0]), ["a", "b"]);
         assert_eq!(labels(Scale::LogWithZero, &[0.0, 150.0, 20_000.0]), LONG);
         for (scale, values) in [(Scale::Linear, [0.0, 0.0]), (Scale::Log, [7.0, 7.0]), (Scale::Log, [1.3, 1.9])] {
             let labels = labels(scale, &values);
