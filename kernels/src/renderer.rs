@@ -271,7 +271,8 @@ impl Renderer {
         self.counts
     }
 
-    /// Rays that were still walking when the bound on passes was reached. 0 with robust numerics.
+    /// Rays that were still walking when the bound on passes was reached, of all samples together. 0 with robust
+    /// numerics.
     #[must_use]
     pub fn unfinished(&self) -> u64 {
         self.unfinished

@@ -1,8 +1,14 @@
 //! Robust numerics against f64 brute force: no missed, false or wrong hit but ties, on any scene.
 
-use raystep_kernels::{Accelerator, Device, Numerics, Options, RaySource};
+use raystep_kernels::shared::constants::INF;
+use raystep_kernels::stability::{self, CASES, Judge, Variant};
+use raystep_kernels::state::TRAV;
+use raystep_kernels::stream::{STATE_T, STATE_TAG};
+use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule, Stream};
 use raystep_tests::ways::{FAST, STEPPED};
-use raystep_tests::{Checked, check, check_ways, gpu, options, rays, scene, scene_files, traced};
+use raystep_tests::{
+    Checked, block_on, check, check_ways, devices, gpu, gpu_of, options, rays, scene, scene_files, traced,
+};
 
 /// Share of ties that a view may have. Edges cover about two pixels' width times their length; a pixel
 /// centre lies within the bound of an edge, some 30 units in the last place of a view 512 pixels wide,
@@ -55,11 +61,71 @@ fn the_papers_numerics_lose_rays_where_theory_says_so() {
     let scene = scene("cornell-box.gltf");
     let mut options = STEPPED.of(&options(&scene, 512, 512));
     (options.shade, options.numerics) = (false, Numerics::Paper);
-    options.grid = raystep_kernels::GridSize::Cells([20; 3]);
+    options.grid = GridSize::Cells([20; 3]);
     let grid = check(&traced(&scene, &options, &Device::Gpu(gpu())));
     options.accelerator = Accelerator::None;
     let none = check(&traced(&scene, &options, &Device::Gpu(gpu())));
     println!("paper, grid: {grid}\npaper, none: {none}");
     // Acceptance only inside of the cell cracks at faces; the triangle test alone does so at edges at most.
     assert!(grid.errors() > none.errors(), "grid {grid}, none {none}");
+}
+
+/// Each of the robust rules does something, and what theory says.
+#[test]
+fn each_rule_left_out_is_missed() {
+    let scene = scene("cornell-box.gltf");
+    let mut options = STEPPED.of(&options(&scene, 256, 256));
+    (options.shade, options.grid) = (false, GridSize::Cells([20; 3]));
+    let run = |without: Option<Rule>, accelerator: Accelerator| {
+        traced(&scene, &Options { without, accelerator, ..options.clone() }, &Device::Gpu(gpu()))
+    };
+    let robust = run(None, Accelerator::Grid);
+    assert_eq!(check(&robust).errors(), 0);
+    let kept = |without| {
+        let options = Options { without, ..options.clone() };
+        let gpu = gpu();
+        block_on(Some(&gpu), async {
+            let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+            let mut kept = 0;
+            while renderer.step().await.expect("a pass").is_some() {
+                let state = renderer.values(Stream::State).await.expect("values");
+                let waits = |ray: &usize| state.get(STATE_TAG, *ray) == TRAV && state.get_f32(STATE_T, *ray) < INF;
+                kept += (0..256 * 256).filter(waits).count();
+            }
+            kept
+        })
+    };
+    let counts = [None, Some(Rule::Acceptance)].map(kept);
+    assert!(counts[0] > 1000 && counts[1] == 0, "{counts:?} hits are kept beyond the cell in which they are found");
+    // Edges are worked out anew in each of their triangles.
+    let triangle_test = check(&run(Some(Rule::TriangleTest), Accelerator::Grid));
+    assert!(triangle_test.missed > 0, "{triangle_test}");
+    // Walls lie on planes: cells on one side of those list them only because they are grown.
+    let cells = |renderer: &Renderer| renderer.data().grid_items.len();
+    let not_grown = run(Some(Rule::CellGrowth), Accelerator::Grid);
+    assert!(cells(&not_grown) < cells(&robust), "{} and {} references", cells(&not_grown), cells(&robust));
+    let growth = |without| run(without, Accelerator::Bvh).data().growth;
+    assert!(growth(None) > 0.0 && growth(Some(Rule::BoxPadding)) == 0.0);
+}
+
+/// Rays in the plane of a triangle and past triangles without an area: where the products of an edge function round to
+/// the same number, only integers tell on which side of the edge the ray is.
+#[test]
+fn what_a_ray_passes_edge_on_it_does_not_hit() {
+    for case in CASES.iter().filter(|c| ["in-tilted-plane", "line-aslant"].contains(&c.name)) {
+        let workload = (case.make)(case.rays).expect("a case");
+        for (name, device) in devices() {
+            let mut judge = Judge::default();
+            for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+                for variant in Variant::of(accelerator).into_iter().filter(|v| v.numerics == Numerics::Robust) {
+                    let running = stability::run(case, &workload, variant, &device, &mut judge);
+                    let score = block_on(gpu_of(&device), running).expect("a run").score;
+                    let label = format!("{} on {name}, {variant:?}", case.name);
+                    assert_eq!((score.missed, score.false_hits, score.wrong), (0, 0, 0), "{label}");
+                    println!("{label}: {} seen edge-on are hit", score.edge_on);
+                    assert!(score.undecided <= case.undecided.count(case.rays as u64), "{label}");
+                }
+            }
+        }
+    }
 }

@@ -7,6 +7,7 @@ use crate::executor::PassResult;
 use crate::executor::gpu::MOST_PASSES;
 use crate::kernel::Kernel;
 use crate::state;
+use crate::stream::{STATE_TAG, Stream};
 
 /// Rays times passes of one submission at most, or two passes.
 const RAYS_A_BATCH: u64 = 1 << 26;
@@ -134,8 +135,7 @@ impl Renderer {
 
     async fn submit(&mut self, most: usize) -> Result<usize, RenderError> {
         if self.is_over_bound() {
-            self.unfinished = self.undecided();
-            self.cursor.leave_walk(&self.plan.schedule);
+            self.give_up_walks().await?;
         }
         let guess = self.cursor.guess(&self.plan.schedule, &self.counts, most);
         if guess.is_empty() {
@@ -176,15 +176,33 @@ impl Renderer {
         Ok(recorded)
     }
 
-    /// Only the paper's numerics can get here: a ray that wraps over a face of the grid. Of several samples a pixel,
-    /// it walks on in those that follow, and nobody waits for it again.
+    /// Only the paper's numerics can get here: a ray that wraps over a face of the grid.
     fn is_over_bound(&self) -> bool {
-        if self.unfinished > 0 {
-            return self.plan.features.samples && self.undecided() <= self.unfinished;
-        }
+        let is_first = self.unfinished == 0 || self.plan.features.samples;
         let is_of_this_sample = |pass: &&Pass| pass.kernel != Kernel::Generate;
-        self.passes.len() as u64 >= self.pass_bound
+        is_first
+            && self.passes.len() as u64 >= self.pass_bound
+            && self.undecided() > 0
             && self.passes.iter().rev().take_while(is_of_this_sample).count() as u64 >= self.pass_bound
+    }
+
+    /// Ends the walks that have not come to an end. Where another sample follows, their rays have hit nothing in this
+    /// one: left where they are, they would walk on through all that follow, a sample behind the others.
+    async fn give_up_walks(&mut self) -> Result<(), RenderError> {
+        if !self.plan.features.samples {
+            self.unfinished = self.undecided();
+            self.cursor.leave_walk(&self.plan.schedule);
+            return Ok(());
+        }
+        let mut state = self.values(Stream::State).await?;
+        let rays = state.layer(STATE_TAG).len();
+        let walks = [state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT];
+        for tag in state.bits[STATE_TAG * rays..(STATE_TAG + 1) * rays].iter_mut().filter(|tag| walks.contains(tag)) {
+            *tag = state::BACKGROUND;
+            self.unfinished += 1;
+        }
+        self.write(&state);
+        Ok(())
     }
 
     fn undecided(&self) -> u64 {
@@ -211,12 +229,7 @@ impl Renderer {
     /// Samples of every pixel that are complete: how many the [`image`](Self::image) is the mean of.
     #[must_use]
     pub fn samples(&self) -> u32 {
-        if self.plan.features.samples {
-            // Rays that the bound on passes has held up may want more turns.
-            self.cursor.samples.min(self.samples_wanted())
-        } else {
-            u32::from(self.next_kernel().is_none())
-        }
+        if self.plan.features.samples { self.cursor.samples } else { u32::from(self.next_kernel().is_none()) }
     }
 
     /// Samples of a pixel that the run ends with.
@@ -231,7 +244,7 @@ mod tests {
 
     use super::*;
     use crate::renderer::Device;
-    use crate::{Options, RaySource, Samples, ScheduleKind, Stream};
+    use crate::{Options, RaySource, Samples, ScheduleKind};
 
     /// As if many rays never ended: a bound that is reached in the middle of the first walk.
     #[test]
@@ -245,17 +258,25 @@ mod tests {
             let outcome = pollster::block_on(async {
                 let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
                 renderer.pass_bound = 9;
+                let (mut unfinished, mut times) = (0, 0);
                 while renderer.step().await?.is_some() {
-                    assert!(renderer.passes().len() < 2_000, "it never ends");
+                    times += u32::from(renderer.unfinished() > unfinished);
+                    unfinished = renderer.unfinished();
+                    // A sample takes its bound, and the passes that begin and end it.
+                    let most = samples.count as usize * (9 + 4);
+                    assert!(
+                        renderer.passes().len() <= most,
+                        "{} passes: the bound is no bound",
+                        renderer.passes().len()
+                    );
                 }
-                assert!(renderer.unfinished() > 0, "the bound is no bound");
+                assert_eq!(times, samples.count, "rays reach the bound in every sample");
                 let ended = u64::from(renderer.live()[state::DONE as usize]);
                 assert_eq!(ended + renderer.undecided(), 400);
                 if samples.count > 1 {
                     let counts = renderer.values(Stream::Accumulated).await?;
                     let complete = counts.layer(4).iter().filter(|&&n| f32::from_bits(n) == 4.0).count();
-                    assert_eq!(complete as u64, ended, "who has ended has all samples");
-                    assert!(ended > 0 && renderer.samples() == 4);
+                    assert_eq!((complete as u64, ended, renderer.samples()), (400, 400, 4), "nobody lags");
                 }
                 Ok::<(), RenderError>(())
             });
