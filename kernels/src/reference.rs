@@ -16,6 +16,7 @@
 //! triangles whose |Δt| is within the sum of theirs. Everything else has one right answer.
 
 mod exact;
+mod lost;
 mod report;
 pub mod rounding;
 

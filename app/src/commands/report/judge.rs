@@ -66,7 +66,8 @@ impl Judge {
             let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), state.get_f32(STATE_T, ray));
             let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
             let (mut mistake, _) = candidates.judge(ray, found);
-            if mistake.verdict == Verdict::Tie && self.is_lost(&triangles, place, found) {
+            let [origin, direction] = self.rays[place].map(|v| v.map(f32::from_bits));
+            if mistake.verdict == Verdict::Tie && triangles.is_lost(origin, direction, candidates, found) {
                 mistake.verdict = Verdict::Missed;
             }
             if let (Verdict::Same, Some((triangle, t))) = (mistake.verdict, found)
@@ -77,21 +78,6 @@ impl Judge {
             judged.verdicts.push(mistake.verdict);
         }
         Ok(judged)
-    }
-
-    /// Whether a ray whose triangle f32 cannot tell has hit none of those that it may: it went on through a crack
-    /// between triangles, where the surface has no end.
-    fn is_lost(&self, triangles: &BruteForce<'_>, place: usize, found: Option<(u32, f64)>) -> bool {
-        let candidates = &self.candidates[place];
-        let Some((triangle, t)) = candidates.exact else { return false };
-        let bound = |triangle| candidates.of(triangle).map_or(0.0, |p| p.t_bound);
-        let goes_on = |(hit, found): (u32, f64)| found > t + bound(hit) + bound(triangle);
-        // What lies around must be nearer than what was found: else the ray passes the surface's end, and meets what
-        // is close behind.
-        let gap = found.map_or(t, |(_, found)| found - t);
-        let [origin, direction] = self.rays[place].map(|v| v.map(f32::from_bits));
-        // Of a ray that starts on the surface, the sign of t is that of its rounding.
-        t > bound(triangle) && found.is_none_or(goes_on) && triangles.is_closed_around(origin, direction, t, 0.25 * gap)
     }
 
     /// Works out what each ray may hit, unless these are the rays of before.
