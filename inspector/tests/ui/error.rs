@@ -14,17 +14,20 @@ use crate::stage::{Plan, Stage};
 /// So many columns and rows that some rays of the paper's rules go wrong.
 const LARGE: u32 = 256;
 
-fn stage(numerics: Numerics, side: u32) -> Stage {
-    let settings = Settings {
+fn settings(numerics: Numerics, side: u32) -> Settings {
+    Settings {
         size: [side, side],
         numerics,
         grid: GridSize::Cells([20; 3]),
         schedule: ScheduleKind::Second,
         device: DeviceKind::Cpu,
         ..Settings::default()
-    };
+    }
+}
+
+fn stage(numerics: Numerics, side: u32) -> Stage {
     let mut stage = Stage::new(Plan::default());
-    stage.open(CORNELL, settings, Arrival::picture());
+    stage.open(CORNELL, settings(numerics, side), Arrival::picture());
     stage.perform(Command::Show(PaneKind::Error));
     stage
 }
@@ -99,4 +102,16 @@ fn two_runs_are_judged_each_by_its_own_engine() {
     assert_eq!(counts, 2, "{}", stage.read_out());
     stage.perform(Command::EndCompare);
     assert!(!curve(&stage).1.contains("run B"));
+}
+
+#[test]
+fn a_small_panel_can_be_read() {
+    // A panel of 300 x 200.
+    let mut stage = Stage::new(Plan { size: [312.0, 292.0], ..Plan::default() });
+    stage.open(CORNELL, settings(Numerics::Paper, LARGE), Arrival::picture());
+    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray] {
+        stage.perform(Command::Show(kind));
+    }
+    stage.perform(Command::Judge);
+    stage.snapshot("panel-error-small");
 }
