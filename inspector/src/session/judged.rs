@@ -134,8 +134,7 @@ pub async fn judge(
     let triangles = BruteForce::new(vertices);
     let count = most_rays(triangles.triangles());
     let sample = sample(renderer.plan().rays as usize, count, SEED);
-    let mut judgement =
-        Judgement { rays: u64::from(renderer.plan().rays), judged: sample.len() as u64, ..Judgement::default() };
+    let mut judgement = Judgement { rays: renderer.plan().rays, judged: sample.len() as u64, ..Judgement::default() };
     let batch = (1usize << 24).div_ceil(triangles.triangles().max(1)).clamp(64, 1 << 16);
     for (i, rays) in sample.chunks(batch).enumerate() {
         let part = RUN + (AGAIN - RUN) * (i * batch) as u64 / sample.len() as u64;

@@ -208,15 +208,17 @@ impl ErrorOverTime {
     fn plot(&self, ui: &mut Ui, cx: &mut Context<'_>, height: f32) {
         let models = [Some(&*cx.model), cx.other.as_deref()].into_iter().flatten().filter(|m| !m.passes.is_empty());
         let curves = models.zip(&self.judged).zip(colors(ui)).map(|((model, judged), color)| {
-            let rays = model.opened.as_ref().map_or(0, |opened| u64::from(opened.plan.rays));
+            let rays = model.opened.as_ref().map_or(0, |opened| opened.plan.rays);
             let judgement = judged.as_ref().map(|(_, judgement)| judgement);
             Curve::new(&model.passes, model.place, rays, judgement, color)
         });
         let curves: Vec<Curve<'_>> = curves.collect();
-        let Some((run, place)) = Plot::new(curves, !self.is_linear).show(ui, height) else { return };
+        let Some((run, place, is_click)) = Plot::new(curves, !self.is_linear).show(ui, height) else { return };
+        // While it is dragged, one place after the other; those in between are left out.
+        let is_free = |model: &Model| is_click || !model.is_busy();
         if run == 0 {
-            cx.shared.go_to = Some(place);
-        } else if let Some(other) = cx.other.as_deref_mut().filter(|other| !other.is_busy()) {
+            cx.shared.go_to = is_free(cx.model).then_some(place).or(cx.shared.go_to);
+        } else if let Some(other) = cx.other.as_deref_mut().filter(|other| is_free(other)) {
             other.ask(Request::Step(Target::Pass(place)));
         }
     }
@@ -231,9 +233,10 @@ fn entry(ui: &mut Ui, color: Color32, is_dashed: bool, text: &str) {
     }
     let (rect, _) = ui.allocate_exact_size(vec2(18.0, 10.0), Sense::hover());
     let (ends, stroke) = ([rect.left_center(), rect.right_center()], Stroke::new(2.0, color));
-    match is_dashed {
-        true => drop(ui.painter().extend(Shape::dashed_line(&ends, stroke, 4.0, 3.0))),
-        false => drop(ui.painter().line_segment(ends, stroke)),
+    if is_dashed {
+        ui.painter().extend(Shape::dashed_line(&ends, stroke, 4.0, 3.0));
+    } else {
+        ui.painter().line_segment(ends, stroke);
     }
     ui.small(text);
 }

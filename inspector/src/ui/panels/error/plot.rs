@@ -95,8 +95,8 @@ impl<'a> Plot<'a> {
         Self { curves, shares, unit, most, untimed }
     }
 
-    /// Paints it. The run that was clicked, and the place in it.
-    pub(super) fn show(&self, ui: &mut Ui, height: f32) -> Option<(usize, usize)> {
+    /// Paints it. The run and place that the pointer asks for, and whether by a click: else it is dragged.
+    pub(super) fn show(&self, ui: &mut Ui, height: f32) -> Option<(usize, usize, bool)> {
         let size = vec2(ui.available_width().max(120.0), height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let field = Rect::from_min_max(rect.min + vec2(LEFT, HEAD), rect.max - vec2(4.0, FOOT));
@@ -116,9 +116,10 @@ impl<'a> Plot<'a> {
         for (curve, &place) in self.curves.iter().zip(&places) {
             painter.circle_stroke(self.point(field, curve, place), 4.0, Stroke::new(1.5, curve.color));
         }
-        let is_asked = response.clicked() || response.dragged();
+        let is_click = response.clicked();
+        let is_asked = is_click || response.dragged();
         response.on_hover_ui_at_pointer(|ui| self.about(ui, &places, nearest));
-        is_asked.then(|| (nearest, places[nearest]))
+        is_asked.then(|| (nearest, places[nearest], is_click))
     }
 
     fn at(&self, field: Rect, time: f64, share: f64) -> Pos2 {
