@@ -13,6 +13,7 @@ pub mod engine;
 mod follow;
 pub mod grid_stats;
 mod history;
+pub mod judged;
 mod model;
 pub mod request;
 pub mod stats;

@@ -116,6 +116,8 @@ pub enum Command {
     EndCompare,
     /// Where GPU and twins part, as a map.
     Divergence,
+    /// Which rays are resolved wrongly, by f64 brute force.
+    Judge,
 
     /// The palette.
     Palette,
@@ -264,6 +266,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Show(PaneKind::Structure), "Grid and tree";
         C::Show(PaneKind::Compare), "Compare";
         C::Show(PaneKind::Divergence), "Divergence";
+        C::Show(PaneKind::Error), "Error over time";
         C::Show(PaneKind::Watches), "Watches";
         C::Show(PaneKind::Options), "Options", CTRL Comma;
         C::Show(PaneKind::Log), "Log";
@@ -272,6 +275,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Compare, "Compare with the tree", CTRL B;
         C::EndCompare, "End the comparison";
         C::Divergence, "Map where GPU and twins part", CTRL D;
+        C::Judge, "Judge what rays hit";
     }
     Help {
         C::Palette, "Commands…", CTRL P;

@@ -41,6 +41,8 @@ pub enum PaneKind {
     Compare,
     /// Where GPU and twins part.
     Divergence,
+    /// Rays not yet resolved, and resolved wrongly, over time.
+    Error,
     /// What to stop at.
     Watches,
     /// What the run is asked for.
@@ -66,6 +68,7 @@ impl PaneKind {
         Self::Structure,
         Self::Compare,
         Self::Divergence,
+        Self::Error,
         Self::Watches,
         Self::Options,
         Self::Log,
@@ -91,6 +94,7 @@ impl PaneKind {
             Self::Log => Box::<panels::log::Log>::default(),
             Self::Compare => Box::<panels::compare::Compare>::default(),
             Self::Divergence => Box::<panels::divergence::Divergence>::default(),
+            Self::Error => Box::<panels::error::ErrorOverTime>::default(),
             Self::Watches => Box::<panels::watches::Watches>::default(),
         };
         Pane { kind: self, panel }

@@ -5,6 +5,7 @@ pub(super) mod compare;
 pub(super) mod cost;
 pub(super) mod dataflow;
 pub(super) mod divergence;
+pub(super) mod error;
 pub(super) mod kernel;
 mod legend;
 pub(super) mod log;

@@ -97,6 +97,10 @@ impl Inspector {
                 self.ask_panels(command);
             }
             C::ExportPasses | C::ExportTrace | C::ExportExr | C::ExportNpy | C::ExportRay => self.take(command),
+            C::Judge => {
+                layout::show(&mut self.tree, PaneKind::Error);
+                self.ask_panels(command);
+            }
             C::ExportWalk => {
                 layout::show(&mut self.tree, PaneKind::Walk2d);
                 self.ask_panels(command);

@@ -4,6 +4,7 @@
 mod adapter;
 mod commands;
 mod desk;
+mod error;
 mod hard;
 mod names;
 mod session;

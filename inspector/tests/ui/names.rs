@@ -45,6 +45,7 @@ fn panels() {
             _ if is_there => {}
             PaneKind::Compare => stage.perform(Command::Compare),
             PaneKind::Divergence => stage.perform(Command::Divergence),
+            PaneKind::Error => stage.perform(Command::Judge),
             kind => stage.perform(Command::Show(kind)),
         }
         named(&stage, &format!("{kind:?}"));

@@ -29,6 +29,7 @@ fn every_panel_alone() {
         match kind {
             PaneKind::Compare => stage.perform(Command::Compare),
             PaneKind::Divergence => stage.perform(Command::Divergence),
+            PaneKind::Error => stage.perform(Command::Judge),
             kind => stage.perform(Command::Show(kind)),
         }
         assert_eq!(stage.harness.state().panes_in_view(), [kind]);

@@ -110,13 +110,14 @@ pub struct DivergenceMap {
     refused: Option<OutOfMemory>,
 }
 
+/// Four bits of stream, three of layer, one of what it is against.
 fn place(stream: Stream, layer: usize, against: Against) -> u8 {
-    ((stream as u8) << 3) | ((layer as u8) << 1) | u8::from(against == Against::F64)
+    ((stream as u8) << 4) | ((layer as u8) << 1) | u8::from(against == Against::F64)
 }
 
 fn of_place(place: u8) -> (Stream, usize, Against) {
     let against = if place & 1 == 1 { Against::F64 } else { Against::Device };
-    (STREAMS[usize::from(place >> 3) % STREAMS.len()].stream, usize::from(place >> 1 & 3), against)
+    (STREAMS[usize::from(place >> 4) % STREAMS.len()].stream, usize::from(place >> 1 & 7), against)
 }
 
 impl Firsts {

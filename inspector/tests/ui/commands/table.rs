@@ -261,6 +261,12 @@ pub(super) fn row(command: Command) -> Row {
             assert!(s.find(Role::Image, |name| name.contains(" rays")).is_some());
         }),
 
+        C::Judge => (nothing, |s, was| {
+            s.settle();
+            shown(s, was, PaneKind::Error);
+            assert!(s.reads(" of 4,096 judged rays wrong"), "{}", s.read_out());
+        }),
+
         C::Palette => (nothing, |s, _| {
             s.frames(3);
             s.get(Role::TextInput, "command");

@@ -1,0 +1,286 @@
+//! Error against run time: rays not yet resolved, and rays resolved wrongly, over what the device took.
+
+mod plot;
+mod scales;
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use egui::{Button, Color32, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
+use raystep_kernels::reference::Verdict;
+use raystep_kernels::statistics::wilson;
+use raystep_kernels::{Options, Plan, Renderer};
+
+use crate::session::judged::{Judgement, judge, why_not};
+use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::{Model, Target};
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+use plot::{Curve, Plot};
+use scales::grouped;
+
+/// What the engine is asked for, and what goes on meanwhile.
+const JUDGING: &str = "judging what rays hit";
+
+const ABOUT: &str = "every triangle against every ray in f64, or against a random sample of them where that is too much; \
+                     then the passes run again, to see when wrong rays were resolved";
+
+/// What a judgement is of.
+#[derive(Clone)]
+struct Of {
+    plan: Arc<Plan>,
+    edition: u64,
+}
+
+impl Of {
+    fn new(model: &Model) -> Option<Self> {
+        Some(Self { plan: model.opened.as_ref()?.plan.clone(), edition: model.edition })
+    }
+
+    fn is(&self, model: &Model) -> bool {
+        Self::new(model).is_some_and(|of| of.edition == self.edition && Arc::ptr_eq(&of.plan, &self.plan))
+    }
+}
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct ErrorOverTime {
+    /// Shares by their size, not their logarithm.
+    is_linear: bool,
+    /// Of run A and of run B.
+    judged: [Option<(Of, Judgement)>; 2],
+}
+
+/// A run of its own beside the one that is shown.
+fn job(of: Of) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let JobContext { session, device, progress, .. } = context;
+            let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
+            if !Arc::ptr_eq(&plan, &of.plan) {
+                return Err("the run became another one before it was judged".into());
+            }
+            let options = Options { timings: false, ..session.options().clone() };
+            let fail = |e: raystep_kernels::RenderError| e.to_string();
+            let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
+            let judgement = judge(&mut renderer, |done, all| {
+                if progress(done, all) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            });
+            let judgement = judgement.await.map_err(fail)?;
+            Ok(Box::new((of, judgement)) as Box<dyn std::any::Any + Send>)
+        })
+    })
+}
+
+/// Why a run cannot be judged.
+fn refusal(model: &Model) -> Option<&'static str> {
+    why_not(&model.opened.as_ref()?.plan, &model.edits, model.twins)
+}
+
+/// Has a run judged, where it can be.
+fn ask(model: &mut Model) {
+    if let Some(of) = Of::new(model).filter(|_| refusal(model).is_none()) {
+        model.ask(Request::Job(JUDGING, job(of)));
+    }
+}
+
+/// Takes the answer, and drops what is of another run.
+fn take(judged: &mut Option<(Of, Judgement)>, model: Option<&mut Model>) {
+    let Some(model) = model else {
+        *judged = None;
+        return;
+    };
+    while let Some(answer) = model.take_answer::<(Of, Judgement)>(JUDGING) {
+        *judged = Some(*answer);
+    }
+    if judged.as_ref().is_some_and(|(of, _)| !of.is(model)) {
+        *judged = None;
+    }
+}
+
+/// The colours of run A and run B.
+fn colors(ui: &Ui) -> [Color32; 2] {
+    let b = if ui.visuals().dark_mode { Color32::from_rgb(240, 150, 60) } else { Color32::from_rgb(190, 85, 0) };
+    [ui.visuals().hyperlink_color, b]
+}
+
+impl Panel for ErrorOverTime {
+    fn title(&self) -> String {
+        "Error over time".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        take(&mut self.judged[0], Some(&mut *cx.model));
+        take(&mut self.judged[1], cx.other.as_deref_mut());
+        if cx.model.passes.is_empty() {
+            ui.weak("step a pass, and the rays that it resolves appear here");
+            return;
+        }
+        let bottom = ui.max_rect().bottom();
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            let has_other = cx.other.as_ref().is_some_and(|other| !other.passes.is_empty());
+            self.tools(ui, cx, has_other);
+            self.words(ui, cx, has_other);
+            let height = (bottom - ui.cursor().top() - 2.0).max(120.0);
+            self.plot(ui, cx, height);
+        });
+    }
+
+    fn save(&self) -> String {
+        ron::to_string(&self.is_linear).unwrap_or_default()
+    }
+
+    fn load(&mut self, saved: &str) {
+        self.is_linear = ron::from_str(saved).unwrap_or_default();
+    }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if command != Command::Judge {
+            return false;
+        }
+        ask(cx.model);
+        if let Some(other) = cx.other.as_deref_mut() {
+            ask(other);
+        }
+        true
+    }
+}
+
+impl ErrorOverTime {
+    fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>, has_other: bool) {
+        ui.horizontal_wrapped(|ui| {
+            let is_busy = cx.model.is_busy() || cx.other.as_ref().is_some_and(|other| other.is_busy());
+            let other_can = cx.other.as_ref().is_some_and(|other| refusal(other).is_none());
+            let can = !is_busy && (refusal(cx.model).is_none() || other_can);
+            if ui.add_enabled(can, Button::new("Judge")).on_hover_text(ABOUT).clicked() {
+                cx.todo.push(Command::Judge);
+            }
+            let mut is_log = !self.is_linear;
+            ui.checkbox(&mut is_log, "log").on_hover_text("shares by their logarithm, none of them at the bottom");
+            self.is_linear = !is_log;
+            for (i, color) in colors(ui).into_iter().enumerate().filter(|(i, _)| *i == 0 || has_other) {
+                let run = match (has_other, i) {
+                    (false, _) => "",
+                    (true, 0) => "A: ",
+                    (true, _) => "B: ",
+                };
+                entry(ui, color, false, &format!("{run}not yet resolved"));
+                if self.judged[i].as_ref().is_some_and(|(_, judgement)| !judgement.wrong.is_empty()) {
+                    entry(ui, color, true, &format!("{run}resolved wrongly, of those judged"));
+                }
+            }
+        });
+    }
+
+    /// What was judged, a line a run.
+    fn words(&self, ui: &mut Ui, cx: &mut Context<'_>, has_other: bool) {
+        for (i, name) in ["A", "B"].into_iter().enumerate() {
+            let model = if i == 0 { Some(&mut *cx.model) } else { cx.other.as_deref_mut() };
+            let Some(model) = model.filter(|model| !model.passes.is_empty()) else { continue };
+            let (why, judged) = (refusal(model), self.judged[i].as_ref());
+            let rest = (!model.is_complete).then(|| format!("{} passes are known so far", model.passes.len()));
+            if why.is_none() && judged.is_none() && rest.is_none() {
+                continue;
+            }
+            ui.horizontal_wrapped(|ui| {
+                if has_other {
+                    ui.strong(name);
+                }
+                if let Some((_, judgement)) = judged {
+                    if let Some((pixel, place)) = verdicts(ui, judgement, model, cx.shared.pixel) {
+                        cx.shared.select = Some(pixel);
+                        match place {
+                            Some(place) if i == 0 => cx.shared.go_to = Some(place),
+                            Some(place) => drop(model.ask(Request::Step(Target::Pass(place)))),
+                            None => {}
+                        }
+                    }
+                } else if let Some(why) = why {
+                    ui.label(why);
+                }
+                if let Some(rest) = rest {
+                    ui.weak(rest).on_hover_text("at its end, the whole run is here");
+                }
+            });
+        }
+    }
+
+    fn plot(&self, ui: &mut Ui, cx: &mut Context<'_>, height: f32) {
+        let models = [Some(&*cx.model), cx.other.as_deref()].into_iter().flatten().filter(|m| !m.passes.is_empty());
+        let curves = models.zip(&self.judged).zip(colors(ui)).map(|((model, judged), color)| {
+            let rays = model.opened.as_ref().map_or(0, |opened| opened.plan.rays);
+            let judgement = judged.as_ref().map(|(_, judgement)| judgement);
+            Curve::new(&model.passes, model.place, rays, judgement, color)
+        });
+        let curves: Vec<Curve<'_>> = curves.collect();
+        let Some((run, place, is_click)) = Plot::new(curves, !self.is_linear).show(ui, height) else { return };
+        // While it is dragged, one place after the other; those in between are left out.
+        let is_free = |model: &Model| is_click || !model.is_busy();
+        if run == 0 {
+            cx.shared.go_to = is_free(cx.model).then_some(place).or(cx.shared.go_to);
+        } else if let Some(other) = cx.other.as_deref_mut().filter(|other| is_free(other)) {
+            other.ask(Request::Step(Target::Pass(place)));
+        }
+    }
+}
+
+/// What a line of the plot stands for.
+fn entry(ui: &mut Ui, color: Color32, is_dashed: bool, text: &str) {
+    // Both in one piece, where a line ends.
+    let line = ui.painter().layout_no_wrap(text.to_owned(), egui::TextStyle::Small.resolve(ui.style()), color);
+    if ui.available_size_before_wrap().x < 18.0 + 2.0 * ui.spacing().item_spacing.x + line.size().x {
+        ui.end_row();
+    }
+    let (rect, _) = ui.allocate_exact_size(vec2(18.0, 10.0), Sense::hover());
+    let (ends, stroke) = ([rect.left_center(), rect.right_center()], Stroke::new(2.0, color));
+    if is_dashed {
+        ui.painter().extend(Shape::dashed_line(&ends, stroke, 4.0, 3.0));
+    } else {
+        ui.painter().line_segment(ends, stroke);
+    }
+    ui.small(text);
+}
+
+/// A judgement in words; the wrong ray that is to be looked at, and the place after which it was resolved.
+fn verdicts(
+    ui: &mut Ui,
+    judgement: &Judgement,
+    model: &Model,
+    selected: Option<[u32; 2]>,
+) -> Option<([u32; 2], Option<usize>)> {
+    let width = model.opened.as_ref().map_or(1, |opened| opened.plan.width.max(1)) as usize;
+    let pixel_of = |ray: usize| [(ray % width) as u32, (ray / width) as u32];
+    let (wrong, judged) = (judgement.wrong.len(), judgement.judged);
+    let text = format!("{} of {} judged rays wrong", grouped(wrong as u64), grouped(judged));
+    let mut chosen = None;
+    if wrong == 0 {
+        ui.label(text);
+    } else {
+        let kinds = [
+            (Verdict::Missed, "hit nothing, or what is behind"),
+            (Verdict::False, "hit where nothing is"),
+            (Verdict::Wrong, "hit another triangle, or at a wrong t"),
+        ];
+        let kinds = kinds.map(|(verdict, what)| format!("{} {what}", grouped(judgement.count(verdict) as u64)));
+        let about = format!("{}\na click selects the first of them, and the next one after it", kinds.join("\n"));
+        if ui.link(text).on_hover_text(about).clicked() {
+            let at = judgement.wrong.iter().position(|wrong| Some(pixel_of(wrong.ray)) == selected);
+            let next = &judgement.wrong[at.map_or(0, |at| (at + 1) % wrong)];
+            chosen = Some((pixel_of(next.ray), next.resolved_by));
+        }
+    }
+    let undecided = format!("{} undecided", grouped(judgement.undecided));
+    ui.label(undecided).on_hover_text("f32 cannot tell which of several triangles is hit, and any of them is right");
+    ui.label(format!("{} right", grouped(judgement.right)));
+    let unresolved = judgement.wrong.iter().filter(|wrong| wrong.resolved_by.is_none()).count();
+    if unresolved > 0 {
+        ui.label(format!("{} of the wrong ones never resolved", grouped(unresolved as u64)));
+    }
+    if judged < judgement.rays {
+        let between = wilson(wrong as u64, judged).map_or_else(String::new, |[low, high]| {
+            format!("of a million rays {:.1} to {:.1} are wrong, with 95% confidence", 1e6 * low, 1e6 * high)
+        });
+        ui.label(format!("a random sample of {} rays", grouped(judgement.rays))).on_hover_text(between);
+    }
+    chosen
+}
