@@ -101,8 +101,8 @@ fn check_section(section: &str, file: &str, rows: &[&Row]) -> usize {
         let mut rows = rows.iter();
         let mut lines = between(table, "<tr>", "</tr>").into_iter();
         let cells = |line: &str, tag: &str| -> Vec<String> {
-            let ends = line.split(&format!("</{tag}>")).filter_map(|cell| cell.rsplit('>').next());
-            ends.filter(|_| line.contains(tag)).map(str::to_owned).collect()
+            let end = format!("</{tag}>");
+            line.split(&end).filter_map(|cell| cell.rsplit('>').next()).map(str::to_owned).collect()
         };
         let header: Vec<String> =
             cells(lines.next().expect("a header"), "th").iter().map(|c| c.replace(' ', "_")).collect();
