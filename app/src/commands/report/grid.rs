@@ -241,7 +241,7 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
     let cell = |axis: usize| grid.map(|g| g.cells[axis]);
     let per_ray = median.filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
     // Fewer rays are another measurement: an adapter that is not full takes longer for each.
-    let view_s = median.filter(|_| u64::from(plan.rays) == view_rays(work)).map(|ns| ns / 1e9);
+    let view_s = median.filter(|_| plan.rays == view_rays(work)).map(|ns| ns / 1e9);
     let row = work
         .row(COLUMNS)
         .set("accelerator", way.options.accelerator.name())
