@@ -21,14 +21,14 @@ const FILES: [(&str, &str); 7] = [
         "factors.csv",
         "schema_version,scene,adapter,aim,accelerator,factor,cells_x,cells_y,cells_z,rays,judged_rays,missed,false_hits,\
          wrong_hits,undecided,wrong_rays,wrong_per_million,wrong_per_million_low,wrong_per_million_high,at_bound,passes,\
-         median_ns,p05_ns,p95_ns,time_ratio,clock",
+         repeats,median_ns,low_ns,high_ns,time_ratio,clock",
     ),
     ("moved.csv", MOVED),
     ("scaled.csv", MOVED),
     (
         "grid.csv",
         "schema_version,scene,adapter,accelerator,resolution_factor,is_automatic,cells_x,cells_y,cells_z,cells,leaps,\
-         references,structure_bytes,build_s,rays,median_ns,p05_ns,p95_ns,ns_per_ray,trace_ratio,view_s,view_with_build_s,\
+         references,structure_bytes,build_s,rays,repeats,median_ns,low_ns,high_ns,ns_per_ray,trace_ratio,view_s,view_with_build_s,\
          paid_off_rays,passes,judged_rays,missed,false_hits,wrong_hits,undecided,wrong_rays,wrong_per_million,\
          wrong_per_million_low,wrong_per_million_high,at_bound,clock",
     ),
@@ -40,8 +40,8 @@ const FILES: [(&str, &str); 7] = [
     (
         "left_out.csv",
         "schema_version,scene,adapter,accelerator,schedule,rays,left_out,put_back,stream_bytes,kept_stream_bytes,\
-         buffer_bytes,kept_buffer_bytes,bytes_ratio,compile_s,kept_compile_s,compile_ratio,repeats,median_ns,\
-         kept_median_ns,time_ratio,time_ratio_p05,time_ratio_p95,differing_hits,first_differing_rays,clock",
+         buffer_bytes,kept_buffer_bytes,bytes_ratio,started_first,first_start_s,kept_first_start_s,start_s,\
+         kept_start_s,start_ratio,repeats,median_ns,kept_median_ns,time_ratio,time_ratio_low,time_ratio_high,differing_hits,first_differing_rays,clock",
     ),
 ];
 
@@ -83,7 +83,7 @@ fn is_of_time(column: &str) -> bool {
         || column.ends_with("_s")
         || matches!(
             column,
-            "run_ratio" | "time_ratio" | "trace_ratio" | "compile_ratio" | "paid_off_rays" | "ns_per_ray"
+            "run_ratio" | "time_ratio" | "trace_ratio" | "start_ratio" | "paid_off_rays" | "ns_per_ray" | "repeats"
         )
         || column.starts_with("time_ratio_")
 }
@@ -93,22 +93,58 @@ fn between<'a>(page: &'a str, begin: &str, end: &str) -> Vec<&'a str> {
     page.split(begin).skip(1).filter_map(|rest| rest.split(end).next()).collect()
 }
 
-/// The page needs nothing, and each of its numbers is a field of a CSV.
+/// A section's tables are rows of its CSV, in their order, its prose and its legends have fields of it. How many rows
+/// are shown.
+fn check_section(section: &str, file: &str, rows: &[&Row]) -> usize {
+    let mut shown = 0;
+    for table in between(section, "<table>", "</table>") {
+        let mut rows = rows.iter();
+        let mut lines = between(table, "<tr>", "</tr>").into_iter();
+        let cells = |line: &str, tag: &str| -> Vec<String> {
+            let end = format!("</{tag}>");
+            line.split(&end).filter_map(|cell| cell.rsplit('>').next()).map(str::to_owned).collect()
+        };
+        let header: Vec<String> =
+            cells(lines.next().expect("a header"), "th").iter().map(|c| c.replace(' ', "_")).collect();
+        let columns: Vec<&str> = header.iter().filter(|c| !c.is_empty()).map(String::as_str).collect();
+        for line in lines {
+            let fields = cells(line, "td");
+            // Skips rows that the table leaves out.
+            let is_this = |row: &&&Row| columns.iter().zip(&fields).all(|(column, field)| row[*column] == *field);
+            assert!(fields.len() >= columns.len() && rows.any(|row| is_this(&row)), "{file} has no {fields:?}");
+            shown += 1;
+        }
+    }
+    let fields: BTreeSet<&str> = rows.iter().flat_map(|row| row.values().map(String::as_str)).collect();
+    let legends = between(section, ": slope ", "<").into_iter().map(str::trim);
+    for text in between(section, "<b class=\"n\">", "</b>").into_iter().chain(legends) {
+        assert!(fields.contains(text), "{text:?} is not in {file}");
+    }
+    shown
+}
+
+/// The page needs nothing, and what it says is in the CSVs.
 fn check_page(place: &Place, folder: &str, tables: &BTreeMap<&'static str, Vec<Row>>) {
     let page = String::from_utf8(place.read(&format!("{folder}/index.html"))).expect("UTF-8");
     for foreign in ["http:", "https:", "<script", "<link", "src=", "@import", "url("] {
         assert!(!page.contains(foreign), "{foreign} in the page");
     }
     assert!(page.contains("prefers-color-scheme:dark") && page.contains("raystep report"));
-    let fields: BTreeSet<&str> = tables.values().flatten().flat_map(|row| row.values().map(String::as_str)).collect();
-    let mut numbers = 0;
-    let cells = between(&page, "<td>", "</td>").into_iter().chain(between(&page, "<b class=\"n\">", "</b>"));
-    for text in cells.filter(|text| !text.is_empty()) {
-        assert!(fields.contains(text), "{text:?} is in no CSV");
-        numbers += 1;
+    let about = rows(place, folder, "about.csv", "schema_version,scene,name,value");
+    let mut rows_shown = 0;
+    for (i, of_scene) in page.split("<h2 class=\"s\"").skip(1).enumerate() {
+        let name = between(of_scene, &format!("id=\"scene-{i}\">"), "</h2>")[0];
+        let mut sections = of_scene.split("<h3 id=");
+        let head = sections.next().expect("what the scene is");
+        let known: Vec<&str> = about.iter().filter(|r| r["scene"] == name).map(|r| r["value"].as_str()).collect();
+        assert_eq!(between(head, "<b class=\"n\">", "</b>"), known, "{name}: triangles, width, height");
+        for section in sections {
+            let file = between(section, "All of it is in <code>", "</code>")[0];
+            let of_file: Vec<&Row> = tables[file].iter().filter(|r| r["scene"] == name).collect();
+            rows_shown += check_section(section, file, &of_file);
+        }
     }
-    // Of a scene with something in it.
-    assert!(numbers > 100 || tables["factors.csv"].is_empty(), "{numbers} numbers");
+    assert!(rows_shown > 20 || tables["factors.csv"].is_empty(), "{rows_shown} rows");
     let plots = page.matches("<svg").count();
     let files = std::fs::read_dir(place.path(folder)).expect("the folder");
     let svgs = files.filter(|f| f.as_ref().is_ok_and(|f| f.path().extension().is_some_and(|e| e == "svg"))).count();
@@ -164,10 +200,11 @@ fn a_quick_report_is_complete_and_finds_the_same_errors_again() {
     assert_eq!((tables["moved.csv"].len(), tables["scaled.csv"].len()), (14, 18));
     assert!(tables["grid.csv"].iter().all(|r| r["wrong_rays"] == "0"));
     assert_eq!(tables["grid.csv"].iter().filter(|r| r["is_automatic"] == "true").count(), 1);
-    assert!(tables["left_out.csv"].iter().all(|r| r["differing_hits"] == "0" && r["compile_s"].is_empty()));
+    assert!(tables["left_out.csv"].iter().all(|r| r["differing_hits"] == "0" && r["start_s"].is_empty()));
     for sampler in ["sobol", "random"] {
         let errors: Vec<f64> =
             tables["samples.csv"].iter().filter(|r| r["sampler"] == sampler).map(|r| number(r, "rmse")).collect();
+        assert_eq!(tables["samples.csv"][0]["samples"], "2", "one sample is in no pixel's middle");
         assert!(errors.len() > 4 && errors.first() > errors.last(), "{sampler}: {errors:?}");
     }
 
@@ -205,7 +242,10 @@ fn the_default_device_and_an_adapter_report_too() {
     let left_out = rows(&place, "gpu", "left_out.csv", FILES[6].1);
     println!("{}", left_out[0]["adapter"]);
     for row in &left_out {
-        assert!(number(row, "compile_s") > 0.0 && number(row, "time_ratio") > 0.0, "{row:?}");
+        assert!(
+            number(row, "start_s") > 0.0 && number(row, "first_start_s") > 0.0 && number(row, "time_ratio") > 0.0,
+            "{row:?}"
+        );
         assert_eq!(row["differing_hits"], "0", "{row:?}");
     }
     let resolved = rows(&place, "gpu", "resolved.csv", FILES[0].1);
@@ -224,6 +264,46 @@ fn scenes_with_nothing_or_one_triangle_in_them_have_a_page() {
     check_page(&place, "out", &tables);
     assert!(tables["factors.csv"].iter().all(|r| r["scene"] == "single-triangle"));
     assert!(tables["grid.csv"].iter().any(|r| r["scene"] == "empty" && r["wrong_rays"] == "0"));
+}
+
+#[test]
+fn a_section_that_fails_is_a_note_and_all_that_fail_are_an_error() {
+    let place = Place::new();
+    let file = cornell_box();
+    let report = ["report", &file, "--quick", "--device", "cpu", "--grid", "4096", "-o", "out", "--section"];
+    let outcome = place.ok(&[&report[..], &["factors,scaled"]].concat());
+    let wanted = "a grid of 4096 x 4096 x 4096 cells cannot be built";
+    assert!(outcome.stderr.contains(&format!("note: cornell-box, factors: --grid: {wanted}")), "{outcome:?}");
+    assert!(String::from_utf8_lossy(&place.read("out/index.html")).contains(wanted));
+    assert_eq!(rows(&place, "out", "factors.csv", FILES[1].1), Vec::<Row>::new());
+    assert_eq!(rows(&place, "out", "scaled.csv", MOVED).len(), 18);
+    place.fails(2, wanted, &["report", &file, "--device", "cpu", "--grid", "4096", "-o", "no", "--section", "factors"]);
+}
+
+#[test]
+fn times_of_other_rays_are_not_compared() {
+    let place = Place::new();
+    let file = scene("teapot.glb").display().to_string();
+    let report = ["report", &file, "--quick", "--device", "cpu", "--section", "grid"];
+    let none = |folder: &str| {
+        let rows = rows(&place, folder, "grid.csv", FILES[4].1);
+        assert!(rows.iter().all(|r| r["at_bound"] == "0" && r["wrong_rays"] == "0" && !r["median_ns"].is_empty()));
+        (rows.iter().find(|r| r["accelerator"] == "none").expect("a row").clone(), rows)
+    };
+    // 994 triangles for each of 4,096 rays are affordable.
+    place.ok(&[&report[..], &["-o", "small"]].concat());
+    let (row, rows) = none("small");
+    assert_eq!(row["rays"], "4096");
+    assert!(number(&row, "trace_ratio") > 1.0 && number(&row, "view_s") > 0.0, "{row:?}");
+    assert!(rows.iter().any(|r| !r["paid_off_rays"].is_empty()));
+    // For 20,000 they are not.
+    let outcome = place.ok(&[&report[..], &["--size", "200x100", "-o", "large"]].concat());
+    assert!(outcome.stderr.contains("after how many rays a structure has paid off is not known"), "{outcome:?}");
+    let (row, rows) = none("large");
+    for column in ["trace_ratio", "view_s", "view_with_build_s"] {
+        assert_eq!(row[column], "", "{column}");
+    }
+    assert!(rows.iter().all(|r| r["paid_off_rays"].is_empty()));
 }
 
 #[test]

@@ -124,20 +124,43 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
     let sections = args.sections();
     let mut tables: Vec<(&Section, Table)> = sections.iter().map(|s| (*s, Table::new(s.columns))).collect();
     let mut scenes = Vec::new();
+    let (mut failed, mut has_worked) = (None, false);
     for input in &inputs {
         let (size, grid, is_quick) = (args.size(), args.grid, args.quick);
         let work = Work { input, chosen: &chosen, size, grid, is_quick, progress, load: load.as_ref() };
         let mut parts = Vec::new();
         for (section, table) in &mut tables {
-            let part = (section.run)(&work, table)?;
+            let before = table.rows.len();
+            let part = match (section.run)(&work, table) {
+                Ok(part) => {
+                    has_worked = true;
+                    part
+                }
+                Err(error) => {
+                    // The other sections are worth having, unless the device has failed.
+                    work.can_go_on()?;
+                    table.rows.truncate(before);
+                    let mut part = page::Part::default();
+                    part.notes.push(error.message().to_owned());
+                    failed = Some(error);
+                    part
+                }
+            };
             for note in &part.notes {
                 progress.say(format_args!("note: {}, {}: {note}", input.scene.name, section.name));
             }
             parts.push((section.name, part));
         }
-        let triangles = input.scene.triangles.len();
-        let about = format!("{}: {triangles} triangles; views of {} pixels.", input.path.display(), work.size);
-        scenes.push(page::Scene { name: input.scene.name.clone(), about, parts });
+        scenes.push(page::Scene {
+            name: input.scene.name.clone(),
+            file: input.path.display().to_string(),
+            triangles: input.scene.triangles.len(),
+            size: work.size,
+            parts,
+        });
+    }
+    if let Some(error) = failed.filter(|_| !has_worked) {
+        return Err(error);
     }
     progress.stage("writing");
     output::write(folder, &about(&chosen), &tables, &scenes)

@@ -8,21 +8,31 @@ use glam::{DVec3, Vec3};
 use raystep_scenes::Scene;
 
 use super::{Random, ray};
-use crate::options::{Ray, named};
+use crate::options::Ray;
 use crate::scene_data::SceneData;
 
 /// What rays are aimed at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Aim {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aim<'a> {
     /// Middles of edges, corners, and points along edges.
     Edges,
     /// Points of triangles that lie in the face of a cell, every other one on an edge of it if there is one.
-    Faces,
+    Faces(&'a Planes),
     /// Any direction.
     Anywhere,
 }
 
-named!(Aim, "edges, faces, anywhere", Edges "edges", Faces "faces", Anywhere "anywhere");
+impl Aim<'_> {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Edges => "edges",
+            Self::Faces(_) => "faces",
+            Self::Anywhere => "anywhere",
+        }
+    }
+}
 
 /// How much of the scene's box origins lie in, along each axis.
 const INNER: f64 = 0.8;
@@ -49,10 +59,13 @@ impl Planes {
 
     /// A plane inside of the grid that lies between two coordinates, one at random; `None` where there is none.
     fn between(&self, axis: usize, low: f64, high: f64, random: &mut Random) -> Option<f64> {
+        // A grid without width has no planes to aim at.
+        if self.width[axis].is_nan() || self.width[axis] <= 0.0 {
+            return None;
+        }
         let index = |x: f64| (x - self.corner[axis]) / self.width[axis];
         let first = index(low).ceil().max(1.0);
         let last = index(high).floor().min(f64::from(self.cells[axis] - 1));
-        // Neither is a number where the grid has no width.
         (first <= last).then(|| {
             let chosen = first + random.below((last - first) as usize + 1) as f64;
             self.corner[axis] + self.width[axis] * chosen
@@ -63,7 +76,7 @@ impl Planes {
 /// `count` rays; none where the scene has no triangle to aim at. Where no triangle that is tried crosses a face, the
 /// ray goes to a point of a triangle.
 #[must_use]
-pub fn aimed(scene: &Scene, planes: &Planes, aim: Aim, count: usize, seed: u32) -> Vec<Ray> {
+pub fn aimed(scene: &Scene, aim: Aim<'_>, count: usize, seed: u32) -> Vec<Ray> {
     let bounds = scene.bounds();
     if bounds.is_empty() {
         return Vec::new();
@@ -78,7 +91,7 @@ pub fn aimed(scene: &Scene, planes: &Planes, aim: Aim, count: usize, seed: u32) 
         let origin = origin.as_vec3().as_dvec3();
         let direction = match aim {
             Aim::Edges => on_edge(scene, i, &mut random) - origin,
-            Aim::Faces => in_face(scene, planes, i, &mut random) - origin,
+            Aim::Faces(planes) => in_face(scene, planes, i, &mut random) - origin,
             Aim::Anywhere => random.on_sphere(),
         };
         ray(origin, direction)
@@ -165,7 +178,7 @@ mod tests {
         let scene = generate::icosphere(2).expect("a sphere");
         let planes = planes(&scene, 8);
         let corners: Vec<DVec3> = scene.triangles.iter().flatten().map(|&p| Vec3::from(p).as_dvec3()).collect();
-        let edges = aimed(&scene, &planes, Aim::Edges, 400, 1);
+        let edges = aimed(&scene, Aim::Edges, 400, 1);
         assert_eq!(edges.len(), 400);
         let at_corner = |ray: &&Ray| corners.iter().any(|&c| misses_by(ray, c) < 1e-6);
         assert!(edges.iter().filter(at_corner).count() >= 100, "every fourth is aimed at a corner");
@@ -178,14 +191,14 @@ mod tests {
                 (at - at.round()).abs() < 1e-5
             })
         };
-        assert_eq!(aimed(&scene, &planes, Aim::Faces, 400, 1).iter().filter(on_plane).count(), 400);
-        let anywhere = aimed(&scene, &planes, Aim::Anywhere, 400, 1);
+        assert_eq!(aimed(&scene, Aim::Faces(&planes), 400, 1).iter().filter(on_plane).count(), 400);
+        let anywhere = aimed(&scene, Aim::Anywhere, 400, 1);
         assert!(anywhere.iter().filter(on_plane).count() < 20);
         for ray in edges.iter().chain(&anywhere) {
             assert!(ray.origin.iter().all(|v| v.abs() <= 0.81), "{ray:?}");
         }
-        assert_eq!(anywhere, aimed(&scene, &planes, Aim::Anywhere, 400, 1));
-        assert_ne!(anywhere, aimed(&scene, &planes, Aim::Anywhere, 400, 2));
+        assert_eq!(anywhere, aimed(&scene, Aim::Anywhere, 400, 1));
+        assert_ne!(anywhere, aimed(&scene, Aim::Anywhere, 400, 2));
     }
 
     #[test]
@@ -195,10 +208,20 @@ mod tests {
         let materials = vec![raystep_scenes::Material::default()];
         let triangles = vec![wall, ends[0], ends[1]];
         let scene = Scene { triangles, triangle_materials: vec![0; 3], materials, ..Scene::default() };
-        let rays = aimed(&scene, &planes(&scene, 4), Aim::Faces, 100, 3);
+        let rays = aimed(&scene, Aim::Faces(&planes(&scene, 4)), 100, 3);
         assert_eq!(rays.len(), 100);
-        for aim in Aim::ALL {
-            assert_eq!(aimed(&Scene::default(), &planes(&scene, 4), *aim, 10, 1), []);
+        for aim in [Aim::Edges, Aim::Faces(&planes(&scene, 4)), Aim::Anywhere] {
+            assert_eq!(aimed(&Scene::default(), aim, 10, 1), []);
+        }
+    }
+
+    #[test]
+    fn a_grid_without_width_has_no_planes() {
+        let mut random = Random::new(0, 1);
+        for width in [0.0, f64::NAN] {
+            let planes = Planes { corner: [0.0; 3], width: [width; 3], cells: [4; 3] };
+            assert_eq!(planes.between(0, 0.0, 0.0, &mut random), None);
+            assert_eq!(planes.between(0, -1.0, 1.0, &mut random), None);
         }
     }
 }

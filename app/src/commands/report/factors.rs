@@ -37,9 +37,10 @@ pub(super) const COLUMNS: &[&str] = &[
     "wrong_per_million_high",
     "at_bound",
     "passes",
+    "repeats",
     "median_ns",
-    "p05_ns",
-    "p95_ns",
+    "low_ns",
+    "high_ns",
     "time_ratio",
     "clock",
 ];
@@ -56,6 +57,8 @@ const SHOWN: &[&str] = &[
     "wrong_per_million",
     "wrong_per_million_low",
     "wrong_per_million_high",
+    "at_bound",
+    "repeats",
     "median_ns",
     "time_ratio",
 ];
@@ -128,16 +131,17 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let (_, data) = Plan::new(scene, &gridded, &work.chosen.limits())?;
     let planes = Planes::of(&data);
     let count = work.either(2048, 1 << 15).min(Judge::most_rays(work));
-    for &aim in Aim::ALL {
-        work.stage(&format!("factors, rays at {aim}"));
-        let rays = RaySource::Given(aimed(scene, &planes, aim, count, SEED));
+    let aims = [Aim::Edges, Aim::Faces(&planes), Aim::Anywhere];
+    for aim in aims {
+        work.stage(&format!("factors, rays at {}", aim.name()));
+        let rays = RaySource::Given(aimed(scene, aim, count, SEED));
         if let Err(error) = one_aim(work, aim, &ways(&rays, GridSize::Cells(cells)), table, &mut part) {
             work.can_go_on()?;
-            part.notes.push(format!("rays at {aim}: {}", error.message()));
+            part.notes.push(format!("rays at {}: {}", aim.name(), error.message()));
         }
     }
     let rows = &table.rows[first..];
-    for &aim in Aim::ALL {
+    for aim in aims {
         part.figure(plot(aim, rows).svg()?, "");
     }
     part.table(rows, SHOWN);
@@ -161,14 +165,20 @@ fn some_ray(work: &Work<'_>) -> Ray {
     Ray { origin: middle, direction: [1.0, 0.0, 0.0] }
 }
 
-fn one_aim(work: &Work<'_>, aim: Aim, ways: &[Way], table: &mut Table, part: &mut Part) -> Result<(), Error> {
+fn one_aim(work: &Work<'_>, aim: Aim<'_>, ways: &[Way], table: &mut Table, part: &mut Part) -> Result<(), Error> {
     let mut built: Vec<(&Way, Built)> = Vec::new();
     for way in ways {
         match work.build(&way.options) {
             Ok(ready) => built.push((way, ready)),
             Err(error) => {
                 work.can_go_on()?;
-                part.notes.push(format!("rays at {aim}, {} {}: {}", way.accelerator, way.factor, error.message()));
+                part.notes.push(format!(
+                    "rays at {}, {} {}: {}",
+                    aim.name(),
+                    way.accelerator,
+                    way.factor,
+                    error.message()
+                ));
             }
         }
     }
@@ -179,11 +189,17 @@ fn one_aim(work: &Work<'_>, aim: Aim, ways: &[Way], table: &mut Table, part: &mu
     };
     let mut judge = Judge::default();
     for (i, (way, ready)) in built.iter().enumerate() {
-        // What was given up is judged as far as it came.
         let judged: Judged = judge.judge(work, &ready.renderer)?;
-        let robust = robust_of(way.accelerator).map(|r| times[r].as_slice());
-        let ratios: Vec<f64> =
-            times[i].iter().zip(robust.unwrap_or_default()).map(|(ns, robust)| ns / robust).collect();
+        if times[i].is_given_up {
+            part.notes.push(format!(
+                "rays at {}, {} {}: {}",
+                aim.name(),
+                way.accelerator,
+                way.factor,
+                judged.given_up()
+            ));
+        }
+        let ratios = robust_of(way.accelerator).map(|robust| times[i].ratios(&times[robust]));
         let [x, y, z] = ready.renderer.data().grid.cells;
         let is_grid = way.accelerator == Accelerator::Grid;
         let cells = |n: i32| is_grid.then_some(n);
@@ -197,17 +213,14 @@ fn one_aim(work: &Work<'_>, aim: Aim, ways: &[Way], table: &mut Table, part: &mu
             .set("cells_z", cells(z))
             .set("rays", ready.renderer.plan().rays)
             .set("passes", ready.renderer.passes().len())
-            .set("median_ns", quantile(&times[i], 0.5))
-            .set("p05_ns", quantile(&times[i], 0.05))
-            .set("p95_ns", quantile(&times[i], 0.95))
-            .set("time_ratio", quantile(&ratios, 0.5))
+            .set("time_ratio", ratios.and_then(|ratios| quantile(&ratios, 0.5)))
             .set("clock", work.clock());
-        table.rows.push(judged.fill(row));
+        table.rows.push(judged.fill(times[i].fill(row)));
     }
     Ok(())
 }
 
-fn plot(aim: Aim, rows: &[Row]) -> Plot {
+fn plot(aim: Aim<'_>, rows: &[Row]) -> Plot {
     let mut factors: Vec<&str> = Vec::new();
     for row in rows {
         if !factors.contains(&row.get("factor")) {
@@ -236,7 +249,7 @@ fn plot(aim: Aim, rows: &[Row]) -> Plot {
     }
     let at = match aim {
         Aim::Edges => "Rays at edges and corners",
-        Aim::Faces => "Rays at surfaces where they meet the faces of cells",
+        Aim::Faces(_) => "Rays at surfaces where they meet the faces of cells",
         Aim::Anywhere => "Rays anywhere",
     };
     Plot {

@@ -9,9 +9,9 @@ use raystep_kernels::statistics::quantile;
 use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
 
 use super::judge::Judge;
-use super::page::{Part, number};
+use super::page::{Part, WHISKERS, number};
 use super::table::{Row, Table};
-use super::work::{Built, Work};
+use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::commands::plot::{Axis, Bars, Plot, Scale, Series};
 use crate::error::Error;
 
@@ -31,9 +31,10 @@ pub(super) const COLUMNS: &[&str] = &[
     "structure_bytes",
     "build_s",
     "rays",
+    "repeats",
     "median_ns",
-    "p05_ns",
-    "p95_ns",
+    "low_ns",
+    "high_ns",
     "ns_per_ray",
     "trace_ratio",
     "view_s",
@@ -64,14 +65,16 @@ const SHOWN: &[&str] = &[
     "structure_bytes",
     "build_s",
     "rays",
+    "repeats",
     "median_ns",
-    "p05_ns",
-    "p95_ns",
+    "low_ns",
+    "high_ns",
     "trace_ratio",
     "view_with_build_s",
     "paid_off_rays",
     "judged_rays",
     "wrong_rays",
+    "at_bound",
 ];
 
 /// Cells of the largest grid.
@@ -83,21 +86,26 @@ struct Way {
     factor: Option<f64>,
 }
 
+impl Way {
+    fn name(&self) -> String {
+        match self.factor {
+            Some(factor) => format!("the grid at {factor:.3} times the automatic resolution"),
+            None => self.options.accelerator.to_string(),
+        }
+    }
+}
+
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     work.stage("grid resolution");
     let first = table.rows.len();
     let mut built: Vec<(Way, Built)> = Vec::new();
     for way in ways(work, &mut part)? {
-        let what = match way.factor {
-            Some(factor) => format!("the grid at {factor:.3} times the automatic resolution"),
-            None => way.options.accelerator.to_string(),
-        };
         match build(work, &way.options) {
             Ok(ready) => built.push((way, ready)),
             Err(error) => {
                 work.can_go_on()?;
-                part.notes.push(format!("{what}: {}", error.message()));
+                part.notes.push(format!("{}: {}", way.name(), error.message()));
             }
         }
     }
@@ -108,11 +116,14 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         // Rays are fewer without an accelerator, perhaps: other rays, other truth.
         let judge = &mut judges[usize::from(way.options.accelerator == Accelerator::None)];
         let judged = judge.judge(work, &ready.renderer)?;
+        if times.is_given_up {
+            part.notes.push(format!("{}: {}", way.name(), judged.given_up()));
+        }
         table.rows.push(judged.fill(row(work, way, ready, times)));
     }
     compare(&mut table.rows[first..]);
     let rows = &table.rows[first..];
-    part.figure(time_plot(rows).svg()?, "");
+    part.figure(time_plot(rows).svg()?, WHISKERS);
     part.figure(bytes_plot(rows).svg()?, "");
     part.figure(bars(rows).svg()?, "");
     part.table(rows, SHOWN);
@@ -173,16 +184,34 @@ fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
     }
     ways.sort_by(|a, b| a.factor.unwrap_or(0.0).total_cmp(&b.factor.unwrap_or(0.0)));
     ways.push(Way { options: Options { accelerator: Accelerator::Bvh, ..options.clone() }, factor: None });
-    ways.push(Way {
-        options: Options { accelerator: Accelerator::None, rays: fewer_rays(work), ..options },
-        factor: None,
-    });
+    let rays = fewer_rays(work);
+    if rays_of(&rays) < view_rays(work) {
+        part.notes.push(format!(
+            "none: every triangle for each of {} rays is too many tests. It has {} rays, whose times are not compared: \
+             after how many rays a structure has paid off is not known",
+            view_rays(work),
+            rays_of(&rays)
+        ));
+    }
+    let none = Options { accelerator: Accelerator::None, rays, steps_per_pass: TESTS_PER_PASS, ..options };
+    ways.push(Way { options: none, factor: None });
     Ok(ways)
 }
 
-/// The view with no more pixels than can test every triangle in a while.
+fn view_rays(work: &Work<'_>) -> u64 {
+    u64::from(work.size.width) * u64::from(work.size.height)
+}
+
+fn rays_of(rays: &RaySource) -> u64 {
+    match rays {
+        RaySource::Camera { width, height, .. } => u64::from(*width) * u64::from(*height),
+        RaySource::Given(rays) => rays.len() as u64,
+    }
+}
+
+/// The view, if need be with no more pixels than can test every triangle in a while.
 fn fewer_rays(work: &Work<'_>) -> RaySource {
-    let tests = work.either(1u64 << 24, 1 << 27);
+    let tests = work.either(1u64 << 24, 1 << 28);
     let most = (tests / (work.input.scene.triangles.len() as u64).max(1)).max(64);
     let mut size = work.size;
     while u64::from(size.width) * u64::from(size.height) > most && size.width * size.height > 1 {
@@ -205,15 +234,16 @@ fn build(work: &Work<'_>, options: &Options) -> Result<Built, Error> {
     Ok(built)
 }
 
-fn row(work: &Work<'_>, way: &Way, built: &Built, times: &[f64]) -> Row {
+fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
     let (plan, data) = (built.renderer.plan(), built.renderer.data());
     let grid = GridSummary::of(plan, data);
-    let median = quantile(times, 0.5);
+    let median = times.median();
     let cell = |axis: usize| grid.map(|g| g.cells[axis]);
     let per_ray = median.filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
-    let view_rays = f64::from(work.size.width) * f64::from(work.size.height);
-    let view_s = per_ray.map(|ns| ns * view_rays / 1e9);
-    work.row(COLUMNS)
+    // Fewer rays are another measurement: an adapter that is not full takes longer for each.
+    let view_s = median.filter(|_| plan.rays == view_rays(work)).map(|ns| ns / 1e9);
+    let row = work
+        .row(COLUMNS)
         .set("accelerator", way.options.accelerator.name())
         .set("resolution_factor", way.factor)
         .set("is_automatic", way.factor.map(|_| way.options.grid == GridSize::Auto))
@@ -226,24 +256,22 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &[f64]) -> Row {
         .set("structure_bytes", structure_bytes(plan))
         .set("build_s", built.build_s)
         .set("rays", plan.rays)
-        .set("median_ns", median)
-        .set("p05_ns", quantile(times, 0.05))
-        .set("p95_ns", quantile(times, 0.95))
         .set("ns_per_ray", per_ray)
         .set("view_s", view_s)
         .set("view_with_build_s", view_s.map(|s| s + built.build_s))
         .set("passes", built.renderer.passes().len())
-        .set("clock", work.clock())
+        .set("clock", work.clock());
+    times.fill(row)
 }
 
-/// Adds what follows from the other rows.
+/// Adds what follows from the other rows, of those that traced the whole view.
 fn compare(rows: &mut [Row]) {
-    let of = |rows: &[Row], is: &dyn Fn(&Row) -> bool, column: &str| rows.iter().find(|r| is(r))?.number(column);
-    let automatic = of(rows, &|r| r.get("is_automatic") == "true", "ns_per_ray");
+    let whole = |r: &Row| r.number("view_s").and_then(|_| r.number("ns_per_ray"));
+    let automatic = rows.iter().find(|r| r.get("is_automatic") == "true").and_then(whole);
     let is_none = |r: &Row| r.get("accelerator") == "none";
-    let none = of(rows, &is_none, "ns_per_ray").zip(of(rows, &is_none, "build_s"));
+    let none = rows.iter().find(|r| is_none(r)).and_then(|r| whole(r).zip(r.number("build_s")));
     for row in rows.iter_mut() {
-        let (per_ray, build_s) = (row.number("ns_per_ray"), row.number("build_s"));
+        let (per_ray, build_s) = (whole(row), row.number("build_s"));
         let ratio = per_ray.zip(automatic).map(|(ns, automatic)| ns / automatic);
         let pays = per_ray.zip(build_s).zip(none).filter(|_| !is_none(row)).and_then(|((ns, build), (none, least))| {
             // What does not save time never pays off.
@@ -269,7 +297,8 @@ fn cells_axis() -> Axis {
 fn time_plot(rows: &[Row]) -> Plot {
     let grid: Vec<Row> = rows.iter().filter(|r| r.get("accelerator") == "grid").cloned().collect();
     let mut trace = Series::line("trace the view", 0, over_cells(&grid, |r| Some(r.number("median_ns")? / 1e6)));
-    trace.whiskers = grid.iter().filter_map(|r| Some((r.number("p05_ns")? / 1e6, r.number("p95_ns")? / 1e6))).collect();
+    trace.whiskers =
+        grid.iter().filter_map(|r| Some((r.number("low_ns")? / 1e6, r.number("high_ns")? / 1e6))).collect();
     Plot {
         title: "Time over resolution".into(),
         x: cells_axis(),

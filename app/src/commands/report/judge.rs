@@ -8,8 +8,8 @@
 
 use raystep_kernels::reference::{BruteForce, Candidates, Possible, Verdict, candidates_of, sample};
 use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
-use raystep_kernels::{Renderer, Stream, StreamData};
+use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG};
+use raystep_kernels::{Renderer, Stream, StreamData, state};
 
 use super::table::Row;
 use super::work::{SEED, Work};
@@ -38,12 +38,12 @@ pub(super) struct Right {
 /// What a run found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Judged {
-    /// One a ray of the sample.
-    pub(super) verdicts: Vec<Verdict>,
+    /// One a ray of the sample; `None` where it is not decided what the ray hits.
+    pub(super) verdicts: Vec<Option<Verdict>>,
     /// Every hit of the exact triangle.
     pub(super) right: Vec<Right>,
-    /// Rays that still walked when their bound was reached.
-    at_bound: u64,
+    /// Of all rays those that still walked when their bound was reached, or the run was given up.
+    pub(super) at_bound: u64,
 }
 
 impl Judge {
@@ -54,15 +54,21 @@ impl Judge {
         (tests / work.input.scene.triangles.len().max(1)).max(64)
     }
 
-    /// Judges a run that is over.
+    /// Judges a run that is over, or as far as it came.
     pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
         let read = |stream| work.chosen.wait(renderer.values(stream));
         let (origins, directions) = (read(Stream::RayOrigin)?, read(Stream::RayDirection)?);
         let (state, hit) = (read(Stream::State)?, read(Stream::Hit)?);
         self.prepare(work, renderer, &origins, &directions);
         let triangles = BruteForce::new(&renderer.data().vertices);
-        let mut judged = Judged { at_bound: renderer.unfinished(), ..Judged::default() };
+        let is_decided = |ray: usize| is_decided(state.get(STATE_TAG, ray));
+        let walking = (0..renderer.plan().rays as usize).filter(|&ray| !is_decided(ray)).count() as u64;
+        let mut judged = Judged { at_bound: renderer.unfinished().max(walking), ..Judged::default() };
         for (place, (&ray, candidates)) in self.sample.iter().zip(&self.candidates).enumerate() {
+            if !is_decided(ray) {
+                judged.verdicts.push(None);
+                continue;
+            }
             let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), state.get_f32(STATE_T, ray));
             let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
             let [origin, direction] = self.rays[place].map(|v| v.map(f32::from_bits));
@@ -72,7 +78,7 @@ impl Judge {
             {
                 judged.right.push(Right { place, t, exact });
             }
-            judged.verdicts.push(mistake.verdict);
+            judged.verdicts.push(Some(mistake.verdict));
         }
         Ok(judged)
     }
@@ -97,19 +103,29 @@ impl Judge {
 }
 
 impl Judged {
+    /// Rays of the sample that are decided.
+    pub(super) fn rays(&self) -> u64 {
+        self.verdicts.iter().flatten().count() as u64
+    }
+
     /// Rays with a verdict.
     pub(super) fn count(&self, verdict: Verdict) -> u64 {
-        self.verdicts.iter().filter(|v| **v == verdict).count() as u64
+        self.verdicts.iter().flatten().filter(|v| **v == verdict).count() as u64
+    }
+
+    /// What to know of a run that was given up.
+    pub(super) fn given_up(&self) -> String {
+        format!("given up, too slow or without an end: {} rays were not decided and are not judged", self.at_bound)
     }
 
     /// Missed, false and wrong together.
     pub(super) fn errors(&self) -> u64 {
-        self.verdicts.iter().filter(|v| is_error(**v)).count() as u64
+        self.verdicts.iter().flatten().filter(|v| is_error(**v)).count() as u64
     }
 
     /// Fills the columns of verdicts.
     pub(super) fn fill(&self, row: Row) -> Row {
-        let (rays, errors) = (self.verdicts.len() as u64, self.errors());
+        let (rays, errors) = (self.rays(), self.errors());
         let million = |share: f64| 1e6 * share;
         let interval = raystep_kernels::statistics::wilson(errors, rays);
         row.set("judged_rays", rays)
@@ -125,7 +141,51 @@ impl Judged {
     }
 }
 
+/// Whether a ray in this state will not hit anything else any more.
+pub(super) fn is_decided(tag: u32) -> bool {
+    matches!(tag, state::SHADE | state::BACKGROUND | state::DONE)
+}
+
 /// Whether a verdict is one of an error: what f32 cannot decide is none.
 pub(super) fn is_error(verdict: Verdict) -> bool {
     matches!(verdict, Verdict::Missed | Verdict::False | Verdict::Wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+    use std::path::Path;
+
+    use raystep_kernels::{GridSize, Options};
+
+    use super::*;
+    use crate::args::{CameraArgs, DeviceArgs, DeviceKind, Size};
+    use crate::commands::input::Input;
+    use crate::terminal::Progress;
+
+    #[test]
+    fn a_run_that_was_given_up_has_verdicts_of_decided_rays_only() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell-box.gltf");
+        let camera = CameraArgs { camera: None, eye: None, look_at: None, up: None, fov: None };
+        let progress = Progress::new(true);
+        let input = Input::read(&path, None, &camera, &progress).expect("a scene");
+        let arguments = DeviceArgs { device: DeviceKind::Cpu, adapter: None };
+        let chosen = crate::device::choose(&arguments).expect("the twins");
+        let size = Size { width: 16, height: 16 };
+        let (input, chosen, progress) = (&input, &chosen, &progress);
+        let work = Work { input, chosen, size, grid: GridSize::Auto, is_quick: true, progress, load: None };
+        let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
+        let mut renderer = work.build(&options).expect("a plan").renderer;
+        let mut judge = Judge::default();
+        let mut judge_after = |passes: usize| {
+            work.chosen.wait(renderer.run_to(passes, |_| ControlFlow::Continue(()))).expect("passes");
+            judge.judge(&work, &renderer).expect("streams")
+        };
+        let halfway = (1..).map(|k| judge_after(4 * k)).find(|judged| judged.at_bound < 256).expect("a decided ray");
+        assert!((1..256).contains(&halfway.at_bound), "{}", halfway.at_bound);
+        assert_eq!((halfway.rays() + halfway.at_bound, halfway.errors()), (256, 0));
+        assert!(halfway.given_up().contains(&halfway.at_bound.to_string()));
+        let all = judge_after(usize::MAX);
+        assert_eq!((all.rays(), all.at_bound, all.errors()), (256, 0, 0));
+    }
 }

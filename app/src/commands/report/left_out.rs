@@ -4,9 +4,9 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::statistics::quantile;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
 
-use super::page::{Part, number};
+use super::page::{Part, WHISKERS, number};
 use super::table::{Row, Table};
-use super::work::Work;
+use super::work::{Work, low_and_high};
 use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::error::Error;
 
@@ -24,15 +24,18 @@ pub(super) const COLUMNS: &[&str] = &[
     "buffer_bytes",
     "kept_buffer_bytes",
     "bytes_ratio",
-    "compile_s",
-    "kept_compile_s",
-    "compile_ratio",
+    "started_first",
+    "first_start_s",
+    "kept_first_start_s",
+    "start_s",
+    "kept_start_s",
+    "start_ratio",
     "repeats",
     "median_ns",
     "kept_median_ns",
     "time_ratio",
-    "time_ratio_p05",
-    "time_ratio_p95",
+    "time_ratio_low",
+    "time_ratio_high",
     "differing_hits",
     "first_differing_rays",
     "clock",
@@ -47,22 +50,28 @@ const SHOWN: &[&str] = &[
     "kept_stream_bytes",
     "buffer_bytes",
     "kept_buffer_bytes",
-    "compile_s",
-    "kept_compile_s",
-    "compile_ratio",
+    "started_first",
+    "first_start_s",
+    "kept_first_start_s",
+    "start_s",
+    "kept_start_s",
+    "start_ratio",
     "time_ratio",
-    "time_ratio_p05",
-    "time_ratio_p95",
+    "time_ratio_low",
+    "time_ratio_high",
     "differing_hits",
 ];
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     let first = table.rows.len();
+    let mut rows_so_far = 0;
     for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
         for schedule in [ScheduleKind::Second, ScheduleKind::Compact, ScheduleKind::Fused] {
             work.stage(&format!("left out, {accelerator} {schedule}"));
-            match one(work, accelerator, schedule, &mut part) {
+            let is_kept_first = rows_so_far % 2 == 1;
+            rows_so_far += 1;
+            match one(work, accelerator, schedule, is_kept_first, &mut part) {
                 Ok(row) => table.rows.push(row),
                 Err(error) => {
                     work.can_go_on()?;
@@ -72,7 +81,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         }
     }
     let rows = &table.rows[first..];
-    part.figure(plot(rows).svg()?, "Whiskers are from the 5th to the 95th percentile of the runs' ratios.");
+    part.figure(plot(rows).svg()?, WHISKERS);
     part.table(rows, SHOWN);
     let differing = rows.iter().max_by_key(|r| r.number("differing_hits").unwrap_or(0.0) as u64);
     if let Some(row) = differing {
@@ -81,24 +90,36 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             number(row.get("differing_hits")),
             work.clock_in_words()
         ));
+        part.prose.push(
+            "To start is to allocate, to upload and to compile, planning excluded. The first start of each is told apart, as \
+             later ones meet a driver that has cached; but it may have compiled either's kernels for an earlier section or \
+             report, and what starts second finds what both share. Every other row starts with everything put back."
+                .into(),
+        );
     }
     if work.chosen.gpu().is_none() {
-        part.notes.push("the CPU twins are compiled beforehand: there are no times of compiling".into());
+        part.notes.push("the CPU twins are compiled beforehand: there are no times of starting".into());
     }
     Ok(part)
 }
 
-fn one(work: &Work<'_>, accelerator: Accelerator, schedule: ScheduleKind, part: &mut Part) -> Result<Row, Error> {
+fn one(
+    work: &Work<'_>,
+    accelerator: Accelerator,
+    schedule: ScheduleKind,
+    is_kept_first: bool,
+    part: &mut Part,
+) -> Result<Row, Error> {
     let options = Options { accelerator, schedule, ..Options::new(work.camera_rays()) };
     let kept = Options { keep_all: true, ..options.clone() };
-    // Built in turn, too: what a driver caches it caches for both. The last of each is run.
-    let mut compile: [Vec<f64>; 2] = Default::default();
+    // Started in turn, too: what a driver caches it caches for both. The last of each is run.
+    let mut starts: [Vec<f64>; 2] = Default::default();
     let mut last: [Option<Renderer>; 2] = Default::default();
     let planned = [work.plan(&options)?, work.plan(&kept)?];
     for _ in 0..work.either(2, 5) {
-        for (i, options) in [&options, &kept].into_iter().enumerate() {
-            let built = work.start(&planned[i], options)?;
-            compile[i].push(built.compile_s);
+        for i in if is_kept_first { [1, 0] } else { [0, 1] } {
+            let built = work.start(&planned[i], [&options, &kept][i])?;
+            starts[i].push(built.start_s);
             last[i] = Some(built.renderer);
         }
     }
@@ -106,7 +127,11 @@ fn one(work: &Work<'_>, accelerator: Accelerator, schedule: ScheduleKind, part: 
         return Err(Error::failed("nothing was built"));
     };
     let times = work.time_in_turn(&mut [&mut without, &mut with], work.either(5, 21))?;
-    let ratios: Vec<f64> = times[1].iter().zip(&times[0]).map(|(kept, ns)| kept / ns).collect();
+    if times.iter().any(|times| times.is_given_up) {
+        return Err(Error::failed("given up: too slow, or without an end"));
+    }
+    let ratios = times[1].ratios(&times[0]);
+    let [low, high] = low_and_high(&ratios);
     let (hits, kept_hits) = (work.chosen.wait(without.hits())?, work.chosen.wait(with.hits())?);
     let differing = differing(&hits, &kept_hits);
     if !differing.is_empty() {
@@ -116,7 +141,9 @@ fn one(work: &Work<'_>, accelerator: Accelerator, schedule: ScheduleKind, part: 
             first_of(&differing)
         ));
     }
-    let compiled = |i: usize| quantile(&compile[i], 0.5).filter(|_| work.chosen.gpu().is_some());
+    let is_compiled = work.chosen.gpu().is_some();
+    let first_start = |i: usize| starts[i].first().copied().filter(|_| is_compiled);
+    let start = |i: usize| quantile(&starts[i][1..], 0.5).filter(|_| is_compiled);
     let bytes = |plan: &Plan| {
         let streams: u64 = plan.streams.iter().map(|s| s.bytes).sum();
         [streams, plan.bytes() - streams]
@@ -135,15 +162,18 @@ fn one(work: &Work<'_>, accelerator: Accelerator, schedule: ScheduleKind, part: 
         .set("buffer_bytes", buffers)
         .set("kept_buffer_bytes", kept_buffers)
         .set("bytes_ratio", (kept_streams + kept_buffers) as f64 / (streams + buffers).max(1) as f64)
-        .set("compile_s", compiled(0))
-        .set("kept_compile_s", compiled(1))
-        .set("compile_ratio", compiled(1).zip(compiled(0)).map(|(kept, s)| kept / s))
+        .set("started_first", is_compiled.then_some(if is_kept_first { "put back" } else { "left out" }))
+        .set("first_start_s", first_start(0))
+        .set("kept_first_start_s", first_start(1))
+        .set("start_s", start(0))
+        .set("kept_start_s", start(1))
+        .set("start_ratio", start(1).zip(start(0)).map(|(kept, s)| kept / s))
         .set("repeats", ratios.len())
-        .set("median_ns", quantile(&times[0], 0.5))
-        .set("kept_median_ns", quantile(&times[1], 0.5))
+        .set("median_ns", times[0].median())
+        .set("kept_median_ns", times[1].median())
         .set("time_ratio", quantile(&ratios, 0.5))
-        .set("time_ratio_p05", quantile(&ratios, 0.05))
-        .set("time_ratio_p95", quantile(&ratios, 0.95))
+        .set("time_ratio_low", low)
+        .set("time_ratio_high", high)
         .set("differing_hits", differing.len())
         .set("first_differing_rays", first_of(&differing))
         .set("clock", work.clock()))
@@ -173,7 +203,7 @@ fn plot(rows: &[Row]) -> Plot {
         // Side by side.
         let x = |i: usize| i as f64 + 1.0 + if color == 0 { -0.06 } else { 0.06 };
         let points = of.iter().filter_map(|(i, r)| Some((x(*i), r.number("time_ratio")?))).collect();
-        let ends = |r: &Row| Some((r.number("time_ratio_p05")?, r.number("time_ratio_p95")?));
+        let ends = |r: &Row| Some((r.number("time_ratio_low")?, r.number("time_ratio_high")?));
         let whiskers = of.iter().filter_map(|(_, r)| ends(r)).collect();
         let name = accelerator.to_owned();
         series.push(Series { name, points, whiskers, color, mark, stroke: Stroke::None });

@@ -21,8 +21,7 @@ mod plots;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use raystep_kernels::plan::Plan;
-use raystep_kernels::ray_kinds::{Aim, Planes, aimed};
+use raystep_kernels::ray_kinds::{Aim, aimed};
 use raystep_kernels::reference::Verdict;
 use raystep_kernels::statistics::{quantile, wilson};
 use raystep_kernels::{Numerics, Options, Ray, RaySource};
@@ -31,7 +30,7 @@ use raystep_scenes::Scene;
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};
 use super::table::{Row, Table};
-use super::work::{SEED, Work};
+use super::work::{Ended, SEED, Work};
 use crate::commands::input::Input;
 use crate::error::Error;
 
@@ -174,7 +173,7 @@ struct Here {
 impl Here {
     fn new(work: &Work<'_>, count: usize) -> Result<Self, Error> {
         let scene = &work.input.scene;
-        let rays = aimed(scene, &planes(work, scene)?, Aim::Anywhere, count, SEED);
+        let rays = aimed(scene, Aim::Anywhere, count, SEED);
         let options = Options { shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.build(&options)?.renderer;
         work.chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
@@ -190,13 +189,6 @@ impl Here {
         let exact = candidates.iter().enumerate().map(|(i, c)| c.exact.map(|(k, t)| (k, t * renderer.t_scale(i))));
         Ok(Self { extent: extent(scene), exact: exact.collect(), rays })
     }
-}
-
-fn planes(work: &Work<'_>, scene: &Scene) -> Result<Planes, Error> {
-    let middle = ((scene.bounds().min + scene.bounds().max) * 0.5).to_array();
-    let rays = RaySource::Given(vec![Ray { origin: middle, direction: [1.0; 3] }]);
-    let (_, data) = Plan::new(scene, &Options { shade: false, ..Options::new(rays) }, &work.chosen.limits())?;
-    Ok(Planes::of(&data))
 }
 
 /// The longest side of the scene's box.
@@ -237,7 +229,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
     }
     // The first half goes the same ways as here, the second half is aimed at the edges that are there.
     let again = here.rays.iter().map(|r| Ray { origin: place.point(r.origin, here.extent), ..*r });
-    let edges = aimed(&scene, &planes(work, &scene)?, Aim::Edges, here.rays.len(), SEED + 1);
+    let edges = aimed(&scene, Aim::Edges, here.rays.len(), SEED + 1);
     let rays: Vec<Ray> = again.chain(edges).collect();
     let Input { path, camera, hash, .. } = work.input;
     let input = Input { path: path.clone(), scene, camera: camera.clone(), hash: *hash, files: Vec::new() };
@@ -247,7 +239,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
     for numerics in [Numerics::Robust, Numerics::Paper] {
         let options = Options { numerics, shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.build(&options)?.renderer;
-        if work.run(&mut renderer)?.is_none() {
+        if work.run(&mut renderer)? == Ended::GivenUp {
             part.notes.push(format!("{place:?}, {numerics}: given up: too slow, or without an end"));
             continue;
         }
@@ -260,7 +252,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
             Place::Moved(by) => row.set("offset_extents", by),
             Place::Scaled(by) => row.set("scale", by),
         };
-        let (missed, of) = (judged.count(Verdict::Missed), judged.verdicts.len() as u64);
+        let (missed, of) = (judged.count(Verdict::Missed), judged.rays());
         let lost = wilson(missed, of);
         let row = judged
             .fill(row)

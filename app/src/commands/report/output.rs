@@ -11,7 +11,7 @@ use crate::output::{self, TargetFolder};
 
 /// All of it.
 pub(super) const PAGE: &str = "index.html";
-/// On what, by which command: `name,value`.
+/// On what, by which command, and of which scenes: `scene,name,value`.
 const ABOUT: &str = "about.csv";
 
 /// What a report's page begins with, by which the folder is known.
@@ -61,9 +61,17 @@ pub(super) fn write(
     }
     folder.write(ABOUT, |out| {
         let mut writer = raystep_kernels::export::csv::writer(out);
-        writer.write_record(["schema_version", "name", "value"])?;
+        writer.write_record(["schema_version", "scene", "name", "value"])?;
         let version = super::table::SCHEMA_VERSION.to_string();
-        about.iter().try_for_each(|(name, value)| writer.write_record([&version, *name, value]))?;
+        about.iter().try_for_each(|(name, value)| writer.write_record([&version, "", *name, value]))?;
+        for scene in scenes {
+            let of = [
+                ("triangles", scene.triangles.to_string()),
+                ("width_px", scene.size.width.to_string()),
+                ("height_px", scene.size.height.to_string()),
+            ];
+            of.iter().try_for_each(|(name, value)| writer.write_record([&version, &*scene.name, *name, value]))?;
+        }
         writer.flush()
     })?;
     let plots = scenes.iter().flat_map(|scene| &scene.parts).flat_map(|(_, part)| part.svgs());

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::section::SECTIONS;
 use super::table::Row;
+use crate::args::Size;
 use crate::commands::html::{self, escaped};
 use crate::commands::plot;
 
@@ -18,6 +19,10 @@ pub(super) struct Part {
     /// As HTML.
     tables: Vec<String>,
 }
+
+/// What whiskers of times are.
+pub(super) const WHISKERS: &str =
+    "Whiskers are from the 5th to the 95th percentile, of fewer than 20 repeats from the smallest to the largest.";
 
 /// A plot with what it shows.
 #[derive(Clone, Debug)]
@@ -73,8 +78,11 @@ pub(super) fn number(field: &str) -> String {
 /// A scene of the report.
 pub(super) struct Scene {
     pub(super) name: String,
-    /// What is known of it, as text.
-    pub(super) about: String,
+    /// Its path.
+    pub(super) file: String,
+    pub(super) triangles: usize,
+    /// Of views.
+    pub(super) size: Size,
     /// By section, in their order; those that were not asked for are missing.
     pub(super) parts: Vec<(&'static str, Part)>,
 }
@@ -87,8 +95,8 @@ pub(super) fn html(about: &About, scenes: &[Scene]) -> String {
     let mut page = String::from(
         "<h1>Error against run time</h1>\n<p>What each choice of a ray tracer costs in time and in wrong rays. A ray is \
          wrong where f64 brute force with exact predicates at edges finds another hit than it has, and f32 could have \
-         told; what f32 cannot tell is called undecided and is no error. Every number here is in a CSV beside this \
-         page. Times serve as ratios within this report.</p>\n<table>\n",
+         told; what f32 cannot tell is called undecided and is no error. Every number of the tables, the text and the \
+         legends is in a CSV beside this page, as it is written there; notes have numbers of their own. Times serve as ratios within this report.</p>\n<table>\n",
     );
     for (name, value) in about {
         let _ = writeln!(page, "<tr><th class=\"l\">{name}</th><td class=\"l a\">{}</td></tr>", escaped(value));
@@ -106,9 +114,12 @@ pub(super) fn html(about: &About, scenes: &[Scene]) -> String {
     for (i, scene) in scenes.iter().enumerate() {
         let _ = write!(
             page,
-            "<h2 class=\"s\" id=\"scene-{i}\">{}</h2>\n<p>{}</p>\n",
+            "<h2 class=\"s\" id=\"scene-{i}\">{}</h2>\n<p>{}: {} triangles; views of {} × {} pixels.</p>\n",
             escaped(&scene.name),
-            escaped(&scene.about)
+            escaped(&scene.file),
+            number(&scene.triangles.to_string()),
+            number(&scene.size.width.to_string()),
+            number(&scene.size.height.to_string())
         );
         for (key, part) in &scene.parts {
             section(&mut page, i, key, part);
@@ -159,7 +170,9 @@ mod tests {
         let mut part = Part::default();
         part.table([&row], COLUMNS);
         part.notes.push("a < b".into());
-        let scenes = [Scene { name: "<x>".into(), about: "1 & 2".into(), parts: vec![(SECTIONS[0].name, part)] }];
+        let size = Size { width: 3, height: 2 };
+        let parts = vec![(SECTIONS[0].name, part)];
+        let scenes = [Scene { name: "<x>".into(), file: "1 & 2".into(), triangles: 7, size, parts }];
         let page = html(&vec![("command", "raystep \"x\"".into())], &scenes);
         assert!(page.contains("<th class=\"l\">scene</th>") && page.contains("<th>rays per s</th>"), "{page}");
         assert!(page.contains("<td class=\"l\">&lt;b&gt;</td><td>12.5</td>") && page.contains("a &lt; b"));

@@ -13,10 +13,10 @@ use raystep_kernels::statistics::quantile;
 use raystep_kernels::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind, Stream};
 
-use super::judge::{Judge, is_error};
+use super::judge::{Judge, is_decided, is_error};
 use super::page::{Part, number};
 use super::table::{Row, Table};
-use super::work::Work;
+use super::work::{Ended, TESTS_PER_PASS, Work};
 use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::error::Error;
 use crate::session::{MISSES_ALL, misses_all};
@@ -106,7 +106,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
     let fastest = robust.filter_map(|r| r.number("run_ns")).fold(f64::INFINITY, f64::min);
     for row in rows.iter_mut() {
-        let ratio = row.number("run_ns").map(|ns| ns / fastest);
+        let ratio = row.number("run_ns").filter(|_| fastest.is_finite()).map(|ns| ns / fastest);
         *row = row.clone().set("run_ratio", ratio);
     }
     let rows = &table.rows[first..];
@@ -150,38 +150,48 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         timings: true,
         ..Options::new(work.camera_rays())
     };
+    let options = match accelerator {
+        Accelerator::None => Options { steps_per_pass: TESTS_PER_PASS, ..options },
+        _ => options,
+    };
     let planned = work.plan(&options)?;
     let mut timed = work.start(&planned, &options)?.renderer;
     if misses_all(&work.input.scene, &options, timed.plan()) {
         part.notes.push(MISSES_ALL.into());
     }
-    let Some((passes, times)) = timed_passes(work, &mut timed)? else {
-        return Ok(Err("it was given up: too slow, or without an end".into()));
-    };
+    let given_up = || Ok(Err("given up: too slow, or without an end".into()));
+    let Some(Timed { passes, ends_ns, run_ns }) = timed_passes(work, &mut timed)? else { return given_up() };
+    if ends_ns.contains(&None) {
+        part.notes.push(format!("{accelerator} {schedule} {numerics}: some passes have no valid time"));
+    }
     // Timers of passes cost several microseconds each; the time of a whole run is of runs without them.
     let run_ns = match work.chosen.gpu() {
-        None => times.last().copied(),
+        None => run_ns,
         Some(_) => {
             let mut plain = work.start(&planned, &Options { timings: false, ..options })?.renderer;
-            quantile(&work.time_in_turn(&mut [&mut plain], work.either(3, 5))?[0], 0.5)
+            let times = work.time_in_turn(&mut [&mut plain], work.either(3, 5))?;
+            if times[0].is_given_up {
+                return given_up();
+            }
+            times[0].median()
         }
     };
     let read = read_back(work, &mut timed, &passes, judge)?;
     let judged = judge.judge(work, &timed)?;
     let last = read.len().saturating_sub(1);
     let row = |(i, r): (usize, &ReadBack)| {
-        let resolved = judged.verdicts.iter().zip(&r.is_resolved).filter(|(_, is)| **is).map(|(v, _)| *v);
-        let resolved: Vec<Verdict> = resolved.collect();
+        let resolved = judged.verdicts.iter().zip(&r.is_resolved).filter(|(_, is)| **is);
+        let resolved: Vec<Verdict> = resolved.filter_map(|(verdict, _)| *verdict).collect();
         let count = |is: fn(Verdict) -> bool| resolved.iter().filter(|v| is(**v)).count();
         work.row(COLUMNS)
             .set("accelerator", accelerator.name())
             .set("schedule", schedule.name())
             .set("numerics", numerics.name())
             .set("rays", timed.plan().rays)
-            .set("judged_rays", judged.verdicts.len())
+            .set("judged_rays", judged.rays())
             .set("pass_index", r.pass)
             .set("kernel", passes[r.pass].kernel.name())
-            .set("time_ns", times[r.pass])
+            .set("time_ns", ends_ns[r.pass])
             .set("resolved_rays", decided(&passes[r.pass].counts))
             .set("judged_resolved_rays", resolved.len())
             .set("judged_wrong_rays", count(is_error))
@@ -198,46 +208,59 @@ fn decided(counts: &StateCounts) -> u32 {
     [state::SHADE, state::BACKGROUND, state::DONE].iter().map(|&tag| counts[tag as usize]).sum()
 }
 
-/// The passes of a run, and when each of them was over.
-type Timed = (Vec<Pass>, Vec<f64>);
-
-/// Of three runs the middle one; `None` where one was given up.
-fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed>, Error> {
-    let has_clock = work.chosen.timer().is_some();
-    let mut runs: Vec<Timed> = Vec::new();
-    for run in 0..4 {
-        if work.run(renderer)?.is_none() {
-            return Ok(None);
-        }
-        let mut sum = 0.0;
-        let times = match has_clock {
-            true => renderer.passes().iter().map(|p| p.duration_ns.unwrap_or(0) as f64).collect::<Vec<_>>(),
-            false => by_wall_clock(work, renderer)?,
-        };
-        let ends = times.into_iter().map(|ns| {
-            sum += ns;
-            sum
-        });
-        // The first warms up.
-        if run > 0 {
-            runs.push((renderer.passes().to_vec(), ends.collect()));
-        }
-    }
-    runs.sort_by(|a, b| a.1.last().unwrap_or(&0.0).total_cmp(b.1.last().unwrap_or(&0.0)));
-    Ok(runs.into_iter().nth(1))
+/// A run whose passes were timed.
+struct Timed {
+    passes: Vec<Pass>,
+    /// When each pass was over, since the first began; `None` where that is not known.
+    ends_ns: Vec<Option<f64>>,
+    /// The middle one of all runs.
+    run_ns: Option<f64>,
 }
 
-fn by_wall_clock(work: &Work<'_>, renderer: &mut Renderer) -> Result<Vec<f64>, Error> {
+/// Of three runs the one whose last pass was over second; `None` where one was given up.
+fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed>, Error> {
+    let has_clock = work.chosen.timer().is_some();
+    let mut runs: Vec<(Vec<Pass>, Vec<Option<f64>>)> = Vec::new();
+    let mut run_ns = Vec::new();
+    for run in 0..4 {
+        let Ended::Done(ns) = work.run(renderer)? else { return Ok(None) };
+        let ends = if has_clock { ends_of(renderer.passes()) } else { by_wall_clock(work, renderer)? };
+        // The first warms up.
+        if run > 0 {
+            run_ns.extend(ns);
+            runs.push((renderer.passes().to_vec(), ends));
+        }
+    }
+    let last = |run: &(Vec<Pass>, Vec<Option<f64>>)| run.1.last().copied().flatten().unwrap_or(f64::INFINITY);
+    runs.sort_by(|a, b| last(a).total_cmp(&last(b)));
+    let run_ns = quantile(&run_ns, 0.5);
+    Ok(runs.into_iter().nth(1).map(|(passes, ends_ns)| Timed { passes, ends_ns, run_ns }))
+}
+
+/// When each pass was over, since the first began. A clock that was set back, as some do between two submissions, has
+/// no such time for passes from then on until it has caught up.
+fn ends_of(passes: &[Pass]) -> Vec<Option<f64>> {
+    let first = passes.first().and_then(|pass| pass.begin_ns);
+    let mut latest = 0;
+    let end = |pass: &Pass| {
+        let since = (pass.begin_ns? + pass.duration_ns?).checked_sub(first?)?;
+        let is_later = since >= latest;
+        latest = latest.max(since);
+        is_later.then_some(since as f64)
+    };
+    passes.iter().map(end).collect()
+}
+
+/// The same where the device has no clock: each pass is waited for.
+fn by_wall_clock(work: &Work<'_>, renderer: &mut Renderer) -> Result<Vec<Option<f64>>, Error> {
     renderer.restart();
     work.chosen.settle();
-    let mut times = Vec::new();
-    loop {
-        let begin = Instant::now();
-        if work.chosen.wait(renderer.step())?.is_none() {
-            return Ok(times);
-        }
-        times.push(begin.elapsed().as_nanos() as f64);
+    let mut ends = Vec::new();
+    let begin = Instant::now();
+    while work.chosen.wait(renderer.step())?.is_some() {
+        ends.push(Some(begin.elapsed().as_nanos() as f64));
     }
+    Ok(ends)
 }
 
 /// After a pass that resolved rays.
@@ -269,8 +292,7 @@ fn read_back(
         work.chosen.wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
         if now != before || is_last {
             let tags = work.chosen.wait(renderer.values(Stream::State))?;
-            let is_done =
-                |&ray: &usize| matches!(tags.get(STATE_TAG, ray), state::SHADE | state::BACKGROUND | state::DONE);
+            let is_done = |&ray: &usize| is_decided(tags.get(STATE_TAG, ray));
             read.push(ReadBack { pass: index, is_resolved: judge.sample.iter().map(is_done).collect() });
         }
         before = now;
@@ -343,5 +365,32 @@ fn wrong_plot(rows: &[Row]) -> Plot {
         y: Axis { label: "wrong per million judged".into(), scale: Scale::LogWithZero },
         series,
         places: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::Kernel;
+
+    use super::*;
+
+    #[test]
+    fn passes_end_since_the_first_began_and_times_that_are_not_known_are_not_0() {
+        let pass = |begin_ns, duration_ns| Pass {
+            index: 0,
+            iteration: 0,
+            kernel: Kernel::Setup,
+            rays_in: 0,
+            counts: StateCounts::default(),
+            threads_launched: 0,
+            begin_ns,
+            duration_ns,
+        };
+        // The third has no time, the fourth is of a clock that was set back.
+        let times =
+            [(Some(100), Some(10)), (Some(150), Some(10)), (None, None), (Some(20), Some(5)), (Some(170), Some(1))];
+        let passes = times.map(|(begin, duration)| pass(begin, duration));
+        assert_eq!(ends_of(&passes), [Some(10.0), Some(60.0), None, None, Some(71.0)]);
+        assert_eq!(ends_of(&[pass(None, Some(3))]), [None]);
     }
 }

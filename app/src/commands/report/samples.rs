@@ -120,15 +120,15 @@ fn rays(work: &Work<'_>) -> RaySource {
     Work { size, ..*work }.camera_rays()
 }
 
-/// Runs until so many samples are complete. `None` where that takes too long.
-fn image_at(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant) -> Result<Option<Image>, Error> {
+/// Runs until so many samples are complete; `false` where that takes too long.
+fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant) -> Result<bool, Error> {
     let watch = |progress: &raystep_kernels::Progress| {
         work.progress.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
         if begin.elapsed() > LONGEST { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     match crate::device::block_on(work.chosen.gpu(), renderer.run_to_sample(samples, watch)) {
-        Ok(()) => work.chosen.wait(renderer.image()).map(Some),
-        Err(raystep_kernels::RenderError::Cancelled { .. }) => Ok(None),
+        Ok(()) => Ok(true),
+        Err(raystep_kernels::RenderError::Cancelled { .. }) => Ok(false),
         Err(error) => Err(error.into()),
     }
 }
@@ -140,8 +140,10 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
     for half in 0..2 {
         let samples = Samples { count: each, sampler: Sampler::Sobol, seed: SEED + 1 + half };
         let mut renderer = work.build(&options(work, samples))?.renderer;
-        let Some(image) = image_at(work, &mut renderer, each, begin)? else { return Ok(None) };
-        halves.push(image);
+        if !run_to(work, &mut renderer, each, begin)? {
+            return Ok(None);
+        }
+        halves.push(work.chosen.wait(renderer.image())?);
     }
     let (Some(mut image), Some(other)) = (halves.pop(), halves.pop()) else { return Ok(None) };
     let is_edge = edges(work)?;
@@ -193,15 +195,23 @@ fn one(
     let samples = Samples { count: most, sampler, seed: SEED };
     let mut renderer = work.build(&options(work, samples))?.renderer;
     let mut rows = Vec::new();
-    let mut count = 1;
+    // Once to warm up. Not from 1 on: a single sample of several is anywhere in its pixel, and not the middle that
+    // a picture with one sample shows.
+    let mut count = 2;
+    run_to(work, &mut renderer, count, begin)?;
+    renderer.restart();
     let mut wall = Duration::ZERO;
     while count <= most {
+        work.chosen.settle();
         let started = Instant::now();
-        let Some(image) = image_at(work, &mut renderer, count, begin)? else {
+        let is_there = run_to(work, &mut renderer, count, begin)?;
+        // Of what was given up, too: its samples count below.
+        wall += started.elapsed();
+        if !is_there {
             part.notes.push(format!("{sampler}: given up before {count} samples: too slow"));
             break;
-        };
-        wall += started.elapsed();
+        }
+        let image = work.chosen.wait(renderer.image())?;
         let errors = [None, Some(reference.is_edge.as_slice())].map(|of| rmse(&image, &reference.image, of));
         let plotted = |i: usize| Some(errors[i]? > 0.0 && errors[i]? > CLEARLY * reference.error[i]?);
         rows.push(
@@ -272,7 +282,8 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
     }
     if let Some(row) = rows.first() {
         part.prose.push(format!(
-            "{} × {} pixels, {} of them at edges. The reference has {} samples a pixel and other seeds. Times are of {}.",
+            "{} × {} pixels, {} of them at edges. The reference has {} samples a pixel and other seeds. Times are of {}, \
+             and each sample's is the whole run's shared equally.",
             number(row.get("width_px")),
             number(row.get("height_px")),
             number(row.get("edge_pixels")),
@@ -288,8 +299,8 @@ fn plot(of: Of, rows: &[Row]) -> Plot {
         let over_time: Vec<_> =
             points(rows, sampler.name(), of, "time_ns").into_iter().map(|(ns, rmse)| (ns / 1e6, rmse)).collect();
         // The fitted slope, through the middle of the points.
-        let slope =
-            rows.iter().find(|r| r.get("sampler") == sampler.name()).and_then(|r| r.number(&of.column("slope")));
+        let row = rows.iter().find(|r| r.get("sampler") == sampler.name());
+        let slope = row.and_then(|r| r.number(&of.column("slope")));
         let ends = over_time.first().zip(over_time.last()).zip(slope).map(|((first, last), slope)| {
             let n = over_time.len() as f64;
             let middle = |f: fn(&(f64, f64)) -> f64| (over_time.iter().map(|p| f(p).ln()).sum::<f64>() / n).exp();
@@ -297,8 +308,10 @@ fn plot(of: Of, rows: &[Row]) -> Plot {
             [first.0, last.0].map(|at| (at, y * (at / x).powf(slope))).to_vec()
         });
         series.push(Series { mark, ..Series::line(sampler.name(), color, over_time) });
-        if let (Some(ends), Some(slope)) = (ends, slope) {
-            series.push(Series::dashed(format!("{sampler}: slope {slope:.2}"), color, ends));
+        if let (Some(ends), Some(row)) = (ends, row) {
+            // As the CSV has it.
+            let slope = row.get(&of.column("slope"));
+            series.push(Series::dashed(format!("{sampler}: slope {slope}"), color, ends));
         }
     }
     let own = rows.iter().find_map(|r| r.number(&of.column("reference_rmse")));

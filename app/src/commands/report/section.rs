@@ -28,7 +28,7 @@ pub(super) const SECTIONS: &[Section] = &[
     Section {
         name: "resolved",
         title: "Resolution of rays",
-        what: "Rays whose hit is decided, over time, pass by pass: one run whose passes are timed, and one that is read \
+        what: "Rays whose hit is decided, over the time since the run began, pass by pass: one run whose passes are timed, and one that is read \
                back after each pass.",
         file: "resolved.csv",
         columns: resolved::COLUMNS,
@@ -72,7 +72,7 @@ pub(super) const SECTIONS: &[Section] = &[
     Section {
         name: "samples",
         title: "Samples",
-        what: "The picture's root mean square error over time, from one sample a pixel on: how fast several samples \
+        what: "The picture's root mean square error over time, from two samples a pixel on: how fast several samples \
                approach the picture that no number of them reaches.",
         file: "samples.csv",
         columns: samples::COLUMNS,
