@@ -249,10 +249,15 @@ impl<'a> BruteForce<'a> {
         all
     }
 
-    /// `None` where f32, too, must see that the ray misses the triangle.
-    fn test(&self, origin: [f32; 3], direction: [f32; 3], o: [f64; 3], d: [f64; 3], triangle: u32) -> Option<Possible> {
+    /// The corners of a triangle.
+    fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
         let first = 9 * triangle as usize;
-        let corners = [0, 3, 6].map(|c| [0, 1, 2].map(|a| self.vertices[first + c + a]));
+        [0, 3, 6].map(|c| [0, 1, 2].map(|a| self.vertices[first + c + a]))
+    }
+
+    /// The edge functions of a triangle, opposite corners 0, 1 and 2, and its corners' depths.
+    fn edges(&self, o: [f64; 3], d: [f64; 3], triangle: u32) -> ([Edge; 3], [f64; 3]) {
+        let corners = self.corners(triangle);
         let largest = largest_axis(d);
         let [i, j, k] = [(largest + 1) % 3, (largest + 2) % 3, largest];
         let (sx, sy, sz) = (d[i] / d[k], d[j] / d[k], 1.0 / d[k]);
@@ -272,14 +277,19 @@ impl<'a> BruteForce<'a> {
                 + UNDERFLOW;
             Edge { value: a - b, bound }
         };
-        let edges = [edge(1, 2), edge(2, 0), edge(0, 1)];
+        ([edge(1, 2), edge(2, 0), edge(0, 1)], p.map(|c| c[2]))
+    }
+
+    /// `None` where f32, too, must see that the ray misses the triangle.
+    fn test(&self, origin: [f32; 3], direction: [f32; 3], o: [f64; 3], d: [f64; 3], triangle: u32) -> Option<Possible> {
+        let corners = self.corners(triangle);
+        let (edges, z) = self.edges(o, d, triangle);
         let could_be = |sign: f64| edges.iter().all(|e| sign * e.value >= -e.bound);
         if !could_be(1.0) && !could_be(-1.0) {
             return None;
         }
         let det: f64 = edges.iter().map(|e| e.value).sum();
         let det_bound: f64 = edges.iter().map(|e| e.bound).sum();
-        let z = p.map(|c| c[2]);
         let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
         let own = 18.0 * U * near.abs().max(far.abs());
         let weight_bound = (2.0 * det_bound / det.abs()).min(1.0) + 16.0 * U;

@@ -37,7 +37,35 @@ impl BruteForce<'_> {
         // is close behind.
         let gap = found.map_or(t, |(_, found)| found - t);
         // Of a ray that starts on the surface, the sign of t is that of its rounding.
-        t > bound(triangle) && found.is_none_or(goes_on) && self.is_closed_around(origin, direction, t, 0.25 * gap)
+        t > bound(triangle)
+            && found.is_none_or(goes_on)
+            && self.is_joined(origin, direction, candidates, t)
+            && self.is_closed_around(origin, direction, t, 0.25 * gap)
+    }
+
+    /// Whether every edge that f32 may take the ray to be on either side of belongs to two of the triangles there, by
+    /// the same two corners. Where a mesh only looks closed, as at a corner in the middle of a longer edge, it has a gap
+    /// of a rounding's width, and no test of triangles can close it.
+    fn is_joined(&self, origin: [f32; 3], direction: [f32; 3], candidates: &Candidates, t: f64) -> bool {
+        let (o, d) = (origin.map(f64::from), direction.map(f64::from));
+        let mut open: Vec<[[u32; 3]; 2]> = Vec::new();
+        for p in candidates.possible.iter().filter(|p| (p.t - t).abs() <= p.t_bound.max(1e-3 * t)) {
+            let corners = self.corners(p.triangle).map(|c| c.map(|v| (v + 0.0).to_bits()));
+            for (i, edge) in self.edges(o, d, p.triangle).0.into_iter().enumerate() {
+                if edge.value.abs() > edge.bound {
+                    continue;
+                }
+                let mut ends = [corners[(i + 1) % 3], corners[(i + 2) % 3]];
+                ends.sort_unstable();
+                match open.iter().position(|other| *other == ends) {
+                    Some(same) => {
+                        open.swap_remove(same);
+                    }
+                    None => open.push(ends),
+                }
+            }
+        }
+        open.is_empty()
     }
 
     /// Whether the surface that the ray exactly meets at `t` goes on all around: whether rays a little to each side,
@@ -82,6 +110,21 @@ mod tests {
         let vertices: Vec<f32> = [[a, b, c], [a, c, d], behind].into_iter().flatten().flatten().collect();
         let is_closed = |within| BruteForce::new(&vertices).is_closed_around([0.0; 3], [1.0, 0.0, 2.0], 1.0, within);
         assert!(is_closed(1e-3) && !is_closed(2.5e-5));
+    }
+
+    /// The square's lower triangle is cut in two at the middle of the diagonal, and the upper one is not.
+    #[test]
+    fn a_corner_in_the_middle_of_a_longer_edge_leaves_a_gap_that_is_nobodys_error() {
+        let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);
+        let middle = [0.1, 0.1, 2.0];
+        let vertices: Vec<f32> = [[a, b, middle], [middle, b, c], [a, c, d]].into_iter().flatten().flatten().collect();
+        let triangles = BruteForce::new(&vertices);
+        let verdict = |direction: [f32; 3]| {
+            let candidates = triangles.candidates([0.0; 3], direction);
+            triangles.judge(0, [0.0; 3], direction, &candidates, None).0.verdict
+        };
+        assert_eq!(verdict([0.5, 0.5, 2.0]), Verdict::Tie, "on the long edge and a short one");
+        assert_eq!(verdict([0.55, -0.45, 2.0]), Verdict::Missed, "on the edge that the two short ones share");
     }
 
     #[test]
