@@ -19,6 +19,7 @@ shot walk $box --pass 35 --window 1600x900 --do "Full layout" --do "Walk, unfold
 shot tree scenes/teapot.glb --size 256x256 --accelerator bvh --pass 60 --window 1600x1000 --do "Full layout"
 shot compare scenes/teapot.glb --size 256x256 --window 1500x760 --do "Compare with the tree"
 shot divergence scenes/terrain.glb --size 256x256 --window 1280x760 --do "Map where GPU and twins part"
+shot error scenes/cornell-box.gltf --numerics paper --grid 20 --window 1000x600 --do "Judge what rays hit"
 shot cost scenes/terrain.glb --size 256x256 --window 1280x760 --do "Cost"
 shot structure scenes/sphere-flake.glb --size 256x256 --window 1280x760 --do "Grid and tree"
 shot timings scenes/terrain.glb --size 256x256 --window 1280x760 --do "Timings"
