@@ -346,16 +346,5 @@ fn an_interrupted_benchmark_leaves_nothing_behind() {
     let file = cornell_box();
     let arguments =
         ["bench", &file, "--sizes", "16x12", "--device", "cpu", "--repeats", "100000", "--quiet", "-o", "out"];
-    let arguments = arguments.map(std::ffi::OsStr::new);
-    let mut child = place.command(&arguments).spawn().expect("the binary starts");
-    let begun = std::time::Instant::now();
-    while place.names().is_empty() && begun.elapsed().as_secs() < 20 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    std::thread::sleep(std::time::Duration::from_millis(300));
-    assert!(place.names().iter().all(|n| n.starts_with(".raystep-")), "{:?}", place.names());
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.is_ok_and(|status| status.success()));
-    assert_eq!(child.wait().expect("an end").code(), Some(130));
-    assert_eq!(place.names(), Vec::<String>::new());
+    place.leaves_nothing_interrupted(&arguments);
 }

@@ -347,16 +347,5 @@ fn wrong_usage_and_unreadable_scenes_are_one_line() {
 fn an_interrupted_report_leaves_nothing_behind() {
     let place = Place::new();
     let file = scene("teapot.glb").display().to_string();
-    let arguments = ["report", &file, "--device", "cpu", "--quiet", "-o", "out"].map(std::ffi::OsStr::new);
-    let mut child = place.command(&arguments).spawn().expect("the binary starts");
-    let begun = std::time::Instant::now();
-    while place.names().is_empty() && begun.elapsed().as_secs() < 20 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    std::thread::sleep(std::time::Duration::from_millis(300));
-    assert!(place.names().iter().all(|n| n.starts_with(".raystep-")), "{:?}", place.names());
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.is_ok_and(|status| status.success()));
-    assert_eq!(child.wait().expect("an end").code(), Some(130));
-    assert_eq!(place.names(), Vec::<String>::new());
+    place.leaves_nothing_interrupted(&["report", &file, "--device", "cpu", "--quiet", "-o", "out"]);
 }
