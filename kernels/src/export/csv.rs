@@ -151,6 +151,23 @@ pub fn writer<W: Write>(out: W) -> ::csv::Writer<W> {
     ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).from_writer(out)
 }
 
+/// Writes a whole file: the columns' names, and rows with as many fields.
+///
+/// # Errors
+/// Where `out` fails.
+pub(crate) fn write_file<'a>(
+    out: impl Write,
+    columns: &[&str],
+    rows: impl IntoIterator<Item = &'a [String]>,
+) -> std::io::Result<()> {
+    let mut writer = writer(out);
+    writer.write_record(columns)?;
+    for row in rows {
+        writer.write_record(row)?;
+    }
+    writer.flush()
+}
+
 /// A field; what is not known is empty.
 pub(crate) fn known(value: Option<impl ToString>) -> String {
     value.map(|v| v.to_string()).unwrap_or_default()

@@ -206,12 +206,7 @@ impl Row {
 /// # Errors
 /// Where `out` fails.
 pub fn write_rows(out: impl std::io::Write, rows: &[Row]) -> std::io::Result<()> {
-    let mut writer = csv::writer(out);
-    writer.write_record(COLUMNS)?;
-    for row in rows {
-        writer.write_record(&row.fields)?;
-    }
-    writer.flush()
+    csv::write_file(out, &COLUMNS, rows.iter().map(|row| &row.fields[..]))
 }
 
 #[cfg(test)]

@@ -190,12 +190,7 @@ impl Expected {
 /// # Errors
 /// Where `out` fails.
 pub fn write_rows<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> std::io::Result<()> {
-    let mut writer = csv::writer(out);
-    writer.write_record(COLUMNS)?;
-    for row in rows {
-        writer.write_record(&row.fields)?;
-    }
-    writer.flush()
+    csv::write_file(out, &COLUMNS, rows.into_iter().map(|row| &row.fields[..]))
 }
 
 #[cfg(test)]
