@@ -19,6 +19,7 @@
 
 mod distance;
 mod overlap;
+mod resolution;
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
@@ -27,6 +28,8 @@ use crate::shared::grid_walk::Grid;
 use crate::units::{exp2, floor_log2};
 pub use distance::distances;
 use overlap::Overlap;
+pub use resolution::{CELLS_PER_TRIANGLE, LEAPING_CELLS_PER_TRIANGLE, automatic_cells};
+use resolution::{cubes, leaping};
 
 /// How fine the grid is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -95,44 +98,6 @@ pub fn growth(reach: f32) -> f32 {
     40.0 * reach.max(f32::MIN_POSITIVE * 1e9) / (1 << 24) as f32
 }
 
-/// Cells along each axis for `triangles` triangles in a box of these sides: nearly cubic cells, about
-/// [`CELLS_PER_TRIANGLE`] a triangle. An axis thinner than a cell gets one, and the other two share.
-#[must_use]
-pub fn automatic_cells(triangles: u64, extent: [f64; 3]) -> [u32; 3] {
-    cubes((triangles as f64 * CELLS_PER_TRIANGLE).clamp(1.0, MAX_CELLS as f64 / 4.0), extent)
-}
-
-/// About `wanted` nearly cubic cells in a box of these sides.
-fn cubes(wanted: f64, extent: [f64; 3]) -> [u32; 3] {
-    let mut flat = [false; 3];
-    loop {
-        let axes = (0..3).filter(|&a| !flat[a]).count();
-        if axes == 0 {
-            return [1; 3];
-        }
-        let volume: f64 = (0..3).filter(|&a| !flat[a]).map(|a| extent[a]).product();
-        let width = (volume / wanted).powf(1.0 / axes as f64);
-        let thin = (0..3).filter(|&a| !flat[a] && extent[a] <= width * 0.5).collect::<Vec<_>>();
-        if !width.is_finite() || width <= 0.0 || !thin.is_empty() {
-            // Zero width: at least one side is zero.
-            let smallest = (0..3).filter(|&a| !flat[a]).min_by(|&a, &b| extent[a].total_cmp(&extent[b]));
-            flat[smallest.unwrap_or(0)] = true;
-            continue;
-        }
-        return [0, 1, 2].map(|a| if flat[a] { 1 } else { (extent[a] / width).round().clamp(1.0, 1024.0) as u32 });
-    }
-}
-
-/// Cells a triangle at which the automatic resolution aims.
-pub const CELLS_PER_TRIANGLE: f64 = 6.0;
-
-/// The same for walks that leap over empty cells. These cost them little, so that shorter lists pay: of 6, 24, 48
-/// and 96 on two scanned meshes, 48 took the least time or at most 10% more.
-pub const LEAPING_CELLS_PER_TRIANGLE: f64 = 48.0;
-
-/// Most cells of the automatic resolution for walks that leap: 128 MiB of starts.
-const MOST_LEAPING_CELLS: f64 = 33_000_000.0;
-
 /// Builds the grid over `vertices` (nine floats a triangle, traced units).
 ///
 /// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words`
@@ -184,7 +149,7 @@ fn build_grown(vertices: &[f32], size: GridSize, growth: Growth, most_words: u64
 /// # Errors
 /// Where the lists cannot be indexed.
 pub fn build_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<GridData, GridError> {
-    let wanted = ((vertices.len() / 9) as f64 * LEAPING_CELLS_PER_TRIANGLE).clamp(1.0, MOST_LEAPING_CELLS);
+    let wanted = leaping((vertices.len() / 9) as u64);
     automatic(vertices, |extent| cubes(wanted, extent), 64, Growth::of(reach), most_words.min(u64::from(u32::MAX)))
 }
 
