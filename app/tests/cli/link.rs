@@ -55,7 +55,8 @@ fn a_printed_line_can_be_pasted_into_a_shell() {
 fn a_device_may_stand_beside_a_link_that_names_none() {
     let place = Place::new();
     let link = format!("raystep:1?scene={}&size=8x8&pixel=1,1&pass=3&stream=tmax.x", cornell_box());
-    place.ok(&["trace", "--link", &link, "--device", "cpu", "--quiet"]);
+    let beside = place.ok(&["trace", "--link", &link, "--device", "cpu", "--quiet", "--print-link"]);
+    assert!(printed(&beside.stderr).contains("device=cpu"), "{beside:?}");
     let beside = ["--pixel", "2,2", "--device", "cpu", "--quiet"];
     let without = link.replace("&pixel=1,1", "");
     place.ok(&[&["trace", "--link", &without], &beside[..]].concat());
