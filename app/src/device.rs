@@ -40,7 +40,7 @@ impl Chosen {
 
     /// What it can hold.
     pub(crate) fn limits(&self) -> Limits {
-        self.gpu().map_or(Limits::CPU, |gpu| Limits::from(&gpu.device.limits()))
+        self.gpu().map_or(Limits::CPU, Limits::from)
     }
 
     /// What times its passes.

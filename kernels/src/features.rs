@@ -6,12 +6,14 @@ use crate::shared::triangle::TriangleRules;
 
 macro_rules! features {
     ($($name:ident: $doc:literal,)*) => {
-        /// One flag for every `@if` in the WGSL, on which the twins branch too, and one number.
+        /// One flag for every `@if` in the WGSL, on which the twins branch too, and two numbers.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub struct Features {
             $(#[doc = $doc] pub $name: bool,)*
             /// Groups of siblings that wait at most while the fused kernel walks through the tree of this scene.
             pub stack: u32,
+            /// Loop turns after which a thread leaves the rest to the next dispatch; 0 where no thread needs so many.
+            pub turns: u32,
         }
 
         impl Features {
@@ -35,6 +37,9 @@ features! {
     skip: "Rays leap over empty cells of the grid.",
     live_lists: "Only rays that wait for a kernel are launched.",
     many_steps: "A ray may take several steps in one pass.",
+    resumes: "A walk may take more loop turns than one dispatch has: it goes on in the next.",
+    resumes_scan: "The search for repeated tests may, likewise.",
+    resumes_light: "The sum over the lights may, likewise.",
     any_hit: "A ray ends at the first hit that is found.",
     eye_rays: "The fused kernel makes its rays itself.",
     clip: "Rays may start outside of the grid.",

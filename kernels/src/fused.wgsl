@@ -1,46 +1,132 @@
 // Takes each ray from its start to its nearest hit: the steps of the other kernels in one loop.
+//
+// resumes: a ray whose walk takes more loop turns than one dispatch has waits for the next one: at an item of its
+// cell's list (ISECT_NO_HIT, ISECT_HIT), or between two nodes of the tree (TRAV).
 
 import package::constants::{INF, NO_TRIANGLE, WORKGROUP, WIDE_STACK};
-import package::state::{TRAV_SETUP, SHADE, BACKGROUND};
+import package::state::{UNWRITTEN, TRAV_SETUP, TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::triangle::{shear_of};
 import package::tracing::{Trace, tested};
+@if(resumes) import package::tracing::{is_spent};
 import package::scene::{scene};
 @if(eye_rays) import package::camera::{eye_ray};
 @if(!eye_rays) import package::ray::{load_origin, load_direction};
 @if(grid) import package::vector::{smallest3};
 @if(grid) import package::grid_walk::{grid, grid_ray, enter_grid, advance, cell_index};
+@if(grid && resumes) import package::grid_walk::{GridRay, Walk};
+@if(grid && resumes && robust && !drifting) import package::grid_walk::{cell_exit, cell_of_index};
 @if(grid && skip) import package::grid_walk::{leap};
 @if(grid && skip) import package::grid_lists::{empty_distance};
 @if(grid) import package::grid_lists::{grid_cells, grid_items};
 @if(bvh) import package::bvh_walk::{finite_inverse};
 @if(bvh) import package::wide_walk::{WideGroup, wide_ray, visit_wide, wide_child, wide_entry};
+@if(bvh && resumes) import package::wide_walk::{TRAIL_WORDS, MOST_LEVELS, NO_CHILD, trail_child, with_trail_child};
 
-@if(eye_rays) @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, write>;
-@if(!eye_rays) @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
-@group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, write>;
-@if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, write>;
+@if(eye_rays && !resumes) @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, write>;
+@if(!eye_rays || resumes) @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
+@if(!resumes) @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, write>;
+@if(resumes) @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
+@if(counters && !resumes) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, write>;
+@if(counters && resumes) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
+@if(grid && resumes && (!robust || drifting)) @group(0) @binding(6) var place: texture_storage_2d_array<r32uint, read_write>;
+@if(bvh && resumes) @group(0) @binding(6) var trail: texture_storage_2d_array<r32uint, read_write>;
+
+// Where a ray waits between two dispatches.
+@if(resumes)
+struct Wait {
+    texel: vec2u,
+    // Whether it waited before this dispatch, and does after it.
+    before: bool,
+    after: bool,
+    // As in the stream state: the cell and the item of its list, or the node, or the triangle.
+    cell: u32,
+    item: u32,
+}
+
+@if(resumes) var<private> wait: Wait;
+
+@if(resumes)
+fn wait_at(cell: u32, item: u32) {
+    wait.after = true;
+    wait.cell = cell;
+    wait.item = item;
+}
+
+// The first cell, or the one where the ray waits.
+@if(grid && resumes)
+fn resumed(ray: GridRay) -> Walk {
+    if (!wait.before) {
+        return enter_grid(ray);
+    }
+    @if(robust && !drifting) {
+        let cell = cell_of_index(wait.cell);
+        return Walk(cell, cell_exit(cell, ray), true);
+    }
+    @if(!robust || drifting) {
+        let x = textureLoad(place, wait.texel, 0).x;
+        let y = textureLoad(place, wait.texel, 1).x;
+        let z = textureLoad(place, wait.texel, 2).x;
+        let tmax_x = textureLoad(place, wait.texel, 4).x;
+        let tmax_y = textureLoad(place, wait.texel, 5).x;
+        let tmax_z = textureLoad(place, wait.texel, 6).x;
+        return Walk(vec3i(vec3u(x, y, z)), bitcast<vec3f>(vec3u(tmax_x, tmax_y, tmax_z)), true);
+    }
+}
+
+// What does not follow from the cell: its coordinates where the paper's rules have run over a face, tmax where it
+// is accumulated, and how many cells are still allowed.
+@if(grid && resumes && (!robust || drifting))
+fn keep_place(walk: Walk, left: i32) {
+    textureStore(place, wait.texel, 0, vec4u(u32(walk.cell.x)));
+    textureStore(place, wait.texel, 1, vec4u(u32(walk.cell.y)));
+    textureStore(place, wait.texel, 2, vec4u(u32(walk.cell.z)));
+    textureStore(place, wait.texel, 3, vec4u(u32(left)));
+    textureStore(place, wait.texel, 4, vec4u(bitcast<u32>(walk.tmax.x)));
+    textureStore(place, wait.texel, 5, vec4u(bitcast<u32>(walk.tmax.y)));
+    textureStore(place, wait.texel, 6, vec4u(bitcast<u32>(walk.tmax.z)));
+}
 
 @if(grid)
 fn traced(start: Trace) -> Trace {
     var trace = start;
     let ray = grid_ray(trace.origin, trace.direction);
-    var walk = enter_grid(ray);
+    @if(!resumes) var walk = enter_grid(ray);
+    @if(resumes) var walk = resumed(ray);
     // robust leaves the grid long before; the paper's rules may run over a face again and again.
     @if(in_cell) var bound = 4 * (grid.cells.x + grid.cells.y + grid.cells.z) + 64;
+    @if(in_cell && resumes && (!robust || drifting)) if (wait.before) {
+        bound = i32(textureLoad(place, wait.texel, 3).x);
+    }
+    @if(!in_cell && resumes && (!robust || drifting)) let bound = 0;
     while (walk.inside) {
         let index = cell_index(walk.cell);
-        @if(counters) trace.cells += 1u;
+        @if(resumes) if (is_spent(trace)) {
+            @if(!robust || drifting) keep_place(walk, bound);
+            wait_at(index, 0u);
+            return trace;
+        }
+        @if(resumes) trace.turns += 1u;
+        @if(counters && !resumes) trace.cells += 1u;
+        @if(counters && resumes) trace.cells += select(0u, 1u, wait.item == 0u);
         @if(skip) let distance = empty_distance(index);
         @else let distance = 0;
         if (distance == 0) {
             let end = grid_cells[index + 1u];
-            for (var item = grid_cells[index]; item < end; item++) {
+            @if(!resumes) let first = grid_cells[index];
+            @if(resumes) let first = grid_cells[index] + wait.item;
+            for (var item = first; item < end; item++) {
                 trace = tested(trace, grid_items[item], walk.cell);
                 @if(any_hit) if (trace.ended) {
                     return trace;
                 }
+                @if(resumes) if (is_spent(trace) && item + 1u < end) {
+                    @if(!robust || drifting) keep_place(walk, bound);
+                    wait_at(index, item + 1u - grid_cells[index]);
+                    return trace;
+                }
             }
         }
+        @if(resumes) wait.item = 0u;
         @if(!in_cell) if (trace.t <= smallest3(walk.tmax)) {
             break;
         }
@@ -71,10 +157,46 @@ fn traced(start: Trace) -> Trace {
     var height = 0u;
     // The root, as the one hit of a group; its slot is the octant's, so that no inner child precedes it.
     var group = WideGroup(0u, 0x80000000u);
+    // A restart trail (Laine, 2010): of each level's group, 4 bits for the child that was entered last, or NO_CHILD.
+    // A group's level is in bits 8-15 of its word.
+    @if(resumes) var path: array<u32, TRAIL_WORDS>;
+    @if(resumes) if (wait.before) {
+        for (var word = 0u; word < TRAIL_WORDS; word++) {
+            path[word] = textureLoad(trail, wait.texel, word).x;
+        }
+        // Down to where the ray waits: a sibling that would come later, and whose box is met, waits again.
+        for (var level = 0u; level < wait.item; level++) {
+            let child = trail_child(path[level / 8u], level);
+            let node = wide_child(group, 24u + child, ray);
+            group.bits &= (1u << (24u + child)) - 1u;
+            if (group.bits > 0x00ffffffu) {
+                stack[height] = vec2u(group.base, group.bits);
+                height += 1u;
+            }
+            group = visit_wide(node, ray, trace.t).inner;
+            group.bits |= (level + 1u) << 8u;
+        }
+        let child = trail_child(path[wait.item / 8u], wait.item);
+        if (child != NO_CHILD) {
+            group.bits &= (1u << (24u + child)) - 1u;
+        }
+        trace.turns += wait.item;
+        // What was ahead may lie behind the nearest hit by now.
+        if (group.bits <= 0x00ffffffu) {
+            if (height == 0u) {
+                return trace;
+            }
+            height -= 1u;
+            group = WideGroup(stack[height].x, stack[height].y);
+        }
+    }
     loop {
         let bit = firstLeadingBit(group.bits);
         let node = wide_child(group, bit, ray);
         group.bits &= ~(1u << bit);
+        @if(resumes) let level = (group.bits >> 8u) & 0xffu;
+        @if(resumes) path[level / 8u] = with_trail_child(path[level / 8u], level, bit - 24u);
+        @if(resumes) trace.turns += 1u;
         if (group.bits > 0x00ffffffu) {
             stack[height] = vec2u(group.base, group.bits);
             height += 1u;
@@ -82,6 +204,10 @@ fn traced(start: Trace) -> Trace {
         let hits = visit_wide(node, ray, trace.t);
         @if(counters) trace.cells += 1u;
         group = hits.inner;
+        @if(resumes) if (level < MOST_LEVELS) {
+            group.bits |= (level + 1u) << 8u;
+            path[(level + 1u) / 8u] = with_trail_child(path[(level + 1u) / 8u], level + 1u, NO_CHILD);
+        }
         var waiting = hits.leaves.bits;
         while (waiting != 0u) {
             let bit = firstTrailingBit(waiting);
@@ -98,6 +224,13 @@ fn traced(start: Trace) -> Trace {
             height -= 1u;
             group = WideGroup(stack[height].x, stack[height].y);
         }
+        @if(resumes) if (is_spent(trace)) {
+            for (var word = 0u; word < TRAIL_WORDS; word++) {
+                textureStore(trail, wait.texel, word, vec4u(path[word]));
+            }
+            wait_at(node, (group.bits >> 8u) & 0xffu);
+            return trace;
+        }
     }
     return trace;
 }
@@ -105,9 +238,15 @@ fn traced(start: Trace) -> Trace {
 @if(!grid && !bvh)
 fn traced(start: Trace) -> Trace {
     var trace = start;
-    for (var triangle = 0u; triangle < scene.triangles; triangle++) {
+    @if(!resumes) let first = 0u;
+    @if(resumes) let first = wait.item;
+    for (var triangle = first; triangle < scene.triangles; triangle++) {
         trace = tested(trace, triangle, vec3i(0));
         @if(any_hit) if (trace.ended) {
+            return trace;
+        }
+        @if(resumes) if (is_spent(trace) && triangle + 1u < scene.triangles) {
+            wait_at(0u, triangle + 1u);
             return trace;
         }
     }
@@ -120,8 +259,18 @@ fn fused(@builtin(global_invocation_id) id: vec3u) {
     if (any(texel >= textureDimensions(state))) {
         return;
     }
-    @if(!eye_rays) if (textureLoad(state, texel, 0).x != TRAV_SETUP) {
+    @if(!eye_rays && !resumes) if (textureLoad(state, texel, 0).x != TRAV_SETUP) {
         return;
+    }
+    @if(resumes) {
+        let tag = textureLoad(state, texel, 0).x;
+        wait.texel = texel;
+        wait.before = tag == TRAV || tag == ISECT_NO_HIT || tag == ISECT_HIT;
+        @if(eye_rays) let is_new = tag == UNWRITTEN;
+        @else let is_new = tag == TRAV_SETUP;
+        if (!wait.before && !is_new) {
+            return;
+        }
     }
     var trace: Trace;
     @if(eye_rays) {
@@ -137,12 +286,29 @@ fn fused(@builtin(global_invocation_id) id: vec3u) {
     trace.t = INF;
     @if(any_hit && !eye_rays) trace.t = bitcast<f32>(textureLoad(state, texel, 1).x);
     trace.triangle = NO_TRIANGLE;
+    @if(resumes) if (wait.before) {
+        trace.t = bitcast<f32>(textureLoad(state, texel, 1).x);
+        trace.u = bitcast<f32>(textureLoad(hit, texel, 0).x);
+        trace.v = bitcast<f32>(textureLoad(hit, texel, 1).x);
+        trace.triangle = textureLoad(hit, texel, 2).x;
+        wait.cell = textureLoad(state, texel, 2).x;
+        wait.item = textureLoad(state, texel, 3).x;
+        @if(counters) trace.cells = textureLoad(counters, texel, 0).x;
+        @if(counters) trace.tests = textureLoad(counters, texel, 1).x;
+    }
     trace = traced(trace);
 
     textureStore(hit, texel, 0, vec4u(bitcast<u32>(trace.u)));
     textureStore(hit, texel, 1, vec4u(bitcast<u32>(trace.v)));
     textureStore(hit, texel, 2, vec4u(trace.triangle));
-    let tag = select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
+    @if(!resumes) let tag = select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
+    @if(resumes) var tag = select(SHADE, BACKGROUND, trace.triangle == NO_TRIANGLE);
+    @if(resumes) if (wait.after) {
+        @if(bvh) tag = TRAV;
+        @else tag = select(ISECT_HIT, ISECT_NO_HIT, trace.triangle == NO_TRIANGLE);
+        textureStore(state, texel, 2, vec4u(wait.cell));
+        textureStore(state, texel, 3, vec4u(wait.item));
+    }
     textureStore(state, texel, 0, vec4u(tag));
     textureStore(state, texel, 1, vec4u(bitcast<u32>(trace.t)));
     @if(counters) {

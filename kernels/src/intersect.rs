@@ -6,11 +6,12 @@ use crate::executor::cpu::Texels;
 use crate::features::Features;
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
-use crate::shared::constants::INF;
+use crate::shared::constants::{INF, NO_CELL};
+use crate::shared::grid_walk::Walk;
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::shared::vector::smallest3;
 use crate::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, Tag};
-use crate::stream::Stream::{Counters, Hit, RayDirection, RayOrigin, State, TMax};
+use crate::stream::Stream::{Counters, Hit, RayDirection, RayOrigin, Scan, State, TMax};
 
 /// The uniform `scene`.
 #[repr(C)]
@@ -38,26 +39,65 @@ pub fn list_ended<R: Real>(features: &Features, tag: Tag, nearest_t: R, exit: R)
     }
 }
 
-/// Whether a cell before this one held the triangle too: walks again from the start.
-fn is_repeated<R: Real>(scene: &SceneData, triangle: u32, cell: u32, origin: Vec3<R>, direction: Vec3<R>) -> bool {
-    let (grid, rules) = (&scene.grid, scene.features.walk_rules());
+/// Whether a cell lists a triangle: lists ascend.
+fn is_listed(scene: &SceneData, triangle: u32, cell: u32) -> bool {
+    let (first, end) = (scene.grid_cells[cell as usize], scene.grid_cells[cell as usize + 1]);
+    scene.grid_items[first as usize..end as usize].binary_search(&triangle).is_ok()
+}
+
+/// Keeps where the search is for the next dispatch.
+fn keep_scan<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, cell: u32, tmax: Vec3<R>) {
+    if scene.features.resumes_scan {
+        ray.store_u32(Scan, 0, cell);
+        for (layer, tmax) in (1..).zip(tmax.to_array()) {
+            ray.store(Scan, layer, tmax);
+        }
+    }
+}
+
+/// Whether a cell before this one held the triangle too: walks again from the start. `None` where it is not known yet.
+fn repetition<R: Real>(
+    texels: &mut Texels<'_, R>,
+    scene: &SceneData,
+    triangle: u32,
+    cell: u32,
+    origin: Vec3<R>,
+    direction: Vec3<R>,
+) -> Option<bool> {
+    let (grid, features) = (&scene.grid, &scene.features);
+    let rules = features.walk_rules();
     let ray = grid.ray(rules, origin, direction);
     let mut walk = grid.enter(rules, &ray);
     let bound = grid.cells[0] + grid.cells[1] + grid.cells[2] + 2;
+    let mut turns = 0;
+    if features.resumes_scan {
+        let begun = texels.load_u32(Scan, 0);
+        if begun != NO_CELL {
+            let [x, y, z] = [1, 2, 3].map(|layer| texels.load(Scan, layer));
+            walk = Walk { cell: grid.cell_of_index(begun), tmax: Vec3::new(x, y, z), inside: true };
+        }
+    }
     let mut step = 0;
     while step < bound && walk.inside {
         let index = grid.cell_index(walk.cell);
         if index == cell {
-            return false;
+            break;
         }
-        let (first, end) = (scene.grid_cells[index as usize], scene.grid_cells[index as usize + 1]);
-        if scene.grid_items[first as usize..end as usize].contains(&triangle) {
-            return true;
+        if features.resumes_scan && turns >= features.turns {
+            keep_scan(texels, scene, index, walk.tmax);
+            return None;
+        }
+        // No more turns than a list has entries, which are fewer than 2³².
+        turns += 1 + 32 - scene.list(index).1.leading_zeros();
+        if is_listed(scene, triangle, index) {
+            keep_scan(texels, scene, NO_CELL, Vec3::splat(R::zero()));
+            return Some(true);
         }
         walk = grid.advance(rules, walk, &ray);
         step += 1;
     }
-    false
+    keep_scan(texels, scene, NO_CELL, Vec3::splat(R::zero()));
+    Some(false)
 }
 
 /// One ray's work.
@@ -79,6 +119,13 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let in_list = item < count;
     if in_list {
         let triangle = scene.listed(first + item);
+        let mut repeated = false;
+        if features.grid && features.counters {
+            match repetition(ray, scene, triangle, cell, origin, direction) {
+                Some(known) => repeated = known,
+                None => return,
+            }
+        }
         let shear = Shear::of(direction);
         let candidate = hit_triangle(features.triangle_rules(), origin, direction, &shear, scene.corners(triangle));
         let accepted = if features.in_cell {
@@ -101,8 +148,7 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             ray.store_u32(Counters, 1, ray.load_u32(Counters, 1) + 1);
         }
         if features.grid && features.counters {
-            let repeated = u32::from(is_repeated(scene, triangle, cell, origin, direction));
-            ray.store_u32(Counters, 2, ray.load_u32(Counters, 2) + repeated);
+            ray.store_u32(Counters, 2, ray.load_u32(Counters, 2) + u32::from(repeated));
         }
     }
 

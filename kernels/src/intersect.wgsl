@@ -2,6 +2,9 @@
 //
 // robust keeps the nearest hit and accepts it once it lies within the cells walked; paper accepts a hit
 // only inside of its own cell, and pays one more step to notice the list's delimiter (Listing 2).
+//
+// counters: whether a cell before this one held the triangle too is searched for along the walk. resumes_scan: where
+// that may take more loop turns than a dispatch has, it goes on in the next, and the triangle is tested at its end.
 
 import package::constants::{INF, NOBODY, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
@@ -15,7 +18,9 @@ import package::live::{send};
 @if(grid) import package::grid_lists::{grid_cells, grid_items, list_ended};
 @if(bvh) import package::bvh_walk::{bvh_nodes};
 @if(in_cell) import package::grid_walk::{is_in_cell, cell_of_index};
-@if(grid && counters) import package::grid_walk::{grid, grid_ray, enter_grid, advance, cell_index};
+@if(grid && counters) import package::grid_walk::{Walk, grid, grid_ray, enter_grid, advance, cell_index};
+@if(grid && counters && resumes_scan && !in_cell) import package::grid_walk::{cell_of_index};
+@if(resumes_scan) import package::constants::{TURNS, NO_CELL};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
@@ -23,25 +28,69 @@ import package::live::{send};
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh) @group(1) @binding(19) var<storage, read> bvh_items: array<u32>;
 
+// Whether a cell lists a triangle: lists ascend.
+@if(grid && counters)
+fn is_listed(triangle: u32, cell: u32) -> bool {
+    var low = grid_cells[cell];
+    var high = grid_cells[cell + 1u];
+    while (low < high) {
+        let middle = low + (high - low) / 2u;
+        if (grid_items[middle] < triangle) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low < grid_cells[cell + 1u] && grid_items[low] == triangle;
+}
+
+@if(grid && counters && resumes_scan) @group(0) @binding(6) var scan: texture_storage_2d_array<r32uint, read_write>;
+
+@if(grid && counters && resumes_scan)
+fn keep_scan(texel: vec2u, cell: u32, tmax_there: vec3f) {
+    textureStore(scan, texel, 0, vec4u(cell));
+    textureStore(scan, texel, 1, vec4u(bitcast<u32>(tmax_there.x)));
+    textureStore(scan, texel, 2, vec4u(bitcast<u32>(tmax_there.y)));
+    textureStore(scan, texel, 3, vec4u(bitcast<u32>(tmax_there.z)));
+}
+
+const NOT_REPEATED: u32 = 0u;
+const REPEATED: u32 = 1u;
+const NOT_KNOWN_YET: u32 = 2u;
+
 // Whether a cell before this one held the triangle too: walks again from the start.
 @if(grid && counters)
-fn is_repeated(triangle: u32, cell: u32, origin: vec3f, direction: vec3f) -> bool {
+fn repetition(texel: vec2u, triangle: u32, cell: u32, origin: vec3f, direction: vec3f) -> u32 {
     let ray = grid_ray(origin, direction);
     var walk = enter_grid(ray);
     let bound = grid.cells.x + grid.cells.y + grid.cells.z + 2;
+    @if(resumes_scan) var turns = 0u;
+    @if(resumes_scan) let begun = textureLoad(scan, texel, 0).x;
+    @if(resumes_scan) if (begun != NO_CELL) {
+        let x = textureLoad(scan, texel, 1).x;
+        let y = textureLoad(scan, texel, 2).x;
+        let z = textureLoad(scan, texel, 3).x;
+        walk = Walk(cell_of_index(begun), bitcast<vec3f>(vec3u(x, y, z)), true);
+    }
     for (var step = 0; step < bound && walk.inside; step++) {
         let index = cell_index(walk.cell);
         if (index == cell) {
-            return false;
+            break;
         }
-        for (var item = grid_cells[index]; item < grid_cells[index + 1u]; item++) {
-            if (grid_items[item] == triangle) {
-                return true;
-            }
+        @if(resumes_scan) if (turns >= TURNS) {
+            keep_scan(texel, index, walk.tmax);
+            return NOT_KNOWN_YET;
+        }
+        // No more turns than a list has entries, which are fewer than 2^32.
+        @if(resumes_scan) turns += 1u + 32u - countLeadingZeros(grid_cells[index + 1u] - grid_cells[index]);
+        if (is_listed(triangle, index)) {
+            @if(resumes_scan) keep_scan(texel, NO_CELL, vec3f(0.0));
+            return REPEATED;
         }
         walk = advance(walk, ray);
     }
-    return false;
+    @if(resumes_scan) keep_scan(texel, NO_CELL, vec3f(0.0));
+    return NOT_REPEATED;
 }
 
 fn step_item(texel: vec2u) -> u32 {
@@ -70,6 +119,10 @@ fn step_item(texel: vec2u) -> u32 {
         @if(grid) let triangle = grid_items[first + item];
         @if(bvh) let triangle = bvh_items[first + item];
         @if(!grid && !bvh) let triangle = item;
+        @if(grid && counters) let repeated = repetition(texel, triangle, cell, origin, direction);
+        @if(grid && counters && resumes_scan) if (repeated == NOT_KNOWN_YET) {
+            return tag;
+        }
         let candidate = hit_triangle(
             origin, direction, shear_of(direction), vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u));
         @if(robust && !any_hit && !in_cell) let accepted = is_nearer(candidate.t, triangle, nearest_t, textureLoad(hit, texel, 2).x);
@@ -87,7 +140,6 @@ fn step_item(texel: vec2u) -> u32 {
         item += 1u;
         @if(counters) textureStore(counters, texel, 1, vec4u(textureLoad(counters, texel, 1).x + 1u));
         @if(grid && counters) {
-            let repeated = u32(is_repeated(triangle, cell, origin, direction));
             textureStore(counters, texel, 2, vec4u(textureLoad(counters, texel, 2).x + repeated));
         }
     }

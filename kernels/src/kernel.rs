@@ -75,7 +75,7 @@ kernels! {
     TraverseBvh traverse_bvh &[state::TRAV], "moves the ray to its next node of the tree";
     Intersect intersect &[state::ISECT_NO_HIT, state::ISECT_HIT], "tests the ray against one triangle of its cell or leaf";
     Walk walk &[state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT], "takes the ray several cells or nodes on";
-    Fused fused &[state::TRAV_SETUP], "takes the ray from its start to its nearest hit";
+    Fused fused &[state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT], "takes the ray from its start to its nearest hit";
     Shade shade &[state::SHADE, state::BACKGROUND], "colours the ray from its hit, or the background";
     Accumulate accumulate &[state::DONE], "adds the sample to its pixel's mean, and asks for the next one";
 }

@@ -6,13 +6,14 @@
 mod check;
 mod decide;
 mod display;
+mod turns;
 
 use std::collections::BTreeSet;
 
 use raystep_scenes::Scene;
 
 use crate::buffer::BUFFERS;
-use crate::executor::gpu::{fill_bytes, given_bytes};
+use crate::executor::gpu::{Gpu, Loops, fill_bytes, given_bytes};
 use crate::features::Features;
 use crate::grid::{self, GridSize};
 use crate::kernel::Kernel;
@@ -30,6 +31,7 @@ use check::{check_buffer, check_rays, check_samples, check_scene, image_size};
 use decide::{features, left_out};
 pub(crate) use display::element;
 pub use display::{Bytes, PlanText};
+use turns::Resumes;
 
 /// What an executor can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,19 +42,41 @@ pub struct Limits {
     pub storage_bytes: u64,
     /// Most rays.
     pub rays: u64,
+    /// Most loop turns of one thread in one dispatch, all of its loops together; what takes more goes on in the next.
+    pub turns: u32,
 }
+
+/// Loop turns of a thread in one dispatch where the adapter sets no limit: a million tests of triangles, some 200 ms, so
+/// that no system takes the GPU away from it.
+const TURNS_WITHOUT_LIMIT: u32 = 1 << 22;
+
+/// Of the turns after which an adapter ends loops, the part that a thread takes. It may count the turns of up to 16
+/// threads that run in one vector together, and the loops around the budget take some, too.
+const SHARE_OF_LIMIT: u32 = 32;
 
 impl Limits {
     /// The CPU twins': memory is the only limit, images are kept to 2²⁶ pixels, some 6 GB of streams.
-    pub const CPU: Self = Self { image_side: 32_768, storage_bytes: 1 << 32, rays: 1 << 26 };
+    pub const CPU: Self = Self { image_side: 32_768, storage_bytes: 1 << 32, rays: 1 << 26, turns: u32::MAX };
 }
 
-impl From<&wgpu::Limits> for Limits {
-    fn from(limits: &wgpu::Limits) -> Self {
+impl From<&Gpu> for Limits {
+    fn from(gpu: &Gpu) -> Self {
+        Self::of_adapter(&gpu.device.limits(), gpu.loops)
+    }
+}
+
+impl Limits {
+    /// What an adapter with these limits and loops can hold.
+    #[must_use]
+    pub fn of_adapter(limits: &wgpu::Limits, loops: Loops) -> Self {
         let groups = limits.max_compute_workgroups_per_dimension;
         let side = limits.max_texture_dimension_2d.min(groups.saturating_mul(WORKGROUP));
         Self {
             image_side: side,
+            turns: match loops {
+                Loops::Unlimited => TURNS_WITHOUT_LIMIT,
+                Loops::EndAfter(turns) => (turns / SHARE_OF_LIMIT).max(1),
+            },
             storage_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
             // Rows of workgroups of one indirect dispatch, and rays of a row.
             rays: u64::from(groups.min(65_535)) * u64::from(LIST_GROUPS * LIST_SIDE * LIST_SIDE),
@@ -235,8 +259,18 @@ impl Plan {
         if features.skip {
             data.prepare_leaps(options, limits.storage_bytes)?;
         }
-        let schedule =
+        let is_fused = options.schedule == ScheduleKind::Fused;
+        let lights = if options.shade { scene.lights.len() as u64 } else { 0 };
+        let resumes = Resumes::of(&features, &data, is_fused, lights, limits);
+        (features.resumes, features.resumes_scan, features.resumes_light) = (resumes.walk, resumes.scan, resumes.light);
+        features.turns = if resumes == Resumes::default() { 0 } else { limits.turns };
+        let mut schedule =
             Schedule::new(options.schedule, accelerator, given, options.shade, features.eye_rays, features.many_steps);
+        for (resumes, kernel) in [(features.resumes, Kernel::Fused), (features.resumes_light, Kernel::Shade)] {
+            if resumes {
+                schedule = schedule.until_idle(kernel);
+            }
+        }
         let schedule = if features.samples { schedule.for_samples() } else { schedule };
         let variants =
             schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
@@ -307,10 +341,20 @@ impl Plan {
         let longest = data.grid_cells.windows(2).map(|w| u64::from(w[1] - w[0])).max();
         let walk = match longest {
             Some(longest) => data.grid.cells.iter().map(|&n| n as u64).sum::<u64>().saturating_add(2) * (longest + 2),
+            // A ray's whole way is bounded, and every pass takes a part of it.
+            None if self.features.resumes && self.variant(Kernel::Fused).is_some() => {
+                turns::whole_walk(&self.features, data) / u64::from(self.features.turns) + 1
+            }
             // A node is entered once, and come back to once.
             None if self.features.bvh => 2 * data.bvh_nodes.len() as u64 + 2 * data.bvh_items.len() as u64,
             None => self.triangles + 1,
         };
-        2 * walk + 16
+        // A search for repeated tests may take several passes a test.
+        let passes_a_test = if self.features.resumes_scan {
+            turns::longest_search(data) / u64::from(self.features.turns) + 2
+        } else {
+            1
+        };
+        (2 * walk).saturating_mul(passes_a_test) + 16
     }
 }

@@ -151,7 +151,7 @@ impl Renderer {
     /// Where the scene or options do not fit the device, or the device fails.
     pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
         let limits = match device {
-            Device::Gpu(gpu) => Limits::from(&gpu.device.limits()),
+            Device::Gpu(gpu) => Limits::from(&**gpu),
             Device::Cpu(_) | Device::CpuF64(_) => Limits::CPU,
         };
         let (plan, data) = Plan::new(scene, options, &limits)?;

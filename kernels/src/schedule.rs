@@ -83,6 +83,17 @@ impl Schedule {
         Self { steps }
     }
 
+    /// The same with a kernel run until no ray is active there, in place of once.
+    #[must_use]
+    pub fn until_idle(mut self, kernel: Kernel) -> Self {
+        for step in &mut self.steps {
+            if *step == Step::Run(kernel) {
+                *step = Step::RunUntilIdle(kernel);
+            }
+        }
+        self
+    }
+
     /// The same for several samples a pixel: all steps again and again, as long as a pixel asks for another sample.
     #[must_use]
     pub fn for_samples(self) -> Self {
@@ -213,7 +224,8 @@ impl Cursor {
         let mut kernels = vec![first];
         let mut counts = *counts;
         let mut last = first;
-        while schedule.has_samples() && !last.is_walk() {
+        // Whether a kernel that runs until it is idle runs again is not known ahead.
+        while schedule.has_samples() && !last.is_walk() && !cursor.stays(schedule, last) {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
                 // The fused kernel is submitted alone: in parts, and what it did is counted anew.

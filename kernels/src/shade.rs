@@ -5,6 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::executor::cpu::Texels;
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
+use crate::shared::constants::LIGHTS_SUMMED;
 use crate::shared::texture::sample_texture;
 use crate::shared::vector::{cross3, dot3, unit3};
 use crate::state::{BACKGROUND, DONE, SHADE};
@@ -134,8 +135,22 @@ pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
         if features.many_lights {
             rgb = Vec3::splat(R::zero());
-            for light in &scene.lights[..scene.shading.lights as usize] {
+            let (mut first, mut end) = (0, scene.shading.lights);
+            if features.resumes_light {
+                let item = ray.load_u32(State, 3);
+                if item >= LIGHTS_SUMMED {
+                    first = item - LIGHTS_SUMMED;
+                    rgb = ray.load_vec3(Color);
+                }
+                end = end.min(first + features.turns);
+            }
+            for light in &scene.lights[first as usize..end as usize] {
                 rgb = rgb + received(light, position, normal);
+            }
+            if end < scene.shading.lights {
+                ray.store_vec3(Color, rgb);
+                ray.store_u32(State, 3, LIGHTS_SUMMED + end);
+                return;
             }
         } else {
             rgb = received(&scene.lights[0], position, normal);

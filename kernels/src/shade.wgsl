@@ -1,7 +1,11 @@
 // Colours the ray: emitted light plus the paper's equation (1), C_diff <N, L>, summed over the lights,
 // or the background. No falloff with distance, no shadows.
+//
+// resumes_light: there are more lights than a dispatch has loop turns. The sum so far waits in color, and the number of
+// lights in it, marked by LIGHTS_SUMMED, in the state's item.
 
 import package::constants::{WORKGROUP};
+@if(resumes_light) import package::constants::{TURNS, LIGHTS_SUMMED};
 import package::state::{SHADE, BACKGROUND, DONE};
 @if(!normals) import package::corners::{vertex};
 import package::ray::{load_origin, load_direction};
@@ -36,7 +40,8 @@ struct Shading {
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_2d_array<u32>;
-@group(0) @binding(4) var color: texture_storage_2d_array<r32float, write>;
+@if(!resumes_light) @group(0) @binding(4) var color: texture_storage_2d_array<r32float, write>;
+@if(resumes_light) @group(0) @binding(4) var color: texture_storage_2d_array<r32float, read_write>;
 @group(1) @binding(14) var<uniform> shading: Shading;
 @if(normals) @group(1) @binding(6) var<storage, read> normals: array<f32>;
 @if(textures) @group(1) @binding(7) var<storage, read> texcoords: array<f32>;
@@ -134,8 +139,30 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
 
         @if(many_lights) {
             rgb = vec3f(0.0);
-            for (var i = 0u; i < shading.lights; i++) {
+            @if(!resumes_light) for (var i = 0u; i < shading.lights; i++) {
                 rgb += received(lights[i], position, normal);
+            }
+            @if(resumes_light) var first = textureLoad(state, texel, 3).x;
+            @if(resumes_light) {
+                if (first >= LIGHTS_SUMMED) {
+                    first -= LIGHTS_SUMMED;
+                    rgb.x = textureLoad(color, texel, 0).x;
+                    rgb.y = textureLoad(color, texel, 1).x;
+                    rgb.z = textureLoad(color, texel, 2).x;
+                } else {
+                    first = 0u;
+                }
+            }
+            @if(resumes_light) let end = min(first + TURNS, shading.lights);
+            @if(resumes_light) for (var i = first; i < end; i++) {
+                rgb += received(lights[i], position, normal);
+            }
+            @if(resumes_light) if (end < shading.lights) {
+                textureStore(color, texel, 0, vec4f(rgb.x));
+                textureStore(color, texel, 1, vec4f(rgb.y));
+                textureStore(color, texel, 2, vec4f(rgb.z));
+                textureStore(state, texel, 3, vec4u(LIGHTS_SUMMED + end));
+                return;
             }
         }
         @if(!many_lights) {

@@ -170,7 +170,7 @@ impl Variant {
 fn compose(kernel: Kernel, features: &Features) -> Result<String, String> {
     let path = |name: &str| format!("package::{name}").parse::<ModulePath>().map_err(|e| e.to_string());
     let mut resolver = VirtualResolver::new();
-    for (name, source) in shared::modules(features.stack) {
+    for (name, source) in shared::modules(features.stack, features.turns) {
         resolver.add_module(path(name)?, source.into());
     }
     let root = path(kernel.name())?;

@@ -6,25 +6,31 @@
 //! ```text
 //! ray_origin    f32  x  y  z             traced units
 //! ray_direction f32  x  y  z             traced units per unit of t; not normalised
-//! state         u32  tag  nearest-t  cell  item
+//! state         u32  tag  nearest-t  cell  item      while lights are summed: item is 2³¹ + how many
 //! tmax          f32  x  y  z             t
 //! previous      u32  node                index of the tree's node before this one
 //! hit           u32  u  v  triangle      u, v as f32 bits
 //! color         f32  r  g  b             linear light
 //! counters      u32  cells  triangles  repeated
 //! accumulated   f32  r  g  b  a  samples mean so far, linear light; a: share of samples that hit
+//! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax (f32 bits)
+//! trail         u32  levels 0, 8, 16, 24  4 bits a level
+//! scan          u32  cell  tx  ty  tz    cell, tmax (f32 bits)
 //! ```
 //!
 //! Lengths are in *traced units*: scene units times a power of two, see [`crate::units`]. `t` is the
 //! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
 //! of a primary ray is its depth.
 //!
+//! The last three are what a ray needs to go on in the next dispatch, where a walk or a search may take more loop turns
+//! than one dispatch has (see [`crate::plan::Limits`]).
+//!
 //! With several samples a pixel, every sample's ray uses the same texels: all streams but `accumulated` hold the
 //! latest sample's, at the end of a run the last one's. Only `color` is given the mean then.
 
 use serde::{Deserialize, Serialize};
 
-use crate::shared::constants::{INF, NO_NODE, NO_TRIANGLE};
+use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
 
 /// A per-ray stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -49,6 +55,12 @@ pub enum Stream {
     Counters,
     /// Mean colour and coverage of the samples so far, and their number.
     Accumulated,
+    /// Where in the grid a ray waits for the next dispatch of `fused`, where that does not follow from its cell.
+    Place,
+    /// Where in the wide tree it does: the child entered last on each level.
+    Trail,
+    /// Where the search for repeated tests waits for the next dispatch.
+    Scan,
 }
 
 /// What a texel component is.
@@ -105,7 +117,7 @@ pub const HIT_TRIANGLE: usize = 2;
 pub const ACCUMULATED_SAMPLES: usize = 4;
 
 /// Every stream.
-pub const STREAMS: [StreamInfo; 9] = [
+pub const STREAMS: [StreamInfo; 12] = [
     row(Stream::RayOrigin, "ray_origin", Texel::F32, &["x", "y", "z"], &[], "traced units", &[0; 3]),
     row(Stream::RayDirection, "ray_direction", Texel::F32, &["x", "y", "z"], &[], "traced units per t", &[0; 3]),
     row(
@@ -138,6 +150,33 @@ pub const STREAMS: [StreamInfo; 9] = [
         &[],
         "linear light, share of samples that hit, count",
         &[0; 5],
+    ),
+    row(
+        Stream::Place,
+        "place",
+        Texel::U32,
+        &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"],
+        &[4, 5, 6],
+        "cell coordinates, count of cells, t as f32 bits",
+        &[0; 7],
+    ),
+    row(
+        Stream::Trail,
+        "trail",
+        Texel::U32,
+        &["levels_0", "levels_8", "levels_16", "levels_24"],
+        &[],
+        "child entered last, 4 bits a level",
+        &[0; 4],
+    ),
+    row(
+        Stream::Scan,
+        "scan",
+        Texel::U32,
+        &["cell", "tmax_x", "tmax_y", "tmax_z"],
+        &[1, 2, 3],
+        "1-D index, t as f32 bits",
+        &[NO_CELL, 0, 0, 0],
     ),
 ];
 

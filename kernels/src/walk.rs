@@ -21,6 +21,11 @@ struct Place<R: Real> {
 }
 
 impl<R: Real> Place<R> {
+    /// The item of its list at which the ray waited; 0 where rays never do.
+    fn waiting_item(&self, scene: &SceneData) -> u32 {
+        if scene.features.resumes { self.item } else { 0 }
+    }
+
     fn through_grid(&mut self, ray: &mut Texels<'_, R>, scene: &SceneData) {
         let (grid, features) = (&scene.grid, &scene.features);
         let rules = features.walk_rules();
@@ -29,18 +34,35 @@ impl<R: Real> Place<R> {
         // robust: from the cell each time, so there is nothing to keep.
         let tmax = if features.keeps_no_tmax() { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(TMax) };
         let mut walk = Walk { cell, tmax, inside: true };
+        let mut waits = false;
         for _ in 0..scene.info.steps {
+            if self.trace.is_spent(scene) {
+                break;
+            }
+            self.trace.turns += 1;
             let distance = if features.skip { scene.empty_distance(self.cell) } else { 0 };
             if distance == 0 {
                 let (first, count) = scene.list(self.cell);
-                for item in first..first + count {
+                for item in first + self.waiting_item(scene)..first + count {
                     self.trace.test(scene, scene.grid_items[item as usize], walk.cell);
                     if self.trace.ended {
                         self.tag = SHADE;
                         return;
                     }
+                    if self.trace.is_spent(scene) && item + 1 < first + count {
+                        self.item = item + 1 - first;
+                        waits = true;
+                        break;
+                    }
                 }
             }
+            if waits {
+                if !features.any_hit {
+                    self.tag = if self.trace.triangle == NO_TRIANGLE { ISECT_NO_HIT } else { ISECT_HIT };
+                }
+                break;
+            }
+            self.item = 0;
             let has_hit = !features.any_hit && self.trace.triangle != NO_TRIANGLE;
             let tag = if has_hit { ISECT_HIT } else { ISECT_NO_HIT };
             self.tag = list_ended(features, tag, self.trace.t, smallest3(walk.tmax));
@@ -67,19 +89,37 @@ impl<R: Real> Place<R> {
         let inverse = finite_inverse(direction);
         let mut at = Visit { node: self.cell, previous: ray.load_u32(Previous, 0), in_leaf: false };
         let mut step = 0;
+        let mut waits = false;
         while step < NODES_A_STEP * scene.info.steps && at.node != NO_NODE {
-            at = next_node(&scene.bvh_nodes, &scene.bvh_parents, at, origin, direction, inverse, self.trace.t);
-            self.trace.cells += 1;
+            if self.trace.is_spent(scene) {
+                break;
+            }
+            self.trace.turns += 1;
+            // A ray that waits at an item is in its leaf already.
+            at.in_leaf = self.waiting_item(scene) > 0;
+            if !at.in_leaf {
+                at = next_node(&scene.bvh_nodes, &scene.bvh_parents, at, origin, direction, inverse, self.trace.t);
+                self.trace.cells += 1;
+            }
             if at.in_leaf {
                 let (first, count) = scene.list(at.node);
-                for item in first..first + count {
+                for item in first + self.waiting_item(scene)..first + count {
                     self.trace.test(scene, item, [0; 3]);
                     if self.trace.ended {
                         self.tag = SHADE;
                         return;
                     }
+                    if self.trace.is_spent(scene) && item + 1 < first + count {
+                        self.item = item + 1 - first;
+                        waits = true;
+                        break;
+                    }
                 }
             }
+            if waits {
+                break;
+            }
+            self.item = 0;
             step += 1;
         }
         if at.node == NO_NODE {
@@ -93,6 +133,9 @@ impl<R: Real> Place<R> {
     fn through_all(&mut self, scene: &SceneData) {
         let end = scene.info.triangles.min(self.item.saturating_add(scene.info.steps));
         while self.item < end {
+            if self.trace.is_spent(scene) {
+                break;
+            }
             self.trace.test(scene, self.item, [0; 3]);
             if self.trace.ended {
                 self.tag = SHADE;
@@ -133,9 +176,11 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         ray.store(State, 1, trace.t);
     }
     ray.store_u32(State, 0, place.tag);
-    if features.grid || features.bvh {
+    let is_through_all = !features.grid && !features.bvh;
+    if !is_through_all {
         ray.store_u32(State, 2, place.cell);
-    } else {
+    }
+    if features.resumes || is_through_all {
         ray.store_u32(State, 3, place.item);
     }
     if features.counters {

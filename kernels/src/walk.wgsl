@@ -1,10 +1,14 @@
 // Takes each ray up to K steps on: a step is a cell, or eight nodes, with all of their triangles. What
 // traverse and intersect do one at a time, for rays that stay in registers meanwhile.
+//
+// resumes: with long lists, K steps may take more loop turns than a dispatch has. The ray then waits before a step, or
+// at an item of its list.
 
 import package::constants::{NOBODY, NODES_A_STEP, NO_NODE, NO_TRIANGLE, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::triangle::{shear_of};
 import package::tracing::{Trace, tested};
+@if(resumes) import package::tracing::{is_spent};
 import package::ray::{load_origin, load_direction};
 import package::scene::{scene};
 import package::live::{listed_texel, send};
@@ -44,19 +48,36 @@ fn walked(start: Place, texel: vec2u) -> Place {
         textureLoad(tmax, texel, 1).x,
         textureLoad(tmax, texel, 2).x,
     );
+    @if(resumes) var waits = false;
     for (var step = 0u; step < scene.steps; step++) {
+        @if(resumes) if (is_spent(place.trace)) {
+            break;
+        }
+        @if(resumes) place.trace.turns += 1u;
         @if(skip) let distance = empty_distance(place.cell);
         @else let distance = 0;
         if (distance == 0) {
             let end = grid_cells[place.cell + 1u];
-            for (var item = grid_cells[place.cell]; item < end; item++) {
+            @if(!resumes) let first = grid_cells[place.cell];
+            @if(resumes) let first = grid_cells[place.cell] + place.item;
+            for (var item = first; item < end; item++) {
                 place.trace = tested(place.trace, grid_items[item], walk.cell);
                 @if(any_hit) if (place.trace.ended) {
                     place.tag = SHADE;
                     return place;
                 }
+                @if(resumes) if (is_spent(place.trace) && item + 1u < end) {
+                    place.item = item + 1u - grid_cells[place.cell];
+                    waits = true;
+                    break;
+                }
             }
         }
+        @if(resumes) if (waits) {
+            @if(!any_hit) place.tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
+            break;
+        }
+        @if(resumes) place.item = 0u;
         @if(any_hit) let tag = ISECT_NO_HIT;
         @else let tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
         place.tag = list_ended(tag, place.trace.t, smallest3(walk.tmax));
@@ -92,20 +113,42 @@ fn walked(start: Place, texel: vec2u) -> Place {
     var place = start;
     let inverse = finite_inverse(place.trace.direction);
     var at = Visit(place.cell, textureLoad(previous, texel, 0).x, false);
+    @if(resumes) var waits = false;
     for (var step = 0u; step < NODES_A_STEP * scene.steps && at.node != NO_NODE; step++) {
-        at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
-        @if(counters) place.trace.cells += 1u;
+        @if(resumes) if (is_spent(place.trace)) {
+            break;
+        }
+        @if(resumes) place.trace.turns += 1u;
+        // A ray that waits at an item is in its leaf already.
+        @if(resumes) at.in_leaf = place.item > 0u;
+        @if(resumes) if (!at.in_leaf) {
+            at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
+            @if(counters) place.trace.cells += 1u;
+        }
+        @if(!resumes) at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
+        @if(counters && !resumes) place.trace.cells += 1u;
         if (at.in_leaf) {
             let node = bvh_nodes[at.node];
             let end = node.first + (node.link & 0x3fffffffu);
-            for (var item = node.first; item < end; item++) {
+            @if(!resumes) let first = node.first;
+            @if(resumes) let first = node.first + place.item;
+            for (var item = first; item < end; item++) {
                 place.trace = tested(place.trace, item, vec3i(0));
                 @if(any_hit) if (place.trace.ended) {
                     place.tag = SHADE;
                     return place;
                 }
+                @if(resumes) if (is_spent(place.trace) && item + 1u < end) {
+                    place.item = item + 1u - node.first;
+                    waits = true;
+                    break;
+                }
             }
         }
+        @if(resumes) if (waits) {
+            break;
+        }
+        @if(resumes) place.item = 0u;
     }
     if (at.node == NO_NODE) {
         place.tag = select(SHADE, BACKGROUND, place.trace.triangle == NO_TRIANGLE);
@@ -121,6 +164,9 @@ fn walked(start: Place, texel: vec2u) -> Place {
     var place = start;
     let end = min(place.item + scene.steps, scene.triangles);
     for (; place.item < end; place.item++) {
+        @if(resumes) if (is_spent(place.trace)) {
+            break;
+        }
         place.trace = tested(place.trace, place.item, vec3i(0));
         @if(any_hit) if (place.trace.ended) {
             place.tag = SHADE;
@@ -143,7 +189,7 @@ fn take_steps(texel: vec2u) -> u32 {
         return NOBODY;
     }
     place.cell = textureLoad(state, texel, 2).x;
-    @if(!grid && !bvh) place.item = textureLoad(state, texel, 3).x;
+    @if(resumes || (!grid && !bvh)) place.item = textureLoad(state, texel, 3).x;
     place.trace.origin = load_origin(texel);
     place.trace.direction = load_direction(texel);
     place.trace.shear = shear_of(place.trace.direction);
@@ -161,7 +207,7 @@ fn take_steps(texel: vec2u) -> u32 {
     }
     textureStore(state, texel, 0, vec4u(place.tag));
     @if(grid || bvh) textureStore(state, texel, 2, vec4u(place.cell));
-    @else textureStore(state, texel, 3, vec4u(place.item));
+    @if(resumes || (!grid && !bvh)) textureStore(state, texel, 3, vec4u(place.item));
     @if(counters) {
         textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + place.trace.cells));
         textureStore(counters, texel, 1, vec4u(textureLoad(counters, texel, 1).x + place.trace.tests));

@@ -37,9 +37,10 @@ fn feature_sets() -> Vec<Features> {
                 let mut one = Features { live_lists, many_steps, counters: true, ..base };
                 change(&mut one);
                 sets.push(one);
+                sets.push(waiting(one));
             }
         }
-        let toggles: [fn(&mut Features); 19] = [
+        let toggles: [fn(&mut Features); 21] = [
             // Leaps need exact planes; the paper's rules have none.
             |f| f.skip = f.robust && f.grid,
             |f| f.live_lists = true,
@@ -60,6 +61,8 @@ fn feature_sets() -> Vec<Features> {
             |f| f.spot_lights = true,
             |f| f.samples = true,
             |f| (f.samples, f.sobol) = (true, true),
+            |f| (f.resumes, f.turns) = (true, 100),
+            |f| (f.many_lights, f.resumes_light, f.turns) = (true, true, 100),
         ];
         let mut all = base;
         for toggle in toggles {
@@ -67,10 +70,20 @@ fn feature_sets() -> Vec<Features> {
             toggle(&mut one);
             toggle(&mut all);
             sets.push(one);
+            sets.push(waiting(one));
         }
         sets.push(all);
+        sets.push(waiting(all));
+        sets.push(waiting(Features { live_lists: false, many_steps: false, ..all }));
+        sets.push(waiting(Features { live_lists: true, many_steps: false, counters: true, ..base }));
     }
     sets
+}
+
+/// The same where walks, searches and sums of light wait for the next dispatch.
+fn waiting(features: Features) -> Features {
+    let resumes_scan = features.grid && features.counters && !features.many_steps;
+    Features { resumes: true, resumes_scan, resumes_light: features.many_lights, turns: 100, ..features }
 }
 
 /// Whether a run with these features has the kernel.

@@ -68,32 +68,54 @@ pub struct Parity {
 /// Runs a scene on the GPU and compares every pass with the twin.
 #[must_use]
 pub fn compare(gpu: &Arc<Gpu>, scene: &Scene, options: &Options) -> Parity {
-    run(gpu, scene, options, |_| {}, |_| false)
+    run(gpu, scene, options, &Limits::from(&**gpu), |_| {}, |_| false)
+}
+
+/// The same where a thread has so few loop turns a dispatch that walks, searches and sums of light wait for the next.
+#[must_use]
+pub fn compare_in_turns(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, turns: u32) -> Parity {
+    run(gpu, scene, options, &Limits { turns, ..Limits::from(&**gpu) }, |_| {}, |_| false)
 }
 
 /// The same after `change` had its way with the plan.
 #[must_use]
 pub fn compare_changed(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
-    run(gpu, scene, options, change, |_| false)
+    run(gpu, scene, options, &Limits::from(&**gpu), change, |_| false)
 }
 
 /// The same, up to the first pass that differs: a comparison that cannot fail proves nothing.
 #[must_use]
 pub fn compare_broken(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
-    run(gpu, scene, options, change, |found| !found.breaches.is_empty() || !found.miscounts.is_empty())
+    run(gpu, scene, options, &Limits::from(&**gpu), change, is_broken)
+}
+
+/// The same with few loop turns a dispatch.
+#[must_use]
+pub fn compare_broken_in_turns(
+    gpu: &Arc<Gpu>,
+    scene: &Scene,
+    options: &Options,
+    turns: u32,
+    change: impl FnOnce(&mut Plan),
+) -> Parity {
+    run(gpu, scene, options, &Limits { turns, ..Limits::from(&**gpu) }, change, is_broken)
+}
+
+fn is_broken(found: &Parity) -> bool {
+    !found.breaches.is_empty() || !found.miscounts.is_empty()
 }
 
 fn run(
     gpu: &Arc<Gpu>,
     scene: &Scene,
     options: &Options,
+    limits: &Limits,
     change: impl FnOnce(&mut Plan),
     is_enough: impl Fn(&Parity) -> bool,
 ) -> Parity {
     block_on(Some(gpu), async {
         let device = Device::Gpu(gpu.clone());
-        let limits = Limits::from(&gpu.device.limits());
-        let (mut plan, data) = Plan::new(scene, options, &limits).expect("a plan");
+        let (mut plan, data) = Plan::new(scene, options, limits).expect("a plan");
         change(&mut plan);
         let mut renderer = Renderer::from_plan(plan, data, options, &device).await.expect("a renderer");
         let streams = streams_of(renderer.plan());
@@ -105,8 +127,9 @@ fn run(
         let mut before = Vec::new();
         for &stream in &streams {
             let mut values = renderer.values(stream).await.expect("values");
-            // Two streams begin with what they are cleared to: which kernel is next, and how many samples there are.
-            if makes_rays && ![Stream::State, Stream::Accumulated].contains(&stream) {
+            // Some streams begin with what they are cleared to: which kernel is next, how many samples there are, and that
+            // no search has begun.
+            if makes_rays && ![Stream::State, Stream::Accumulated, Stream::Scan].contains(&stream) {
                 values.bits.fill(0x7fc0_dead);
                 assert!(renderer.write(&values));
             }
@@ -135,9 +158,9 @@ fn run(
 fn record(found: &mut Parity, pass: &Pass, rules: &Rounding<'_>, after: &[(StreamData, StreamData)]) {
     found.rays += u64::from(pass.rays_in);
     // A kernel that makes its rays itself finds them unwritten.
-    let unwritten = [state::UNWRITTEN];
+    let unwritten = [state::UNWRITTEN, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT];
     let active = if rules.data.features.eye_rays && pass.kernel == Kernel::Fused {
-        &unwritten
+        &unwritten[..]
     } else {
         pass.kernel.info().active
     };

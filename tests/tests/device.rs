@@ -103,7 +103,7 @@ fn a_buffer_larger_than_the_adapter_binds_is_refused_with_the_numbers() {
 #[test]
 fn images_without_pixels_or_with_too_many_are_refused() {
     let scene = scene("cornell-box.gltf");
-    let limits = Limits::from(&gpu().device.limits());
+    let limits = Limits::from(&*gpu());
     for (width, height) in [(0, 0), (0, 5), (1_000_000, 1), (u32::MAX, u32::MAX)] {
         let error = Plan::new(&scene, &options(&scene, width, height), &limits).expect_err("no such image");
         assert!(matches!(error, PlanError::ImageSize { .. }), "{error}");

@@ -17,7 +17,7 @@ fn room(way: Way) -> Options {
 fn compared(options: &Options, change: impl FnOnce(&mut Plan)) -> DivergenceMap {
     let gpu = gpu();
     block_on(Some(&gpu), async {
-        let limits = Limits::from(&gpu.device.limits());
+        let limits = Limits::from(&*gpu);
         let (mut plan, data) = Plan::new(&scene("cornell-box.gltf"), options, &limits).expect("a plan");
         change(&mut plan);
         let device = Device::Gpu(gpu.clone());

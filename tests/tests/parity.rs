@@ -130,6 +130,26 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             found.add(&format!("{file} {way} contracted"), parity::compare(&gpu, &scene, &options));
         }
     }
+    // With so few loop turns a dispatch that whatever can wait does, between any two steps.
+    for (file, turns) in [("cornell-box.gltf", 1), ("cornell-box.gltf", 30), ("primitives.gltf", 6), ("lights.gltf", 6)]
+    {
+        let scene = scene(file);
+        // A triangle or node a pass waits for nothing; a cell's, only where repeated tests are counted.
+        let waits = |way: &Way| way.accelerator == Accelerator::Grid || way.steps > 1 || !way.is_stepped();
+        for way in WAYS.into_iter().filter(waits) {
+            let options = Options { counters: true, ..way.of(&options(&scene, 21, 13)) };
+            let label = format!("{file} {way}, {turns} turns");
+            found.add(&label, parity::compare_in_turns(&gpu, &scene, &options, turns));
+            if way.schedule == ScheduleKind::Fused {
+                let options = Options { shade: false, ..options };
+                found.add(&label, parity::compare_in_turns(&gpu, &scene, &options, turns));
+            }
+        }
+    }
+    // A light a pass.
+    let lights = scene("lights.gltf");
+    let options = STEPPED.of(&options(&lights, 21, 13));
+    found.add("lights", parity::compare_in_turns(&gpu, &lights, &options, 1));
     let Found { sum, failures } = found;
     println!(
         "{} passes, {} components compared: {} equal but for rounding, {} rays undecided",
@@ -203,7 +223,7 @@ const BREAKS: [Break; 24] = {
         (Kernel::Walk, few_steps(Grid), "trace.u = candidate.u", "trace.u = candidate.v"),
         (Kernel::Walk, few_steps(Grid).leaping(), "8u * (index % 4u)", "8u * (index % 3u)"),
         (Kernel::Walk, few_steps(Grid).leaping(), "min(walk.cell, last)", "walk.cell"),
-        (Kernel::Walk, few_steps(Bvh), "var item = node.first", "var item = node.first + 1u"),
+        (Kernel::Walk, few_steps(Bvh), "let first = node.first", "let first = node.first + 1u"),
         (Kernel::Walk, few_steps(Bvh), "select(0u, 1u, goes_down", "select(1u, 0u, goes_down"),
         (Kernel::Walk, few_steps(None), "3u * entry + 2u", "3u * entry + 1u"),
         (Kernel::Fused, Way::new(Grid, Fused, 1), "trace.t <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
@@ -211,6 +231,23 @@ const BREAKS: [Break; 24] = {
         (Kernel::Fused, Way::new(Bvh, Fused, 1), "bitcast<i32>(nearest_t)", "bitcast<i32>(0.5 * nearest_t)"),
         (Kernel::Fused, Way::new(Bvh, Fused, 1), "leaves.base + countOneBits", "leaves.base + 0u * countOneBits"),
         (Kernel::Shade, STEPPED, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))"),
+    ]
+};
+
+/// The same of what only runs with few loop turns a dispatch compile.
+const TURN_BREAKS: [Break; 9] = {
+    use Accelerator::{Bvh, Grid, None};
+    use ScheduleKind::{Compact, Fused};
+    [
+        (Kernel::Walk, Way::new(Grid, Compact, 8), "item + 1u - grid_cells", "item + 2u - grid_cells"),
+        (Kernel::Walk, Way::new(Bvh, Compact, 8), "at.in_leaf = place.item > 0u", "at.in_leaf = false"),
+        (Kernel::Walk, Way::new(None, Compact, 8), "is_spent(place.trace)", "false"),
+        (Kernel::Fused, Way::new(Grid, Fused, 1), "item + 1u - grid_cells", "item - grid_cells"),
+        (Kernel::Fused, Way::new(Grid, Fused, 1).paper(), "u32(left)", "u32(left + 1)"),
+        (Kernel::Fused, Way::new(Bvh, Fused, 1), "level + 1u, NO_CHILD", "level + 1u, 0u"),
+        (Kernel::Fused, Way::new(Bvh, Fused, 1), "(1u << (24u + child)) - 1u", "(2u << (24u + child)) - 1u"),
+        (Kernel::Fused, Way::new(None, Fused, 1), "wait_at(0u, triangle + 1u)", "wait_at(0u, triangle + 2u)"),
+        (Kernel::Intersect, STEPPED, "keep_scan(texel, index, walk.tmax)", "keep_scan(texel, cell, walk.tmax)"),
     ]
 };
 
@@ -260,6 +297,16 @@ fn a_broken_kernel_is_named() {
         let first = found.breaches.first().unwrap_or_else(|| panic!("{} with {to:?} went unnoticed", kernel.name()));
         assert_eq!(first.kernel, kernel, "{first}");
     }
+    for (kernel, way, from, to) in TURN_BREAKS {
+        let scene = scene("cornell-box.gltf");
+        let found = parity::compare_broken_in_turns(&gpu(), &scene, &room(way), 6, change(kernel, from, to));
+        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{} with {to:?}", kernel.name());
+    }
+    let lights = scene("lights.gltf");
+    let (from, to) = ("LIGHTS_SUMMED + end", "LIGHTS_SUMMED + end + 1u");
+    let options = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&lights, 40, 40));
+    let found = parity::compare_broken_in_turns(&gpu(), &lights, &options, 1, change(Kernel::Shade, from, to));
+    assert_eq!(found.breaches.first().map(|b| b.kernel), Some(Kernel::Shade), "lights are left out unnoticed");
     // What only some runs compile: several samples, rays that the kernel makes, and rays that end at any hit.
     for (kernel, sampler, from, to) in SAMPLING_BREAKS {
         let way = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8);

@@ -300,7 +300,7 @@ fn index(running: &Running, streams: &[Stream]) -> Index {
         raystep_version: env!("CARGO_PKG_VERSION"),
         scene: running.scene.name.clone(),
         device: running.chosen.kind(),
-        adapter: running.chosen.gpu().map(|gpu| AdapterInfo::from(&gpu.info)),
+        adapter: running.chosen.gpu().map(AdapterInfo::from),
         options: running.run_options(),
         rays: plan.rays,
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use raystep_kernels::AdapterSummary;
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::plan::Bytes;
+use raystep_kernels::{AdapterSummary, Loops};
 use raystep_scenes::{Light, Projection, Scene};
 use serde::Serialize;
 
@@ -82,10 +82,10 @@ impl AboutAdapter {
     fn of(adapter: &AdapterSummary) -> Self {
         let limits = &adapter.limits;
         Self {
-            info: AdapterInfo::from(&adapter.info),
+            info: AdapterInfo::from(adapter),
             is_usable: adapter.is_usable,
             has_timestamps: adapter.has_timestamps,
-            image_side_px: raystep_kernels::Limits::from(limits).image_side,
+            image_side_px: raystep_kernels::Limits::of_adapter(limits, Loops::Unlimited).image_side,
             storage_binding_bytes: limits.max_storage_buffer_binding_size,
             buffer_bytes: limits.max_buffer_size,
             workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
@@ -115,6 +115,9 @@ impl AboutDevices {
                 }
             ));
             line(format!("  timestamps  {}", if a.has_timestamps { "yes" } else { "no: passes cannot be timed" }));
+            if let Some(turns) = a.info.loops_end_after {
+                line(format!("  loops       end after {turns} turns: longer walks take several dispatches"));
+            }
             line(format!("  images      up to {} pixels a side", a.image_side_px));
             line(format!("  buffers     {} each, {} bound", Bytes(a.buffer_bytes), Bytes(a.storage_binding_bytes)));
             line(format!(

@@ -176,7 +176,7 @@ fn about(chosen: &Chosen) -> page::About {
     ];
     match chosen.gpu() {
         Some(gpu) => {
-            let info = raystep_kernels::export::json::AdapterInfo::from(&gpu.info);
+            let info = raystep_kernels::export::json::AdapterInfo::from(gpu);
             about.extend([
                 ("adapter", format!("{} ({}, {})", info.name, info.kind, info.backend)),
                 ("driver", info.driver),

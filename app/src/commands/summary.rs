@@ -19,7 +19,7 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
         notes: running.scene.notes.iter().map(|n| n.0.clone()).collect(),
         device: running.chosen.kind(),
         device_reason: running.chosen.reason.clone(),
-        adapter: running.chosen.gpu().map(|gpu| AdapterInfo::from(&gpu.info)),
+        adapter: running.chosen.gpu().map(AdapterInfo::from),
         options: running.run_options(),
         triangles: plan.triangles,
         structure: running.structure(),

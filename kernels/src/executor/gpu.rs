@@ -7,6 +7,7 @@ mod fill;
 mod load;
 mod picture;
 mod pipelines;
+mod probe;
 mod read;
 mod snapshot;
 mod timers;
@@ -21,6 +22,7 @@ use fill::Fill;
 pub(crate) use fill::{fill_bytes, given_bytes};
 pub use load::Load;
 use pipelines::{Counting, Pipelines};
+pub use probe::Loops;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;
@@ -28,6 +30,7 @@ use timers::Timers;
 use crate::options::Accelerator;
 use crate::plan::{COUNT_SLOTS, Plan};
 use crate::scene_data::SceneData;
+use crate::shared::constants::TURNS_A_TEST;
 use crate::stream::{STATE_TAG, Stream, StreamData, Texel};
 
 /// Runs kernels over the rays of a plan.
@@ -46,6 +49,8 @@ pub struct GpuExecutor {
     copies: Copies,
     /// Rays that one dispatch of the fused kernel traces at most.
     rays_a_dispatch: u64,
+    /// Shading may leave rays to its next pass.
+    resumes_light: bool,
 }
 
 /// Most passes of one submission: one slot each for counts.
@@ -92,6 +97,7 @@ impl GpuExecutor {
             device_ns: Some(0),
             copies: Copies::default(),
             rays_a_dispatch,
+            resumes_light: plan.features.resumes_light,
         };
         executor.clear();
         executor.gpu.pop_scopes(scopes).await?;
@@ -195,7 +201,8 @@ impl GpuExecutor {
 fn rays_a_dispatch(kind: wgpu::DeviceType, plan: &Plan) -> u64 {
     const TESTS: u64 = 1 << 30;
     if plan.accelerator == Accelerator::None {
-        return TESTS / plan.triangles.max(1);
+        let most = if plan.features.resumes { u64::from(plan.features.turns / TURNS_A_TEST).max(1) } else { u64::MAX };
+        return TESTS / plan.triangles.clamp(1, most);
     }
     match kind {
         wgpu::DeviceType::DiscreteGpu => 1 << 24,

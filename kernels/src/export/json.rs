@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::structure::{Structure, structure_bytes};
+use crate::executor::gpu::{AdapterSummary, Gpu, Loops};
 use crate::kernel::Kernel;
 use crate::plan::Plan;
 use crate::reference::Report;
@@ -77,10 +78,24 @@ pub struct AdapterInfo {
     pub kind: String,
     /// The driver's name and version.
     pub driver: String,
+    /// Turns after which it ends a loop, as a probe found; `null` where it ended none.
+    pub loops_end_after: Option<u32>,
 }
 
-impl From<&wgpu::AdapterInfo> for AdapterInfo {
-    fn from(info: &wgpu::AdapterInfo) -> Self {
+impl From<&Gpu> for AdapterInfo {
+    fn from(gpu: &Gpu) -> Self {
+        Self::new(&gpu.info, Some(gpu.loops))
+    }
+}
+
+impl From<&AdapterSummary> for AdapterInfo {
+    fn from(summary: &AdapterSummary) -> Self {
+        Self::new(&summary.info, summary.loops)
+    }
+}
+
+impl AdapterInfo {
+    fn new(info: &wgpu::AdapterInfo, loops: Option<Loops>) -> Self {
         let kind = match info.device_type {
             wgpu::DeviceType::DiscreteGpu => "discrete GPU",
             wgpu::DeviceType::IntegratedGpu => "integrated GPU",
@@ -93,6 +108,7 @@ impl From<&wgpu::AdapterInfo> for AdapterInfo {
             backend: info.backend.to_string(),
             kind: kind.into(),
             driver: format!("{} {}", info.driver, info.driver_info).trim().into(),
+            loops_end_after: loops.and_then(Loops::end),
         }
     }
 }

@@ -41,9 +41,19 @@ pub const NOBODY: u32 = 0xffff_ffff;
 /// The parent of a tree's root, and where a ray is that has finished its walk through a tree.
 pub const NO_NODE: u32 = crate::bvh::NO_NODE;
 
-/// The WGSL module `package::constants`, with room for so many groups on a ray's stack.
+/// The cell of a search that has not begun.
+pub const NO_CELL: u32 = 0xffff_ffff;
+
+/// Added to the number of lights summed so far, in the state's item: longer than any list.
+pub const LIGHTS_SUMMED: u32 = 1 << 31;
+
+/// Loop turns that a triangle's test counts for: the list's, and three of the loop over its edges.
+pub const TURNS_A_TEST: u32 = 4;
+
+/// The WGSL module `package::constants`, with room for so many groups on a ray's stack, and so many loop turns a
+/// dispatch.
 #[must_use]
-pub fn wgsl_module(stack: u32) -> String {
+pub fn wgsl_module(stack: u32, turns: u32) -> String {
     // Rust prints the shortest decimal that reads back as the same f32.
     format!(
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
@@ -51,7 +61,8 @@ pub fn wgsl_module(stack: u32) -> String {
          const MIN_NORMAL: f32 = {MIN_NORMAL:e}f;\n\
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
-         const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n",
+         const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
+         const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n",
         stack.clamp(1, WIDE_MAX_DEPTH)
     )
 }

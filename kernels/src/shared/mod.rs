@@ -11,9 +11,9 @@ pub mod wide_walk;
 
 /// WESL modules that kernels import from, by name: `package::NAME`.
 #[must_use]
-pub(crate) fn modules(stack: u32) -> [(&'static str, String); 17] {
+pub(crate) fn modules(stack: u32, turns: u32) -> [(&'static str, String); 17] {
     [
-        ("constants", constants::wgsl_module(stack)),
+        ("constants", constants::wgsl_module(stack, turns)),
         ("state", crate::state::wgsl_module()),
         ("vector", include_str!("vector.wgsl").into()),
         ("ray", include_str!("ray.wgsl").into()),

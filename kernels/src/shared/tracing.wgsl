@@ -1,5 +1,6 @@
 // What a kernel that takes several steps keeps in registers of a ray, and its test of one triangle.
 
+@if(resumes) import package::constants::{TURNS, TURNS_A_TEST};
 import package::triangle::{Shear, hit_triangle, is_nearer};
 import package::packed_triangles::{packed_triangle};
 @if(in_cell) import package::grid_walk::{is_in_cell};
@@ -17,6 +18,15 @@ struct Trace {
     tests: u32,
     // Any hit was asked for and found.
     ended: bool,
+    // Loop turns of this dispatch so far.
+    @if(resumes) turns: u32,
+}
+
+// Whether the rest is left to the next dispatch: some adapters end loops after so many turns, or a dispatch after so
+// long. Asked between two steps, never before the first, so that every dispatch gets on.
+@if(resumes)
+fn is_spent(trace: Trace) -> bool {
+    return trace.turns >= TURNS;
 }
 
 // Tests one triangle; the cell is used where hits must lie in it.
@@ -37,5 +47,6 @@ fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
         @if(any_hit) trace.ended = true;
     }
     @if(counters) trace.tests += 1u;
+    @if(resumes) trace.turns += TURNS_A_TEST;
     return trace;
 }

@@ -4,6 +4,26 @@ use super::bvh_walk::finite_inverse;
 use crate::bvh::WideNode;
 use crate::real::{Real, Vec3};
 
+/// Words of a restart trail, eight levels each.
+pub const TRAIL_WORDS: usize = 4;
+/// Its last level.
+pub const MOST_LEVELS: u32 = 31;
+/// What stands for none of a group's children.
+pub const NO_CHILD: u32 = 8;
+
+/// The child of a level, from the trail's word that has the level.
+#[must_use]
+pub fn trail_child(word: u32, level: u32) -> u32 {
+    word >> (4 * (level % 8)) & 15
+}
+
+/// The word with another child for the level.
+#[must_use]
+pub fn with_trail_child(word: u32, level: u32, child: u32) -> u32 {
+    let shift = 4 * (level % 8);
+    word & !(15 << shift) | child << shift
+}
+
 /// What a ray's walk keeps.
 #[derive(Clone, Copy, Debug)]
 pub struct WideRay<R> {

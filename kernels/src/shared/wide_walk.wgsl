@@ -6,6 +6,24 @@
 // Five words a node, see WideNode in bvh/wide_node.rs.
 @group(1) @binding(20) var<storage, read> wide_nodes: array<vec4u>;
 
+// A restart trail's words, eight levels each, its last level, and what stands for none of a group's children.
+@if(resumes) const TRAIL_WORDS: u32 = 4u;
+@if(resumes) const MOST_LEVELS: u32 = 31u;
+@if(resumes) const NO_CHILD: u32 = 8u;
+
+// The child of a level, from the trail's word that has the level.
+@if(resumes)
+fn trail_child(word: u32, level: u32) -> u32 {
+    return (word >> (4u * (level % 8u))) & 15u;
+}
+
+// The word with another child for the level.
+@if(resumes)
+fn with_trail_child(word: u32, level: u32, child: u32) -> u32 {
+    let shift = 4u * (level % 8u);
+    return (word & ~(15u << shift)) | (child << shift);
+}
+
 // What a ray's walk keeps in registers.
 struct WideRay {
     origin: vec3f,

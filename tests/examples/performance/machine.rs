@@ -94,7 +94,7 @@ impl Machine {
     }
 
     pub(crate) fn limits(&self) -> Limits {
-        self.gpu().map_or(Limits::CPU, |gpu| Limits::from(&gpu.device.limits()))
+        self.gpu().map_or(Limits::CPU, |gpu| Limits::from(&**gpu))
     }
 
     /// Whether it has the power for large images.
@@ -141,7 +141,7 @@ impl Machine {
         let processor = processor.lines().find_map(|l| l.strip_prefix("model name")?.split_once(": "));
         let processor = processor.map_or(std::env::consts::ARCH, |(_, name)| name).trim().to_owned();
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let info = self.gpu().map(|gpu| AdapterInfo::from(&gpu.info));
+        let info = self.gpu().map(|gpu| AdapterInfo::from(&**gpu));
         let text = |f: fn(&AdapterInfo) -> &String| info.as_ref().map(f).cloned();
         About {
             raystep_version: env!("CARGO_PKG_VERSION").into(),

@@ -129,7 +129,7 @@ fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &
         command_line: std::iter::once("raystep".to_owned()).chain(command_line).collect(),
         device: chosen.kind(),
         device_reason: &chosen.reason,
-        adapter: chosen.gpu().map(|gpu| AdapterInfo::from(&gpu.info)),
+        adapter: chosen.gpu().map(AdapterInfo::from),
         timer_source: timer.map(Timer::name),
         timestamp_period_ns: chosen.gpu().and_then(|gpu| gpu.timestamp_period_ns),
         options: AboutOptions {

@@ -32,11 +32,13 @@ impl GpuExecutor {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
         match passes {
-            [Kernel::Fused] => {
-                encoder = self.encode_fused(encoder, &places[0])?;
-                self.encode_count(&mut encoder);
-            }
+            [Kernel::Fused] => encoder = self.encode_fused(encoder, &places[0])?,
             _ => self.encode_all(&mut encoder, passes, &places)?,
+        }
+        // These do not count where they send rays; both are submitted alone.
+        let is_counted_anew = passes == [Kernel::Fused] || self.resumes_light && passes == [Kernel::Shade];
+        if is_counted_anew {
+            self.encode_count(&mut encoder);
         }
         encoder.copy_buffer_to_buffer(&self.books.sent, 0, &self.books.copy, 0, count * COUNT_SLOT_BYTES);
         let time_bytes = self.timers.as_ref().map_or(0, |t| 8 * u64::from(t.queries(count as u32)));
@@ -63,7 +65,7 @@ impl GpuExecutor {
         let mut results = Vec::with_capacity(passes.len());
         for (((&kernel, place), sent), (begin_ns, duration_ns)) in passes.iter().zip(&places).zip(sent).zip(times) {
             let threads_launched = place.threads(kernel, &now, self.width, self.height);
-            now = counts_after(kernel, &now, &sent);
+            now = if is_counted_anew { sent } else { counts_after(kernel, &now, &sent) };
             results.push(PassResult { kernel, counts: now, threads_launched, begin_ns, duration_ns });
         }
         Ok(results)

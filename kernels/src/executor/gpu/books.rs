@@ -270,10 +270,6 @@ pub(super) fn is_dynamic(name: &str) -> bool {
 
 /// Counts after a pass, from those before it and what it sent.
 pub(super) fn counts_after(kernel: Kernel, before: &StateCounts, sent: &StateCounts) -> StateCounts {
-    if kernel == Kernel::Fused {
-        // Counted anew.
-        return *sent;
-    }
     let mut after = *before;
     let active = kernel.info().active;
     active.iter().for_each(|&tag| after[tag as usize] = 0);

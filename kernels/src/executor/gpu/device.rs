@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::probe::{Loops, loops};
+
 /// A device, its queue, and what became of it.
 pub struct Gpu {
     /// The device.
@@ -12,6 +14,8 @@ pub struct Gpu {
     pub info: wgpu::AdapterInfo,
     /// Nanoseconds a tick of the pass timers; `None` where the adapter has none.
     pub timestamp_period_ns: Option<f64>,
+    /// What it makes of long loops.
+    pub loops: Loops,
     /// Where the device comes from: what a window needs to show what is drawn on it.
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
@@ -47,6 +51,8 @@ pub struct AdapterSummary {
     pub has_timestamps: bool,
     /// Whether it has all that raystep needs.
     pub is_usable: bool,
+    /// What it makes of long loops; `None` where it gives no device.
+    pub loops: Option<Loops>,
 }
 
 /// Something is wrong with the device.
@@ -105,16 +111,27 @@ fn instance() -> wgpu::Instance {
 
 /// Every adapter on this machine.
 pub async fn adapters() -> Vec<AdapterSummary> {
-    let adapters = instance().enumerate_adapters(wgpu::Backends::PRIMARY).await;
-    adapters.iter().map(summary).collect()
+    let mut summaries = Vec::new();
+    for adapter in instance().enumerate_adapters(wgpu::Backends::PRIMARY).await {
+        let loops = if is_usable(&adapter) { probe_loops(&adapter).await } else { None };
+        summaries.push(summary(&adapter, loops));
+    }
+    summaries
 }
 
-fn summary(adapter: &wgpu::Adapter) -> AdapterSummary {
+/// Opens a device for a moment.
+async fn probe_loops(adapter: &wgpu::Adapter) -> Option<Loops> {
+    let (device, queue) = adapter.request_device(&wgpu::DeviceDescriptor::default()).await.ok()?;
+    loops(&device, &queue).await.ok()
+}
+
+fn summary(adapter: &wgpu::Adapter, loops: Option<Loops>) -> AdapterSummary {
     AdapterSummary {
         info: adapter.get_info(),
         limits: adapter.limits(),
         has_timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
         is_usable: is_usable(adapter),
+        loops,
     }
 }
 
@@ -187,17 +204,19 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|e| refused(e.to_string()))?;
-        Ok(Self::from_device(device, queue, info, Some(GpuSource { instance, adapter })))
+        Self::from_device(device, queue, info, Some(GpuSource { instance, adapter })).await
     }
 
-    /// Takes over a device that somebody else opened.
-    #[must_use]
-    pub fn from_device(
+    /// Takes over a device that somebody else opened, and sees what it makes of long loops.
+    ///
+    /// # Errors
+    /// Where the device is lost, or cannot be read back from.
+    pub async fn from_device(
         device: wgpu::Device,
         queue: wgpu::Queue,
         info: wgpu::AdapterInfo,
         source: Option<GpuSource>,
-    ) -> Arc<Self> {
+    ) -> Result<Arc<Self>, GpuError> {
         let trouble = Arc::new(Mutex::new(None));
         let note = |trouble: &Arc<Mutex<Option<GpuError>>>, error: GpuError| {
             // The first trouble is the cause, what follows is its consequence.
@@ -212,7 +231,8 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&uncaptured, error.into())));
         let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
-        Arc::new(Self { device, queue, info, timestamp_period_ns, source, trouble })
+        let loops = loops(&device, &queue).await?;
+        Ok(Arc::new(Self { device, queue, info, timestamp_period_ns, loops, source, trouble }))
     }
 
     /// Whether the device still works.

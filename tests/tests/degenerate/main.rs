@@ -1,6 +1,8 @@
 //! Scenes that break tracers: triangles on top of each other, triangles without an area, coordinates at
 //! f32's limits, nothing at all. Every way to trace them against f64 brute force: no errors but ties.
 
+mod long_lists;
+
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Accelerator, Options, Ray, RaySource};
 use raystep_scenes::{Camera, Material, Scene, generate};

@@ -1,0 +1,190 @@
+//! More work for one ray than an adapter gives a thread in one dispatch: lists of tens and hundreds of thousands of
+//! triangles, and as many lights. Mesa's software Vulkan ends loops after 65,535 turns, without a word.
+
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+use raystep_kernels::{
+    Accelerator, Device, GridSize, Limits, Loops, Options, Plan, RaySource, Renderer, ScheduleKind, Stream,
+};
+use raystep_scenes::{Camera, Light, Projection, Scene};
+use raystep_tests::ways::{EVERY, Way};
+use raystep_tests::{block_on, devices, gpu, gpu_of, hits, options, scene, values};
+
+use super::{expect_no_errors, made_of, picture};
+
+/// Triangles one behind the other, the last in their order nearest to the eye. Every box has a half that no triangle
+/// covers, so that of the rays through the boxes half meet every box and nothing in it.
+fn pile(count: usize) -> Scene {
+    let z = |i: usize| i as f32 / count as f32;
+    made_of((0..count).map(|i| [[-1.0, -1.0, z(i)], [1.0, -1.0, z(i)], [1.0, 1.0, z(i)]]).collect())
+}
+
+/// Parallel rays along the pile, so that boxes and cells are met in the order of z.
+fn along(scene: &Scene, side: u32) -> Options {
+    let mut options = picture(scene, side);
+    if let RaySource::Camera { camera, .. } = &mut options.rays {
+        let projection = Projection::Orthographic { half_height: 1.1 };
+        let (eye, target) = (DVec3::new(0.05, 0.02, 5.0), DVec3::new(0.05, 0.02, 0.0));
+        *camera = Camera::look_at(eye, target, DVec3::Y, projection).expect("an eye off its target");
+    }
+    options
+}
+
+#[test]
+fn lists_longer_than_any_loop_are_walked_to_their_end() {
+    use Accelerator::{Bvh, Grid, None};
+    use ScheduleKind::{Compact, Fused, Second};
+    let scene = pile(70_000);
+    let all_steps = [Way::new(None, Compact, 4096), Way::new(Bvh, Compact, 4096), Way::new(Grid, Compact, 4096)];
+    // Through cells that the scene gets by itself, and through one that lists everything.
+    let several: Vec<Way> =
+        EVERY.into_iter().filter(|way| way.steps > 1 || way.schedule == Fused).chain(all_steps).collect();
+    expect_no_errors("pile", &scene, &along(&scene, 12), &several, 0.0);
+    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&scene, 12) };
+    let grids: Vec<Way> = several.iter().copied().filter(|way| way.accelerator == Grid).collect();
+    expect_no_errors("pile in one cell", &scene, &one_cell, &grids, 0.0);
+    // One triangle a pass: as many passes as there are triangles.
+    let stepped = [Way::new(None, Second, 1), Way::new(Grid, Compact, 1)];
+    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&scene, 4) };
+    expect_no_errors("pile, step by step", &scene, &one_cell, &stepped, 0.0);
+    let larger = pile(300_000);
+    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&larger, 6) };
+    expect_no_errors("larger pile", &larger, &one_cell, &several, 0.0);
+}
+
+/// What a ray has counted does not depend on how many dispatches it took.
+#[test]
+fn counters_are_of_the_walk_and_not_of_its_dispatches() {
+    let scene = pile(70_000);
+    let device = Device::Gpu(gpu());
+    let mut sums = Vec::new();
+    for cells in [[1, 1, 1], [2, 3, 40]] {
+        for way in EVERY.into_iter().filter(|way| way.steps > 1 || !way.is_stepped()) {
+            let options =
+                Options { counters: true, shade: true, grid: GridSize::Cells(cells), ..way.of(&along(&scene, 8)) };
+            let [on_gpu, on_cpu] = [&device, &Device::Cpu(Option::None)].map(|device| {
+                let renderer = run(&scene, &options, device, Option::None);
+                values(&renderer, Stream::Counters)
+            });
+            // Behind a hit that was found meanwhile, a walk that goes on enters fewer boxes.
+            let exact = way.accelerator != Accelerator::Bvh || way.is_stepped();
+            for layer in 0..3 {
+                let (ours, theirs) = (on_gpu.layer(layer), on_cpu.layer(layer));
+                let is_right = if exact { ours == theirs } else { ours.iter().zip(theirs).all(|(a, b)| a <= b) };
+                assert!(is_right, "{way}, cells {cells:?}, counter {layer}: {ours:?}, on the CPU {theirs:?}");
+            }
+            sums.push(on_gpu.layer(1).iter().map(|&tests| u64::from(tests)).sum::<u64>());
+        }
+    }
+    assert!(sums.iter().all(|&tests| tests > 70_000), "{sums:?}");
+}
+
+/// A search for repeated tests along many cells with long lists.
+#[test]
+fn repeated_tests_are_counted_by_a_search_of_several_dispatches() {
+    // Slivers along the rays, in the lists of all cells on the way; and a wall at its end, which no list has before.
+    let mut triangles: Vec<_> =
+        (0..40).map(|i| [[-0.5, i as f32 * 0.01, 0.0], [0.5, 0.0, 0.0], [0.5, 0.1, 1.0]]).collect();
+    triangles.push([[-3.0, -2.0, 0.0], [3.0, -2.0, 0.0], [0.0, 3.0, 0.0]]);
+    let scene = made_of(triangles);
+    let options = Options { counters: true, grid: GridSize::Cells([1, 1, 900]), ..along(&scene, 6) };
+    let options = Way::new(Accelerator::Grid, ScheduleKind::Second, 1).of(&options);
+    let limits = Limits { turns: 500, ..Limits::from(&*gpu()) };
+    let in_turns = run(&scene, &options, &Device::Gpu(gpu()), Some(&limits));
+    let whole = run(&scene, &options, &Device::Cpu(None), Option::None);
+    assert!(in_turns.plan().features.resumes_scan && !whole.plan().features.resumes_scan);
+    let [ours, theirs] = [&in_turns, &whole].map(|renderer| values(renderer, Stream::Counters));
+    assert_eq!(ours, theirs);
+    assert!(theirs.layer(2).iter().any(|&repeated| repeated > 100), "{:?}", theirs.layer(2));
+    assert!(in_turns.passes().len() > whole.passes().len(), "no search took a second dispatch");
+}
+
+/// The only light that shines is the last of 70,000.
+#[test]
+fn all_lights_are_summed() {
+    let mut scene = scene("single-triangle.gltf");
+    let dark = Light::Point { position: [0.0, 0.0, 3.0], color: [0.0; 3], intensity: 0.0 };
+    scene.lights = vec![dark; 69_999];
+    scene.lights.push(Light::Point { position: [0.3, 0.2, 3.0], color: [1.0, 0.5, 0.25], intensity: 1.0 });
+    for way in EVERY {
+        let options = way.of(&options(&scene, 9, 9));
+        let picture = |(_, device)| values(&run(&scene, &options, &device, Option::None), Stream::Color);
+        let pictures: Vec<_> = devices().into_iter().map(picture).collect();
+        assert!(pictures[0].layer(0).iter().any(|&red| f32::from_bits(red) > 0.1), "{way}: dark");
+        assert_eq!(pictures[0], pictures[1], "{way}");
+    }
+}
+
+/// With any number of loop turns a dispatch, down to one, hits are the same bits.
+#[test]
+fn the_number_of_loop_turns_changes_no_hit() {
+    for file in ["cornell-box.gltf", "teapot.glb"] {
+        let scene = scene(file);
+        for (name, device) in devices() {
+            for way in
+                EVERY.into_iter().filter(|way| way.accelerator != Accelerator::None || scene.triangles.len() < 100)
+            {
+                let options = way.of(&options(&scene, 30, 20));
+                let whole = run(&scene, &options, &device, Some(&Limits { turns: u32::MAX, ..Limits::CPU }));
+                assert!(!whole.plan().features.resumes);
+                for turns in [1, 7, 64] {
+                    let limits = Limits { turns, ..Limits::CPU };
+                    let parts = run(&scene, &options, &device, Some(&limits));
+                    // With one turn, whatever can wait does; with more, what may need them.
+                    let resumes = turns == 1 && (way.steps > 1 || !way.is_stepped());
+                    assert!(parts.plan().features.resumes >= resumes, "{file} {name} {way} {turns}");
+                    assert!(!resumes || parts.passes().len() > whole.passes().len(), "{file} {name} {way}");
+                    assert_eq!(hits(&parts), hits(&whole), "{file} {name} {way}, {turns} turns");
+                    assert_eq!(values(&parts, Stream::Color), values(&whole, Stream::Color), "{file} {name} {way}");
+                }
+            }
+        }
+    }
+}
+
+/// Where no thread can need as many turns as it has, nothing is compiled or allocated for it.
+#[test]
+fn what_fits_one_dispatch_is_compiled_as_without_a_limit() {
+    let scene = scene("cornell-box.gltf");
+    for way in EVERY {
+        let options = Options { counters: true, ..way.of(&options(&scene, 16, 16)) };
+        let [many, without] = [1 << 22, u32::MAX]
+            .map(|turns| Plan::new(&scene, &options, &Limits { turns, ..Limits::CPU }).expect("a plan").0);
+        assert_eq!(many.bytes(), without.bytes(), "{way}");
+        for (many, without) in many.variants.iter().zip(&without.variants) {
+            assert_eq!(many.source, without.source, "{way}: {}", many.kernel.name());
+        }
+        assert!(![Stream::Place, Stream::Trail, Stream::Scan].iter().any(|&s| many.has_stream(s)), "{way}");
+    }
+}
+
+/// Mesa's software Vulkan is known to end loops; a thread gets a small part of the turns that it allows.
+#[test]
+fn the_adapters_loops_are_probed() {
+    let gpu = gpu();
+    let limits = Limits::from(&*gpu);
+    println!("{}: {:?}, {} turns a dispatch", gpu.info.name, gpu.loops, limits.turns);
+    match gpu.loops {
+        Loops::EndAfter(turns) => assert!(limits.turns >= 1 && limits.turns <= turns / 16),
+        Loops::Unlimited => assert!(limits.turns > 65_535),
+    }
+    if gpu.info.name.contains("llvmpipe") {
+        assert!(matches!(gpu.loops, Loops::EndAfter(65_000..66_000)), "{:?}", gpu.loops);
+    }
+}
+
+fn run(scene: &Scene, options: &Options, device: &Device, limits: Option<&Limits>) -> Renderer {
+    block_on(gpu_of(device), async {
+        let mut renderer = match limits {
+            Some(limits) => {
+                let (plan, data) = Plan::new(scene, options, limits).expect("a plan");
+                Renderer::from_plan(plan, data, options, device).await
+            }
+            Option::None => Renderer::new(scene, options, device).await,
+        }
+        .expect("a renderer");
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+        renderer
+    })
+}
