@@ -66,7 +66,8 @@ impl Rounding<'_> {
     /// Software Vulkan does neither, and is equal bit for bit; an H200 does both.
     ///
     /// * ray_direction, ray_origin: sums of three terms of the size of the view plane; 4 roundings of those.
-    /// * tmax: a division and a product: 4 ulp; by the paper's rules it grows by that at every step.
+    /// * tmax: a division and a product: 4 ulp; by the paper's rules it grows by that at every step, of which there are
+    ///   fewer than loop turns where it waits in place or scan.
     /// * color: square roots, divisions and sums of terms below 1 or the value itself; a spot's cone multiplies
     ///   the error of a cosine by its scale.
     /// * accumulated, and color where it is given the mean: a division that is added to; 4 roundings.
@@ -81,6 +82,7 @@ impl Rounding<'_> {
         match (stream, layer) {
             (Stream::RayOrigin | Stream::RayDirection, _) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
             (Stream::TMax, _) => ulps(a, b) <= 4 * u64::from(self.steps()),
+            (Stream::Place, 4..) | (Stream::Scan, 1..) => ulps(a, b) <= 4 * u64::from(self.data.features.turns),
             (Stream::Hit, 0 | 1) => possible.is_some_and(|p| difference <= 2.0 * p.weight_bound),
             (Stream::State, STATE_T) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
             (Stream::Color, _) => {
