@@ -26,20 +26,22 @@ if [ "$(uname)" = Linux ] && ! has_vulkan; then
         exit 1
     fi
 fi
-if [ "$(uname)" = Linux ] && ! command -v Xvfb >/dev/null; then
-    step "a display that nobody sees"
+if [ "$(uname)" = Linux ] && {
+    ! command -v Xvfb || ! command -v openbox || ! command -v wmctrl
+} >/dev/null; then
+    step "a display that nobody sees, and a window manager"
     as_root=""
     [ "$(id -u)" = 0 ] || as_root=sudo
     if command -v apt-get >/dev/null; then
         $as_root apt-get update -qq
         DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq \
-            xvfb libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2 >/dev/null
+            openbox wmctrl xvfb libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2 >/dev/null
     elif command -v dnf >/dev/null; then
-        $as_root dnf install -y -q xorg-x11-server-Xvfb libX11-xcb libXcursor libXi libxkbcommon-x11 libXrandr
+        $as_root dnf install -y -q openbox wmctrl xorg-x11-server-Xvfb libX11-xcb libXcursor libXi libxkbcommon-x11 libXrandr
     elif command -v pacman >/dev/null; then
-        $as_root pacman -S --noconfirm --needed xorg-server-xvfb libxcursor libxi libxkbcommon-x11 libxrandr
+        $as_root pacman -S --noconfirm --needed openbox wmctrl xorg-server-xvfb libxcursor libxi libxkbcommon-x11 libxrandr
     else
-        echo "install Xvfb first, to test the window" >&2
+        echo "install Xvfb, openbox and wmctrl first, to test the window" >&2
         exit 1
     fi
 fi

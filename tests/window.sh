@@ -1,31 +1,92 @@
 #!/bin/sh
-# Opens the real window on a display that nobody sees: it must stay open, without a word, until it is told to close.
+# Opens the real window under a window manager, on a display that nobody sees, with each device: it must open every
+# time, bear being resized and moved while it traces, trace to the end, and close without a word.
 set -eu
 cd "$(dirname "$0")/.."
-cargo build --locked --quiet
+binary=${1:-}
+if [ -z "$binary" ]; then
+    cargo build --locked --quiet
+    binary=./target/debug/raystep
+fi
 folder=$(mktemp -d)
+window_manager=""
 Xvfb -displayfd 3 -screen 0 1400x900x24 3>"$folder/display" 2>/dev/null &
 server=$!
-trap 'kill $server 2>/dev/null; rm -rf "$folder"' EXIT
-for _ in 1 2 3 4 5 6 7 8 9 10; do
-    [ -s "$folder/display" ] && break
-    sleep 0.5
-done
+trap 'kill $window_manager $server 2>/dev/null; rm -rf "$folder"' EXIT
+
+# Does something up to so many times, until it succeeds, with 0.1 s between.
+until_it_does() {
+    tries=$1
+    shift
+    while ! "$@" >/dev/null 2>&1; do
+        tries=$((tries - 1))
+        [ "$tries" -gt 0 ] || return 1
+        sleep 0.1
+    done
+}
+
+until_it_does 100 test -s "$folder/display"
 DISPLAY=":$(cat "$folder/display")"
 export DISPLAY HOME="$folder" XDG_RUNTIME_DIR="$folder"
-unset WAYLAND_DISPLAY WAYLAND_SOCKET
-code=0
-timeout -s TERM 40 ./target/debug/raystep scenes/cornell-box.gltf --size 128x128 >"$folder/said" 2>&1 || code=$?
-cat "$folder/said"
-# 124: it was still open when its time was over.
-if [ "$code" != 124 ] || [ -s "$folder/said" ]; then
-    echo "the window did not stay open: exit code $code" >&2
+unset WAYLAND_DISPLAY WAYLAND_SOCKET XDG_DATA_HOME
+openbox >/dev/null 2>&1 &
+window_manager=$!
+until_it_does 100 wmctrl -m
+
+fail() {
+    echo "$1" >&2
+    touch "$folder/said" "$folder/kept"
+    cat "$folder/said" "$folder/kept" >&2
     exit 1
-fi
-# What it keeps every ten seconds says what it showed: the scene, traced to its end.
-kept=$(find "$folder" -name inspector.ron)
-if ! grep -q 'cornell-box.gltf.*pass=73' "$kept"; then
-    echo "the window did not trace the scene:" >&2
-    cat "$kept" >&2
-    exit 1
-fi
+}
+
+# Starts it in a fresh home, with these options, and waits until it shows the scene.
+open() {
+    rm -rf "$folder/.local" "$folder/said"
+    until_it_does 100 no_window || fail "$*: there is a window already"
+    # Its exit code is the last line of what it said.
+    ("$binary" scenes/cornell-box.gltf "$@" 2>&1; echo "exit code $?") >"$folder/said" &
+    opened=$!
+    until_it_does 300 shows_the_scene && [ ! -s "$folder/said" ] || fail "$*: the window did not show the scene"
+}
+
+no_window() {
+    [ "$(wmctrl -l | grep -c raystep)" = 0 ]
+}
+
+shows_the_scene() {
+    # One that has ended never will.
+    [ -s "$folder/said" ] || wmctrl -l | grep -q cornell-box
+}
+
+# Closes it as its user would.
+close() {
+    wmctrl -c cornell-box || fail "$*: the window is gone"
+    until_it_does 300 test -s "$folder/said" || fail "$*: the window does not close"
+    wait "$opened"
+    [ "$(cat "$folder/said")" = "exit code 0" ] || fail "$*: the window did not stay open and silent"
+}
+
+# What it keeps every ten seconds says what it showed.
+is_traced() {
+    find "$folder/.local" -name inspector.ron -exec cat {} + >"$folder/kept"
+    [ -s "$folder/said" ] || grep -q 'cornell-box.gltf.*pass=73' "$folder/kept"
+}
+
+for device in auto cpu; do
+    for start in 1 2 3 4 5 6 7 8 9 10; do
+        open --device "$device"
+        # The first passes, while window manager and window agree about the size.
+        sleep 1
+        close "--device $device, start $start"
+    done
+    open --device "$device" --size 1024x1024
+    for turn in 1 2 3 4 5 6 7 8 9 10; do
+        wmctrl -r cornell-box -e "0,$((20 * turn)),$((10 * turn)),$((500 + 80 * turn)),$((300 + 50 * turn))"
+        sleep 0.2
+        wmctrl -r cornell-box -e "0,0,0,$((1380 - 80 * turn)),500"
+        sleep 0.2
+    done
+    until_it_does 600 is_traced && [ ! -s "$folder/said" ] || fail "--device $device: the window did not trace the scene"
+    close "--device $device, after twenty resizes"
+done

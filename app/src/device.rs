@@ -54,7 +54,7 @@ impl Chosen {
     /// Waits until the device has done everything that it was given, uploads included.
     pub(crate) fn settle(&self) {
         if let Some(gpu) = self.gpu() {
-            gpu.queue.submit([]);
+            gpu.submit([]);
             // A lost device is said by whatever uses it next.
             let _ = gpu.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None });
         }

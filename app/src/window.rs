@@ -2,23 +2,28 @@
 
 mod files;
 mod host;
+mod last_error;
 mod screenshot;
+mod surface;
 mod thread;
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use eframe::egui;
-use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
+use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
 use raystep_inspector::session::engine::Devices;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::Gpu;
+use winit::event_loop::EventLoop;
 
 use crate::device::now_ns;
 use crate::error::Error;
 pub(crate) use host::SceneChoice;
 pub(crate) use screenshot::screenshot;
+use surface::{Application, Surface};
 
 /// What to show first.
 #[derive(Clone, Debug, Default)]
@@ -58,24 +63,32 @@ pub(crate) fn open(gpu: Arc<Gpu>, start: Start) -> Result<(), Error> {
         .with_inner_size(start.size)
         .with_min_inner_size([200.0, 150.0])
         .with_drag_and_drop(true);
-    let options = eframe::NativeOptions {
-        viewport,
-        wgpu_options: WgpuConfiguration { wgpu_setup: setup, ..Default::default() },
-        ..Default::default()
-    };
-    let lost = Arc::new(std::sync::Mutex::new(None));
-    let found = lost.clone();
-    let opened = eframe::run_native(
+    let surface = Surface::new(gpu.clone());
+    let options = eframe::NativeOptions { viewport, wgpu_options: surface.configuration(setup), ..Default::default() };
+    let failed = |reason: String| Error::failed(format!("the window cannot be opened: {reason}"));
+    last_error::listen();
+    let event_loop = EventLoop::with_user_event().build().map_err(|e| failed(e.to_string()))?;
+    let ended = Arc::new(Ended::default());
+    let (ending, shown) = (ended.clone(), surface.clone());
+    let eframe = eframe::create_native(
         "raystep",
         options,
         Box::new(move |creation| {
             let state = creation.wgpu_render_state.as_ref().ok_or("the window has no wgpu device")?;
-            let renderer = state.renderer.clone();
-            Ok(Box::new(Window::new(&creation.egui_ctx, gpu, renderer, start, found)))
+            shown.opened(&creation.egui_ctx);
+            ending.is_open.store(true, Ordering::Relaxed);
+            let inspector = inspector(&creation.egui_ctx, &gpu, state.renderer.clone(), start);
+            Ok(Box::new(Window::new(inspector, gpu, shown, ending)))
         }),
+        &event_loop,
     );
-    opened.map_err(|e| Error::failed(format!("the window cannot be opened: {e}")))?;
-    match lost.lock().ok().and_then(|mut lost| lost.take()) {
+    let run = event_loop.run_app(&mut Application { eframe, surface: surface.clone() });
+    run.map_err(|e| Error::failed(format!("the window was closed: {e}")))?;
+    if !ended.is_open.load(Ordering::Relaxed) {
+        let reason = surface.trouble().or_else(last_error::take);
+        return Err(failed(reason.unwrap_or_else(|| "the system gives no reason".into())));
+    }
+    match ended.lost.lock().ok().and_then(|mut lost| lost.take()).or_else(|| surface.trouble()) {
         Some(message) => Err(Error::failed(message)),
         None => Ok(()),
     }
@@ -102,38 +115,42 @@ pub(crate) fn inspector(
 /// Time between two looks at what is to be kept.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
 
+/// How a window ended.
+#[derive(Default)]
+struct Ended {
+    /// It was opened.
+    is_open: AtomicBool,
+    /// Why nothing could be drawn any more.
+    lost: Mutex<Option<String>>,
+}
+
 struct Window {
     inspector: Inspector,
     gpu: Arc<Gpu>,
-    lost: Arc<std::sync::Mutex<Option<String>>>,
+    surface: Arc<Surface>,
+    ended: Arc<Ended>,
     title: String,
     /// When the session was kept last.
     kept: Instant,
 }
 
 impl Window {
-    fn new(
-        ctx: &egui::Context,
-        gpu: Arc<Gpu>,
-        renderer: Arc<egui::mutex::RwLock<eframe::egui_wgpu::Renderer>>,
-        start: Start,
-        lost: Arc<std::sync::Mutex<Option<String>>>,
-    ) -> Self {
-        let mut inspector = inspector(ctx, &gpu, renderer, start);
+    fn new(mut inspector: Inspector, gpu: Arc<Gpu>, surface: Arc<Surface>, ended: Arc<Ended>) -> Self {
         if let Some(kept) = files::recall() {
             inspector.restore(&kept);
         }
-        Self { inspector, gpu, lost, title: String::new(), kept: Instant::now() }
+        Self { inspector, gpu, surface, ended, title: String::new(), kept: Instant::now() }
     }
 }
 
 impl eframe::App for Window {
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        if let Err(error) = self.gpu.health() {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.surface.begin_frame();
+        if let Some(error) = self.gpu.health().err().map(|e| e.to_string()).or_else(|| self.surface.trouble()) {
             self.inspector.keep();
             // Nothing can be drawn any more: what is left is to say so, and how to go on.
             let message = format!("{error}{}", self.inspector.how_to_go_on());
-            if let Ok(mut lost) = self.lost.lock() {
+            if let Ok(mut lost) = self.ended.lost.lock() {
                 lost.get_or_insert(message);
             }
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
@@ -151,6 +168,7 @@ impl eframe::App for Window {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
         }
+        self.surface.end_frame(frame);
     }
 
     fn on_exit(&mut self) {

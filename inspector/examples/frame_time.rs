@@ -109,7 +109,7 @@ impl Window {
         let screen = ScreenDescriptor { size_in_pixels: SIZE.map(|side| side as u32), pixels_per_point: 1.0 };
         let mut encoder = device.create_command_encoder(&Default::default());
         let buffers = renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
-        queue.submit(buffers.into_iter().chain([encoder.finish()]));
+        self.gpu.submit(buffers.into_iter().chain([encoder.finish()]));
         for id in &output.textures_delta.free {
             renderer.free_texture(id);
         }

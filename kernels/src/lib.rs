@@ -70,7 +70,7 @@ pub mod units;
 mod vec64;
 pub mod walk;
 
-pub use executor::gpu::{AdapterChoice, AdapterSummary, Gpu, GpuError, Load, Loops, adapters};
+pub use executor::gpu::{AdapterChoice, AdapterSummary, Gpu, GpuError, Held, Load, Loops, adapters};
 pub use grid::GridSize;
 pub use image::Image;
 pub use kernel::Kernel;

@@ -61,7 +61,7 @@ fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
             renderer.restart();
             // Uploads of the restart are not part of the trace.
             if let Some(gpu) = gpu {
-                gpu.queue.submit([]);
+                gpu.submit([]);
                 drop(gpu.device.poll(wgpu::PollType::wait_indefinitely()));
             }
             let start = Instant::now();

@@ -74,6 +74,26 @@ fn a_lost_device_is_an_error_and_not_a_panic() {
 }
 
 #[test]
+fn work_that_is_held_back_waits_until_all_have_let_go() {
+    let gpu = a_device_to_lose();
+    let (first, second) = (gpu.hold_back(), gpu.hold_back());
+    let (done, is_done) = std::sync::mpsc::channel();
+    let other = gpu.clone();
+    let worker = std::thread::spawn(move || {
+        other.submit([]);
+        done.send(())
+    });
+    // Handing over nothing takes microseconds.
+    let short = std::time::Duration::from_millis(200);
+    assert!(is_done.recv_timeout(short).is_err(), "it did not wait");
+    drop(first);
+    assert!(is_done.recv_timeout(short).is_err(), "it waited for one of two only");
+    drop(second);
+    is_done.recv_timeout(std::time::Duration::from_secs(60)).expect("it goes on once nobody holds it back");
+    worker.join().expect("no panic").expect("a listener");
+}
+
+#[test]
 fn an_unknown_adapter_is_named_beside_those_that_are_there() {
     let error = pollster::block_on(Gpu::new(&AdapterChoice::Named("Voodoo 2".into()))).err().expect("no such adapter");
     let message = error.to_string();

@@ -87,7 +87,7 @@ impl Stage {
         }
         let jobs = self.ctx.tessellate(output.shapes, self.scale);
         // What is freed is still shown by this frame's shapes.
-        self.gpu.queue.submit([]);
+        self.gpu.submit([]);
         for id in &output.textures_delta.free {
             renderer.free_texture(id);
         }

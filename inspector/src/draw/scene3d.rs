@@ -158,6 +158,7 @@ impl Scene3d {
                 }
             }
         }
+        #[expect(clippy::disallowed_methods, reason = "drawn on the thread of the window")]
         self.queue.submit([encoder.finish()]);
         self.targets = Some(targets);
     }

@@ -298,6 +298,7 @@ impl StreamPainter {
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
         }
+        #[expect(clippy::disallowed_methods, reason = "drawn on the thread of the window")]
         self.queue.submit([encoder.finish()]);
     }
 }

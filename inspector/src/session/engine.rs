@@ -370,7 +370,7 @@ impl Server {
         let gpu = &self.devices.gpu;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_texture(source.as_image_copy(), texture.as_image_copy(), source.size());
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit([encoder.finish()]);
         self.say(Update::Pinned { stream, place: run.session.place(), texture });
         Ok(())
     }

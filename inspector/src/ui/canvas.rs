@@ -117,7 +117,7 @@ impl Still {
         });
         let mut encoder = canvas.gpu.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_texture(source.as_image_copy(), texture.as_image_copy(), source.size());
-        canvas.gpu.queue.submit([encoder.finish()]);
+        canvas.gpu.submit([encoder.finish()]);
         self.kept = Some((moment, stream, texture));
     }
 

@@ -51,5 +51,5 @@ fn submit(
         ..Default::default()
     });
     renderer.render(&mut pass.forget_lifetime(), jobs, &screen);
-    gpu.queue.submit(buffers.into_iter().chain([encoder.finish()]));
+    gpu.submit(buffers.into_iter().chain([encoder.finish()]));
 }

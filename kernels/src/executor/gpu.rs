@@ -4,6 +4,7 @@ mod batch;
 mod books;
 mod device;
 mod fill;
+mod gate;
 mod load;
 mod picture;
 mod pipelines;
@@ -20,6 +21,7 @@ use books::Books;
 pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, GpuSource, adapters};
 use fill::Fill;
 pub(crate) use fill::{fill_bytes, given_bytes};
+pub use gate::Held;
 pub use load::Load;
 use pipelines::{Counting, Pipelines};
 pub use probe::Loops;
@@ -146,7 +148,7 @@ impl GpuExecutor {
         self.device_ns = self.timers.as_ref().map(|_| 0);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.fill.clear(&mut encoder, &self.streams);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit([encoder.finish()]);
     }
 
     /// Rays from outside: what some streams begin with from now on.

@@ -14,28 +14,39 @@ pub(crate) struct Readback {
     mapped: oneshot::Receiver<Result<(), wgpu::BufferAsyncError>>,
 }
 
+/// How often bytes are asked for that a healthy device forgot.
+const TRIES: usize = 8;
+
 impl Readback {
     /// Starts mapping `bytes` of `buffer`, after everything submitted so far.
     pub(crate) fn start(gpu: &Arc<Gpu>, buffer: wgpu::Buffer, bytes: u64) -> Self {
-        let (sender, mapped) = oneshot::channel();
-        buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
-            // The receiver is gone where the caller lost interest.
-            let _ = sender.send(result);
-        });
+        let mapped = map(&buffer, bytes);
         Self { gpu: gpu.clone(), buffer, mapped }
     }
 
     /// Waits for the bytes, hands them to `read` and unmaps the buffer.
     pub(crate) async fn finish<T>(mut self, bytes: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
-        let problem = match (&mut self.mapped).await {
-            Ok(Ok(())) => None,
-            Ok(Err(e)) => Some(e.to_string()),
-            Err(_) => Some("the device dropped the request".into()),
-        };
-        if problem.is_some() {
+        let mut tries = TRIES;
+        let problem = loop {
+            let problem = match (&mut self.mapped).await {
+                Ok(Ok(())) => break None,
+                Ok(Err(e)) => Some(e.to_string()),
+                Err(_) => None,
+            };
             // A lost device fails the mapping first and reports its loss at the next poll.
             drop(self.gpu.device.poll(wgpu::PollType::Poll));
-        }
+            self.gpu.health()?;
+            if problem.is_some() {
+                break problem;
+            }
+            // wgpu forgets the request where it cannot configure a window's surface at that moment. The bytes are there.
+            if tries == 0 {
+                break Some("the device dropped the request".into());
+            }
+            tries -= 1;
+            self.buffer.unmap();
+            self.mapped = map(&self.buffer, bytes);
+        };
         self.gpu.health()?;
         if let Some(problem) = problem {
             return Err(GpuError::Readback(problem));
@@ -46,6 +57,16 @@ impl Readback {
         };
         Ok(value)
     }
+}
+
+/// Asks for the bytes.
+fn map(buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result<(), wgpu::BufferAsyncError>> {
+    let (sender, mapped) = oneshot::channel();
+    buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
+        // The receiver is gone where the caller lost interest.
+        let _ = sender.send(result);
+    });
+    mapped
 }
 
 impl Drop for Readback {

@@ -119,7 +119,7 @@ impl Machine {
     /// Until the device is idle, uploads included, so that what came before is in nobody's time.
     pub(crate) fn settle(&self) {
         if let Some(gpu) = self.gpu() {
-            gpu.queue.submit([]);
+            gpu.submit([]);
             // A lost device is reported by the next run.
             drop(gpu.device.poll(wgpu::PollType::wait_indefinitely()));
         }

@@ -50,7 +50,7 @@ impl<'a> Stopwatch<'a> {
         }));
         encoder.resolve_query_set(&self.set, 0..2, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.copy, 0, 16);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit([encoder.finish()]);
         self.copy.slice(..).map_async(wgpu::MapMode::Read, |_| ());
         self.machine.settle();
         let mut ticks = [0u64; 2];

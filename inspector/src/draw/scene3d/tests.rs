@@ -54,7 +54,7 @@ fn drawn(
         wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
         texture.size(),
     );
-    gpu.queue.submit([encoder.finish()]);
+    gpu.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device");
     assert_eq!(pollster::block_on(scope.pop()).map(|error| error.to_string()), None, "{name}");

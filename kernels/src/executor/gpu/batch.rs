@@ -46,7 +46,7 @@ impl GpuExecutor {
             encoder.resolve_query_set(&timers.set, 0..timers.queries(count as u32), &timers.resolved, 0);
             encoder.copy_buffer_to_buffer(&timers.resolved, 0, &timers.copy, 0, time_bytes);
         }
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit([encoder.finish()]);
         let sent = Readback::start(&self.gpu, self.books.copy.clone(), count * COUNT_SLOT_BYTES);
         let times = self.timers.as_ref().map(|t| Readback::start(&self.gpu, t.copy.clone(), time_bytes));
         self.gpu.pop_scopes(scopes).await?;
@@ -123,7 +123,7 @@ impl GpuExecutor {
             if a_band < rows {
                 self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&first));
                 if !last {
-                    self.gpu.queue.submit([encoder.finish()]);
+                    self.gpu.submit([encoder.finish()]);
                     encoder = self.gpu.device.create_command_encoder(&Default::default());
                 }
             }

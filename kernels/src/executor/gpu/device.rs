@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::gate::Gate;
 use super::probe::{Loops, loops};
 
 /// A device, its queue, and what became of it.
@@ -19,6 +20,7 @@ pub struct Gpu {
     /// Where the device comes from: what a window needs to show what is drawn on it.
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
+    pub(super) gate: Gate,
 }
 
 /// Where a device comes from.
@@ -232,7 +234,7 @@ impl Gpu {
         let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
         let loops = loops(&device, &queue).await?;
-        Ok(Arc::new(Self { device, queue, info, timestamp_period_ns, loops, source, trouble }))
+        Ok(Arc::new(Self { device, queue, info, timestamp_period_ns, loops, source, trouble, gate: Gate::default() }))
     }
 
     /// Whether the device still works.

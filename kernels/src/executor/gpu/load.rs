@@ -75,6 +75,6 @@ impl Load {
             pass.set_bind_group(0, &self.group, &[]);
             pass.dispatch_workgroups(WORKGROUPS, 1, 1);
         }
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit([encoder.finish()]);
     }
 }

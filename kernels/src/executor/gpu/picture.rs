@@ -35,7 +35,7 @@ impl Gpu {
             },
             wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         );
-        self.queue.submit([encoder.finish()]);
+        self.submit([encoder.finish()]);
         let readback = Readback::start(self, buffer, bytes);
         self.pop_scopes(scopes).await?;
         let rows =

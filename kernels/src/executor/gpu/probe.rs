@@ -87,6 +87,7 @@ pub(super) async fn loops(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<
         pass.dispatch_workgroups(1, 1, 1);
     }
     encoder.copy_buffer_to_buffer(&told, 0, &copy, 0, told.size());
+    #[expect(clippy::disallowed_methods, reason = "nobody else has the device yet")]
     queue.submit([encoder.finish()]);
     mapped(device, &copy).await?;
     let turns = {

@@ -54,7 +54,7 @@ impl GpuExecutor {
                 },
                 wgpu::Extent3d { width, height, depth_or_array_layers: count },
             );
-            self.gpu.queue.submit([encoder.finish()]);
+            self.gpu.submit([encoder.finish()]);
             let bytes = layer_bytes * u64::from(count);
             let readback = Readback::start(&self.gpu, buffer.clone(), bytes);
             self.gpu.pop_scopes(scopes).await?;
@@ -98,7 +98,7 @@ impl GpuExecutor {
                 offset += TEXEL_BYTES;
             }
         }
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit([encoder.finish()]);
         let readback = Readback::start(&self.gpu, buffer, bytes);
         self.gpu.pop_scopes(scopes).await?;
         let read = |bytes: &[u8]| {

@@ -82,7 +82,7 @@ impl GpuExecutor {
         };
         let streams: Vec<_> = self.streams.iter().map(keep).collect();
         let lists = self.books.keep(&self.gpu.device, &mut encoder, counts);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit([encoder.finish()]);
         self.gpu.pop_scopes(scopes).await?;
         self.note_copies(&streams);
         Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, device_ns: self.device_ns })
@@ -98,7 +98,7 @@ impl GpuExecutor {
             }
         }
         self.books.restore(&mut encoder, &snapshot.lists);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit([encoder.finish()]);
         self.note_copies(&snapshot.streams);
         self.device_ns = snapshot.device_ns;
     }

@@ -132,7 +132,7 @@ impl Steps {
         for [now, first] in &self.streams {
             encoder.copy_texture_to_texture(first.as_image_copy(), now.as_image_copy(), now.size());
         }
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit([encoder.finish()]);
         watch.time(|pass| {
             pass.set_pipeline(&self.pipeline);
             (0..).zip(&self.groups).for_each(|(i, group)| pass.set_bind_group(i, group, &[]));
@@ -158,7 +158,7 @@ impl Steps {
             },
             wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         );
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit([encoder.finish()]);
         buffer.slice(..).map_async(wgpu::MapMode::Read, |_| ());
         machine.settle();
         let bytes = buffer.slice(..).get_mapped_range().map_err(|e| e.to_string())?;
