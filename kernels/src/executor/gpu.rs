@@ -77,7 +77,7 @@ impl GpuExecutor {
             buffers.push((planned.what, device.create_buffer_init(&descriptor)));
         }
         let books = Books::new(device, plan);
-        let pipelines = Pipelines::new(device, plan, &streams, &buffers, &books, data.indices_hold())?;
+        let pipelines = Pipelines::new(device, plan, &streams, &buffers, &books, data)?;
         let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
         let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?, &books);
         let fill = Fill::new(device, &gpu.queue, plan);
@@ -116,9 +116,8 @@ impl GpuExecutor {
         self.streams.iter().find(|(s, _)| *s == stream).map(|(_, t)| t)
     }
 
-    /// A buffer of scene data, by name.
-    #[must_use]
-    pub fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
+    /// A buffer of scene data, by name. Not for others: what unchecked shaders index by was looked at once.
+    pub(crate) fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
         self.buffers.iter().find(|(n, _)| *n == name).map(|(_, b)| b)
     }
 

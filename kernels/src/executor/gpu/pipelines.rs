@@ -6,6 +6,7 @@ use super::books::{Books, Place, is_dynamic};
 use super::{GpuError, stream_format};
 use crate::kernel::Kernel;
 use crate::plan::Plan;
+use crate::scene_data::SceneData;
 use crate::shader::{Binding, Resource, Variant};
 use crate::stream::{Stream, Texel};
 
@@ -31,9 +32,9 @@ impl Pipelines {
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
         books: &Books,
-        indices_hold: bool,
+        data: &SceneData,
     ) -> Result<Self, GpuError> {
-        let pipeline = |v| KernelPipeline::new(device, v, streams, buffers, books, indices_hold);
+        let pipeline = |v| KernelPipeline::new(device, v, streams, buffers, books, is_proved(plan, v, data));
         plan.variants.iter().map(pipeline).collect::<Result<_, _>>().map(Self)
     }
 
@@ -52,7 +53,7 @@ impl KernelPipeline {
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
         books: &Books,
-        indices_hold: bool,
+        is_proved: bool,
     ) -> Result<Self, GpuError> {
         let name = variant.kernel.name();
         let group_count = variant.bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
@@ -102,7 +103,7 @@ impl KernelPipeline {
             bind_group_layouts: &layouts,
             immediate_size: 0,
         });
-        let module = shader_module(device, variant, indices_hold);
+        let module = shader_module(device, variant, is_proved);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
             layout: Some(&layout),
@@ -127,18 +128,39 @@ impl KernelPipeline {
     }
 }
 
-/// The fused kernel without bounds checks where the host has seen that no index needs one; others with.
-fn shader_module(device: &wgpu::Device, variant: &Variant, indices_hold: bool) -> wgpu::ShaderModule {
+/// Whether no index of this kernel needs a check: it is the fused kernel as this crate composes it for the plan's
+/// options, be it that somebody has changed the plan, and what it indexes holds for just these options.
+fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
+    variant.kernel == Kernel::Fused
+        && data.indices_hold(&plan.features)
+        && Variant::new(Kernel::Fused, &plan.features)
+            .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
+}
+
+/// The fused kernel without bounds checks where [`is_proved`] says that no index needs one; others with.
+fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
     let descriptor = wgpu::ShaderModuleDescriptor {
         label: Some(variant.kernel.name()),
         source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
     };
-    if variant.kernel != Kernel::Fused || !indices_hold {
+    if !is_proved {
         return device.create_shader_module(descriptor);
     }
-    // SAFETY: every index that the kernel loads was checked by `SceneData::indices_hold`; cells are clamped
-    // to the grid or compared with it; the stack is as high as the deepest tree that is built; every loop
-    // ends: walks leave the grid, trees are finite, lists have an end.
+    // SAFETY: what an unchecked shader must not do is index out of bounds or run without end.
+    //
+    // - Which shader it is: `is_proved` composes fused.wgsl again from the options that the proof is about, and
+    //   compares text and bindings with what is compiled here.
+    // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, by the names that the
+    //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing
+    //   to them later but `first_row` of `scene`, which is part of a texel.
+    // - Indices that come from them, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
+    //   children of nodes, and triangles. Distances and cells are looked up by cell.
+    // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
+    //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN goes the same ways.
+    // - The stack, `SceneData::indices_hold`: a group of siblings waits at most on each level but the root's.
+    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan is of its size.
+    // - Loops, by the proof: lists have an end, and the nodes are one tree, each visited at most once. By the shader:
+    //   a walk goes on along one axis in each step until it leaves the grid, or its turns are bounded.
     #[allow(unsafe_code)]
     unsafe {
         device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
