@@ -125,6 +125,16 @@ mod tests {
     }
 
     #[test]
+    fn what_a_u32_cannot_count_is_not_indexed() {
+        // 3 * 1431655765 = 2^32 - 1
+        for (entries, stride, holds) in
+            [(0, 3, true), (1_431_655_765, 3, true), (1_431_655_766, 3, false), (usize::MAX, 5, false)]
+        {
+            assert_eq!(is_counted_in_u32(entries, stride), holds, "{entries} of {stride}");
+        }
+    }
+
+    #[test]
     fn what_is_built_holds() {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
             for triangles in [1, 7, 2000] {
