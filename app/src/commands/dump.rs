@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
-use raystep_kernels::stream::STREAMS;
-use raystep_kernels::{Pass, Stream, StreamData};
+use raystep_kernels::stream::{STREAMS, StreamInfo};
+use raystep_kernels::{Kernel, Pass, ScheduleKind, Stream, StreamData};
 use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -121,13 +121,63 @@ struct Index {
 
 #[derive(Serialize)]
 struct IndexPass {
+    /// Its number: the same whatever is dumped.
     index: usize,
-    iteration: u32,
     kernel: &'static str,
-    rays_in: u32,
-    rays_out: u32,
-    rays_by_state: std::collections::BTreeMap<&'static str, u32>,
+    /// Why it did not run, else `null`. What it would have done is not known then.
+    left_out: Option<&'static str>,
+    iteration: Option<u32>,
+    rays_in: Option<u32>,
+    rays_out: Option<u32>,
+    rays_by_state: Option<std::collections::BTreeMap<&'static str, u32>>,
     files: Vec<String>,
+}
+
+impl IndexPass {
+    fn left_out(index: usize, kernel: Kernel) -> Self {
+        let (iteration, rays_in, rays_out, rays_by_state) = (None, None, None, None);
+        let (kernel, left_out) = (kernel.name(), Some(NOT_NEEDED));
+        Self { index, kernel, left_out, iteration, rays_in, rays_out, rays_by_state, files: Vec::new() }
+    }
+}
+
+/// Why a pass is left out.
+const NOT_NEEDED: &str = "it changes no stream that is asked for";
+
+/// Whether a stream's values are only those of a run that shades: it holds what only shading makes, shading changes it,
+/// or, with the fused kernel, it holds the rays that are made for shading.
+fn needs_shading(stream: Stream, schedule: ScheduleKind) -> bool {
+    match stream {
+        Stream::State | Stream::Color | Stream::Accumulated => true,
+        Stream::RayOrigin | Stream::RayDirection => !schedule.is_stepped(),
+        _ => false,
+    }
+}
+
+/// Passes of the run with all streams that this one does without. They keep their numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct LeftOut {
+    /// Before the first pass.
+    first: Option<Kernel>,
+    /// After the last one.
+    last: Option<Kernel>,
+}
+
+impl LeftOut {
+    fn of(plan: &Plan) -> Self {
+        let missing = |kernel: &Kernel| plan.variant(*kernel).is_none();
+        Self { first: Some(Kernel::Generate).filter(missing), last: Some(Kernel::Shade).filter(missing) }
+    }
+
+    /// Numbers before that of the renderer's first pass.
+    fn before(self) -> usize {
+        usize::from(self.first.is_some())
+    }
+
+    /// Passes of a run that is at its end, those that are left out among them.
+    fn count(self, running: &Running) -> usize {
+        self.before() + running.renderer.pass_count() + usize::from(self.last.is_some())
+    }
 }
 
 pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
@@ -150,16 +200,17 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         options.counters = args.counters || args.stream.contains(&Wanted::Stream(Stream::Counters));
-        // The image is the one thing that only shading makes.
-        options.shade = is_wanted(Stream::Color) || options.samples.count > 1;
+        let needs_shading = |s: &StreamInfo| is_wanted(s.stream) && needs_shading(s.stream, options.schedule);
+        options.shade = STREAMS.iter().any(needs_shading) || options.samples.count > 1;
     })?;
     folder.refuse_inputs(&session.inputs, is_ours)?;
     let streams = streams(args, &session.plan)?;
+    let left_out = LeftOut::of(&session.plan);
     let mut running = session.start(&progress)?;
 
     let passes = match args.pass {
         Which::Number(wanted) => {
-            step_to(&mut running, wanted, &progress)?;
+            step_to(&mut running, wanted, left_out, &progress)?;
             vec![wanted]
         }
         Which::Last | Which::All => {
@@ -168,7 +219,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
                 ControlFlow::Continue(())
             };
             running.chosen.wait(running.renderer.run(show))?;
-            let last = running.renderer.passes().len().saturating_sub(1);
+            let last = left_out.count(&running).saturating_sub(1);
             if args.pass == Which::Last { vec![last] } else { (0..=last).collect() }
         }
     };
@@ -182,13 +233,16 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         fs4::available_space(folder.place()).map_or(Ok(()), |free| must_fit(bytes, free, &args.output))?;
     }
 
-    let mut index = index(&running, &streams);
+    let mut index = index(&running, &streams, left_out, passes.last().copied());
+    for pass in index.passes.iter().filter(|pass| pass.left_out.is_some()) {
+        progress.say(format_args!("pass {} ({}) is left out: {NOT_NEEDED}", pass.index, pass.kernel));
+    }
     if args.pass == Which::All {
         // Known only now how many there are: the same passes once more, as kernels are deterministic.
         running.renderer.restart();
     }
     for (done, &wanted) in passes.iter().enumerate() {
-        if args.pass == Which::All {
+        if args.pass == Which::All && index.passes[wanted].left_out.is_none() {
             running.chosen.wait(running.renderer.step())?;
         }
         progress.part("writing", done as u64, passes.len() as u64);
@@ -235,10 +289,13 @@ fn count(files: usize) -> String {
     if files == 1 { "1 file".into() } else { format!("{files} files") }
 }
 
-fn step_to(running: &mut Running, wanted: usize, progress: &Progress) -> Result<(), Error> {
-    while running.renderer.passes().len() <= wanted {
+fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &Progress) -> Result<(), Error> {
+    while left_out.before() + running.renderer.pass_count() <= wanted {
         if running.chosen.wait(running.renderer.step())?.is_none() {
-            let count = running.renderer.passes().len();
+            let count = left_out.count(running);
+            if wanted < count {
+                break;
+            }
             return Err(Error::usage(format!(
                 "--pass {wanted}: the run has {count} passes, 0 to {}",
                 count.saturating_sub(1)
@@ -283,18 +340,27 @@ fn bytes(streams: &[Stream], plan: &Plan, format: Format) -> u64 {
     streams.iter().map(of).sum()
 }
 
-fn index(running: &Running, streams: &[Stream]) -> Index {
+/// Passes up to `last` are listed.
+fn index(running: &Running, streams: &[Stream], left_out: LeftOut, last: Option<usize>) -> Index {
     let (renderer, plan) = (&running.renderer, running.renderer.plan());
     let texels = u64::from(plan.width) * u64::from(plan.height);
     let pass = |pass: &Pass| IndexPass {
-        index: pass.index,
-        iteration: pass.iteration,
+        index: left_out.before() + pass.index,
         kernel: pass.kernel.name(),
-        rays_in: pass.rays_in,
-        rays_out: csv::rays_out(pass),
-        rays_by_state: json::states(&pass.counts),
+        left_out: None,
+        iteration: Some(pass.iteration),
+        rays_in: Some(pass.rays_in),
+        rays_out: Some(csv::rays_out(pass)),
+        rays_by_state: Some(json::states(&pass.counts)),
         files: Vec::new(),
     };
+    let before = left_out.first.map(|kernel| IndexPass::left_out(0, kernel));
+    let mut passes: Vec<_> = before.into_iter().chain(renderer.passes().iter().map(pass)).collect();
+    if let (Some(kernel), Some(last)) = (left_out.last, last)
+        && passes.len() <= last
+    {
+        passes.push(IndexPass::left_out(passes.len(), kernel));
+    }
     Index {
         schema_version: json::SCHEMA_VERSION,
         raystep_version: env!("CARGO_PKG_VERSION"),
@@ -305,7 +371,7 @@ fn index(running: &Running, streams: &[Stream]) -> Index {
         rays: plan.rays,
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
         streams: streams.iter().map(|&s| json::stream(s, texels)).collect(),
-        passes: renderer.passes().iter().map(pass).collect(),
+        passes,
     }
 }
 
@@ -334,7 +400,44 @@ fn io_error(error: exr::ExrError) -> std::io::Error {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::{Accelerator, Limits, Options, RaySource};
+    use raystep_scenes::generate;
+
     use super::*;
+
+    /// A stream that is dumped without shading must be there, and be what it is with shading: by what kernels write.
+    #[test]
+    fn what_needs_no_shading_is_untouched_by_what_is_left_out() {
+        let scene = generate::cornell_box();
+        for (&schedule, &accelerator) in
+            ScheduleKind::ALL.iter().flat_map(|s| Accelerator::ALL.iter().map(move |a| (s, a)))
+        {
+            for steps_per_pass in [1, 8] {
+                let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 8, height: 8 };
+                let shaded = Options { schedule, accelerator, steps_per_pass, counters: true, ..Options::new(rays) };
+                let bare = Options { shade: false, ..shaded.clone() };
+                let [with, without] =
+                    [&shaded, &bare].map(|options| Plan::new(&scene, options, &Limits::CPU).expect("a plan").0);
+                assert_eq!(LeftOut::of(&with), LeftOut { first: None, last: None });
+                let left_out: Vec<Kernel> =
+                    [LeftOut::of(&without).first, LeftOut::of(&without).last].into_iter().flatten().collect();
+                let own = |kernel: &Kernel| without.variant(*kernel).is_some();
+                let missing: Vec<_> = with.schedule.kernels().into_iter().filter(|k| !own(k)).collect();
+                assert_eq!(missing, left_out, "{schedule} {accelerator}");
+                let written: Vec<Stream> =
+                    left_out.iter().filter_map(|&k| with.variant(k)).flat_map(|v| v.written_streams()).collect();
+                for planned in &with.streams {
+                    let can_do_without = without.has_stream(planned.what) && !written.contains(&planned.what);
+                    assert_eq!(
+                        needs_shading(planned.what, schedule),
+                        !can_do_without,
+                        "{schedule} {accelerator}: {}",
+                        planned.what.name()
+                    );
+                }
+            }
+        }
+    }
 
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
