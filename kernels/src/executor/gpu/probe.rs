@@ -1,4 +1,7 @@
-//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened.
+//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened; and, when
+//! somebody gives a clock, whether its own is one.
+
+pub(super) mod clock;
 
 use std::future::poll_fn;
 use std::task::Poll;
@@ -87,6 +90,7 @@ pub(super) async fn loops(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<
         pass.dispatch_workgroups(1, 1, 1);
     }
     encoder.copy_buffer_to_buffer(&told, 0, &copy, 0, told.size());
+    #[expect(clippy::disallowed_methods, reason = "nobody else has the device yet")]
     queue.submit([encoder.finish()]);
     mapped(device, &copy).await?;
     let turns = {
