@@ -16,6 +16,9 @@ use raystep_tests::{block_on, options, scene};
 /// record of a pass (some 100 bytes) for each of 100,000 steps.
 const MOST_GROWTH: u64 = 4 << 20;
 
+/// What checkpoints may take, in bytes: that of some of them.
+const MOST_KEPT: u64 = 256 << 10;
+
 /// Reports a part.
 const REPORTS: usize = 10;
 
@@ -64,6 +67,9 @@ async fn steps(device: &Device, steps: usize) -> Result<(), String> {
     let scene = scene("cornell-box.gltf");
     let options = Options { steps_per_pass: 1, ..options(&scene, 16, 16) };
     let mut session = Session::new(&scene, &options, device).await.map_err(|e| e.to_string())?;
+    // Checkpoints every few passes, and room for some of them only: they come and go all the time.
+    session.set_span(1024);
+    session.set_budget(MOST_KEPT);
     let (mut is_back, mut farthest) = (false, 0);
     let mut watched = Watched::new("steps");
     for step in 1..=steps {

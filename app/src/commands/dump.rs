@@ -1,5 +1,7 @@
 //! `raystep dump`
 
+mod left_out;
+
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -9,7 +11,7 @@ use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::stream::{STREAMS, StreamInfo};
-use raystep_kernels::{Kernel, Pass, ScheduleKind, Stream, StreamData};
+use raystep_kernels::{Kernel, Pass, Stream, StreamData};
 use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -18,6 +20,7 @@ use crate::output::TargetFolder;
 use crate::scene_file::read_file;
 use crate::session::{Running, Session};
 use crate::terminal::Progress;
+use left_out::{LeftOut, NOT_NEEDED, needs_shading};
 
 /// Write the values of streams after one pass or after each
 ///
@@ -138,45 +141,6 @@ impl IndexPass {
         let (iteration, rays_in, rays_out, rays_by_state) = (None, None, None, None);
         let (kernel, left_out) = (kernel.name(), Some(NOT_NEEDED));
         Self { index, kernel, left_out, iteration, rays_in, rays_out, rays_by_state, files: Vec::new() }
-    }
-}
-
-/// Why a pass is left out.
-const NOT_NEEDED: &str = "it changes no stream that is asked for";
-
-/// Whether a stream's values are only those of a run that shades: it holds what only shading makes, shading changes it,
-/// or, with the fused kernel, it holds the rays that are made for shading.
-fn needs_shading(stream: Stream, schedule: ScheduleKind) -> bool {
-    match stream {
-        Stream::State | Stream::Color | Stream::Accumulated => true,
-        Stream::RayOrigin | Stream::RayDirection => !schedule.is_stepped(),
-        _ => false,
-    }
-}
-
-/// Passes of the run with all streams that this one does without. They keep their numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct LeftOut {
-    /// Before the first pass.
-    first: Option<Kernel>,
-    /// After the last one.
-    last: Option<Kernel>,
-}
-
-impl LeftOut {
-    fn of(plan: &Plan) -> Self {
-        let missing = |kernel: &Kernel| plan.variant(*kernel).is_none();
-        Self { first: Some(Kernel::Generate).filter(missing), last: Some(Kernel::Shade).filter(missing) }
-    }
-
-    /// Numbers before that of the renderer's first pass.
-    fn before(self) -> usize {
-        usize::from(self.first.is_some())
-    }
-
-    /// Passes of a run that is at its end, those that are left out among them.
-    fn count(self, running: &Running) -> usize {
-        self.before() + running.renderer.pass_count() + usize::from(self.last.is_some())
     }
 }
 
@@ -400,44 +364,7 @@ fn io_error(error: exr::ExrError) -> std::io::Error {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::{Accelerator, Limits, Options, RaySource};
-    use raystep_scenes::generate;
-
     use super::*;
-
-    /// A stream that is dumped without shading must be there, and be what it is with shading: by what kernels write.
-    #[test]
-    fn what_needs_no_shading_is_untouched_by_what_is_left_out() {
-        let scene = generate::cornell_box();
-        for (&schedule, &accelerator) in
-            ScheduleKind::ALL.iter().flat_map(|s| Accelerator::ALL.iter().map(move |a| (s, a)))
-        {
-            for steps_per_pass in [1, 8] {
-                let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 8, height: 8 };
-                let shaded = Options { schedule, accelerator, steps_per_pass, counters: true, ..Options::new(rays) };
-                let bare = Options { shade: false, ..shaded.clone() };
-                let [with, without] =
-                    [&shaded, &bare].map(|options| Plan::new(&scene, options, &Limits::CPU).expect("a plan").0);
-                assert_eq!(LeftOut::of(&with), LeftOut { first: None, last: None });
-                let left_out: Vec<Kernel> =
-                    [LeftOut::of(&without).first, LeftOut::of(&without).last].into_iter().flatten().collect();
-                let own = |kernel: &Kernel| without.variant(*kernel).is_some();
-                let missing: Vec<_> = with.schedule.kernels().into_iter().filter(|k| !own(k)).collect();
-                assert_eq!(missing, left_out, "{schedule} {accelerator}");
-                let written: Vec<Stream> =
-                    left_out.iter().filter_map(|&k| with.variant(k)).flat_map(|v| v.written_streams()).collect();
-                for planned in &with.streams {
-                    let can_do_without = without.has_stream(planned.what) && !written.contains(&planned.what);
-                    assert_eq!(
-                        needs_shading(planned.what, schedule),
-                        !can_do_without,
-                        "{schedule} {accelerator}: {}",
-                        planned.what.name()
-                    );
-                }
-            }
-        }
-    }
 
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {

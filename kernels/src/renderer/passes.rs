@@ -278,4 +278,32 @@ mod tests {
             assert!(outcome.is_ok(), "{outcome:?}");
         }
     }
+
+    /// The bound is one of each sample's passes, not of the run's.
+    #[test]
+    fn a_bound_that_no_sample_reaches_ends_no_walk() {
+        let scene = generate::cornell_box();
+        let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 20, height: 20 };
+        let samples = Samples { count: 4, ..Samples::default() };
+        let options = Options { schedule: ScheduleKind::Second, samples, ..Options::new(rays) };
+        let outcome = pollster::block_on(async {
+            let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            let begins = |pass: &Pass| pass.kernel == Kernel::Generate;
+            let longest = renderer.passes().split(begins).map(<[Pass]>::len).max().unwrap_or(0);
+            let (image, passes) = (renderer.image().await?, renderer.pass_count());
+            renderer.restart();
+            renderer.pass_bound = longest as u64;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            assert_eq!((renderer.unfinished(), renderer.pass_count()), (0, passes));
+            assert_eq!(renderer.image().await?, image);
+            // Half of it is reached.
+            renderer.restart();
+            renderer.pass_bound = longest as u64 / 2;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            assert!(renderer.unfinished() > 0);
+            Ok::<(), RenderError>(())
+        });
+        assert!(outcome.is_ok(), "{outcome:?}");
+    }
 }

@@ -148,19 +148,22 @@ mod tests {
     fn a_wrong_index_of_the_grid_is_seen() {
         let built = fused(Accelerator::Grid, 2000);
         assert!(built.0.skip && built.0.grid);
+        // Without leaps no distance covers for a wrong offset.
+        let stepped = (Features { skip: false, ..built.0 }, built.1.clone());
+        assert!(stepped.1.indices_hold(&stepped.0));
         let cells = built.1.grid_cells.len() - 1;
         let items = built.1.grid_items.len() as u32;
         refused("an item that is no triangle", &built, |d| d.grid_items[5] = 2000);
         refused("the largest item", &built, |d| *d.grid_items.last_mut().expect("items") = u32::MAX);
-        refused("an offset that falls", &built, |d| d.grid_cells[cells / 2] = items + 1);
-        refused("a last offset beyond the items", &built, |d| d.grid_cells[cells] = items + 1);
+        refused("an offset that falls", &stepped, |d| d.grid_cells[cells / 2] = items + 1);
+        refused("a last offset beyond the items", &stepped, |d| d.grid_cells[cells] = items + 1);
         refused("fewer items than the offsets say", &built, |d| d.grid_items.truncate(d.grid_items.len() - 1));
         refused("an offset too few", &built, |d| d.grid_cells.truncate(d.grid_cells.len() - 1));
         refused("an offset too many", &built, |d| d.grid_cells.push(items));
         refused("a cell more along an axis", &built, |d| d.grid.cells[1] += 1);
-        refused("no cell along an axis", &built, |d| d.grid.cells[2] = 0);
-        refused("axes whose signs cancel", &built, |d| d.grid.cells = d.grid.cells.map(|n| -n));
-        refused("axes whose product wraps to the right number", &built, |d| {
+        refused("no cell along an axis", &stepped, |d| (d.grid.cells[2], d.grid_cells) = (0, vec![0]));
+        refused("axes whose signs cancel", &stepped, |d| d.grid.cells[..2].iter_mut().for_each(|n| *n = -*n));
+        refused("axes whose product wraps to the right number", &stepped, |d| {
             // 2^16 * 2^16 is 0 in 32 bits.
             (d.grid.cells, d.grid_cells) = ([1 << 16, 1 << 16, 1], vec![0]);
         });
