@@ -70,10 +70,17 @@ mod tests {
                 let own = |kernel: &Kernel| without.variant(*kernel).is_some();
                 let missing: Vec<_> = with.schedule.kernels().into_iter().filter(|k| !own(k)).collect();
                 assert_eq!(missing, left_out, "{schedule} {accelerator}");
-                let written: Vec<Stream> =
-                    left_out.iter().filter_map(|&k| with.variant(k)).flat_map(|v| v.written_streams()).collect();
+                let writes = |kernel: Option<Kernel>, stream| {
+                    let variant = kernel.and_then(|kernel| with.variant(kernel));
+                    variant.is_some_and(|v| v.written_streams().any(|written| written == stream))
+                };
+                let LeftOut { first, last } = LeftOut::of(&without);
                 for planned in &with.streams {
-                    let can_do_without = without.has_stream(planned.what) && !written.contains(&planned.what);
+                    // What is written first is nothing if it is written again.
+                    let is_written = without.schedule.kernels().into_iter().any(|k| writes(Some(k), planned.what));
+                    let can_do_without = without.has_stream(planned.what)
+                        && !writes(last, planned.what)
+                        && (!writes(first, planned.what) || is_written);
                     assert_eq!(
                         needs_shading(planned.what, schedule),
                         !can_do_without,
