@@ -161,12 +161,17 @@ pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
 fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
     let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+    let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         options.counters = args.counters || args.stream.contains(&Wanted::Stream(Stream::Counters));
         let needs_shading = |s: &StreamInfo| is_wanted(s.stream) && needs_shading(s.stream, options.schedule);
         options.shade = STREAMS.iter().any(needs_shading) || options.samples.count > 1;
     })?;
+    // So many lights take several passes, and how many is known only by running them.
+    if !session.options.shade && session.scene.lights.len() as u64 > u64::from(session.chosen.limits().turns) {
+        session.options.shade = true;
+        (session.plan, session.data) = Plan::new(&session.scene, &session.options, &session.chosen.limits())?;
+    }
     folder.refuse_inputs(&session.inputs, is_ours)?;
     let streams = streams(args, &session.plan)?;
     let left_out = LeftOut::of(&session.plan);

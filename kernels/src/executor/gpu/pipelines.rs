@@ -129,9 +129,11 @@ impl KernelPipeline {
 }
 
 /// Whether no index of this kernel needs a check: it is the fused kernel as this crate composes it for the plan's
-/// options, be it that somebody has changed the plan, and what it indexes holds for just these options.
+/// options, be it that somebody has changed the plan, and what it indexes holds for just these options. Where a walk
+/// resumes, it indexes by what its streams hold, which anybody may have written: that is not proved.
 fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
     variant.kernel == Kernel::Fused
+        && !plan.features.resumes
         && data.indices_hold(&plan.features)
         && Variant::new(Kernel::Fused, &plan.features)
             .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
@@ -153,7 +155,8 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, by the names that the
     //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing
     //   to them later but `first_row` of `scene`, which is part of a texel.
-    // - Indices that come from them, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
+    // - No index comes from a stream: a walk that resumes is not proved.
+    // - Indices that come from buffers, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
     //   children of nodes, and triangles. Distances and cells are looked up by cell.
     // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
     //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN goes the same ways.
@@ -243,5 +246,52 @@ impl Counting {
             ],
         });
         Self { pipeline, group }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::{Camera, generate};
+
+    use super::*;
+    use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
+    use crate::plan::Limits;
+
+    /// What is compiled without checks is the very shader that the proof is about, over the very data.
+    #[test]
+    fn only_our_own_shader_of_these_options_over_data_that_holds_is_proved() {
+        let scene = generate::soup(300, 1).expect("soup");
+        let plan = |accelerator, schedule| {
+            let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 8, height: 8 };
+            let options = Options { accelerator, schedule, ..Options::new(rays) };
+            Plan::new(&scene, &options, &Limits::CPU).expect("a plan")
+        };
+        let (of_grid, _) = plan(Accelerator::Grid, ScheduleKind::Fused);
+        for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+            let (plan, data) = plan(accelerator, ScheduleKind::Fused);
+            for variant in &plan.variants {
+                assert_eq!(is_proved(&plan, variant, &data), variant.kernel == Kernel::Fused, "{accelerator}");
+            }
+            let fused = plan.variant(Kernel::Fused).expect("fused");
+            let mut changed = fused.clone();
+            changed.source += "// not ours\n";
+            assert!(!is_proved(&plan, &changed, &data), "{accelerator}: another text");
+            let mut changed = fused.clone();
+            changed.bindings.reverse();
+            assert!(!is_proved(&plan, &changed, &data), "{accelerator}: other bindings");
+            let mut resumes = plan.clone();
+            resumes.features.resumes = true;
+            let variant = Variant::new(Kernel::Fused, &resumes.features).expect("a variant");
+            assert!(!is_proved(&resumes, &variant, &data), "{accelerator}: places that streams hold");
+            let mut broken = data.clone();
+            broken.packed_triangles.clear();
+            assert!(!is_proved(&plan, fused, &broken), "{accelerator}: data that does not hold");
+            if accelerator != Accelerator::Grid {
+                let other = of_grid.variant(Kernel::Fused).expect("fused");
+                assert!(!is_proved(&plan, other, &data), "{accelerator}: a shader of other options");
+            }
+        }
+        let (plan, data) = plan(Accelerator::Grid, ScheduleKind::Second);
+        assert!(plan.variants.iter().all(|variant| !is_proved(&plan, variant, &data)));
     }
 }
