@@ -1,12 +1,14 @@
 //! Where passes run, and waiting for them.
 
+use std::fmt;
 use std::pin::pin;
 use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll, Waker};
 use std::time::{Duration, Instant};
 
 use raystep_kernels::export::csv::Timer;
-use raystep_kernels::{AdapterChoice, Device, Gpu, GpuError, Limits, RenderError};
+use raystep_kernels::{AdapterChoice, ClockCheck, Device, Gpu, GpuError, Limits, RenderError};
+use serde::Serialize;
 
 use crate::args::{DeviceArgs, DeviceKind};
 use crate::error::Error;
@@ -43,12 +45,19 @@ impl Chosen {
         self.gpu().map_or(Limits::CPU, Limits::from)
     }
 
-    /// What times its passes.
-    pub(crate) fn timer(&self) -> Option<Timer> {
-        match self.gpu() {
-            Some(gpu) => gpu.timestamp_period_ns.map(|resolution_ns| Timer::GpuTimestamp { resolution_ns }),
-            None => Some(Timer::CpuClock { resolution_ns: clock_step_ns() }),
+    /// What times its passes, or, where they have no times, its runs.
+    pub(crate) fn timer(&self) -> Timer {
+        match self.gpu().map(Gpu::clock_period_ns) {
+            Some(Some(resolution_ns)) => Timer::GpuTimestamp { resolution_ns },
+            Some(None) => Timer::Host { resolution_ns: clock_step_ns() },
+            None => Timer::CpuClock { resolution_ns: clock_step_ns() },
         }
+    }
+
+    /// What to know where passes have no times.
+    pub(crate) fn note_on_times(&self) -> Option<String> {
+        let why = self.gpu()?.why_no_times()?;
+        Some(format!("{why}: passes have no times, a run has the host's, waiting for the adapter included"))
     }
 
     /// Waits until the device has done everything that it was given, uploads included.
@@ -76,18 +85,54 @@ pub(crate) fn choose(args: &DeviceArgs) -> Result<Chosen, Error> {
                 "--adapter names a GPU adapter, and --device cpu uses none: leave one of them out",
             ));
         }
-        return Ok(on_gpu(block_on(None, Gpu::new(&AdapterChoice::Named(name.clone())))?, "--adapter"));
+        return Ok(on_gpu(open(&AdapterChoice::Named(name.clone()))?, "--adapter"));
     }
     match args.device {
         DeviceKind::Cpu => Ok(on_cpu("--device cpu".into())),
-        DeviceKind::Gpu => Ok(on_gpu(block_on(None, Gpu::new(&AdapterChoice::Best))?, "--device gpu")),
+        DeviceKind::Gpu => Ok(on_gpu(open(&AdapterChoice::Best)?, "--device gpu")),
         DeviceKind::Auto => Ok(match block_on(None, Gpu::new(&AdapterChoice::Best)) {
-            Ok(gpu) if gpu.info.device_type != wgpu::DeviceType::Cpu => on_gpu(gpu, "the best adapter"),
+            Ok(gpu) if gpu.info.device_type != wgpu::DeviceType::Cpu => {
+                check_clock(&gpu)?;
+                on_gpu(gpu, "the best adapter")
+            }
             Ok(gpu) => on_cpu(format!("the only adapter is software ({}), the CPU twins are faster", gpu.info.name)),
             Err(GpuError::NoAdapter(_)) => on_cpu("no GPU adapter found: the CPU twins".into()),
             Err(error) => on_cpu(format!("{error}: the CPU twins")),
         }),
     }
+}
+
+/// What an adapter's clock said beside ours, for files.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct AboutClock {
+    device_ns: Option<u64>,
+    host_ns: u64,
+    /// Whether both are times.
+    pub(crate) agrees: bool,
+}
+
+impl From<ClockCheck> for AboutClock {
+    fn from(check: ClockCheck) -> Self {
+        Self { device_ns: check.device_ns, host_ns: check.host_ns, agrees: check.agrees() }
+    }
+}
+
+impl fmt::Display for AboutClock {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        ClockCheck { device_ns: self.device_ns, host_ns: self.host_ns }.fmt(f)
+    }
+}
+
+/// Opens an adapter, and finds out whether its clock is one.
+pub(crate) fn open(choice: &AdapterChoice) -> Result<Arc<Gpu>, Error> {
+    let gpu = block_on(None, Gpu::new(choice))?;
+    check_clock(&gpu)?;
+    Ok(gpu)
+}
+
+/// Compares its clock with ours.
+fn check_clock(gpu: &Arc<Gpu>) -> Result<(), Error> {
+    Ok(block_on(Some(gpu), gpu.check_clock(now_ns))?)
 }
 
 /// Waits for a future. Those of the library become ready only while the device is polled.

@@ -171,11 +171,12 @@ impl Running {
 
     /// What all rows of `passes.csv` have in common.
     pub(crate) fn run_context(&self) -> RunContext {
-        run_context(self.run_id.clone(), &self.scene, &self.options, &self.chosen, self.renderer.plan())
+        let context = run_context(self.run_id.clone(), &self.scene, &self.options, &self.chosen, self.renderer.plan());
+        RunContext { host_run_ns: self.renderer.host_ns(), ..context }
     }
 }
 
-/// What all rows of a run in `passes.csv` have in common.
+/// What all rows of a run in `passes.csv` have in common, but what it took.
 pub(crate) fn run_context(
     run_id: String,
     scene: &Scene,
@@ -194,7 +195,8 @@ pub(crate) fn run_context(
         height_px: plan.height,
         repeat: 0,
         is_warmup: false,
-        timer: chosen.timer().filter(|_| options.timings),
+        timer: options.timings.then(|| chosen.timer()),
+        host_run_ns: None,
     }
 }
 

@@ -298,8 +298,13 @@ fn a_gpu_is_timed_by_its_own_clock_and_hits_the_same() {
     assert_eq!((gpu.len(), cpu.len()), (4, 4));
     for (gpu, cpu) in gpu.iter().zip(&cpu) {
         let has_clock = run["timestamp_period_ns"].is_f64();
-        assert_eq!(gpu["timer_source"], if has_clock { "gpu_timestamp" } else { "" });
-        assert_eq!(gpu["median_device_ns"].is_empty(), !has_clock);
+        assert_eq!(gpu["timer_source"], if has_clock { "gpu_timestamp" } else { "host" });
+        assert_eq!(run["clock_check"]["agrees"], has_clock, "{}", run["clock_check"]);
+        for name in ["median_device_ns", "p05_device_ns", "p95_device_ns"] {
+            assert_eq!(gpu[name].is_empty(), !has_clock, "{name}");
+        }
+        let ns = number(gpu, if has_clock { "median_device_ns" } else { "median_wall_ns" });
+        assert!(is_near(number(gpu, "rays_per_s"), number(gpu, "rays") / ns * 1e9), "{gpu:?}");
         assert_eq!((gpu["n"].as_str(), run["adapter"]["name"] == gpu["device"].as_str()), ("2", true));
         // Which pixels have a bounce is decided by hits alone.
         assert_eq!((&gpu["rays"], &gpu["hits"]), (&cpu["rays"], &cpu["hits"]));

@@ -251,7 +251,7 @@ fn the_default_device_and_an_adapter_report_too() {
     let resolved = rows(&place, "gpu", "resolved.csv", FILES[0].1);
     let wrong = |r: &&Row| r["numerics"] == "robust" && r["judged_wrong_rays"] != "0";
     assert_eq!(resolved.iter().find(wrong), None);
-    assert!(resolved.iter().all(|r| r["clock"] == "gpu_timestamp" || r["clock"] == "wall"));
+    assert!(resolved.iter().all(|r| r["clock"] == "gpu_timestamp" || r["clock"] == "host"));
 }
 
 #[test]

@@ -64,10 +64,12 @@ impl Session {
     /// # Errors
     /// Where the scene or options do not fit the device, or the device fails.
     pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
-        Ok(Self::from_renderer(Renderer::new(scene, options, device).await?, options))
+        // Where it was is what a session is for.
+        let options = Options { keep_passes: true, ..options.clone() };
+        Ok(Self::from_renderer(Renderer::new(scene, &options, device).await?, &options))
     }
 
-    /// Takes over a run, which was made with these options, where it is now. Passes before it are known from the run.
+    /// Takes over a run, which was made with these options and keeps its passes, where it is now.
     #[must_use]
     pub fn from_renderer(renderer: Renderer, options: &Options) -> Self {
         let mut history = History::new(&renderer);
@@ -86,7 +88,7 @@ impl Session {
     /// Passes so far: the session is after pass `place() - 1`.
     #[must_use]
     pub fn place(&self) -> usize {
-        self.renderer.passes().len()
+        self.renderer.pass_count()
     }
 
     /// The passes so far.

@@ -228,6 +228,9 @@ pub struct Options {
     pub counters: bool,
     /// Time every pass, where the adapter can.
     pub timings: bool,
+    /// Keep a record of every pass, for [`Renderer::passes`](crate::Renderer::passes). Without it, only what passes sum
+    /// up to is known, and a run of many samples takes no more memory than one of few.
+    pub keep_passes: bool,
     /// `--keep-all`: leave nothing out, to see what leaving out saves.
     pub keep_all: bool,
     /// `--spp`, `--sampler`, `--seed`: samples a pixel. More than one need a camera's rays, and shading.
@@ -235,7 +238,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// The defaults: grid, compact with [`STEPS_PER_PASS`] steps a pass, robust, shaded, nothing measured.
+    /// The defaults: grid, compact with [`STEPS_PER_PASS`] steps a pass, robust, shaded, nothing measured, passes kept.
     #[must_use]
     pub fn new(rays: RaySource) -> Self {
         Self {
@@ -252,6 +255,7 @@ impl Options {
             shade: true,
             counters: false,
             timings: false,
+            keep_passes: true,
             keep_all: false,
             samples: Samples::default(),
         }

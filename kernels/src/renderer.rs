@@ -4,6 +4,7 @@ mod checkpoint;
 mod edit;
 mod given;
 mod passes;
+mod records;
 mod results;
 
 use std::sync::Arc;
@@ -22,6 +23,8 @@ use crate::stream::Region;
 pub use checkpoint::Checkpoint;
 pub(crate) use given::GIVEN;
 use given::GivenRays;
+pub use records::PassTotals;
+use records::Records;
 pub use results::RayHit;
 
 /// Where passes run.
@@ -137,10 +140,10 @@ pub struct Renderer {
     given: Option<GivenRays>,
     cursor: Cursor,
     counts: StateCounts,
-    passes: Vec<Pass>,
+    records: Records,
     pass_bound: u64,
     unfinished: u64,
-    /// Passes were submitted whose results are not in `passes`: a caller dropped the future that waited.
+    /// Passes were submitted whose results are not recorded: a caller dropped the future that waited.
     is_ahead: bool,
 }
 
@@ -193,7 +196,7 @@ impl Renderer {
             given,
             cursor: Cursor::start(),
             counts: StateCounts::default(),
-            passes: Vec::new(),
+            records: Records::new(options.keep_passes),
             pass_bound,
             unfinished: 0,
             is_ahead: false,
@@ -210,7 +213,7 @@ impl Renderer {
             Executor::CpuF64(e) => e.clear(),
         }
         self.cursor = Cursor::start();
-        self.passes.clear();
+        self.records.clear();
         self.unfinished = 0;
         self.is_ahead = false;
         self.counts = StateCounts::default();
@@ -259,10 +262,28 @@ impl Renderer {
         self.data.clone()
     }
 
-    /// Every pass so far.
+    /// Every pass so far, where [`Options::keep_passes`] asks for that; else none.
     #[must_use]
     pub fn passes(&self) -> &[Pass] {
-        &self.passes
+        self.records.kept()
+    }
+
+    /// How many passes have run so far.
+    #[must_use]
+    pub fn pass_count(&self) -> usize {
+        self.records.len()
+    }
+
+    /// What all passes so far sum up to.
+    #[must_use]
+    pub fn totals(&self) -> &PassTotals {
+        self.records.totals()
+    }
+
+    /// The pass that ran last.
+    #[must_use]
+    pub fn last_pass(&self) -> Option<Pass> {
+        self.records.last()
     }
 
     /// Rays in each state now.
@@ -284,7 +305,17 @@ impl Renderer {
     pub fn device_ns(&self) -> Option<u64> {
         match &self.executor {
             Executor::Gpu(e) => e.device_ns(),
-            _ => self.passes.iter().map(|p| p.duration_ns).sum(),
+            _ => self.records.totals().duration_ns,
+        }
+    }
+
+    /// Time of all passes so far on the host's clock, waiting for a GPU included, in nanoseconds: what is known where the
+    /// device's own clock is none. `None` where there is no such clock; see [`Gpu::check_clock`].
+    #[must_use]
+    pub fn host_ns(&self) -> Option<u64> {
+        match &self.executor {
+            Executor::Gpu(e) => e.host_ns(),
+            _ => self.device_ns(),
         }
     }
 

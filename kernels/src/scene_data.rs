@@ -1,12 +1,13 @@
 //! A scene as kernels read it: the bytes of every uniform and storage buffer that a run binds.
 
+mod indices;
 mod shading;
 mod traced;
 
 use bytemuck::cast_slice;
 use raystep_scenes::Scene;
 
-use crate::bvh::{self, BvhNode, BvhOptions, BvhQuality, WideContent, WideNode};
+use crate::bvh::{self, BvhNode, BvhOptions, BvhQuality, WideNode};
 use crate::features::Features;
 use crate::generate::Camera;
 use crate::grid::{self, GridData, GridSize};
@@ -127,33 +128,6 @@ impl SceneData {
         } else {
             place
         }
-    }
-
-    /// Whether every index that the fused kernel follows stays within what it points into: what a shader
-    /// without bounds checks relies on.
-    #[must_use]
-    pub fn indices_hold(&self) -> bool {
-        let entries = self.packed_triangles.len();
-        if self.features.grid {
-            let cells = self.grid.cells.iter().map(|&n| n as usize).product::<usize>();
-            let lists = self.grid_cells.len() == cells + 1
-                && self.grid_cells.is_sorted()
-                && self.grid_cells.last().is_some_and(|&end| end as usize <= self.grid_items.len());
-            return lists
-                && self.grid_items.iter().all(|&item| (item as usize) < entries)
-                && (!self.features.skip || 4 * self.grid_distances.len() >= cells);
-        }
-        if self.features.bvh {
-            let within = |content| match content {
-                WideContent::Inner(node) => (node as usize) < self.wide_nodes.len(),
-                WideContent::Leaf { first, count } => (first + count) as usize <= entries,
-            };
-            let holds = |node: &WideNode| (0..8).filter_map(|slot| node.content(slot)).all(within);
-            return !self.wide_nodes.is_empty()
-                && self.wide_depth <= self.features.stack + 1
-                && self.wide_nodes.iter().all(holds);
-        }
-        self.info.triangles as usize <= entries
     }
 
     /// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list.

@@ -197,6 +197,7 @@ pub async fn run(
         contracted: variant.contracted,
         grid: if variant.accelerator == Accelerator::Grid { workload.grid } else { GridSize::Auto },
         shade: variant.schedule == ScheduleKind::Fused && is_camera,
+        keep_passes: false,
         ..Options::new(workload.rays.clone())
     };
     if variant.accelerator == Accelerator::None {
@@ -217,5 +218,5 @@ pub async fn run(
     }
     let at_bound = at_bound.max(renderer.unfinished());
     let score = judge.score(case.truth, &renderer).await?;
-    Ok(Run { score, passes: renderer.passes().len(), at_bound })
+    Ok(Run { score, passes: renderer.pass_count(), at_bound })
 }

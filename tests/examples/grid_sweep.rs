@@ -85,7 +85,7 @@ fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
             cells[0],
             cells[1],
             cells[2],
-            renderer.passes().len(),
+            renderer.pass_count(),
             1e3 * median(times),
             median(times) / best,
         );

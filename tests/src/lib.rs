@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::pin::pin;
 use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll, Waker};
+use std::time::Instant;
 
 use raystep_kernels::reference::{Report, check_rays};
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, ScheduleKind, Stream, StreamData};
@@ -77,6 +78,13 @@ pub fn gpu() -> Arc<Gpu> {
         gpu
     };
     GPU.get_or_init(open).clone()
+}
+
+/// Nanoseconds since the first call: a host's clock.
+#[must_use]
+pub fn now_ns() -> u64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_nanos() as u64
 }
 
 /// Runs a future to its end, polling the device that it waits for.

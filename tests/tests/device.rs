@@ -1,48 +1,104 @@
 //! Devices that are not as one would wish: no timers, lost, too small.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use raystep_kernels::{
-    AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Plan, PlanError, RenderError, Renderer, Stream,
+    AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Options, Plan, PlanError, RenderError, Renderer, Stream,
 };
 use raystep_scenes::generate;
 use raystep_tests::ways::stepped;
-use raystep_tests::{block_on, gpu, options, scene};
+use raystep_tests::{block_on, gpu, now_ns, options, scene};
 
 #[test]
 fn an_adapter_without_timestamps_leaves_times_empty() {
     let none = wgpu::Features::empty();
     let gpu = pollster::block_on(Gpu::with_features(&AdapterChoice::Best, none)).expect("an adapter");
     assert_eq!(gpu.timestamp_period_ns, None);
+    block_on(Some(&gpu), gpu.check_clock(now_ns)).expect("a device");
+    assert_eq!((gpu.clock_check(), gpu.clock_period_ns()), (None, None));
+    assert!(gpu.why_no_times().is_some_and(|why| why.contains("no timestamps")));
     let scene = scene("cornell-box.gltf");
     let mut options = stepped(&scene, 32, 32);
     options.timings = true;
     block_on(Some(&gpu), async {
         let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
         renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
-        assert!(renderer.passes().len() > 10);
+        assert!(renderer.pass_count() > 10);
         assert!(renderer.passes().iter().all(|p| p.begin_ns.is_none() && p.duration_ns.is_none()));
+        assert!(renderer.host_ns().is_some_and(|ns| ns > 0), "the run has the host's time");
     });
 }
 
-#[test]
-fn an_adapter_with_timestamps_times_every_pass() {
+/// What a run of its own says of times: how many passes are timed, of how many, the device's time and the host's.
+fn times(gpu: &Arc<Gpu>, options: &Options) -> (usize, usize, Option<u64>, Option<u64>) {
     let scene = scene("cornell-box.gltf");
-    let gpu = gpu();
-    assert!(gpu.timestamp_period_ns.is_some(), "{} has no timers", gpu.info.name);
-    for mut options in [stepped(&scene, 256, 256), options(&scene, 256, 256)] {
-        options.timings = true;
-        block_on(Some(&gpu), async {
-            let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
-            renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
-            let timed = renderer.passes().iter().filter(|p| p.duration_ns.is_some_and(|ns| ns > 0)).count();
-            assert!(timed * 10 >= renderer.passes().len() * 9, "{timed} of {} passes", renderer.passes().len());
-        });
+    block_on(Some(gpu), async {
+        let mut renderer = Renderer::new(&scene, options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
+        renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+        let timed = renderer.passes().iter().filter(|p| p.duration_ns.is_some_and(|ns| ns > 0)).count();
+        (timed, renderer.pass_count(), renderer.device_ns(), renderer.host_ns())
+    })
+}
+
+/// Passes have times where the adapter's clock is one, and only there; the host's time of the run stands beside.
+#[test]
+fn passes_have_times_only_where_the_adapters_clock_agrees_with_the_hosts() {
+    let gpu = a_device_of_its_own();
+    assert!(gpu.timestamp_period_ns.is_some(), "{} has no timestamps", gpu.info.name);
+    let scene = scene("cornell-box.gltf");
+    let ways = [stepped(&scene, 256, 256), options(&scene, 256, 256)];
+    for options in &ways {
+        let options = Options { timings: true, ..options.clone() };
+        let (timed, _, device_ns, host_ns) = times(&gpu, &options);
+        assert_eq!((timed, device_ns, host_ns), (0, None, None), "nobody has compared the clocks");
+    }
+    block_on(Some(&gpu), gpu.check_clock(now_ns)).expect("a device");
+    let check = gpu.clock_check().expect("a clock");
+    eprintln!("{}: {check}", gpu.info.name);
+    assert_eq!(gpu.clock_period_ns().is_some(), check.agrees(), "{check}");
+    assert_eq!(gpu.why_no_times().is_none(), check.agrees(), "{:?}", gpu.why_no_times());
+    for options in ways {
+        let options = Options { timings: true, ..options };
+        let (timed, passes, device_ns, host_ns) = times(&gpu, &options);
+        let host_ns = host_ns.expect("a host's clock");
+        if check.agrees() {
+            assert!(timed * 10 >= passes * 9, "{timed} of {passes} passes");
+            assert!(device_ns.is_some_and(|ns| ns <= host_ns), "{device_ns:?} of {host_ns} ns");
+        } else {
+            assert_eq!((timed, device_ns), (0, None), "{check}");
+        }
+        assert!(host_ns > 0);
     }
 }
 
-/// A device of its own, so that the others are not lost with it.
-fn a_device_to_lose() -> std::sync::Arc<Gpu> {
+/// A host's clock ten times faster, or slower, is to an adapter's true clock what a true one is to an untrue one:
+/// whatever this adapter's is, one of the three agrees at most.
+#[test]
+fn a_clock_that_is_off_by_ten_is_not_taken_for_a_time() {
+    let clocks: [(&str, fn() -> u64); 3] =
+        [("the host's", now_ns), ("ten times as fast", || 10 * now_ns()), ("ten times as slow", || now_ns() / 10)];
+    let scene = scene("cornell-box.gltf");
+    let options = Options { timings: true, ..options(&scene, 64, 64) };
+    let mut agreed = Vec::new();
+    for (name, clock) in clocks {
+        let gpu = a_device_of_its_own();
+        block_on(Some(&gpu), gpu.check_clock(clock)).expect("a device");
+        let check = gpu.clock_check().expect("a clock");
+        let (timed, _, device_ns, _) = times(&gpu, &options);
+        assert_eq!((timed > 0, device_ns.is_some()), (check.agrees(), check.agrees()), "{name}: {check}");
+        if check.agrees() {
+            agreed.push(name);
+        } else {
+            let why = gpu.why_no_times().expect("a reason");
+            assert!(why.contains("timestamps are not true") && why.contains("on the host's clock"), "{why}");
+        }
+    }
+    assert!(agreed.len() <= 1, "{agreed:?} all agree");
+}
+
+/// A device of its own, so that the others are neither lost with it, nor know what it finds.
+fn a_device_of_its_own() -> Arc<Gpu> {
     pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter")
 }
 
@@ -51,13 +107,13 @@ fn a_lost_device_is_an_error_and_not_a_panic() {
     let scene = scene("cornell-box.gltf");
     let options = stepped(&scene, 64, 64);
     // Lost before, between two passes, and while a read-back is awaited.
-    let gpu = a_device_to_lose();
+    let gpu = a_device_of_its_own();
     gpu.device.destroy();
     drop(gpu.device.poll(wgpu::PollType::Poll));
     let built = block_on(Some(&gpu), Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())));
     assert!(matches!(built, Err(RenderError::Gpu(_))), "{:?}", built.err());
 
-    let gpu = a_device_to_lose();
+    let gpu = a_device_of_its_own();
     block_on(Some(&gpu), async {
         let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
         for _ in 0..5 {
@@ -75,7 +131,7 @@ fn a_lost_device_is_an_error_and_not_a_panic() {
 
 #[test]
 fn work_that_is_held_back_waits_until_all_have_let_go() {
-    let gpu = a_device_to_lose();
+    let gpu = a_device_of_its_own();
     let (first, second) = (gpu.hold_back(), gpu.hold_back());
     let (done, is_done) = std::sync::mpsc::channel();
     let other = gpu.clone();

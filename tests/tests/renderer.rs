@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use raystep_kernels::export::trace::ray_state;
 use raystep_kernels::{
-    Accelerator, Device, Region, RenderError, Renderer, ScheduleKind, Stream, StreamData, state::STATES,
+    Accelerator, Device, Options, PassTotals, Region, RenderError, Renderer, Samples, ScheduleKind, Stream, StreamData,
+    state::STATES,
 };
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
@@ -30,6 +31,50 @@ fn books(renderer: &Renderer) -> Vec<(raystep_kernels::Kernel, u32, u32, [u32; S
     renderer.passes().iter().map(|p| (p.kernel, p.iteration, p.rays_in, p.counts, p.threads_launched)).collect()
 }
 
+/// Without records a run knows what it knows with them, but each single pass.
+#[test]
+fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
+    let scene = scene("cornell-box.gltf");
+    // Times differ from run to run, and sums of them with it.
+    fn counts(totals: &PassTotals) -> (usize, u64, Vec<(&'static str, usize, u64)>) {
+        let kernels = totals.kernels.iter().map(|(&name, kernel)| (name, kernel.passes, kernel.rays_in));
+        (totals.passes, totals.threads_launched, kernels.collect())
+    }
+    for (name, device) in devices() {
+        for (way, count) in WAYS.into_iter().flat_map(|way| [(way, 1), (way, 3)]) {
+            let samples = Samples { count, ..Samples::default() };
+            let kept = Options { samples, ..way.of(&options(&scene, 12, 10)) };
+            let summed = Options { keep_passes: false, ..kept.clone() };
+            block_on(gpu_of(&device), async {
+                let mut with = Renderer::new(&scene, &kept, &device).await.expect("a renderer");
+                let mut without = Renderer::new(&scene, &summed, &device).await.expect("a renderer");
+                with.run(|_| ControlFlow::Continue(())).await.expect("a run");
+                let totals: PassTotals = with.passes().iter().collect();
+                assert_eq!(&totals, with.totals(), "{name} {way}");
+                assert_eq!(totals.rays_in(), with.passes().iter().map(|p| u64::from(p.rays_in)).sum::<u64>());
+
+                without.run_to(5, |_| ControlFlow::Continue(())).await.expect("passes");
+                let (early, place) = (without.checkpoint().await.expect("a checkpoint"), without.totals().clone());
+                assert_eq!((without.pass_count(), early.place()), (5, 5), "{name} {way}");
+                without.run(|_| ControlFlow::Continue(())).await.expect("a run");
+                assert_eq!(counts(without.totals()), counts(&totals), "{name} {way}");
+                assert_eq!(without.pass_count(), with.pass_count(), "{name} {way}");
+                assert_eq!(
+                    without.last_pass().map(|p| (p.index, p.kernel, p.counts)),
+                    with.passes().last().map(|p| (p.index, p.kernel, p.counts)),
+                    "{name} {way}"
+                );
+                assert!(without.passes().is_empty(), "{name} {way}: nobody asked for them");
+                assert!(all(&without).await == all(&with).await, "{name} {way}");
+                without.restore(&early).expect("the same run");
+                assert_eq!((without.totals(), without.pass_count()), (&place, 5), "{name} {way}");
+                without.restart();
+                assert_eq!(without.totals(), &PassTotals::default(), "{name} {way}");
+            });
+        }
+    }
+}
+
 #[test]
 fn a_run_stops_where_it_is_told_to_and_never_later() {
     let scene = scene("cornell-box.gltf");
@@ -42,16 +87,16 @@ fn a_run_stops_where_it_is_told_to_and_never_later() {
                 let mut at_once = Renderer::from_plan(plan, data, &options, &device).await.expect("a renderer");
                 assert!(std::ptr::eq(one_by_one.data(), at_once.data()), "the scene is there once");
                 for place in [1, 2, 3, 7, 8, 30] {
-                    while one_by_one.passes().len() < place && one_by_one.step().await.expect("a pass").is_some() {}
-                    let place = one_by_one.passes().len();
+                    while one_by_one.pass_count() < place && one_by_one.step().await.expect("a pass").is_some() {}
+                    let place = one_by_one.pass_count();
                     at_once.run_to(place, |_| ControlFlow::Continue(())).await.expect("passes");
-                    assert_eq!(at_once.passes().len(), place, "{name} {way}");
+                    assert_eq!(at_once.pass_count(), place, "{name} {way}");
                     assert_eq!(books(&at_once), books(&one_by_one), "{name} {way} after {place} passes");
                     assert!(all(&at_once).await == all(&one_by_one).await, "{name} {way} after {place} passes");
                 }
                 at_once.restart();
                 let mut stopped = at_once.run_to(usize::MAX, |_| ControlFlow::Break(())).await;
-                let place = at_once.passes().len();
+                let place = at_once.pass_count();
                 assert!(
                     matches!(stopped, Err(RenderError::Cancelled { passes }) if passes == place),
                     "{name} {way}: {stopped:?}"
@@ -127,7 +172,7 @@ fn after_a_checkpoint_the_same_passes_follow() {
                 let (mut kept, mut seen) = (Vec::new(), Vec::new());
                 loop {
                     seen.push((all(&renderer).await, renderer.live()));
-                    if [0, 1, 2, 5, 12, 13].contains(&renderer.passes().len()) {
+                    if [0, 1, 2, 5, 12, 13].contains(&renderer.pass_count()) {
                         kept.push(renderer.checkpoint().await.expect("a checkpoint"));
                     }
                     if renderer.step().await.expect("a pass").is_none() {
@@ -139,7 +184,7 @@ fn after_a_checkpoint_the_same_passes_follow() {
                 for i in [5, 0, 3, 4, 1, 2, 2] {
                     let place = kept[i].place();
                     renderer.restore(&kept[i]).expect("the same run");
-                    assert_eq!(renderer.passes().len(), place);
+                    assert_eq!(renderer.pass_count(), place);
                     for at in [place, place + 1, place + 4].map(|at| at.min(passes.len())) {
                         renderer.run_to(at, go_on).await.expect("passes");
                         assert!(all(&renderer).await == seen[at].0, "{name} {way}: {at} from {place}");

@@ -118,8 +118,8 @@ fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
     let chosen = device::choose(&args.device)?;
 
     let mut bench = Bench::new(args, &chosen, &progress);
-    if chosen.timer().is_none() {
-        bench.note("this adapter has no timestamps: times are the wall clock's, waiting for the device included");
+    if let Some(note) = chosen.note_on_times() {
+        bench.note(note);
     }
     let ways = ways(args, &mut bench);
     for input in &inputs {

@@ -1,5 +1,7 @@
 //! `raystep dump`
 
+mod left_out;
+
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -8,8 +10,8 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
-use raystep_kernels::stream::STREAMS;
-use raystep_kernels::{Pass, Stream, StreamData};
+use raystep_kernels::stream::{STREAMS, StreamInfo};
+use raystep_kernels::{Kernel, Pass, Stream, StreamData};
 use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -18,6 +20,7 @@ use crate::output::TargetFolder;
 use crate::scene_file::read_file;
 use crate::session::{Running, Session};
 use crate::terminal::Progress;
+use left_out::{LeftOut, NOT_NEEDED, needs_shading};
 
 /// Write the values of streams after one pass or after each
 ///
@@ -121,13 +124,24 @@ struct Index {
 
 #[derive(Serialize)]
 struct IndexPass {
+    /// Its number: the same whatever is dumped.
     index: usize,
-    iteration: u32,
     kernel: &'static str,
-    rays_in: u32,
-    rays_out: u32,
-    rays_by_state: std::collections::BTreeMap<&'static str, u32>,
+    /// Why it did not run, else `null`. What it would have done is not known then.
+    left_out: Option<&'static str>,
+    iteration: Option<u32>,
+    rays_in: Option<u32>,
+    rays_out: Option<u32>,
+    rays_by_state: Option<std::collections::BTreeMap<&'static str, u32>>,
     files: Vec<String>,
+}
+
+impl IndexPass {
+    fn left_out(index: usize, kernel: Kernel) -> Self {
+        let (iteration, rays_in, rays_out, rays_by_state) = (None, None, None, None);
+        let (kernel, left_out) = (kernel.name(), Some(NOT_NEEDED));
+        Self { index, kernel, left_out, iteration, rays_in, rays_out, rays_by_state, files: Vec::new() }
+    }
 }
 
 pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
@@ -147,19 +161,25 @@ pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
 fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
     let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
-    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+    let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         options.counters = args.counters || args.stream.contains(&Wanted::Stream(Stream::Counters));
-        // The image is the one thing that only shading makes.
-        options.shade = is_wanted(Stream::Color) || options.samples.count > 1;
+        let needs_shading = |s: &StreamInfo| is_wanted(s.stream) && needs_shading(s.stream, options.schedule);
+        options.shade = STREAMS.iter().any(needs_shading) || options.samples.count > 1;
     })?;
+    // So many lights take several passes, and how many is known only by running them.
+    if !session.options.shade && session.scene.lights.len() as u64 > u64::from(session.chosen.limits().turns) {
+        session.options.shade = true;
+        (session.plan, session.data) = Plan::new(&session.scene, &session.options, &session.chosen.limits())?;
+    }
     folder.refuse_inputs(&session.inputs, is_ours)?;
     let streams = streams(args, &session.plan)?;
+    let left_out = LeftOut::of(&session.plan);
     let mut running = session.start(&progress)?;
 
     let passes = match args.pass {
         Which::Number(wanted) => {
-            step_to(&mut running, wanted, &progress)?;
+            step_to(&mut running, wanted, left_out, &progress)?;
             vec![wanted]
         }
         Which::Last | Which::All => {
@@ -168,7 +188,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
                 ControlFlow::Continue(())
             };
             running.chosen.wait(running.renderer.run(show))?;
-            let last = running.renderer.passes().len().saturating_sub(1);
+            let last = left_out.count(&running).saturating_sub(1);
             if args.pass == Which::Last { vec![last] } else { (0..=last).collect() }
         }
     };
@@ -182,13 +202,16 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         fs4::available_space(folder.place()).map_or(Ok(()), |free| must_fit(bytes, free, &args.output))?;
     }
 
-    let mut index = index(&running, &streams);
+    let mut index = index(&running, &streams, left_out, passes.last().copied());
+    for pass in index.passes.iter().filter(|pass| pass.left_out.is_some()) {
+        progress.say(format_args!("pass {} ({}) is left out: {NOT_NEEDED}", pass.index, pass.kernel));
+    }
     if args.pass == Which::All {
         // Known only now how many there are: the same passes once more, as kernels are deterministic.
         running.renderer.restart();
     }
     for (done, &wanted) in passes.iter().enumerate() {
-        if args.pass == Which::All {
+        if args.pass == Which::All && index.passes[wanted].left_out.is_none() {
             running.chosen.wait(running.renderer.step())?;
         }
         progress.part("writing", done as u64, passes.len() as u64);
@@ -235,10 +258,13 @@ fn count(files: usize) -> String {
     if files == 1 { "1 file".into() } else { format!("{files} files") }
 }
 
-fn step_to(running: &mut Running, wanted: usize, progress: &Progress) -> Result<(), Error> {
-    while running.renderer.passes().len() <= wanted {
+fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &Progress) -> Result<(), Error> {
+    while left_out.before() + running.renderer.pass_count() <= wanted {
         if running.chosen.wait(running.renderer.step())?.is_none() {
-            let count = running.renderer.passes().len();
+            let count = left_out.count(running);
+            if wanted < count {
+                break;
+            }
             return Err(Error::usage(format!(
                 "--pass {wanted}: the run has {count} passes, 0 to {}",
                 count.saturating_sub(1)
@@ -283,18 +309,27 @@ fn bytes(streams: &[Stream], plan: &Plan, format: Format) -> u64 {
     streams.iter().map(of).sum()
 }
 
-fn index(running: &Running, streams: &[Stream]) -> Index {
+/// Passes up to `last` are listed.
+fn index(running: &Running, streams: &[Stream], left_out: LeftOut, last: Option<usize>) -> Index {
     let (renderer, plan) = (&running.renderer, running.renderer.plan());
     let texels = u64::from(plan.width) * u64::from(plan.height);
     let pass = |pass: &Pass| IndexPass {
-        index: pass.index,
-        iteration: pass.iteration,
+        index: left_out.before() + pass.index,
         kernel: pass.kernel.name(),
-        rays_in: pass.rays_in,
-        rays_out: csv::rays_out(pass),
-        rays_by_state: json::states(&pass.counts),
+        left_out: None,
+        iteration: Some(pass.iteration),
+        rays_in: Some(pass.rays_in),
+        rays_out: Some(csv::rays_out(pass)),
+        rays_by_state: Some(json::states(&pass.counts)),
         files: Vec::new(),
     };
+    let before = left_out.first.map(|kernel| IndexPass::left_out(0, kernel));
+    let mut passes: Vec<_> = before.into_iter().chain(renderer.passes().iter().map(pass)).collect();
+    if let (Some(kernel), Some(last)) = (left_out.last, last)
+        && passes.len() <= last
+    {
+        passes.push(IndexPass::left_out(passes.len(), kernel));
+    }
     Index {
         schema_version: json::SCHEMA_VERSION,
         raystep_version: env!("CARGO_PKG_VERSION"),
@@ -305,7 +340,7 @@ fn index(running: &Running, streams: &[Stream]) -> Index {
         rays: plan.rays,
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
         streams: streams.iter().map(|&s| json::stream(s, texels)).collect(),
-        passes: renderer.passes().iter().map(pass).collect(),
+        passes,
     }
 }
 

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use clap::Args;
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::{AdapterSummary, Loops};
+use raystep_kernels::{AdapterChoice, AdapterSummary, Loops};
 use raystep_scenes::{Light, Projection, Scene};
 use serde::Serialize;
 
 use crate::args::{DeviceArgs, DeviceKind, SceneArgs};
-use crate::device::{block_on, choose};
+use crate::device::{AboutClock, block_on, choose, open};
 use crate::error::Error;
 use crate::scene_file;
 use crate::terminal::print;
@@ -70,6 +70,8 @@ struct AboutAdapter {
     info: AdapterInfo,
     is_usable: bool,
     has_timestamps: bool,
+    /// What its clock said of work that the host's clock timed as well; `null` where it has none.
+    clock: Option<AboutClock>,
     image_side_px: u32,
     storage_binding_bytes: u64,
     buffer_bytes: u64,
@@ -78,13 +80,33 @@ struct AboutAdapter {
     storage_buffers_per_stage: u32,
 }
 
+/// Opens the adapter and asks its clock.
+fn clock(adapter: &AdapterSummary) -> Option<AboutClock> {
+    if !adapter.is_usable || !adapter.has_timestamps {
+        return None;
+    }
+    // One that cannot be opened says so where it is to be used.
+    let gpu = open(&AdapterChoice::Named(adapter.info.name.clone())).ok()?;
+    gpu.clock_check().map(AboutClock::from)
+}
+
 impl AboutAdapter {
+    fn timestamps(&self) -> String {
+        match &self.clock {
+            _ if !self.has_timestamps => "no: passes cannot be timed".into(),
+            None => "yes, but not compared with the host's clock".into(),
+            Some(clock) if clock.agrees => format!("yes: {clock}"),
+            Some(clock) => format!("not true, passes cannot be timed: {clock}"),
+        }
+    }
+
     fn of(adapter: &AdapterSummary) -> Self {
         let limits = &adapter.limits;
         Self {
             info: AdapterInfo::from(adapter),
             is_usable: adapter.is_usable,
             has_timestamps: adapter.has_timestamps,
+            clock: clock(adapter),
             image_side_px: raystep_kernels::Limits::of_adapter(limits, Loops::Unlimited).image_side,
             storage_binding_bytes: limits.max_storage_buffer_binding_size,
             buffer_bytes: limits.max_buffer_size,
@@ -114,7 +136,7 @@ impl AboutDevices {
                     "no: it lacks compute shaders, core WebGPU limits or read-write r32 textures"
                 }
             ));
-            line(format!("  timestamps  {}", if a.has_timestamps { "yes" } else { "no: passes cannot be timed" }));
+            line(format!("  timestamps  {}", a.timestamps()));
             if let Some(turns) = a.info.loops_end_after {
                 line(format!("  loops       end after {turns} turns: longer walks take several dispatches"));
             }

@@ -8,11 +8,11 @@ use raystep_inspector::link::{Link, LinkRay};
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::{COMMANDS, Command};
 use raystep_inspector::ui::{Arrival, Shown};
-use raystep_kernels::{AdapterChoice, Gpu};
+use raystep_kernels::AdapterChoice;
 
 use super::trace::Pixel;
 use crate::args::{DeviceArgs, RunArgs, SceneArgs, ViewArgs};
-use crate::device::block_on;
+use crate::device;
 use crate::error::Error;
 use crate::link::{LinkArgs, Wanted, link_of};
 use crate::output::{Target, write};
@@ -93,7 +93,7 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     if let (Some(target), Some(scene)) = (&target, &start.scene) {
         crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(std::slice::from_ref(&scene.path)))?;
     }
-    let gpu = block_on(None, Gpu::new(&adapter(&args.device)))?;
+    let gpu = device::open(&adapter(&args.device))?;
     let Some(target) = target else { return window::open(gpu, start) };
     if !(0.25..=8.0).contains(&args.scale) {
         return Err(Error::usage(format!("--scale {}: a number from 0.25 to 8 is wanted", args.scale)));

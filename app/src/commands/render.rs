@@ -92,10 +92,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.counters = args.counters;
         options.timings = args.passes_csv.is_some() || args.trace_json.is_some();
+        options.keep_passes = options.timings;
     })?;
     refuse_inputs(&targets, &session.inputs)?;
-    if session.options.timings && session.chosen.timer().is_none() {
-        progress.say("note: this adapter has no timestamps: the passes' times are unknown");
+    if let Some(note) = session.chosen.note_on_times().filter(|_| session.options.timings) {
+        progress.say(format_args!("note: {note}"));
     }
     let mut running = session.start(&progress)?;
     let work = trace(&mut running, args.counters && args.passes_csv.is_some(), &progress)?;

@@ -131,6 +131,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let link = args.print_link.then(|| link_of(&wanted)).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&wanted.scene, &wanted.view, &wanted.run, &progress, |options| {
+        options.keep_passes = false;
         if let Some(LinkRay::Given(ray)) = ray {
             options.rays = RaySource::Given(vec![ray]);
         }

@@ -104,7 +104,7 @@ fn passes_csv_reads_strictly_and_adds_up() {
         names.iter().collect::<Vec<_>>().join(","),
         "schema_version,run_id,scene,accelerator,schedule,numerics,device,width_px,height_px,repeat,is_warmup,\
          pass_index,iteration,kernel,gpu_begin_ns,gpu_duration_ns,cpu_encode_ns,rays_in,rays_out,threads_launched,\
-         cells_visited,triangles_tested,timer_source,timer_resolution_ns,valid"
+         cells_visited,triangles_tested,timer_source,timer_resolution_ns,valid,host_run_ns"
     );
     let column = |name: &str| names.iter().position(|n| n == name).expect("a column");
     let rows: Vec<_> = reader.records().map(|r| r.expect("as many fields as names")).collect();
@@ -147,6 +147,13 @@ fn trace_json_loads_as_trace_events_and_adds_up() {
         let bytes = place.read("passes.csv");
         let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(bytes.as_slice());
         let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+        if trace["otherData"]["timer_source"] == "host" {
+            // The adapter's clock is none: the whole run has a time, and no pass.
+            assert_eq!((device, slices("pass").len(), slices("run").len()), ("gpu", 0, 1));
+            assert_eq!(about("passes_without_times") as usize, rows.len());
+            assert!((sum(&slices("run")) * 1000.0 - about("host_run_ns")).abs() < 1.0 && about("host_run_ns") > 0.0);
+            continue;
+        }
         assert_eq!(slices("pass").len(), rows.len(), "{device}: every pass has its time");
         for (slice, row) in slices("pass").iter().zip(&rows) {
             assert_eq!(
@@ -162,6 +169,50 @@ fn trace_json_loads_as_trace_events_and_adds_up() {
         let done = events.iter().rfind(|e| e["ph"] == "C" && e["name"] == "rays in DONE").expect("a counter");
         assert_eq!(done["args"]["rays"], 24 * 16);
     }
+}
+
+/// One rule for every file: what the adapter's clock says where it is true, and else the host's of the whole run.
+#[test]
+fn a_gpus_times_are_true_or_the_hosts() {
+    let place = Place::new();
+    let files = ["-o", "a.png", "--passes-csv", "passes.csv", "--summary-json", "run.json"];
+    let base = ["render", &cornell_box(), "--size", "64x64", "--device", "gpu"];
+    let outcome = place.ok(&[&base[..], &files[..]].concat());
+    let info: Value = serde_json::from_str(&place.ok(&["info", "--json"]).stdout).expect("JSON");
+    let run: Value = serde_json::from_slice(&place.read("run.json")).expect("JSON");
+    let adapters = info["adapters"].as_array().expect("adapters");
+    let adapter = adapters.iter().find(|a| a["name"] == run["adapter"]["name"]).expect("the adapter");
+    let clock = &adapter["clock"];
+    println!("{clock}");
+    let bytes = place.read("passes.csv");
+    let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(bytes.as_slice());
+    let names = reader.headers().expect("a header").clone();
+    let column = |name: &str| names.iter().position(|n| n == name).expect("a column");
+    let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+    let trace_ns = run["seconds"]["trace"].as_f64().expect("seconds") * 1e9;
+    let is_true = rows[0][column("timer_source")] == *"gpu_timestamp";
+    for row in &rows {
+        let times = ["gpu_begin_ns", "gpu_duration_ns", "host_run_ns"].map(|name| !row[column(name)].is_empty());
+        let (valid, source) = (&row[column("valid")], &row[column("timer_source")]);
+        if is_true {
+            assert_eq!((times, valid, source), ([true, true, false], "true", "gpu_timestamp"), "{row:?}");
+        } else {
+            assert_eq!((times, valid, source), ([false, false, true], "false", "host"), "{row:?}");
+            let host_ns: f64 = row[column("host_run_ns")].parse().expect("a time");
+            // All of the run's submissions, and nothing else.
+            assert!(host_ns <= trace_ns && host_ns > 0.1 * trace_ns, "{host_ns} of {trace_ns} ns");
+            assert_eq!(run["host_run_ns"], row[column("host_run_ns")].parse::<u64>().expect("a time"));
+        }
+    }
+    if is_true {
+        let sum: f64 = rows.iter().map(|r| r[column("gpu_duration_ns")].parse::<f64>().expect("a time")).sum();
+        assert!(sum <= trace_ns, "{sum} of {trace_ns} ns");
+    }
+    assert_eq!(outcome.stderr.contains("passes have no times, a run has the host's"), !is_true, "{outcome:?}");
+    assert_eq!(run["timer_source"], if is_true { "gpu_timestamp" } else { "host" });
+    assert!(clock["host_ns"].as_u64() >= Some(1_000_000), "{clock}");
+    // Two looks at one clock: what is true once is not untrue the next time.
+    assert_eq!(clock["agrees"], is_true, "{clock}");
 }
 
 #[test]
@@ -226,7 +277,7 @@ fn dump_writes_streams_and_an_index_that_names_them() {
     assert_eq!(index["scene_units_per_stream_unit"], 4.0);
     assert_eq!((&index["options"]["grid"], &index["options"]["counters"]), (&"4,3,2".into(), &false.into()));
     assert_eq!(index["options"]["scene_path"], cornell_box());
-    assert_eq!(last["kernel"], "traverse_grid", "nothing that is dumped needs shading");
+    assert_eq!((&last["kernel"], &last["left_out"]), (&"shade".into(), &Value::Null), "shading changes the state");
     let names: Vec<_> = last["files"].as_array().expect("files").iter().map(|f| f.as_str().expect("a name")).collect();
     let stem = format!("pass-{:06}", passes.len() - 1);
     let expected = ["state.npy", "state.exr", "hit.npy", "hit.exr"].map(|n| format!("{stem}.{n}"));
@@ -246,6 +297,74 @@ fn sorted<'a>(names: &[&'a str]) -> Vec<&'a str> {
     let mut names = names.to_vec();
     names.sort_unstable();
     names
+}
+
+/// Passes of a run have the same numbers whichever streams are dumped, and those of `trace`.
+#[test]
+fn passes_keep_their_numbers_whatever_is_dumped() {
+    let place = Place::new();
+    let common = ["--size", "12x9", "--device", "cpu"];
+    let ways = [
+        &["--schedule", "compact"][..],
+        &["--schedule", "compact", "--steps-per-pass", "8", "--accelerator", "bvh"],
+        &["--schedule", "second"],
+        &["--schedule", "first", "--accelerator", "none"],
+        &["--schedule", "fused"],
+    ];
+    for (i, way) in ways.into_iter().enumerate() {
+        let is_stepped = way != ["--schedule", "fused"];
+        let passes = is_stepped.then(|| {
+            let trace = ["trace", &cornell_box(), "--pixel", "3,4", "--format", "json", "--quiet"];
+            let life: Value =
+                serde_json::from_str(&place.ok(&[&trace[..], &common, way].concat()).stdout).expect("JSON");
+            life["passes"].as_u64().expect("a number") as usize
+        });
+        let mut hits = Vec::new();
+        for (streams, left_out) in [
+            ("all", &[][..]),
+            ("state", &[]),
+            ("hit,color", &[]),
+            ("hit", if is_stepped { &["shade"] } else { &["generate", "shade"] }),
+        ] {
+            let folder = format!("{i}-{streams}");
+            let dump = ["dump", &cornell_box(), "--pass", "last", "--stream", streams, "-o", &folder];
+            let outcome = place.ok(&[&dump[..], &common, way].concat());
+            let index: Value = serde_json::from_slice(&place.read(&format!("{folder}/index.json"))).expect("JSON");
+            let all = index["passes"].as_array().expect("passes");
+            let last = all.len() - 1;
+            assert_eq!(all.len(), passes.unwrap_or(3), "{way:?} {streams}: as many as trace has");
+            let named: Vec<_> = all.iter().filter(|p| !p["left_out"].is_null()).map(|p| p["kernel"].as_str()).collect();
+            assert_eq!(named, left_out.iter().map(|k| Some(*k)).collect::<Vec<_>>(), "{way:?} {streams}");
+            for (number, pass) in all.iter().enumerate() {
+                assert_eq!(pass["index"], number, "{way:?} {streams}");
+                let said = format!("pass {number} ({}) is left out: ", pass["kernel"].as_str().expect("a name"));
+                assert_eq!(outcome.stderr.contains(&said), !pass["left_out"].is_null(), "{outcome:?}");
+                assert_eq!(pass["rays_in"].is_null(), !pass["left_out"].is_null(), "{way:?} {streams}");
+            }
+            let hit = format!("pass-{last:06}.hit.npy");
+            if streams != "state" {
+                hits.push(place.read(&format!("{folder}/{hit}")));
+            }
+            if is_stepped && streams == "hit" {
+                // By its number it is there as well, and the one after it is not.
+                let by = |number: usize, folder: &str| {
+                    let number = number.to_string();
+                    [&["dump", &cornell_box(), "--pass", &number, "--stream", "hit", "-o", folder][..], &common, way]
+                        .concat()
+                        .into_iter()
+                        .map(str::to_owned)
+                        .collect::<Vec<_>>()
+                };
+                let folder = format!("{i}-numbered");
+                place.ok(&by(last, &folder).iter().map(String::as_str).collect::<Vec<_>>());
+                hits.push(place.read(&format!("{folder}/{hit}")));
+                let beyond = by(last + 1, "beyond");
+                let message = format!("the run has {} passes, 0 to {last}", last + 1);
+                place.fails(2, &message, &beyond.iter().map(String::as_str).collect::<Vec<_>>());
+            }
+        }
+        assert!(hits.iter().all(|hit| *hit == hits[0]), "{way:?}: the hits of the last pass");
+    }
 }
 
 #[test]

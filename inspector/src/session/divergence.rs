@@ -90,7 +90,7 @@ pub async fn divergence(
         }
         let now = DivergenceProgress { pass, run: renderer.progress(), parted: map.counts() };
         if progress(&now).is_break() && renderer.next_kernel().is_some() {
-            return Err(RenderError::Cancelled { passes: renderer.passes().len() });
+            return Err(RenderError::Cancelled { passes: renderer.pass_count() });
         }
     }
     Ok(map)
@@ -181,7 +181,7 @@ mod tests {
             assert_eq!(passes, [0, 1]);
             // Where it stopped does not matter to the next one.
             let map = divergence(&mut renderer, |_| ControlFlow::Continue(())).await.expect("a run");
-            assert_eq!(map.kernels().len(), renderer.passes().len());
+            assert_eq!(map.kernels().len(), renderer.pass_count());
             assert!(renderer.next_kernel().is_none());
             assert_eq!((map.width(), map.height()), (12, 9));
             // origin, direction, state, hit, colour; and for each component seven words.

@@ -296,6 +296,9 @@ impl Server {
     async fn open(&mut self, path: Option<String>, scene: Arc<Scene>, settings: Settings) -> Result<(), Trouble> {
         self.say(Update::Progress("building and compiling", 0, 0));
         let device = self.device(settings.device);
+        if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
+            gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
+        }
         let session = Session::new(&scene, &settings.options(&scene), &device).await?;
         let renderer = session.renderer();
         let mut copies = Vec::new();
@@ -312,6 +315,10 @@ impl Server {
             Device::Gpu(gpu) => gpu.info.name.clone(),
             Device::Cpu(_) | Device::CpuF64(_) => settings.device.name().into(),
         };
+        let why_no_times = match &device {
+            Device::Gpu(gpu) => gpu.why_no_times(),
+            Device::Cpu(clock) | Device::CpuF64(clock) => clock.is_none().then(|| "nobody has given a clock".into()),
+        };
         self.say(Update::Opened(Box::new(Opened {
             path: path.clone(),
             scene: scene.clone(),
@@ -320,6 +327,7 @@ impl Server {
             data: renderer.shared_data(),
             textures,
             device: device_name,
+            why_no_times,
         })));
         self.run = Some(Run { path, scene, settings, session, device, copies, known: 0, followed: None });
         self.arrived().await
@@ -348,6 +356,7 @@ impl Server {
             budget: run.session.budget(),
             edits: run.session.edits().to_vec(),
             twins: run.session.twin_passes(),
+            host_ns: run.session.renderer().host_ns(),
         };
         run.known = place;
         self.say(Update::At(at));

@@ -53,6 +53,8 @@ pub struct Model {
     pub edition: u64,
     /// How many of the first passes run on the twins.
     pub twins: Option<usize>,
+    /// What the passes before `place` took on the host's clock.
+    pub host_ns: Option<u64>,
     /// Every pass that is known, also those after `place` where the run was there before.
     pub passes: Vec<Pass>,
     /// Passes so far.
@@ -102,6 +104,7 @@ impl Model {
             generation: 0,
             edition: 0,
             twins: None,
+            host_ns: None,
             passes: Vec::new(),
             place: 0,
             is_complete: false,
@@ -208,7 +211,7 @@ impl Model {
             self.passes.truncate(at.place);
             self.is_complete = false;
         }
-        self.twins = at.twins;
+        (self.twins, self.host_ns) = (at.twins, at.host_ns);
         let end = at.first + at.passes.len();
         // Other passes than those known: an edit, or another plan.
         let same = self.passes.get(at.first..end.min(self.passes.len())).is_some_and(|known| {

@@ -102,6 +102,8 @@ pub struct Opened {
     pub textures: Vec<(Stream, wgpu::Texture)>,
     /// The name of what it runs on.
     pub device: String,
+    /// Why its passes have no times; `None` where they have.
+    pub why_no_times: Option<String>,
 }
 
 /// Where a run is.
@@ -123,6 +125,8 @@ pub struct At {
     pub edits: Vec<Edit>,
     /// How many of the first passes run on the twins.
     pub twins: Option<usize>,
+    /// What the passes so far took on the host's clock.
+    pub host_ns: Option<u64>,
 }
 
 /// Texels that were asked for.

@@ -53,9 +53,10 @@ impl Inspector {
         let opened = self.model.opened.as_ref()?;
         let (settings, plan) = (&opened.settings, &opened.plan);
         let timer = match settings.device {
-            DeviceKind::Gpu => {
-                self.devices.gpu.timestamp_period_ns.map(|resolution_ns| Timer::GpuTimestamp { resolution_ns })
-            }
+            DeviceKind::Gpu => Some(match self.devices.gpu.clock_period_ns() {
+                Some(resolution_ns) => Timer::GpuTimestamp { resolution_ns },
+                None => Timer::Host { resolution_ns: None },
+            }),
             DeviceKind::Cpu | DeviceKind::CpuF64 => self.devices.clock.map(|_| Timer::CpuClock { resolution_ns: None }),
         };
         Some(RunContext {
@@ -70,6 +71,7 @@ impl Inspector {
             repeat: 0,
             is_warmup: false,
             timer,
+            host_run_ns: self.model.host_ns,
         })
     }
 

@@ -29,6 +29,7 @@ fn run() -> (RunContext, Renderer) {
         repeat: 0,
         is_warmup: false,
         timer: Some(Timer::CpuClock { resolution_ns: None }),
+        host_run_ns: None,
     };
     (run, renderer)
 }

@@ -25,6 +25,7 @@ pub use gate::Held;
 pub use load::Load;
 use pipelines::{Counting, Pipelines};
 pub use probe::Loops;
+pub use probe::clock::ClockCheck;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;
@@ -48,6 +49,7 @@ pub struct GpuExecutor {
     fill: Fill,
     timers: Option<Timers>,
     device_ns: Option<u64>,
+    host_ns: Option<u64>,
     copies: Copies,
     /// Rays that one dispatch of the fused kernel traces at most.
     rays_a_dispatch: u64,
@@ -79,11 +81,11 @@ impl GpuExecutor {
             buffers.push((planned.what, device.create_buffer_init(&descriptor)));
         }
         let books = Books::new(device, plan);
-        let pipelines = Pipelines::new(device, plan, &streams, &buffers, &books, data.indices_hold())?;
+        let pipelines = Pipelines::new(device, plan, &streams, &buffers, &books, data)?;
         let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
         let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?, &books);
         let fill = Fill::new(device, &gpu.queue, plan);
-        let timers = gpu.timestamp_period_ns.map(|period_ns| Timers::new(device, period_ns, timed));
+        let timers = gpu.clock_period_ns().map(|period_ns| Timers::new(device, period_ns, timed));
         let rays_a_dispatch = rays_a_dispatch(gpu.info.device_type, plan);
         let mut executor = Self {
             gpu,
@@ -97,6 +99,7 @@ impl GpuExecutor {
             fill,
             timers,
             device_ns: Some(0),
+            host_ns: Some(0),
             copies: Copies::default(),
             rays_a_dispatch,
             resumes_light: plan.features.resumes_light,
@@ -118,9 +121,8 @@ impl GpuExecutor {
         self.streams.iter().find(|(s, _)| *s == stream).map(|(_, t)| t)
     }
 
-    /// A buffer of scene data, by name.
-    #[must_use]
-    pub fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
+    /// A buffer of scene data, by name. Not for others: what unchecked shaders index by was looked at once.
+    pub(crate) fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
         self.buffers.iter().find(|(n, _)| *n == name).map(|(_, b)| b)
     }
 
@@ -141,11 +143,19 @@ impl GpuExecutor {
         self.device_ns
     }
 
+    /// Time of all passes so far on the host's clock, from recording each submission to knowing what it did, summed.
+    /// `None` where nobody has given a clock: see [`Gpu::check_clock`].
+    #[must_use]
+    pub fn host_ns(&self) -> Option<u64> {
+        self.host_ns
+    }
+
     /// Every stream to its unwritten value.
     pub fn clear(&mut self) {
         self.books.clear();
         self.copies.forget_all();
         self.device_ns = self.timers.as_ref().map(|_| 0);
+        self.host_ns = self.gpu.host_clock().map(|_| 0);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.fill.clear(&mut encoder, &self.streams);
         self.gpu.submit([encoder.finish()]);

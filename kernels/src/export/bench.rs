@@ -15,7 +15,7 @@
 //! | `invalid` | repeats whose time was missing, 0 or negative |
 //! | `median_device_ns`, `p05_device_ns`, `p95_device_ns` | time of a run on the clock that `timer_source` names |
 //! | `median_wall_ns` | wall clock around the same runs, waiting for the device included |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; empty where the device has no clock |
+//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` where the device has no clock, or one that does not agree with the host's: then only `median_wall_ns` is a time |
 //! | `rays_per_s` | `rays` by the median: the device's, or the wall clock's where the device has none |
 //! | `passes` | of a run |
 //! | `useful_steps_per_thread` | rays worked on by threads launched, over all passes |
@@ -36,6 +36,9 @@ use crate::renderer::{Pass, RayHit};
 
 /// Version of the columns.
 pub const SCHEMA_VERSION: u32 = 1;
+
+/// `timer_source` where times are the host's.
+const HOST: &str = "host";
 
 /// How percentiles are defined, for reports.
 pub const PERCENTILES: &str = "linear interpolation between sorted times (Hyndman and Fan 1996, definition 7)";
@@ -115,12 +118,13 @@ pub fn read_summary(input: impl Read) -> Result<Vec<SummaryRow>, ReadError> {
 }
 
 impl SummaryRow {
-    /// The time that counts, in nanoseconds, and its clock: the device's where it has one.
+    /// The time that counts, in nanoseconds, and its clock: the device's where it has one that is true.
     #[must_use]
     pub fn time_ns(&self) -> Option<(f64, &str)> {
         match &self.timer_source {
-            Some(source) => self.median_device_ns.map(|ns| (ns, source.as_str())),
-            None => self.median_wall_ns.map(|ns| (ns, "wall")),
+            Some(source) if source != HOST => self.median_device_ns.map(|ns| (ns, source.as_str())),
+            // Rows of before it had a name have none.
+            _ => self.median_wall_ns.map(|ns| (ns, HOST)),
         }
     }
 
@@ -340,6 +344,9 @@ mod tests {
         assert_eq!(row().ratio_to(&then), Some(1.5005));
         let by_wall = SummaryRow { timer_source: None, median_wall_ns: Some(1000.0), ..then };
         assert_eq!((row().ratio_to(&by_wall), by_wall.ratio_to(&by_wall)), (None, Some(1.0)));
+        // Whatever the device's clock says beside it.
+        let by_host = SummaryRow { timer_source: Some("host".into()), median_wall_ns: Some(3000.0), ..row() };
+        assert_eq!((by_host.time_ns(), by_host.ratio_to(&by_wall)), (Some((3000.0, "host")), Some(3.0)));
     }
 
     #[test]

@@ -17,9 +17,10 @@
 //! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stays for the next pass |
 //! | `threads_launched` | by this pass, with or without a ray to work on; see [`Pass::threads_launched`] |
 //! | `cells_visited`, `triangles_tested` | by this pass, nodes where there is a tree; known where counters were asked for |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; empty where passes were not timed |
+//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` where the device has no clock, or one that is none beside the host's, and only the whole run has a time; empty where nothing was timed |
 //! | `timer_resolution_ns` | smallest step of that clock |
-//! | `valid` | `true` where the timer gave a duration, `false` where it failed to; empty where there was none |
+//! | `valid` | `true` where the timer gave a duration, `false` where it failed to; empty where nothing was timed |
+//! | `host_run_ns` | of the whole run, on the host's clock, waiting for the device included; known where `timer_source` is `host` |
 
 use std::io::Write;
 
@@ -31,7 +32,7 @@ use crate::renderer::Pass;
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 25] = [
+pub const COLUMNS: [&str; 26] = [
     "schema_version",
     "run_id",
     "scene",
@@ -57,6 +58,7 @@ pub const COLUMNS: [&str; 25] = [
     "timer_source",
     "timer_resolution_ns",
     "valid",
+    "host_run_ns",
 ];
 
 /// Which clock timed the passes.
@@ -72,6 +74,11 @@ pub enum Timer {
         /// Smallest step seen.
         resolution_ns: Option<f64>,
     },
+    /// The host's clock around the whole run: the device's is none, see [`crate::ClockCheck`]. No pass has a time.
+    Host {
+        /// Smallest step seen.
+        resolution_ns: Option<f64>,
+    },
 }
 
 impl Timer {
@@ -81,13 +88,20 @@ impl Timer {
         match self {
             Self::GpuTimestamp { .. } => "gpu_timestamp",
             Self::CpuClock { .. } => "cpu_clock",
+            Self::Host { .. } => "host",
         }
+    }
+
+    /// Whether it times passes, and not only a run.
+    #[must_use]
+    pub fn times_passes(self) -> bool {
+        !matches!(self, Self::Host { .. })
     }
 
     fn resolution_ns(self) -> Option<f64> {
         match self {
             Self::GpuTimestamp { resolution_ns } => Some(resolution_ns),
-            Self::CpuClock { resolution_ns } => resolution_ns,
+            Self::CpuClock { resolution_ns } | Self::Host { resolution_ns } => resolution_ns,
         }
     }
 }
@@ -126,6 +140,8 @@ pub struct RunContext {
     /// What timed the passes, if anything did.
     #[serde(rename = "timer_source")]
     pub timer: Option<Timer>,
+    /// [`Renderer::host_ns`](crate::Renderer::host_ns) of the whole run; written where passes have no times.
+    pub host_run_ns: Option<u64>,
 }
 
 /// What one pass added to the `counters` stream, summed over all rays.
@@ -207,7 +223,10 @@ impl<W: Write> PassesCsv<W> {
     /// # Errors
     /// Where the output fails.
     pub fn write(&mut self, run: &RunContext, pass: &Pass, work: Option<PassWork>) -> std::io::Result<()> {
-        let since_start_ns = pass.begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
+        // What a clock says that is none is not written, whoever has read it.
+        let is_timed = run.timer.is_some_and(Timer::times_passes);
+        let (begin_ns, duration_ns) = (pass.begin_ns.filter(|_| is_timed), pass.duration_ns.filter(|_| is_timed));
+        let since_start_ns = begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
         let row: [String; COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),
             run.run_id.clone(),
@@ -224,7 +243,7 @@ impl<W: Write> PassesCsv<W> {
             pass.iteration.to_string(),
             pass.kernel.name().into(),
             known(since_start_ns),
-            known(pass.duration_ns),
+            known(duration_ns),
             String::new(),
             pass.rays_in.to_string(),
             rays_out(pass).to_string(),
@@ -233,7 +252,8 @@ impl<W: Write> PassesCsv<W> {
             known(work.map(|w| w.triangles_tested)),
             known(run.timer.map(Timer::name)),
             known(run.timer.and_then(Timer::resolution_ns)),
-            known(run.timer.map(|_| pass.duration_ns.is_some())),
+            known(run.timer.map(|_| duration_ns.is_some())),
+            known(run.host_run_ns.filter(|_| run.timer.is_some_and(|timer| !timer.times_passes()))),
         ];
         Ok(self.writer.write_record(row)?)
     }
@@ -266,6 +286,7 @@ mod tests {
             repeat: 0,
             is_warmup: false,
             timer,
+            host_run_ns: Some(77),
         }
     }
 
@@ -331,6 +352,23 @@ mod tests {
         }
         let row = rows(Some(Timer::CpuClock { resolution_ns: None }), None, None);
         assert_eq!((value(&row, "gpu_duration_ns"), value(&row, "valid")), ("", "false"));
+        assert_eq!(value(&row, "host_run_ns"), "", "the device has a clock");
+    }
+
+    #[test]
+    fn where_the_devices_clock_is_none_only_the_run_has_a_time() {
+        let row = rows(Some(Timer::Host { resolution_ns: Some(20.0) }), Some(1200), None);
+        let expected = [
+            ("gpu_begin_ns", ""),
+            ("gpu_duration_ns", ""),
+            ("timer_source", "host"),
+            ("timer_resolution_ns", "20"),
+            ("valid", "false"),
+            ("host_run_ns", "77"),
+        ];
+        for (name, expected) in expected {
+            assert_eq!(value(&row, name), expected, "{name}");
+        }
     }
 
     #[test]

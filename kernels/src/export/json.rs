@@ -9,7 +9,7 @@ use crate::executor::gpu::{AdapterSummary, Gpu, Loops};
 use crate::kernel::Kernel;
 use crate::plan::Plan;
 use crate::reference::Report;
-use crate::renderer::{Pass, RayHit};
+use crate::renderer::RayHit;
 use crate::scene_data::SceneData;
 use crate::state::{self, StateCounts};
 use crate::stream::{Stream, Texel};
@@ -45,6 +45,10 @@ pub struct Summary {
     pub structure: Structure,
     /// Multiply lengths and t of the streams by this for scene units.
     pub scene_units_per_stream_unit: f64,
+    /// As in `passes.csv`; `null` where passes were not timed.
+    pub timer_source: Option<&'static str>,
+    /// As in `passes.csv`.
+    pub host_run_ns: Option<u64>,
     /// Passes in all.
     pub passes: usize,
     /// Passes, and rays worked on, of each kernel.
@@ -194,20 +198,6 @@ pub struct KernelSummary {
     pub rays_in: u64,
     /// Device time; `null` unless every pass was timed.
     pub duration_ns: Option<u64>,
-}
-
-/// Passes and rays of each kernel, by name.
-#[must_use]
-pub fn kernels(passes: &[Pass]) -> BTreeMap<&'static str, KernelSummary> {
-    let mut all: BTreeMap<&'static str, KernelSummary> = BTreeMap::new();
-    for pass in passes {
-        let kernel =
-            all.entry(pass.kernel.name()).or_insert(KernelSummary { duration_ns: Some(0), ..KernelSummary::default() });
-        kernel.passes += 1;
-        kernel.rays_in += u64::from(pass.rays_in);
-        kernel.duration_ns = kernel.duration_ns.zip(pass.duration_ns).map(|(a, b)| a + b);
-    }
-    all
 }
 
 /// How many rays hit something.

@@ -105,7 +105,7 @@ pub async fn trace(
             before = after;
         }
         if progress(&pass).is_break() {
-            return Err(RenderError::Cancelled { passes: renderer.passes().len() });
+            return Err(RenderError::Cancelled { passes: renderer.pass_count() });
         }
     }
     Ok(Trace::new(renderer, [x, y], rows))
@@ -174,7 +174,7 @@ impl Trace {
     pub fn new(renderer: &Renderer, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
         let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();
         let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
-        Self { pixel: [x, y], scene_units_per_stream_unit, t_scale, passes: renderer.passes().len(), rows }
+        Self { pixel: [x, y], scene_units_per_stream_unit, t_scale, passes: renderer.pass_count(), rows }
     }
 
     /// A table for people: a line a row.

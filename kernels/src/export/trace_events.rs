@@ -10,6 +10,9 @@
 //!
 //! `whole_us` = `passes_us` + `gaps_us` − `overlaps_us`.
 //!
+//! Where passes have no times and the run has the host's, there is one slice (`cat` run) on a track of its own, as long as
+//! the run, and no word of rays.
+//!
 //! In a gap the device counts rays and copies the counts, waits for the host, or runs passes that were
 //! submitted ahead for rays that are no longer there.
 
@@ -27,6 +30,8 @@ const PROCESS: u32 = 1;
 const PASSES: u32 = 1;
 /// The track of gaps.
 const GAPS: u32 = 2;
+/// The track of a run that only the host has timed.
+const HOST: u32 = 3;
 
 /// The file: what Perfetto reads and, in `otherData`, what it leaves alone.
 #[derive(Clone, Debug, Serialize)]
@@ -65,7 +70,7 @@ pub struct About {
 pub struct Event {
     /// What is shown.
     pub name: String,
-    /// `pass`, `gap`, `rays` or `__metadata`.
+    /// `pass`, `gap`, `run`, `rays` or `__metadata`.
     pub cat: &'static str,
     /// `X`, `C` or `M`.
     pub ph: char,
@@ -100,6 +105,11 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
         named("thread_name", PASSES, "passes".into()),
         named("thread_name", GAPS, "between passes".into()),
     ];
+    if let Some(host_ns) = run.host_run_ns.filter(|_| run.timer.is_some_and(|timer| !timer.times_passes())) {
+        events.push(named("thread_name", HOST, "host's clock".into()));
+        let args = [("passes", passes.len().into())];
+        events.push(slice("run".into(), "run", HOST, 0, host_ns, args.into()));
+    }
     let start = timed.first().map_or(0, |&(_, begin, _)| begin);
     let (mut sums, mut latest_end) = (Sums::default(), start);
     let mut shown: StateCounts = [0; COUNT];
@@ -213,6 +223,7 @@ mod tests {
             repeat: 0,
             is_warmup: false,
             timer: Some(super::super::csv::Timer::GpuTimestamp { resolution_ns: 1.0 }),
+            host_run_ns: None,
         };
         let passes: Vec<_> = times.iter().enumerate().map(|(i, &time)| pass(i, time, i as u32 / 2)).collect();
         let text = serde_json::to_string(&trace_events(&run, &passes)).expect("JSON");

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Executor, Pass, RenderError, Renderer};
+use super::records::Records;
+use super::{Executor, RenderError, Renderer};
 use crate::executor::cpu::CpuExecutor;
 use crate::executor::gpu::Snapshot;
 use crate::plan::Plan;
@@ -16,7 +17,7 @@ pub struct Checkpoint {
     kept: Kept,
     cursor: Cursor,
     counts: StateCounts,
-    passes: Vec<Pass>,
+    records: Records,
     unfinished: u64,
 }
 
@@ -30,7 +31,7 @@ impl Checkpoint {
     /// Passes before it.
     #[must_use]
     pub fn place(&self) -> usize {
-        self.passes.len()
+        self.records.len()
     }
 
     /// Bytes that it holds, on the GPU or on the host.
@@ -53,7 +54,7 @@ impl Checkpoint {
             Kept::Cpu(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
             Kept::CpuF64(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
         };
-        parts.push((self.passes.as_ptr().addr(), size_of_val(self.passes.as_slice()) as u64));
+        parts.push((self.records.kept().as_ptr().addr(), size_of_val(self.records.kept()) as u64));
         parts
     }
 }
@@ -75,7 +76,7 @@ impl Renderer {
             kept,
             cursor: self.cursor.clone(),
             counts: self.counts,
-            passes: self.passes.clone(),
+            records: self.records.clone(),
             unfinished: self.unfinished,
         })
     }
@@ -96,7 +97,7 @@ impl Renderer {
         }
         self.cursor = checkpoint.cursor.clone();
         self.counts = checkpoint.counts;
-        self.passes.clone_from(&checkpoint.passes);
+        self.records.clone_from(&checkpoint.records);
         self.unfinished = checkpoint.unfinished;
         self.is_ahead = false;
         Ok(())

@@ -79,7 +79,7 @@ impl Renderer {
         }
         self.cursor = other.cursor.clone();
         self.counts = other.counts;
-        self.passes.clone_from(&other.passes);
+        self.records.clone_from(&other.records);
         self.unfinished = other.unfinished;
         self.is_ahead = false;
         Ok(())

@@ -18,9 +18,8 @@ impl Renderer {
     /// # Errors
     /// Where the device fails.
     pub async fn step(&mut self) -> Result<Option<Pass>, RenderError> {
-        let before = self.passes.len();
-        self.advance(1).await?;
-        Ok(self.passes.get(before).copied())
+        let recorded = self.advance(1).await?;
+        Ok(self.records.last().filter(|_| recorded > 0))
     }
 
     /// The kernel that [`step`](Self::step) would run.
@@ -58,7 +57,7 @@ impl Renderer {
         place: usize,
         progress: impl FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<(), RenderError> {
-        let left = |renderer: &Self| place.checked_sub(renderer.passes.len()).filter(|&left| left > 0);
+        let left = |renderer: &Self| place.checked_sub(renderer.pass_count()).filter(|&left| left > 0);
         self.run_while(left, progress).await
     }
 
@@ -89,7 +88,7 @@ impl Renderer {
             batch = wanted.min((RAYS_A_BATCH / launched.max(1)) as usize).max(2).min(most);
             let is_over = left(self).is_none() || self.next_kernel().is_none();
             if progress(&self.progress()).is_break() && !is_over {
-                return Err(RenderError::Cancelled { passes: self.passes.len() });
+                return Err(RenderError::Cancelled { passes: self.pass_count() });
             }
         }
         Ok(())
@@ -116,7 +115,7 @@ impl Renderer {
         self.submit(most).await
     }
 
-    /// Whether the streams are not what [`passes`](Self::passes) made of them, because a caller dropped a future that
+    /// Whether the streams are not what the passes so far made of them, because a caller dropped a future that
     /// waited for passes. The next pass runs all of them again, from unwritten streams.
     #[must_use]
     pub fn is_ahead(&self) -> bool {
@@ -126,9 +125,9 @@ impl Renderer {
     /// Makes streams and recorded passes agree. Passes are deterministic: the recorded ones are run again.
     pub(super) async fn settle(&mut self) -> Result<(), RenderError> {
         if self.is_ahead {
-            let place = self.passes.len();
+            let place = self.pass_count();
             self.restart();
-            while self.passes.len() < place && self.submit(1).await? > 0 {}
+            while self.pass_count() < place && self.submit(1).await? > 0 {}
         }
         Ok(())
     }
@@ -153,15 +152,15 @@ impl Renderer {
             if ahead.next(&self.plan.schedule, &self.counts) != Some(result.kernel) {
                 // What follows was submitted ahead for rays that are no longer there.
                 if results[recorded..].iter().any(|r| r.counts != self.counts) {
-                    return Err(RenderError::Overshoot(self.passes.len()));
+                    return Err(RenderError::Overshoot(self.pass_count()));
                 }
                 break;
             }
             let rays_in = result.kernel.live(&self.counts);
             self.cursor = ahead;
             self.counts = result.counts;
-            self.passes.push(Pass {
-                index: self.passes.len(),
+            self.records.push(Pass {
+                index: self.pass_count(),
                 iteration: self.cursor.iteration,
                 kernel: result.kernel,
                 rays_in,
@@ -179,11 +178,7 @@ impl Renderer {
     /// Only the paper's numerics can get here: a ray that wraps over a face of the grid.
     fn is_over_bound(&self) -> bool {
         let is_first = self.unfinished == 0 || self.plan.features.samples;
-        let is_of_this_sample = |pass: &&Pass| pass.kernel != Kernel::Generate;
-        is_first
-            && self.passes.len() as u64 >= self.pass_bound
-            && self.undecided() > 0
-            && self.passes.iter().rev().take_while(is_of_this_sample).count() as u64 >= self.pass_bound
+        is_first && self.undecided() > 0 && self.records.of_sample() as u64 >= self.pass_bound
     }
 
     /// Ends the walks that have not come to an end. Where another sample follows, their rays have hit nothing in this
@@ -218,7 +213,7 @@ impl Renderer {
         let decided = [state::SHADE, state::BACKGROUND, state::DONE];
         let rays_decided = decided.iter().map(|&tag| u64::from(self.counts[tag as usize])).sum();
         Progress {
-            passes: self.passes.len(),
+            passes: self.pass_count(),
             rays_decided,
             rays: self.plan.rays,
             samples: self.samples(),
@@ -282,5 +277,33 @@ mod tests {
             });
             assert!(outcome.is_ok(), "{outcome:?}");
         }
+    }
+
+    /// The bound is one of each sample's passes, not of the run's.
+    #[test]
+    fn a_bound_that_no_sample_reaches_ends_no_walk() {
+        let scene = generate::cornell_box();
+        let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 20, height: 20 };
+        let samples = Samples { count: 4, ..Samples::default() };
+        let options = Options { schedule: ScheduleKind::Second, samples, ..Options::new(rays) };
+        let outcome = pollster::block_on(async {
+            let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            let begins = |pass: &Pass| pass.kernel == Kernel::Generate;
+            let longest = renderer.passes().split(begins).map(<[Pass]>::len).max().unwrap_or(0);
+            let (image, passes) = (renderer.image().await?, renderer.pass_count());
+            renderer.restart();
+            renderer.pass_bound = longest as u64;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            assert_eq!((renderer.unfinished(), renderer.pass_count()), (0, passes));
+            assert_eq!(renderer.image().await?, image);
+            // Half of it is reached.
+            renderer.restart();
+            renderer.pass_bound = longest as u64 / 2;
+            renderer.run(|_| ControlFlow::Continue(())).await?;
+            assert!(renderer.unfinished() > 0);
+            Ok::<(), RenderError>(())
+        });
+        assert!(outcome.is_ok(), "{outcome:?}");
     }
 }

@@ -50,6 +50,12 @@ pub const LIGHTS_SUMMED: u32 = 1 << 31;
 /// Loop turns that a triangle's test counts for: the list's, and three of the loop over its edges.
 pub const TURNS_A_TEST: u32 = 4;
 
+/// Groups of siblings that the stack of the fused kernel has room for, where a scene's tree needs so many.
+#[must_use]
+pub fn wide_stack(needed: u32) -> u32 {
+    needed.clamp(1, WIDE_MAX_DEPTH)
+}
+
 /// The WGSL module `package::constants`, with room for so many groups on a ray's stack, and so many loop turns a
 /// dispatch.
 #[must_use]
@@ -63,7 +69,7 @@ pub fn wgsl_module(stack: u32, turns: u32) -> String {
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
          const TURNS_A_TEST: u32 = {TURNS_A_TEST}u;\nconst NO_CELL: u32 = {NO_CELL}u;\nconst LIGHTS_SUMMED: u32 = {LIGHTS_SUMMED}u;\nconst TURNS: u32 = {turns}u;\n",
-        stack.clamp(1, WIDE_MAX_DEPTH)
+        wide_stack(stack)
     )
 }
 

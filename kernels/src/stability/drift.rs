@@ -68,13 +68,14 @@ pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Samp
         skip: Skip::Off,
         counters: true,
         shade: false,
+        keep_passes: false,
         ..Options::new(workload.rays)
     };
     let mut renderer = Renderer::new(&workload.scene, &options, device).await?;
     let mut samples = Vec::new();
     loop {
         // A cell of this walk has an empty list, but for the last: a pass to notice, and one to go on.
-        let until = renderer.passes().len() + 2 * EVERY;
+        let until = renderer.pass_count() + 2 * EVERY;
         match renderer.run_to(until, |_| ControlFlow::Continue(())).await {
             Ok(()) | Err(RenderError::Cancelled { .. }) => {}
             Err(error) => return Err(error.into()),

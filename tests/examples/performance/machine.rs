@@ -59,10 +59,11 @@ impl Machine {
                 Device::Gpu(gpu)
             }
         };
-        if let Device::Gpu(gpu) = &device
-            && gpu.timestamp_period_ns.is_none()
-        {
-            return Err(format!("{} has no timestamps", gpu.info.name));
+        if let Device::Gpu(gpu) = &device {
+            raystep_tests::block_on(Some(gpu), gpu.check_clock(now)).map_err(|e| e.to_string())?;
+            if let Some(why) = gpu.why_no_times() {
+                return Err(format!("{}: {why}", gpu.info.name));
+            }
         }
         let load = match &device {
             Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
@@ -151,7 +152,7 @@ impl Machine {
             kind: text(|i| &i.kind).unwrap_or_else(|| "processor".into()),
             driver: text(|i| &i.driver).unwrap_or_default(),
             timer: if info.is_some() { "gpu_timestamp" } else { "cpu_clock" }.into(),
-            timestamp_period_ns: self.gpu().and_then(|gpu| gpu.timestamp_period_ns),
+            timestamp_period_ns: self.gpu().and_then(|gpu| gpu.clock_period_ns()),
             processor,
             cores,
             arguments: args.text.clone(),

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use raystep_kernels::export::bench::{Hash, SCHEMA_VERSION, Spread, SummaryRow, useful_steps_per_thread};
-use raystep_kernels::export::csv::{RunContext, Timer};
+use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
@@ -143,10 +143,10 @@ impl<'a> Bench<'a> {
     fn build(&mut self, group: &Group<'_>, options: &mut Options, what: &str) -> Result<Ready, Error> {
         let (input, chosen) = (group.input, self.chosen);
         self.progress.stage(&format!("{what}: counting"));
-        (options.counters, options.timings) = (true, false);
+        (options.counters, options.timings, options.keep_passes) = (true, false, false);
         let counts = self.count(group, options);
         self.progress.stage(&format!("{what}: building"));
-        (options.counters, options.timings) = (false, true);
+        (options.counters, options.timings, options.keep_passes) = (false, true, true);
         let start = Instant::now();
         let (plan, data) = Plan::new(&input.scene, options, &chosen.limits())?;
         let build_s = start.elapsed().as_secs_f64();
@@ -164,7 +164,7 @@ impl<'a> Bench<'a> {
         let context = RunContext { repeat: self.args.repeats, ..context };
         let compiling = Renderer::from_plan(plan.clone(), data.clone(), options, &chosen.device);
         let (details, compile_s) = self.time_passes(context, compiling)?;
-        options.timings = times_every_pass(chosen);
+        (options.timings, options.keep_passes) = (times_every_pass(chosen), false);
         let renderer = chosen.wait(Renderer::from_plan(plan, data, options, &chosen.device))?;
 
         let plan = renderer.plan();
@@ -188,7 +188,7 @@ impl<'a> Bench<'a> {
             rays: plan.rays,
             build_s,
             compile_s,
-            timer_source: details.context.timer.map(|timer: Timer| timer.name().into()),
+            timer_source: details.context.timer.map(|timer| timer.name().into()),
             cells_per_ray: per_ray(|sums| Some(sums.cells_visited)),
             tests_per_ray: per_ray(|sums| Some(sums.triangles_tested)),
             repeated_per_ray: per_ray(|sums| sums.repeated_tests),
@@ -218,6 +218,7 @@ impl<'a> Bench<'a> {
         self.run(&mut renderer)?;
         let shaders = renderer.plan().variants.iter();
         let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();
+        let context = RunContext { host_run_ns: renderer.host_ns(), ..context };
         Ok((Details { context, passes: renderer.passes().to_vec(), shaders }, compile_s))
     }
 
@@ -244,8 +245,8 @@ impl<'a> Bench<'a> {
                 self.progress.part("measuring", done, of);
                 let (wall_ns, device_ns) = self.run(&mut ready.renderer)?;
                 if run >= warmups {
-                    // Where the device has no clock, the wall clock's times count.
-                    if device_ns.is_some() || ready.details.context.timer.is_none() {
+                    // Where the device has no true clock, the host's times count.
+                    if device_ns.is_some() || !self.chosen.timer().times_passes() {
                         ready.wall_ns.push(wall_ns);
                         ready.device_ns.extend(device_ns);
                     } else {

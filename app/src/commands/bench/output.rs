@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
-use raystep_kernels::ScheduleKind;
 use raystep_kernels::export::bench::{PERCENTILES, SCHEMA_VERSION, write_summary};
-use raystep_kernels::export::csv::{PassesCsv, Timer};
+use raystep_kernels::export::csv::PassesCsv;
 use raystep_kernels::export::json::AdapterInfo;
+use raystep_kernels::{Gpu, ScheduleKind};
 use serde::Serialize;
 
 use super::input::SEED;
 use super::{BenchArgs, Measured, tuning_text};
 use crate::args::grid_text;
 use crate::commands::input::Input;
-use crate::device::Chosen;
+use crate::device::{AboutClock, Chosen};
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
 
@@ -40,9 +40,11 @@ struct About<'a> {
     device: &'static str,
     device_reason: &'a str,
     adapter: Option<AdapterInfo>,
-    timer_source: Option<&'static str>,
+    timer_source: &'static str,
     /// Nanoseconds a tick of the adapter's timestamps; `null` where another clock is used.
     timestamp_period_ns: Option<f64>,
+    /// What the adapter's clock said of work that the host's clock timed as well; `null` where it has none.
+    clock_check: Option<AboutClock>,
     options: AboutOptions,
     /// How they are defined.
     percentiles: &'static str,
@@ -112,7 +114,6 @@ pub(super) fn write(
 
 fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &'a Measured) -> About<'a> {
     let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-    let timer = chosen.timer();
     let scene = |input: &Input| AboutScene {
         name: input.scene.name.clone(),
         path: input.path.to_string_lossy().into_owned(),
@@ -130,8 +131,9 @@ fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &
         device: chosen.kind(),
         device_reason: &chosen.reason,
         adapter: chosen.gpu().map(AdapterInfo::from),
-        timer_source: timer.map(Timer::name),
-        timestamp_period_ns: chosen.gpu().and_then(|gpu| gpu.timestamp_period_ns),
+        timer_source: chosen.timer().name(),
+        timestamp_period_ns: chosen.gpu().and_then(Gpu::clock_period_ns),
+        clock_check: chosen.gpu().and_then(Gpu::clock_check).map(AboutClock::from),
         options: AboutOptions {
             accelerators: args.accelerators.iter().map(|a| a.name()).collect(),
             schedules: args.schedules.iter().map(|s| s.name()).collect(),

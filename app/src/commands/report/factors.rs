@@ -212,7 +212,7 @@ fn one_aim(work: &Work<'_>, aim: Aim<'_>, ways: &[Way], table: &mut Table, part:
             .set("cells_y", cells(y))
             .set("cells_z", cells(z))
             .set("rays", ready.renderer.plan().rays)
-            .set("passes", ready.renderer.passes().len())
+            .set("passes", ready.renderer.pass_count())
             .set("time_ratio", ratios.and_then(|ratios| quantile(&ratios, 0.5)))
             .set("clock", work.clock());
         table.rows.push(judged.fill(times[i].fill(row)));

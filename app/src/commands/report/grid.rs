@@ -259,7 +259,7 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
         .set("ns_per_ray", per_ray)
         .set("view_s", view_s)
         .set("view_with_build_s", view_s.map(|s| s + built.build_s))
-        .set("passes", built.renderer.passes().len())
+        .set("passes", built.renderer.pass_count())
         .set("clock", work.clock());
     times.fill(row)
 }

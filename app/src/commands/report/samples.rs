@@ -108,7 +108,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
 }
 
 fn options(work: &Work<'_>, samples: Samples) -> Options {
-    Options { schedule: ScheduleKind::Fused, samples, ..Options::new(rays(work)) }
+    Options { schedule: ScheduleKind::Fused, samples, keep_passes: false, ..Options::new(rays(work)) }
 }
 
 /// Small: many samples are what counts.
@@ -235,7 +235,8 @@ fn one(
     // Every sample traces as many rays, and passes are submitted ahead across samples: the whole run's time is shared
     // among them.
     let done = renderer.samples().max(1);
-    let total = work.chosen.timer().map_or(Some(wall.as_nanos() as u64), |_| renderer.device_ns());
+    let has_clock = work.chosen.timer().times_passes();
+    let total = if has_clock { renderer.device_ns() } else { Some(wall.as_nanos() as u64) };
     let per_sample = total.filter(|&ns| ns > 0).map(|ns| ns as f64 / f64::from(done));
     let timed = |row: Row| {
         let time = per_sample.zip(row.number("samples")).map(|(ns, samples)| ns * samples);

@@ -138,15 +138,17 @@ impl Work<'_> {
 
     /// The clock that times are of.
     pub(super) fn clock(&self) -> &'static str {
-        self.chosen.timer().map_or("wall", Timer::name)
+        self.chosen.timer().name()
     }
 
     /// The same clock, in words.
     pub(super) fn clock_in_words(&self) -> &'static str {
         match self.chosen.timer() {
-            Some(Timer::GpuTimestamp { .. }) => "the adapter's own timestamps",
-            Some(Timer::CpuClock { .. }) => "the wall clock around each pass of the CPU twins",
-            None => "the wall clock, waiting for the adapter included: it has no timestamps",
+            Timer::GpuTimestamp { .. } => "the adapter's own timestamps",
+            Timer::CpuClock { .. } => "the host's clock around each pass of the CPU twins",
+            Timer::Host { .. } => {
+                "the host's clock, waiting for the adapter included: it has no timestamps, or none that are true"
+            }
         }
     }
 
@@ -200,9 +202,9 @@ impl Work<'_> {
             Err(RenderError::Cancelled { .. }) => return Ok(Ended::GivenUp),
             Err(error) => return Err(error.into()),
         }
-        Ok(Ended::Done(match self.chosen.timer() {
-            Some(_) => renderer.device_ns().filter(|&ns| ns > 0).map(|ns| ns as f64),
-            None => Some(wall_ns),
+        Ok(Ended::Done(match self.chosen.timer().times_passes() {
+            true => renderer.device_ns().filter(|&ns| ns > 0).map(|ns| ns as f64),
+            false => Some(wall_ns),
         }))
     }
 

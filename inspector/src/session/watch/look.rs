@@ -73,7 +73,7 @@ impl Look {
         renderer: &Renderer,
         edited: &[Stream],
     ) -> Result<Option<Fired>, RenderError> {
-        let Some(pass) = renderer.passes().last() else { return Ok(None) };
+        let Some(pass) = renderer.last_pass() else { return Ok(None) };
         let mut changed: Vec<Stream> =
             renderer.plan().variant(pass.kernel).into_iter().flat_map(|v| v.written_streams()).collect();
         changed.extend(edited);
@@ -111,7 +111,7 @@ impl Look {
             };
             if let Some((first, rays, value)) = found {
                 let ray = [(first % width) as u32, (first / width) as u32];
-                return Ok(Some(Fired { watch, place: renderer.passes().len(), ray, rays, value }));
+                return Ok(Some(Fired { watch, place: renderer.pass_count(), ray, rays, value }));
             }
         }
         Ok(None)

@@ -57,7 +57,7 @@ impl Panel for Passes {
                 let heads = [
                     ("pass", "its place in the run"),
                     ("kernel", "what ran"),
-                    ("µs", "on the device's own clock; empty where it has none"),
+                    ("µs", "on the device's own clock; empty where it has none that is true"),
                     ("rays", "that the pass worked on"),
                 ];
                 for (head, text) in heads {

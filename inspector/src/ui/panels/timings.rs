@@ -8,6 +8,7 @@ use egui::{Grid, RichText, ScrollArea, Ui};
 use raystep_kernels::{Kernel, Pass};
 
 use super::chart::{kernel_color, share_bar};
+use crate::session::Model;
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
@@ -60,7 +61,7 @@ impl Panel for Timings {
         let timed: usize = self.kernels.iter().map(|k| k.timed).sum();
         ui.horizontal_wrapped(|ui| {
             if timed == 0 {
-                ui.label("the device has no timestamps: what passes took is unknown").on_hover_text(ABOUT);
+                ui.label(no_times(cx.model)).on_hover_text(ABOUT);
             } else {
                 let all = passes.len();
                 let text = if timed == all {
@@ -96,6 +97,16 @@ impl Panel for Timings {
 
     fn load(&mut self, saved: &str) {
         self.is_log = ron::from_str(saved).unwrap_or_default();
+    }
+}
+
+/// What is known where passes have no times.
+fn no_times(model: &Model) -> String {
+    let why = model.opened.as_ref().and_then(|opened| opened.why_no_times.as_deref());
+    let why = why.unwrap_or("no pass was timed");
+    match model.host_ns {
+        Some(ns) => format!("{why}; {} passes took {} on the host's clock", model.place, duration(ns)),
+        None => format!("{why}: what passes took is unknown"),
     }
 }
 

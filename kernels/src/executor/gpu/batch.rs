@@ -26,6 +26,8 @@ impl GpuExecutor {
         if passes.is_empty() {
             return Ok(Vec::new());
         }
+        let host_clock = self.gpu.host_clock();
+        let begin = host_clock.map(|now| now());
         self.forget_written(passes);
         let scopes = self.gpu.push_scopes();
         let places = self.books.lay_out(&self.gpu.queue, passes, counts);
@@ -52,6 +54,9 @@ impl GpuExecutor {
         self.gpu.pop_scopes(scopes).await?;
 
         let sent = sent.finish(count * COUNT_SLOT_BYTES, read_sent).await?;
+        // Passes are over by then; reading their times is no part of them.
+        let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
+        self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
         let period = self.timers.as_ref().map_or(1.0, |t| t.period_ns);
         let mut times = match times {
             Some(times) => times.finish(time_bytes, |bytes| read_times(bytes, period)).await?,

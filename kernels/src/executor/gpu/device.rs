@@ -1,6 +1,8 @@
 //! Adapters and devices: finding one, and noticing that it is gone.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::probe::clock::{self, ClockCheck};
 
 use super::gate::Gate;
 use super::probe::{Loops, loops};
@@ -13,7 +15,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// The adapter's name, driver and backend.
     pub info: wgpu::AdapterInfo,
-    /// Nanoseconds a tick of the pass timers; `None` where the adapter has none.
+    /// Nanoseconds a tick of the pass timers; `None` where the adapter has none. Whether ticks are times is
+    /// [`clock_period_ns`](Self::clock_period_ns).
     pub timestamp_period_ns: Option<f64>,
     /// What it makes of long loops.
     pub loops: Loops,
@@ -21,6 +24,13 @@ pub struct Gpu {
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
     pub(super) gate: Gate,
+    clock: OnceLock<Clock>,
+}
+
+/// The host's clock, and what the device's said beside it.
+struct Clock {
+    now: fn() -> u64,
+    check: Option<ClockCheck>,
 }
 
 /// Where a device comes from.
@@ -234,7 +244,54 @@ impl Gpu {
         let has_timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
         let loops = loops(&device, &queue).await?;
-        Ok(Arc::new(Self { device, queue, info, timestamp_period_ns, loops, source, trouble, gate: Gate::default() }))
+        let clock = OnceLock::new();
+        Ok(Arc::new(Self { device, queue, info, timestamp_period_ns, loops, source, trouble, gate: Gate::default(), clock }))
+    }
+
+    /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. Only once, before anything
+    /// that is to be timed is made; without it, no pass on this device has a time.
+    ///
+    /// # Errors
+    /// Where the device is lost or refuses.
+    pub async fn check_clock(self: &Arc<Self>, now: fn() -> u64) -> Result<(), GpuError> {
+        if self.clock.get().is_none() {
+            let check = match self.timestamp_period_ns {
+                Some(period_ns) => Some(clock::check(self, period_ns, now).await?),
+                None => None,
+            };
+            // Another's that was quicker is as good.
+            let _ = self.clock.set(Clock { now, check });
+        }
+        Ok(())
+    }
+
+    /// What the device's clock said beside the host's, where it has one and they were compared.
+    #[must_use]
+    pub fn clock_check(&self) -> Option<ClockCheck> {
+        self.clock.get()?.check
+    }
+
+    /// Nanoseconds a tick of the pass timers, where they are known to be times.
+    #[must_use]
+    pub fn clock_period_ns(&self) -> Option<f64> {
+        self.timestamp_period_ns.filter(|_| self.clock_check().is_some_and(|check| check.agrees()))
+    }
+
+    /// Why passes on this device have no times; `None` where they have.
+    #[must_use]
+    pub fn why_no_times(&self) -> Option<String> {
+        match (self.timestamp_period_ns, self.clock_check()) {
+            (None, _) => Some("the adapter has no timestamps".into()),
+            (_, None) => Some("the adapter's timestamps were not compared with the host's clock".into()),
+            (_, Some(check)) if check.agrees() => None,
+            (_, Some(check)) => Some(format!("the adapter's timestamps are not true ({check})")),
+        }
+    }
+
+    /// The host's clock, where somebody has given one.
+    #[must_use]
+    pub fn host_clock(&self) -> Option<fn() -> u64> {
+        self.clock.get().map(|clock| clock.now)
     }
 
     /// Whether the device still works.

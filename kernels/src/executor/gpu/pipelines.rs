@@ -6,6 +6,7 @@ use super::books::{Books, Place, is_dynamic};
 use super::{GpuError, stream_format};
 use crate::kernel::Kernel;
 use crate::plan::Plan;
+use crate::scene_data::SceneData;
 use crate::shader::{Binding, Resource, Variant};
 use crate::stream::{Stream, Texel};
 
@@ -31,9 +32,9 @@ impl Pipelines {
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
         books: &Books,
-        indices_hold: bool,
+        data: &SceneData,
     ) -> Result<Self, GpuError> {
-        let pipeline = |v| KernelPipeline::new(device, v, streams, buffers, books, indices_hold);
+        let pipeline = |v| KernelPipeline::new(device, v, streams, buffers, books, is_proved(plan, v, data));
         plan.variants.iter().map(pipeline).collect::<Result<_, _>>().map(Self)
     }
 
@@ -52,7 +53,7 @@ impl KernelPipeline {
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
         books: &Books,
-        indices_hold: bool,
+        is_proved: bool,
     ) -> Result<Self, GpuError> {
         let name = variant.kernel.name();
         let group_count = variant.bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
@@ -102,7 +103,7 @@ impl KernelPipeline {
             bind_group_layouts: &layouts,
             immediate_size: 0,
         });
-        let module = shader_module(device, variant, indices_hold);
+        let module = shader_module(device, variant, is_proved);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
             layout: Some(&layout),
@@ -127,18 +128,42 @@ impl KernelPipeline {
     }
 }
 
-/// The fused kernel without bounds checks where the host has seen that no index needs one; others with.
-fn shader_module(device: &wgpu::Device, variant: &Variant, indices_hold: bool) -> wgpu::ShaderModule {
+/// Whether no index of this kernel needs a check: it is the fused kernel as this crate composes it for the plan's
+/// options, be it that somebody has changed the plan, and what it indexes holds for just these options. Where a walk
+/// resumes, it indexes by what its streams hold, which anybody may have written: that is not proved.
+fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
+    variant.kernel == Kernel::Fused
+        && !plan.features.resumes
+        && data.indices_hold(&plan.features)
+        && Variant::new(Kernel::Fused, &plan.features)
+            .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
+}
+
+/// The fused kernel without bounds checks where [`is_proved`] says that no index needs one; others with.
+fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
     let descriptor = wgpu::ShaderModuleDescriptor {
         label: Some(variant.kernel.name()),
         source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
     };
-    if variant.kernel != Kernel::Fused || !indices_hold {
+    if !is_proved {
         return device.create_shader_module(descriptor);
     }
-    // SAFETY: every index that the kernel loads was checked by `SceneData::indices_hold`; cells are clamped
-    // to the grid or compared with it; the stack is as high as the deepest tree that is built; every loop
-    // ends: walks leave the grid, trees are finite, lists have an end.
+    // SAFETY: what an unchecked shader must not do is index out of bounds or run without end.
+    //
+    // - Which shader it is: `is_proved` composes fused.wgsl again from the options that the proof is about, and
+    //   compares text and bindings with what is compiled here.
+    // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, by the names that the
+    //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing
+    //   to them later but `first_row` of `scene`, which is part of a texel.
+    // - No index comes from a stream: a walk that resumes is not proved.
+    // - Indices that come from buffers, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
+    //   children of nodes, and triangles. Distances and cells are looked up by cell.
+    // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
+    //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN goes the same ways.
+    // - The stack, `SceneData::indices_hold`: a group of siblings waits at most on each level but the root's.
+    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan is of its size.
+    // - Loops, by the proof: lists have an end, and the nodes are one tree, each visited at most once. By the shader:
+    //   a walk goes on along one axis in each step until it leaves the grid, or its turns are bounded.
     #[allow(unsafe_code)]
     unsafe {
         device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
@@ -221,5 +246,52 @@ impl Counting {
             ],
         });
         Self { pipeline, group }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::{Camera, generate};
+
+    use super::*;
+    use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
+    use crate::plan::Limits;
+
+    /// What is compiled without checks is the very shader that the proof is about, over the very data.
+    #[test]
+    fn only_our_own_shader_of_these_options_over_data_that_holds_is_proved() {
+        let scene = generate::soup(300, 1).expect("soup");
+        let plan = |accelerator, schedule| {
+            let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 8, height: 8 };
+            let options = Options { accelerator, schedule, ..Options::new(rays) };
+            Plan::new(&scene, &options, &Limits::CPU).expect("a plan")
+        };
+        let (of_grid, _) = plan(Accelerator::Grid, ScheduleKind::Fused);
+        for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+            let (plan, data) = plan(accelerator, ScheduleKind::Fused);
+            for variant in &plan.variants {
+                assert_eq!(is_proved(&plan, variant, &data), variant.kernel == Kernel::Fused, "{accelerator}");
+            }
+            let fused = plan.variant(Kernel::Fused).expect("fused");
+            let mut changed = fused.clone();
+            changed.source += "// not ours\n";
+            assert!(!is_proved(&plan, &changed, &data), "{accelerator}: another text");
+            let mut changed = fused.clone();
+            changed.bindings.reverse();
+            assert!(!is_proved(&plan, &changed, &data), "{accelerator}: other bindings");
+            let mut resumes = plan.clone();
+            resumes.features.resumes = true;
+            let variant = Variant::new(Kernel::Fused, &resumes.features).expect("a variant");
+            assert!(!is_proved(&resumes, &variant, &data), "{accelerator}: places that streams hold");
+            let mut broken = data.clone();
+            broken.packed_triangles.clear();
+            assert!(!is_proved(&plan, fused, &broken), "{accelerator}: data that does not hold");
+            if accelerator != Accelerator::Grid {
+                let other = of_grid.variant(Kernel::Fused).expect("fused");
+                assert!(!is_proved(&plan, other, &data), "{accelerator}: a shader of other options");
+            }
+        }
+        let (plan, data) = plan(Accelerator::Grid, ScheduleKind::Second);
+        assert!(plan.variants.iter().all(|variant| !is_proved(&plan, variant, &data)));
     }
 }

@@ -1,4 +1,7 @@
-//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened.
+//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened; and, when
+//! somebody gives a clock, whether its own is one.
+
+pub(super) mod clock;
 
 use std::future::poll_fn;
 use std::task::Poll;

@@ -15,6 +15,7 @@ pub(crate) struct Snapshot {
     streams: Vec<(Stream, Arc<wgpu::Texture>)>,
     lists: KeptLists,
     device_ns: Option<u64>,
+    host_ns: Option<u64>,
 }
 
 /// The copies that hold what streams hold now. What no pass has written since is not copied again.
@@ -85,7 +86,8 @@ impl GpuExecutor {
         self.gpu.submit([encoder.finish()]);
         self.gpu.pop_scopes(scopes).await?;
         self.note_copies(&streams);
-        Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, device_ns: self.device_ns })
+        let Self { device_ns, host_ns, .. } = *self;
+        Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, device_ns, host_ns })
     }
 
     /// Streams and lists to what they were. The snapshot is of the same plan, on the same device.
@@ -100,7 +102,7 @@ impl GpuExecutor {
         self.books.restore(&mut encoder, &snapshot.lists);
         self.gpu.submit([encoder.finish()]);
         self.note_copies(&snapshot.streams);
-        self.device_ns = snapshot.device_ns;
+        (self.device_ns, self.host_ns) = (snapshot.device_ns, snapshot.host_ns);
     }
 
     fn note_copies(&mut self, streams: &[(Stream, Arc<wgpu::Texture>)]) {

@@ -170,7 +170,7 @@ fn run<'a>(
         let variant = renderer.plan().variant(pass.kernel).ok_or("a kernel without a variant")?;
         bytes += bytes_a_ray(variant)? * u64::from(pass.rays_in);
     }
-    let probe = Probe { bytes: Some(bytes), passes: renderer.passes().len() as u64, ..of_run };
+    let probe = Probe { bytes: Some(bytes), passes: renderer.pass_count() as u64, ..of_run };
     let repeat = move || machine.run(&mut renderer, most).ok()?.device_ns;
     Ok((probe, Box::new(repeat)))
 }

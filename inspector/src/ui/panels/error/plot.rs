@@ -155,7 +155,7 @@ impl<'a> Plot<'a> {
         };
         painter.text(rect.left_top(), Align2::LEFT_TOP, title, font.clone(), ink);
         let title = match (self.unit == Unit::PASSES, self.untimed) {
-            (true, _) => "passes so far: the device has no timestamps".to_owned(),
+            (true, _) => "passes so far: they have no times".to_owned(),
             (false, 0) => format!("device time so far, {}", self.unit.name),
             (false, untimed) => format!("device time so far, {}, without {untimed} passes not timed", self.unit.name),
         };

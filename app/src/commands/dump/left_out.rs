@@ -1,0 +1,94 @@
+//! Passes that a dump does without, and what they are called.
+
+use raystep_kernels::plan::Plan;
+use raystep_kernels::{Kernel, ScheduleKind, Stream};
+
+use crate::session::Running;
+
+/// Why a pass is left out.
+pub(super) const NOT_NEEDED: &str = "it changes no stream that is asked for";
+
+/// Whether a stream's values are only those of a run that shades: it holds what only shading makes, shading changes it,
+/// or, with the fused kernel, it holds the rays that are made for shading.
+pub(super) fn needs_shading(stream: Stream, schedule: ScheduleKind) -> bool {
+    match stream {
+        Stream::State | Stream::Color | Stream::Accumulated => true,
+        Stream::RayOrigin | Stream::RayDirection => !schedule.is_stepped(),
+        _ => false,
+    }
+}
+
+/// Passes of the run with all streams that this one does without. They keep their numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct LeftOut {
+    /// Before the first pass.
+    pub(super) first: Option<Kernel>,
+    /// After the last one.
+    pub(super) last: Option<Kernel>,
+}
+
+impl LeftOut {
+    pub(super) fn of(plan: &Plan) -> Self {
+        let missing = |kernel: &Kernel| plan.variant(*kernel).is_none();
+        Self { first: Some(Kernel::Generate).filter(missing), last: Some(Kernel::Shade).filter(missing) }
+    }
+
+    /// Numbers before that of the renderer's first pass.
+    pub(super) fn before(self) -> usize {
+        usize::from(self.first.is_some())
+    }
+
+    /// Passes of a run that is at its end, those that are left out among them.
+    pub(super) fn count(self, running: &Running) -> usize {
+        self.before() + running.renderer.pass_count() + usize::from(self.last.is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::{Accelerator, Limits, Options, RaySource};
+    use raystep_scenes::generate;
+
+    use super::*;
+
+    /// A stream that is dumped without shading must be there, and be what it is with shading: by what kernels write.
+    #[test]
+    fn what_needs_no_shading_is_untouched_by_what_is_left_out() {
+        let scene = generate::cornell_box();
+        for (&schedule, &accelerator) in
+            ScheduleKind::ALL.iter().flat_map(|s| Accelerator::ALL.iter().map(move |a| (s, a)))
+        {
+            for steps_per_pass in [1, 8] {
+                let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 8, height: 8 };
+                let shaded = Options { schedule, accelerator, steps_per_pass, counters: true, ..Options::new(rays) };
+                let bare = Options { shade: false, ..shaded.clone() };
+                let [with, without] =
+                    [&shaded, &bare].map(|options| Plan::new(&scene, options, &Limits::CPU).expect("a plan").0);
+                assert_eq!(LeftOut::of(&with), LeftOut { first: None, last: None });
+                let left_out: Vec<Kernel> =
+                    [LeftOut::of(&without).first, LeftOut::of(&without).last].into_iter().flatten().collect();
+                let own = |kernel: &Kernel| without.variant(*kernel).is_some();
+                let missing: Vec<_> = with.schedule.kernels().into_iter().filter(|k| !own(k)).collect();
+                assert_eq!(missing, left_out, "{schedule} {accelerator}");
+                let writes = |kernel: Option<Kernel>, stream| {
+                    let variant = kernel.and_then(|kernel| with.variant(kernel));
+                    variant.is_some_and(|v| v.written_streams().any(|written| written == stream))
+                };
+                let LeftOut { first, last } = LeftOut::of(&without);
+                for planned in &with.streams {
+                    // What is written first is nothing if it is written again.
+                    let is_written = without.schedule.kernels().into_iter().any(|k| writes(Some(k), planned.what));
+                    let can_do_without = without.has_stream(planned.what)
+                        && !writes(last, planned.what)
+                        && (!writes(first, planned.what) || is_written);
+                    assert_eq!(
+                        needs_shading(planned.what, schedule),
+                        !can_do_without,
+                        "{schedule} {accelerator}: {}",
+                        planned.what.name()
+                    );
+                }
+            }
+        }
+    }
+}

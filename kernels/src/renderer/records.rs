@@ -1,0 +1,108 @@
+//! What is known of the passes that have run: what they sum up to, and, where somebody wants it, each of them.
+
+use std::collections::BTreeMap;
+
+use super::Pass;
+use crate::export::json::KernelSummary;
+use crate::kernel::Kernel;
+
+/// What some passes sum up to. It takes the same memory however many there are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PassTotals {
+    /// How many.
+    pub passes: usize,
+    /// Passes, rays and time of each kernel, by name.
+    pub kernels: BTreeMap<&'static str, KernelSummary>,
+    /// [`Pass::threads_launched`], summed.
+    pub threads_launched: u64,
+    /// [`Pass::duration_ns`], summed; `None` unless every pass was timed.
+    pub duration_ns: Option<u64>,
+}
+
+impl Default for PassTotals {
+    fn default() -> Self {
+        Self { passes: 0, kernels: BTreeMap::new(), threads_launched: 0, duration_ns: Some(0) }
+    }
+}
+
+impl PassTotals {
+    /// Adds a pass.
+    pub fn add(&mut self, pass: &Pass) {
+        let plus = |sum: Option<u64>| sum.zip(pass.duration_ns).map(|(a, b)| a.saturating_add(b));
+        self.passes += 1;
+        self.threads_launched += pass.threads_launched;
+        self.duration_ns = plus(self.duration_ns);
+        let none = KernelSummary { duration_ns: Some(0), ..KernelSummary::default() };
+        let kernel = self.kernels.entry(pass.kernel.name()).or_insert(none);
+        kernel.passes += 1;
+        kernel.rays_in += u64::from(pass.rays_in);
+        kernel.duration_ns = plus(kernel.duration_ns);
+    }
+
+    /// [`Pass::rays_in`], summed.
+    #[must_use]
+    pub fn rays_in(&self) -> u64 {
+        self.kernels.values().map(|kernel| kernel.rays_in).sum()
+    }
+}
+
+impl<'a> FromIterator<&'a Pass> for PassTotals {
+    fn from_iter<I: IntoIterator<Item = &'a Pass>>(passes: I) -> Self {
+        let mut totals = Self::default();
+        passes.into_iter().for_each(|pass| totals.add(pass));
+        totals
+    }
+}
+
+/// The passes of a run so far.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Records {
+    is_kept: bool,
+    kept: Vec<Pass>,
+    totals: PassTotals,
+    last: Option<Pass>,
+    of_sample: usize,
+}
+
+impl Records {
+    /// None yet; `is_kept`: each is wanted.
+    pub(super) fn new(is_kept: bool) -> Self {
+        Self { is_kept, ..Self::default() }
+    }
+
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        *self = Self::new(self.is_kept);
+    }
+
+    pub(super) fn push(&mut self, pass: Pass) {
+        self.totals.add(&pass);
+        self.of_sample = if pass.kernel == Kernel::Generate { 0 } else { self.of_sample + 1 };
+        self.last = Some(pass);
+        if self.is_kept {
+            self.kept.push(pass);
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.totals.passes
+    }
+
+    /// Each of them, where that was wanted, else none.
+    pub(super) fn kept(&self) -> &[Pass] {
+        &self.kept
+    }
+
+    pub(super) fn totals(&self) -> &PassTotals {
+        &self.totals
+    }
+
+    pub(super) fn last(&self) -> Option<Pass> {
+        self.last
+    }
+
+    /// Passes since rays were made last, or since the start.
+    pub(super) fn of_sample(&self) -> usize {
+        self.of_sample
+    }
+}

@@ -1,0 +1,297 @@
+//! What the fused kernel runs without bounds checks on: a proof, from the bytes that are bound alone, that every
+//! index it computes from them lies within what it points into.
+//!
+//! Nothing is taken over from who built the structures. Depth and shape of the tree are derived from its nodes, and
+//! the bits of a node are read as the shader reads them. The work is linear in what is looked at; the one allocation
+//! is a byte a node, and where it fails the proof does.
+
+use super::SceneData;
+use crate::bvh::WideNode;
+use crate::features::Features;
+use crate::shared::constants::wide_stack;
+
+/// Words or vectors of a buffer are counted in u32 by the shader, as `stride * index + rest`.
+fn is_counted_in_u32(entries: usize, stride: usize) -> bool {
+    entries.checked_mul(stride).is_some_and(|all| u32::try_from(all).is_ok())
+}
+
+impl SceneData {
+    /// Whether every index that the fused kernel, compiled with `features`, follows stays within what it points into:
+    /// what a shader without bounds checks relies on.
+    ///
+    /// - Of the grid: there is an offset for every cell and one more, offsets do not fall, and the last one is within
+    ///   the items; items are triangles; there is a byte of distance for every cell, 0 where the cell has a list.
+    /// - Of the tree: each node but the root is the child of exactly one node, which comes before it, so that there is
+    ///   neither a cycle nor a shared child; the entries of its leaves are there; no way from the root has more nodes
+    ///   than the kernel's stack has room for, and one.
+    /// - Without either, there are as many triangles as the kernel counts.
+    #[must_use]
+    pub fn indices_hold(&self, features: &Features) -> bool {
+        let entries = self.packed_triangles.len();
+        // Three vectors each. Ids are what the host and other kernels look up by.
+        let triangles_hold = is_counted_in_u32(entries, 3)
+            && (self.info.triangles == 0 || self.packed_triangles.iter().all(|entry| entry[3] < self.info.triangles));
+        triangles_hold
+            && if features.grid {
+                self.grid_holds(features.skip)
+            } else if features.bvh {
+                wide_depth(&self.wide_nodes, entries).is_some_and(|depth| depth <= wide_stack(features.stack) + 1)
+            } else {
+                self.info.triangles as usize <= entries
+            }
+    }
+
+    fn grid_holds(&self, leaps: bool) -> bool {
+        // The shader multiplies them as i32.
+        let product = self.grid.cells.iter().try_fold(1i32, |all, &n| all.checked_mul(n).filter(|_| n > 0));
+        let Some(cells) = product.map(|n| n as usize) else { return false };
+        let entries = self.packed_triangles.len();
+        self.grid_cells.len() == cells + 1
+            && self.grid_cells.is_sorted()
+            && self.grid_cells.last().is_some_and(|&end| end as usize <= self.grid_items.len())
+            && self.grid_items.iter().all(|&item| (item as usize) < entries)
+            && (!leaps || self.distances_hold(cells))
+    }
+
+    fn distances_hold(&self, cells: usize) -> bool {
+        let lists = self.grid_cells.windows(2).map(|list| list[0] < list[1]);
+        let bytes = self.grid_distances.iter().flat_map(|word| word.to_le_bytes());
+        self.grid_distances.len() == cells.div_ceil(4)
+            && lists.zip(bytes).all(|(has_list, distance)| !has_list || distance == 0)
+    }
+}
+
+/// Nodes on the longest way from the root, both ends counted. `None` where the nodes are not one tree whose parents
+/// come before their children, or name what is not there.
+fn wide_depth(nodes: &[WideNode], entries: usize) -> Option<u32> {
+    // Five vectors each.
+    if nodes.is_empty() || !is_counted_in_u32(nodes.len(), 5) {
+        return None;
+    }
+    // 0 for one that no node has named yet. Deeper than a byte tells is deeper than any stack.
+    let mut levels: Vec<u8> = Vec::new();
+    levels.try_reserve_exact(nodes.len()).ok()?;
+    levels.resize(nodes.len(), 0);
+    levels[0] = 1;
+    for (i, node) in nodes.iter().enumerate() {
+        // One that none before it names is nobody's child, or the child of one after it.
+        let below = levels[i].checked_add(1).filter(|&below| below > 1)?;
+        // Of all 24 bits, whether their slots are leaves or not: the shader does not ask.
+        let of_leaves = (node.contents & 0x00ff_ffff).count_ones() as usize;
+        if of_leaves > 0 && entries.checked_sub(of_leaves)? < node.triangle_base as usize {
+            return None;
+        }
+        let inner = (node.contents >> 24).count_ones() as usize;
+        if inner > 0 {
+            let first = node.child_base as usize;
+            let children = levels.get_mut(first..first.checked_add(inner)?)?;
+            // One that comes before is named already, be it the root: so is every node on the way to this one.
+            if children.iter().any(|&level| level != 0) {
+                return None;
+            }
+            children.fill(below);
+        }
+    }
+    levels.iter().max().map(|&deepest| u32::from(deepest))
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::{Camera, generate};
+
+    use super::*;
+    use crate::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
+    use crate::plan::{Limits, Plan};
+
+    fn fused(accelerator: Accelerator, triangles: usize) -> (Features, SceneData) {
+        let scene = generate::soup(triangles as u64, 1).expect("soup");
+        let rays = RaySource::Camera { camera: Camera::framing(&scene.bounds()), width: 8, height: 8 };
+        let options = Options { accelerator, schedule: ScheduleKind::Fused, skip: Skip::On, ..Options::new(rays) };
+        let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");
+        (plan.features, data)
+    }
+
+    fn refused(what: &str, (features, data): &(Features, SceneData), change: impl FnOnce(&mut SceneData)) {
+        let mut changed = data.clone();
+        change(&mut changed);
+        assert!(!changed.indices_hold(features), "not seen: {what}");
+    }
+
+    /// An inner node with a leaf among its children, and at least two inner ones.
+    fn mixed(data: &SceneData) -> usize {
+        let is_mixed = |n: &WideNode| n.contents >> 24 != 0 && n.contents & 0xff_ffff != 0 && n.contents >> 24 != 0x80;
+        let found = data.wide_nodes.iter().rposition(|n| is_mixed(n) && (n.contents >> 24).count_ones() >= 2);
+        found.expect("such a node in a large tree")
+    }
+
+    #[test]
+    fn what_a_u32_cannot_count_is_not_indexed() {
+        // 3 * 1431655765 = 2^32 - 1
+        for (entries, stride, holds) in
+            [(0, 3, true), (1_431_655_765, 3, true), (1_431_655_766, 3, false), (usize::MAX, 5, false)]
+        {
+            assert_eq!(is_counted_in_u32(entries, stride), holds, "{entries} of {stride}");
+        }
+    }
+
+    #[test]
+    fn what_is_built_holds() {
+        for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+            for triangles in [1, 7, 2000] {
+                let (features, data) = fused(accelerator, triangles);
+                assert!(data.indices_hold(&features), "{accelerator}, {triangles} triangles");
+            }
+        }
+    }
+
+    #[test]
+    fn a_wrong_index_of_the_grid_is_seen() {
+        let built = fused(Accelerator::Grid, 2000);
+        assert!(built.0.skip && built.0.grid);
+        // Without leaps no distance covers for a wrong offset.
+        let stepped = (Features { skip: false, ..built.0 }, built.1.clone());
+        assert!(stepped.1.indices_hold(&stepped.0));
+        let cells = built.1.grid_cells.len() - 1;
+        let items = built.1.grid_items.len() as u32;
+        refused("an item that is no triangle", &built, |d| d.grid_items[5] = 2000);
+        refused("the largest item", &built, |d| *d.grid_items.last_mut().expect("items") = u32::MAX);
+        refused("an offset that falls", &stepped, |d| d.grid_cells[cells / 2] = items + 1);
+        refused("a last offset beyond the items", &stepped, |d| d.grid_cells[cells] = items + 1);
+        refused("fewer items than the offsets say", &built, |d| d.grid_items.truncate(d.grid_items.len() - 1));
+        refused("an offset too few", &built, |d| d.grid_cells.truncate(d.grid_cells.len() - 1));
+        refused("an offset too many", &built, |d| d.grid_cells.push(items));
+        refused("a cell more along an axis", &built, |d| d.grid.cells[1] += 1);
+        refused("no cell along an axis", &stepped, |d| (d.grid.cells[2], d.grid_cells) = (0, vec![0]));
+        refused("axes whose signs cancel", &stepped, |d| d.grid.cells[..2].iter_mut().for_each(|n| *n = -*n));
+        refused("axes whose product wraps to the right number", &stepped, |d| {
+            // 2^16 * 2^16 is 0 in 32 bits.
+            (d.grid.cells, d.grid_cells) = ([1 << 16, 1 << 16, 1], vec![0]);
+        });
+        refused("too few distances", &built, |d| d.grid_distances.truncate(d.grid_distances.len() - 1));
+        let full = built.1.grid_cells.windows(2).position(|w| w[0] < w[1]).expect("a list");
+        refused("a leap from a cell with a list", &built, |d| d.grid_distances[full / 4] |= 2 << (8 * (full % 4)));
+        refused("fewer triangles than are listed", &built, |d| {
+            d.packed_triangles.truncate(d.packed_triangles.len() - 1)
+        });
+        refused("an id that is no triangle", &built, |d| d.packed_triangles[3][3] = 2000);
+    }
+
+    #[test]
+    fn a_wrong_index_of_the_tree_is_seen() {
+        let built = fused(Accelerator::Bvh, 2000);
+        let (nodes, entries) = (built.1.wide_nodes.len() as u32, built.1.packed_triangles.len() as u32);
+        let at = mixed(&built.1);
+        refused("no node", &built, |d| d.wide_nodes.clear());
+        refused("children beyond the nodes", &built, |d| d.wide_nodes[at].child_base = nodes - 1);
+        refused("children whose place wraps", &built, |d| d.wide_nodes[at].child_base = u32::MAX);
+        refused("entries beyond the triangles", &built, |d| d.wide_nodes[at].triangle_base = entries);
+        refused("entries whose place wraps", &built, |d| d.wide_nodes[at].triangle_base = u32::MAX);
+        refused("a last node that is missing", &built, |d| d.wide_nodes.truncate(d.wide_nodes.len() - 1));
+        refused("a last entry that is missing", &built, |d| d.packed_triangles.truncate(d.packed_triangles.len() - 1));
+        refused("an id that is no triangle", &built, |d| d.packed_triangles[7][3] = 2000);
+        // The shader takes such bits for entries of a leaf.
+        refused("entries of an inner child", &built, |d| {
+            let slot = (d.wide_nodes[at].contents >> 24).trailing_zeros();
+            d.wide_nodes[at].triangle_base = entries - (d.wide_nodes[at].contents & 0xff_ffff).count_ones();
+            d.wide_nodes[at].contents |= 7 << (3 * slot);
+        });
+    }
+
+    #[test]
+    fn a_graph_that_is_no_tree_is_seen() {
+        let built = fused(Accelerator::Bvh, 2000);
+        let at = mixed(&built.1);
+        let child = built.1.wide_nodes[at].child_base;
+        refused("a node that is its own child", &built, |d| d.wide_nodes[at].child_base = at as u32);
+        refused("a cycle through the root", &built, |d| d.wide_nodes[at].child_base = 0);
+        refused("a cycle of two", &built, |d| {
+            let below = &mut d.wide_nodes[child as usize];
+            (below.child_base, below.contents) = (at as u32, 1 << 24);
+        });
+        refused("a child that another node has too", &built, |d| {
+            let other = (1..at).rev().find(|&i| d.wide_nodes[i].contents >> 24 != 0).expect("another inner node");
+            d.wide_nodes[other].child_base = child;
+        });
+        refused("a node that nobody names", &built, |d| d.wide_nodes.push(WideNode::default()));
+        refused("a child that is not named any more", &built, |d| {
+            let slot = 31 - d.wide_nodes[at].contents.leading_zeros();
+            d.wide_nodes[at].contents &= !(1 << slot);
+        });
+        refused("siblings that overlap by one", &built, |d| d.wide_nodes[at].child_base += 1);
+    }
+
+    /// Nothing but the fault is wrong with these: every node is named, and every index within the nodes.
+    #[test]
+    fn of_small_graphs_only_trees_hold() {
+        // Of each node its first child and how many.
+        let graph = |nodes: &[(u32, u32)]| -> Vec<WideNode> {
+            let node = |&(child_base, inner): &(u32, u32)| {
+                let contents = if inner == 0 { 1 } else { ((1 << inner) - 1) << 24 };
+                WideNode { child_base, contents, ..WideNode::default() }
+            };
+            nodes.iter().map(node).collect()
+        };
+        for (what, nodes, depth) in [
+            ("a root alone", &[(0, 0)][..], Some(1)),
+            ("a tree", &[(1, 2), (3, 1), (4, 1), (0, 0), (0, 0)], Some(3)),
+            ("one whose first children come last", &[(1, 2), (4, 1), (3, 1), (0, 0), (0, 0)], Some(3)),
+            ("a child of two", &[(1, 2), (3, 1), (3, 1), (0, 0)], None),
+            ("siblings of which one is another's", &[(1, 2), (2, 2), (0, 0), (0, 0)], None),
+            ("a root that is its own child", &[(0, 1)], None),
+            ("a node that is its own child", &[(1, 1), (1, 1)], None),
+            ("a cycle of two", &[(1, 1), (2, 1), (1, 1)], None),
+            ("a cycle through the root", &[(1, 1), (2, 1), (0, 1)], None),
+            ("a cycle that no way leads to", &[(0, 0), (2, 1), (1, 1)], None),
+            ("a node that nobody names", &[(0, 0), (0, 0)], None),
+            ("a child before its parent", &[(2, 1), (0, 0), (1, 1)], None),
+            ("a child that is not there", &[(1, 1)], None),
+        ] {
+            assert_eq!(wide_depth(&graph(nodes), 1), depth, "{what}");
+        }
+        assert_eq!(wide_depth(&graph(&[(0, 0)]), 0), None, "a leaf without its entry");
+    }
+
+    #[test]
+    fn a_tree_that_is_deeper_than_the_stack_is_seen_whatever_it_says_of_itself() {
+        // One child a node: no group ever waits, but the shader's room is counted for the worst ray.
+        let chain = |depth: u32| {
+            let inner = |i| WideNode { child_base: i + 1, contents: 1 << 24, ..WideNode::default() };
+            let mut nodes: Vec<WideNode> = (0..depth - 1).map(inner).collect();
+            nodes.push(WideNode { contents: 1, ..WideNode::default() });
+            nodes
+        };
+        let (mut features, mut data) = fused(Accelerator::Bvh, 2000);
+        let built = data.wide_depth;
+        assert_eq!(wide_depth(&data.wide_nodes, data.packed_triangles.len()), Some(built), "as it was built");
+        features.stack = built - 2;
+        data.wide_depth = 1;
+        assert!(!data.indices_hold(&features), "not seen: a stack too low by one, under a depth that is not true");
+        features.stack = built - 1;
+        assert!(data.indices_hold(&features));
+        for (depth, stack, holds) in [(1, 0, true), (2, 0, true), (3, 0, false), (3, 1, false), (3, 2, true)]
+            .into_iter()
+            // The shader's stack has never more than 32 places, whatever is asked for.
+            .chain([(33, 32, true), (34, 33, false), (34, u32::MAX, false), (300, 299, false), (257, 256, false)])
+        {
+            (data.wide_nodes, features.stack) = (chain(depth), stack);
+            assert_eq!(data.indices_hold(&features), holds, "{depth} levels with a stack of {stack}");
+        }
+    }
+
+    #[test]
+    fn without_a_structure_the_count_of_triangles_is_seen() {
+        let built = fused(Accelerator::None, 40);
+        refused("more triangles than there are", &built, |d| d.info.triangles = 41);
+        refused("a triangle too few", &built, |d| d.packed_triangles.truncate(d.packed_triangles.len() - 1));
+        refused("an id that is no triangle", &built, |d| d.packed_triangles[39][3] = 40);
+    }
+
+    /// A plan and data of different runs: what is proved must be what the shader was compiled for.
+    #[test]
+    fn data_of_another_structure_is_seen() {
+        let [grid, bvh, none] =
+            [Accelerator::Grid, Accelerator::Bvh, Accelerator::None].map(|accelerator| fused(accelerator, 300));
+        assert!(!grid.1.indices_hold(&bvh.0) && !bvh.1.indices_hold(&grid.0));
+        assert!(!none.1.indices_hold(&grid.0) && !none.1.indices_hold(&bvh.0));
+    }
+}
