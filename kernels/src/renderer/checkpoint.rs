@@ -18,6 +18,7 @@ pub struct Checkpoint {
     counts: StateCounts,
     passes: Vec<Pass>,
     unfinished: u64,
+    alone: Option<[u32; 2]>,
 }
 
 enum Kept {
@@ -77,6 +78,7 @@ impl Renderer {
             counts: self.counts,
             passes: self.passes.clone(),
             unfinished: self.unfinished,
+            alone: self.alone,
         })
     }
 
@@ -98,6 +100,7 @@ impl Renderer {
         self.counts = checkpoint.counts;
         self.passes.clone_from(&checkpoint.passes);
         self.unfinished = checkpoint.unfinished;
+        self.alone = checkpoint.alone;
         self.is_ahead = false;
         Ok(())
     }

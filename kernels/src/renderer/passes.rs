@@ -127,7 +127,7 @@ impl Renderer {
     pub(super) async fn settle(&mut self) -> Result<(), RenderError> {
         if self.is_ahead {
             let place = self.passes.len();
-            self.restart();
+            self.begin();
             while self.passes.len() < place && self.submit(1).await? > 0 {}
         }
         Ok(())
