@@ -109,16 +109,25 @@ impl Row<'_> {
     }
 
     fn shaded(&self, words: &mut Scan<'_>) -> Result<Vec<Kind>, String> {
-        self.is(DONE)?;
         let kind = if words.is("equation (1) at triangle ") {
             same("the state before", self.before.tag, SHADE)?;
             same("the triangle", Some(words.number()?), self.before.triangle)?;
+            if self.after.tag == SHADE {
+                words.literal(": ")?;
+                // The item counts lights from the highest bit on.
+                same("lights summed", words.number::<u32>()?, self.after.item & 0x7fff_ffff)?;
+                words.literal(" of ")?;
+                same("lights", words.number::<u32>()?, self.data.shading.lights)?;
+                words.literal(" lights summed so far")?;
+                return Ok(vec!["lights summed"]);
+            }
             "shaded"
         } else {
             words.literal("nothing was hit: background")?;
             same("the state before", self.before.tag, BACKGROUND)?;
             "background"
         };
+        self.is(DONE)?;
         let color = self.after.color.ok_or("no colour")?;
         for (name, value) in [": r ", " g ", " b "].into_iter().zip(color) {
             words.literal(name)?;

@@ -16,7 +16,8 @@ impl Renderer {
         let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if *kernel != Kernel::Fused);
         let is_the_same_for_all = |step: &Step| match step {
             Step::Run(_) => runs_once(step),
-            Step::RunUntilIdle(_) => true,
+            // What shades for as long as the ray with the most to do is no part of the walk.
+            Step::RunUntilIdle(kernel) => kernel.is_walk(),
             Step::LoopWhileActive(_, body) => body.iter().all(runs_once),
         };
         !self.plan.features.samples && self.plan.schedule.steps.iter().all(is_the_same_for_all)

@@ -9,7 +9,7 @@ mod tree;
 use crate::export::trace::RayState;
 use crate::kernel::Kernel;
 use crate::scene_data::SceneData;
-use crate::shared::constants::NODES_A_STEP;
+use crate::shared::constants::{LIGHTS_SUMMED, NO_TRIANGLE, NODES_A_STEP};
 use crate::state;
 use grid::{cell_at, explain_start, explain_step};
 use test::explain_intersect;
@@ -33,6 +33,11 @@ pub(super) fn explain(kernel: Kernel, data: &SceneData, before: &RayState, after
         Kernel::Walk => explain_walk(data, before, after),
         Kernel::Fused => "the whole walk in one kernel".into(),
         Kernel::Intersect => return explain_intersect(data, before, after),
+        Kernel::Shade if after.tag == state::SHADE => {
+            let summed = after.item.saturating_sub(LIGHTS_SUMMED);
+            let triangle = before.triangle.unwrap_or(NO_TRIANGLE);
+            format!("equation (1) at triangle {triangle}: {summed} of {} lights summed so far", data.shading.lights)
+        }
         Kernel::Shade => {
             let rgb = after.color.unwrap_or_default();
             let source = match before.triangle.filter(|_| before.tag == state::SHADE) {

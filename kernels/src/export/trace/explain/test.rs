@@ -14,6 +14,9 @@ use crate::state;
 pub(super) fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
     let (first, count) = data.list(before.cell_index);
     let tested = (before.item < count).then(|| data.listed(first + before.item));
+    if let Some(triangle) = tested.filter(|_| after.item == before.item && after.tag == before.tag) {
+        return (None, format!("triangle {triangle}: looked for in the cells before this one, not all of them yet"));
+    }
     let is_still_here = matches!(after.tag, state::ISECT_HIT | state::ISECT_NO_HIT);
     let next = (!is_still_here).then(|| explain_end(data, before, after, tested, count));
     let test = tested.map(|triangle| explain_test(data, before, after, triangle));
