@@ -136,7 +136,7 @@ impl WalkGeometry {
         self.cells.last().filter(|cell| cell.is_current)
     }
 
-    /// Where the ray would leave its cell along each axis: the tmax that the next step compares.
+    /// Where the ray would leave its cell along each axis: the tmax that the next step, if it is no leap, compares.
     #[must_use]
     pub fn next_crossings(&self) -> Vec<Crossing> {
         let Some(cell) = self.current_cell() else { return Vec::new() };

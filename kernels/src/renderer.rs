@@ -3,6 +3,7 @@
 mod checkpoint;
 mod edit;
 mod given;
+mod one_ray;
 mod passes;
 mod records;
 mod results;
@@ -143,6 +144,8 @@ pub struct Renderer {
     records: Records,
     pass_bound: u64,
     unfinished: u64,
+    /// The one ray of a run that leaves out all others.
+    alone: Option<[u32; 2]>,
     /// Passes were submitted whose results are not recorded: a caller dropped the future that waited.
     is_ahead: bool,
 }
@@ -199,14 +202,21 @@ impl Renderer {
             records: Records::new(options.keep_passes),
             pass_bound,
             unfinished: 0,
+            alone: None,
             is_ahead: false,
         };
         renderer.restart();
         Ok(renderer)
     }
 
-    /// Back to before the first pass. Kernels are deterministic, so the same passes follow.
+    /// Back to before the first pass, with all rays. Kernels are deterministic, so the same passes follow.
     pub fn restart(&mut self) {
+        self.alone = None;
+        self.begin();
+    }
+
+    /// The same, with one ray where it goes alone.
+    fn begin(&mut self) {
         match &mut self.executor {
             Executor::Gpu(e) => e.clear(),
             Executor::Cpu(e) => e.clear(),
@@ -235,6 +245,9 @@ impl Renderer {
             // The fused kernel's rays wait for nobody to make them.
             None if self.plan.features.eye_rays => self.counts[state::TRAV_SETUP as usize] = texels,
             None => self.counts[state::UNWRITTEN as usize] = texels,
+        }
+        if let Some(ray) = self.alone {
+            self.leave_out_others(ray);
         }
     }
 

@@ -7,7 +7,9 @@ use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll, Waker};
 use std::time::Instant;
 
-use raystep_kernels::reference::{Report, check_rays};
+use raystep_kernels::reference::{BruteForce, Candidates, Mistake, Report, Verdict, candidates_of, check_rays};
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, ScheduleKind, Stream, StreamData};
 use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
 use ways::Way;
@@ -17,6 +19,7 @@ pub mod rays;
 pub mod sessions;
 pub mod watertight;
 pub mod ways;
+pub mod words;
 
 /// The folder of scene files: beside this crate, or under the current folder where a test's binary was
 /// carried elsewhere.
@@ -166,6 +169,24 @@ pub fn check(renderer: &Renderer) -> Report {
 /// What brute force needs of a run.
 fn judged(renderer: &Renderer) -> [StreamData; 4] {
     [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit].map(|s| values(renderer, s))
+}
+
+/// What some of a run's rays got wrong, against f64 brute force; ties are not wrong.
+#[must_use]
+pub fn mistakes_among(renderer: &Renderer, rays: &[usize]) -> Vec<Mistake> {
+    let [origins, directions, state, hit] = judged(renderer);
+    let vertices = &renderer.data().vertices;
+    let component = |s: &StreamData, ray: usize| [0, 1, 2].map(|layer| s.get_f32(layer, ray));
+    let cast: Vec<_> = rays.iter().map(|&ray| [component(&origins, ray), component(&directions, ray)]).collect();
+    let triangles = BruteForce::new(vertices);
+    let verdict = |(&ray, ([origin, direction], candidates)): (&usize, (&[[f32; 3]; 2], &Candidates))| {
+        let triangle = hit.get(HIT_TRIANGLE, ray);
+        let found = (triangle != NO_TRIANGLE).then(|| (triangle, f64::from(state.get_f32(STATE_T, ray))));
+        triangles.judge(ray, *origin, *direction, candidates, found).0
+    };
+    let candidates = candidates_of(vertices, &cast);
+    let all = rays.iter().zip(cast.iter().zip(&candidates)).map(verdict);
+    all.filter(|mistake| !matches!(mistake.verdict, Verdict::Same | Verdict::Tie)).collect()
 }
 
 fn check_streams(renderer: &Renderer, [origins, directions, state, hit]: &[StreamData; 4]) -> Report {

@@ -59,8 +59,8 @@ fn a_ray_is_watched_forward_and_back() {
                 session.select(9, 7);
                 let life = session.follow(9, 7, &mut go_on).await.expect("a life");
                 let changes =
-                    life.rows.iter().filter(|row| row.state_before != row.after.state && row.pass + 1 < life.passes);
-                let expected: Vec<usize> = changes.map(|row| row.pass + 1).collect();
+                    life.rows.iter().filter(|row| row.state_before != row.after.state && row.place() < life.passes);
+                let expected: Vec<usize> = changes.filter_map(|row| row.place()).collect();
                 let states = both_ways(&mut session, Watch::RayState).await;
                 assert_eq!(states.iter().map(|f| f.place).collect::<Vec<_>>(), expected, "{name} {way}");
                 assert_eq!(states[0].value, "UNWRITTEN > TRAV_SETUP");

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
 use raystep_inspector::link::LinkRay;
-use raystep_kernels::export::trace::trace;
+use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::{Ray, RaySource};
 
 use crate::args::{QuietArgs, RunArgs, ViewArgs};
@@ -21,6 +21,9 @@ use crate::terminal::{Progress, print, say};
 /// tmax, item, t and hit as they were after it. t counts multiples of the ray's direction; a camera's direction
 /// has length 1 along the view axis, so there t is depth. Values are in the streams' units: the footer gives
 /// the factors.
+///
+/// Only this ray is traced, unless --all-rays asks for the others. How many passes the run of all rays takes, and
+/// so the number of the last one, in which rays are shaded, is known only then.
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("which").args(["pixel", "ray"]), after_help = "\
 Examples:
@@ -38,6 +41,12 @@ pub(crate) struct TraceArgs {
     /// A ray of your own: origin and direction, decimal or as the bits of an f32 in hex
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", allow_hyphen_values = true)]
     ray: Option<TypedRay>,
+    /// Trace the rays of all pixels too, as 'render' does: tells how many passes they take, and the number of the last
+    ///
+    /// Without it only the one ray is traced: its rows are the same, bit for bit. With --schedule first and with
+    /// several samples a pixel, a ray's passes depend on the other rays, and all are traced.
+    #[arg(long)]
+    all_rays: bool,
     /// A table for people, or data
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
@@ -96,6 +105,10 @@ impl FromStr for TypedRay {
     }
 }
 
+/// Why `--all-rays` is taken for granted.
+const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedule first, or several samples a pixel): all \
+                         are traced";
+
 pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let asked = match (args.pixel, args.ray) {
         (Some(Pixel { x, y }), _) => Some(LinkRay::Pixel([x, y])),
@@ -128,6 +141,11 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     if matches!(ray, Some(LinkRay::Given(_))) && wanted.view.samples.spp > 1 {
         return Err(Error::usage("--spp spreads samples over a pixel, and --ray is one ray: leave one of them out"));
     }
+    if matches!(ray, Some(LinkRay::Given(_))) && args.all_rays {
+        return Err(Error::usage(
+            "--all-rays is about the rays of other pixels, and --ray has none: leave one of them out",
+        ));
+    }
     let link = args.print_link.then(|| link_of(&wanted)).transpose()?;
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&wanted.scene, &wanted.view, &wanted.run, &progress, |options| {
@@ -138,7 +156,11 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     })?;
     let mut running = session.start(&progress)?;
     progress.stage("tracing");
-    let following = trace(&mut running.renderer, x, y, |pass| {
+    if !args.all_rays && running.renderer.plan().rays > 1 && !running.renderer.can_go_alone() {
+        progress.say(format_args!("note: {NOT_ALONE}"));
+    }
+    let rays = if args.all_rays { Rays::All } else { Rays::One };
+    let following = trace(&mut running.renderer, x, y, rays, |pass| {
         progress.pass(pass.index);
         ControlFlow::Continue(())
     });

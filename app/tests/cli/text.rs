@@ -70,6 +70,31 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert_eq!(reader.records().filter(|r| r.as_ref().is_ok_and(|r| r.len() == 17)).count(), rows.len());
     let table = place.ok(&[&trace[..], &common[..]].concat()).stdout;
     assert!(table.starts_with("pass ") && table.contains("TRAV_SETUP"), "{table}");
+    assert!(table.contains("\nlast  shade ") && table.contains("\nonly this ray was traced: "), "{table}");
+
+    // The others are traced where that is asked for: the same rows, and the numbers that depend on them.
+    let json = place.ok(&[&trace[..], &common[..], &["--format", "json", "--all-rays"]].concat()).stdout;
+    let mut whole: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!((&life["rays"], &life["passes"], &whole["rays"]), (&1.into(), &Value::Null, &1024.into()));
+    place.ok(&[&["dump", &cornell_box(), "--stream", "color", "-o", "e"], &common[..]].concat());
+    let index: Value = serde_json::from_slice(&place.read("e/index.json")).expect("JSON");
+    assert_eq!(whole["passes"], index["passes"].as_array().expect("passes").len());
+    for row in whole["rows"].as_array().expect("rows") {
+        assert_eq!(index["passes"][row["pass"].as_u64().expect("a number") as usize]["kernel"], row["kernel"]);
+    }
+    let last = rows.len() - 1;
+    assert_eq!(whole["rows"][last]["pass"], whole["passes"].as_u64().expect("a number") - 1);
+    whole["rows"][last]["pass"] = Value::Null;
+    assert_eq!(whole["rows"], life["rows"]);
+    let table = place.ok(&[&trace[..], &common[..], &["--all-rays"]].concat()).stdout;
+    assert!(table.contains(&format!("\n{} passes, in ", whole["passes"])), "{table}");
+    let first = place.ok(&[&trace[..], &common[..4], &["--schedule", "first"]].concat());
+    assert!(first.stderr.contains("note: a ray's passes depend on the other rays here (--schedule first"), "{first:?}");
+    assert!(first.stdout.contains(" passes, in ") && !first.stdout.contains("last "), "{first:?}");
+    let typed = ["trace", &cornell_box(), "--ray", "0,0,5,0,0,-1"];
+    let whole = place.ok(&[&typed[..], &common[2..]].concat()).stdout;
+    assert!(whole.contains(" passes, in 0 of them this ray waited"), "one ray is the whole run: {whole}");
+    place.fails(2, "--ray has none: leave one of them out", &[&typed[..], &["--all-rays"]].concat());
 }
 
 #[test]

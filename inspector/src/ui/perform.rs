@@ -9,6 +9,7 @@ use super::pane::{Context, PaneKind};
 use crate::session::request::Request;
 use crate::session::{Model, Target, Way};
 use raystep_kernels::Stream;
+use raystep_kernels::export::trace::TraceRow;
 
 impl Inspector {
     /// Whether a command would do anything now.
@@ -32,7 +33,7 @@ impl Inspector {
     /// The place after the next or previous pass that did something to the ray.
     fn event(&self, forward: bool) -> Option<usize> {
         let (rows, place) = (&self.model.life.as_ref()?.rows, self.model.place);
-        let mut places = rows.iter().map(|row| row.pass + 1);
+        let mut places = rows.iter().filter_map(TraceRow::place);
         if forward { places.find(|&p| p > place) } else { places.rfind(|&p| p < place) }
     }
 

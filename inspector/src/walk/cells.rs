@@ -24,7 +24,12 @@ pub enum Entry {
         step: i32,
     },
     /// Over cells between that were not visited one by one: they are empty, or the pass took several steps.
-    Leap,
+    Leap {
+        /// So many cells on, along each axis.
+        cells: [i32; 3],
+    },
+    /// Over a face of the grid, where the paper's rules take the index of the next row's cell for that of the next cell.
+    Wrap,
 }
 
 /// A cell that the ray visited.
@@ -113,7 +118,11 @@ impl WalkGeometry {
         } else {
             2
         };
-        let entry = self.cells.last().map_or(Entry::Start, |from| entry(from.cell, cell));
+        let wraps = !data.features.robust && !data.features.many_steps;
+        let entry = self.cells.last().map_or(Entry::Start, |from| match entry(from.cell, cell) {
+            Entry::Leap { .. } if wraps => Entry::Wrap,
+            entry => entry,
+        });
         let own = bounds.interval(self.origin, self.direction).map(|[enter, _]| enter);
         let t_in = match (entry, self.cells.last()) {
             (Entry::Face { .. }, Some(from)) => from.t_out,
@@ -156,6 +165,6 @@ fn entry(from: [i32; 3], to: [i32; 3]) -> Entry {
         [1, 0, 0] => Entry::Face { axis: 0, step: step[0] },
         [0, 1, 0] => Entry::Face { axis: 1, step: step[1] },
         [0, 0, 1] => Entry::Face { axis: 2, step: step[2] },
-        _ => Entry::Leap,
+        _ => Entry::Leap { cells: step },
     }
 }

@@ -76,5 +76,5 @@ pub fn previous_event(events: &[Event], row: usize) -> Option<Event> {
 /// The row that a ray is at after so many passes of its run; `None` before its first.
 #[must_use]
 pub fn row_after_passes(trace: &Trace, passes: usize) -> Option<usize> {
-    trace.rows.partition_point(|row| row.pass < passes).checked_sub(1)
+    trace.rows.partition_point(|row| row.is_within(passes)).checked_sub(1)
 }

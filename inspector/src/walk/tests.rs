@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::export::trace::trace;
+use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::{Accelerator, Device, Numerics, Options, RaySource, Renderer, Skip};
 use raystep_scenes::{Camera, LoadOptions, NoFiles, Scene};
 
@@ -24,7 +24,7 @@ pub(crate) fn options(scene: &Scene) -> Options {
 pub(crate) fn traced(scene: &Scene, options: &Options, [x, y]: [u32; 2]) -> (Trace, SceneData) {
     pollster::block_on(async {
         let mut renderer = Renderer::new(scene, options, &Device::Cpu(None)).await.expect("a run");
-        let trace = trace(&mut renderer, x, y, |_| ControlFlow::Continue(())).await.expect("a trace");
+        let trace = trace(&mut renderer, x, y, Rays::All, |_| ControlFlow::Continue(())).await.expect("a trace");
         (trace, renderer.data().clone())
     })
 }
@@ -158,7 +158,7 @@ fn leaps_and_passes_of_many_steps_are_said_to_be_leaps() {
     for steps_per_pass in [1, 8] {
         let (trace, data) = traced(&scene, &Options { skip: Skip::On, steps_per_pass, ..options(&scene) }, [32, 32]);
         let walk = whole(&trace, &data);
-        assert!(walk.cells.iter().any(|cell| cell.entry == Entry::Leap), "{steps_per_pass}");
+        assert!(walk.cells.iter().any(|cell| matches!(cell.entry, Entry::Leap { .. })), "{steps_per_pass}");
         for cell in &walk.cells {
             let [enter, leave] = cell.bounds.interval(walk.origin, walk.direction).unwrap_or([cell.t_in; 2]);
             let off = (cell.t_in - enter).abs().max((cell.t_out - leave).abs());

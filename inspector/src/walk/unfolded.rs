@@ -1,6 +1,6 @@
 //! The walk unfolded: what a ray visits laid out along t, whatever way it takes through space.
 
-use super::{Outcome, Structure, WalkGeometry};
+use super::{Entry, Outcome, Structure, WalkGeometry};
 
 /// How wide cells are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,6 +44,8 @@ pub struct StripCell {
     pub listed: u32,
     /// The tests made in it.
     pub tests: Vec<StripTest>,
+    /// How the ray went from here to the next cell; `None` where it has not.
+    pub next: Option<Entry>,
     /// Whether the ray is here.
     pub is_current: bool,
 }
@@ -113,6 +115,7 @@ impl Strip {
                 tmax: cell.tmax,
                 listed: cell.listed,
                 tests: if walk.structure == Structure::Grid { tests() } else { Vec::new() },
+                next: walk.cells.get(visit + 1).map(|next| next.entry),
                 is_current: cell.is_current,
             })
             .collect();

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use raystep_inspector::exports::{self, Export};
 use raystep_inspector::link::Link;
 use raystep_kernels::export::csv::{COLUMNS, PassWork, RunContext, Timer};
-use raystep_kernels::export::trace::trace;
+use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Stream};
 use raystep_scenes::generate;
 
@@ -42,7 +42,7 @@ fn named(export: &Export) -> String {
 #[test]
 fn exports_are_the_command_lines_formats() {
     let (run, mut renderer) = run();
-    let life = pollster::block_on(trace(&mut renderer, 3, 4, |_| ControlFlow::Continue(()))).expect("a ray");
+    let life = pollster::block_on(trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(()))).expect("a ray");
     let passes = renderer.passes();
 
     let csv = exports::passes_csv(&run, passes, &[PassWork { cells_visited: 5, triangles_tested: 6 }]).expect("CSV");

@@ -9,6 +9,7 @@ use std::ops::ControlFlow;
 use serde::Serialize;
 
 use super::csv::known;
+use crate::kernel::Kernel;
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};
@@ -52,8 +53,9 @@ pub struct RayState {
 /// What one pass did to the ray.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TraceRow {
-    /// The pass's place in the run.
-    pub pass: usize,
+    /// The pass's place in the run of all rays; `None` for a pass that waits for the last ray's walk, where only this
+    /// ray was traced.
+    pub pass: Option<usize>,
     /// Name of its kernel.
     pub kernel: &'static str,
     /// The ray's state before it.
@@ -77,10 +79,23 @@ pub struct Trace {
     pub scene_units_per_stream_unit: f64,
     /// Multiply t by this to get the t of the ray as it was asked for.
     pub t_scale: f64,
-    /// Passes of the whole run; the ray was idle in those that have no row.
-    pub passes: usize,
+    /// Rays that were traced: this one alone, or all of the run.
+    pub rays: u64,
+    /// Passes of the run of all rays, where all were traced; the ray waited in those that have no row.
+    pub passes: Option<usize>,
     /// The rows.
     pub rows: Vec<TraceRow>,
+}
+
+/// Which rays are traced to tell one ray's life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rays {
+    /// The ray alone, where [it can go alone](Renderer::can_go_alone), else all. Its rows are those of the run of all
+    /// rays, bit for bit, but for what depends on the other rays: how many passes there are, and the numbers of those
+    /// that wait for the last ray's walk.
+    One,
+    /// All of the run.
+    All,
 }
 
 /// Steps `renderer` from its first pass to its last and records one ray. `progress` is called after every
@@ -92,23 +107,34 @@ pub async fn trace(
     renderer: &mut Renderer,
     x: u32,
     y: u32,
+    rays: Rays,
     mut progress: impl FnMut(&Pass) -> ControlFlow<()>,
 ) -> Result<Trace, RenderError> {
-    renderer.restart();
+    // A run of one given ray is the whole run.
+    let is_alone = rays == Rays::One && renderer.plan().rays > 1 && renderer.restart_alone(x, y)?;
+    if !is_alone {
+        renderer.restart();
+    }
     let mut before = ray_state(renderer, x, y).await?;
+    let kernels = renderer.plan().schedule.kernels();
+    let end_of_walk = kernels.iter().rposition(|kernel| kernel.is_walk());
+    let waits_for_all = |kernel: Kernel| kernels.iter().position(|&k| k == kernel) > end_of_walk;
     let mut rows = Vec::new();
     while let Some(pass) = renderer.step().await? {
         // A kernel leaves alone every ray that is not in its states: nothing to read back then.
         if pass.kernel.info().active.contains(&before.tag) {
             let after = ray_state(renderer, x, y).await?;
-            rows.push(TraceRow::new(&pass, renderer.data(), &before, &after));
+            let mut row = TraceRow::new(&pass, renderer.data(), &before, &after);
+            row.pass = row.pass.filter(|_| !(is_alone && waits_for_all(pass.kernel)));
+            rows.push(row);
             before = after;
         }
         if progress(&pass).is_break() {
             return Err(RenderError::Cancelled { passes: renderer.pass_count() });
         }
     }
-    Ok(Trace::new(renderer, [x, y], rows))
+    let whole = Trace::new(renderer, [x, y], rows);
+    Ok(if is_alone { Trace { rays: 1, passes: None, ..whole } } else { whole })
 }
 
 /// Decodes a ray's texels as they are now.
@@ -157,7 +183,7 @@ impl TraceRow {
         let walks = pass.kernel.is_walk();
         let (tested, why) = explain(pass.kernel, data, before, after);
         Self {
-            pass: pass.index,
+            pass: Some(pass.index),
             kernel: pass.kernel.name(),
             state_before: before.state,
             cell: (data.features.grid && walks).then(|| data.grid.cell_of_index(before.cell_index)),
@@ -165,6 +191,24 @@ impl TraceRow {
             after: *after,
             why,
         }
+    }
+
+    /// Whether the pass is known to be one of the run's first so many.
+    #[must_use]
+    pub fn is_within(&self, passes: usize) -> bool {
+        self.pass.is_some_and(|pass| pass < passes)
+    }
+
+    /// How many passes of the run there are up to this one, where that is known.
+    #[must_use]
+    pub fn place(&self) -> Option<usize> {
+        self.pass.map(|pass| pass + 1)
+    }
+
+    /// The pass's number; without one it is the run's last.
+    #[must_use]
+    pub fn number(&self) -> String {
+        self.pass.map_or_else(|| "last".into(), |pass| pass.to_string())
     }
 }
 
@@ -174,7 +218,8 @@ impl Trace {
     pub fn new(renderer: &Renderer, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
         let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();
         let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
-        Self { pixel: [x, y], scene_units_per_stream_unit, t_scale, passes: renderer.pass_count(), rows }
+        let (rays, passes) = (renderer.plan().rays, Some(renderer.pass_count()));
+        Self { pixel: [x, y], scene_units_per_stream_unit, t_scale, rays, passes, rows }
     }
 
     /// A table for people: a line a row.
@@ -195,8 +240,16 @@ impl Trace {
         for (row, cells) in self.rows.iter().zip(&rows) {
             line(cells.each_ref().map(String::as_str), &row.why);
         }
-        let idle = self.passes - self.rows.len();
-        let _ = writeln!(out, "\n{} passes, in {idle} of them this ray waited", self.passes);
+        let _ = match self.passes {
+            Some(passes) => {
+                let waited = passes.saturating_sub(self.rows.len());
+                writeln!(out, "\n{passes} passes, in {waited} of them this ray waited")
+            }
+            None => writeln!(
+                out,
+                "\nonly this ray was traced: how many passes all rays take, and which of them is the last, is not known"
+            ),
+        };
         let (unit, t) = (self.scene_units_per_stream_unit, self.t_scale);
         let _ =
             writeln!(out, "lengths are in traced units, of {unit} scene units each; {t} times t is the ray's own t");
@@ -230,7 +283,7 @@ impl Trace {
         ])?;
         for row in &self.rows {
             let a = &row.after;
-            let mut record = vec![row.pass.to_string(), row.kernel.into(), row.state_before.into(), a.state.into()];
+            let mut record = vec![known(row.pass), row.kernel.into(), row.state_before.into(), a.state.into()];
             record.extend((0..3).map(|i| known(row.cell.map(|c| c[i]))));
             record.extend(a.tmax.map(known));
             record.extend([a.item.to_string(), known(row.tested), known(a.t)]);
@@ -248,7 +301,7 @@ fn cells(row: &TraceRow) -> [String; 8] {
     let short = |t: Option<f32>| t.map_or_else(|| "-".into(), |t| format!("{t:.5}"));
     let [x, y, z] = a.tmax;
     [
-        row.pass.to_string(),
+        row.number(),
         row.kernel.into(),
         if row.state_before == a.state { a.state.into() } else { format!("{} > {}", row.state_before, a.state) },
         row.cell.map_or_else(|| "-".into(), |[x, y, z]| format!("{x},{y},{z}")),

@@ -19,6 +19,7 @@ pub struct Checkpoint {
     counts: StateCounts,
     records: Records,
     unfinished: u64,
+    alone: Option<[u32; 2]>,
 }
 
 enum Kept {
@@ -78,6 +79,7 @@ impl Renderer {
             counts: self.counts,
             records: self.records.clone(),
             unfinished: self.unfinished,
+            alone: self.alone,
         })
     }
 
@@ -99,6 +101,7 @@ impl Renderer {
         self.counts = checkpoint.counts;
         self.records.clone_from(&checkpoint.records);
         self.unfinished = checkpoint.unfinished;
+        self.alone = checkpoint.alone;
         self.is_ahead = false;
         Ok(())
     }

@@ -81,6 +81,7 @@ impl Renderer {
         self.counts = other.counts;
         self.records.clone_from(&other.records);
         self.unfinished = other.unfinished;
+        self.alone = other.alone;
         self.is_ahead = false;
         Ok(())
     }

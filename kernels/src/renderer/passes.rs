@@ -126,7 +126,7 @@ impl Renderer {
     pub(super) async fn settle(&mut self) -> Result<(), RenderError> {
         if self.is_ahead {
             let place = self.pass_count();
-            self.restart();
+            self.begin();
             while self.pass_count() < place && self.submit(1).await? > 0 {}
         }
         Ok(())

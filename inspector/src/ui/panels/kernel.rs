@@ -112,9 +112,9 @@ impl KernelView {
         });
         match shown.row.as_ref().and_then(|(life, row)| life.rows.get(*row)) {
             Some(row) => {
-                let is_last = model.place == row.pass + 1;
+                let is_last = row.place() == Some(model.place);
                 let when = if is_last { "" } else { " (the ray's last one so far)" };
-                ui.label(RichText::new(format!("pass {}{when}: {}", row.pass, row.why)).strong());
+                ui.label(RichText::new(format!("pass {}{when}: {}", row.number(), row.why)).strong());
             }
             None => drop(ui.weak(shown.kernel.info().summary)),
         }

@@ -26,8 +26,12 @@ impl Panel for Passes {
         }
         ui.checkbox(&mut self.only_ray, "only the selected ray's")
             .on_hover_text("passes that worked on the selected ray");
-        let of_ray: Option<Vec<usize>> =
-            cx.model.life.as_ref().filter(|_| self.only_ray).map(|life| life.rows.iter().map(|r| r.pass).collect());
+        let of_ray: Option<Vec<usize>> = cx
+            .model
+            .life
+            .as_ref()
+            .filter(|_| self.only_ray)
+            .map(|life| life.rows.iter().filter_map(|r| r.pass).collect());
         let known = cx.model.passes.len();
         let rows: Vec<usize> = match of_ray {
             Some(rows) => rows.into_iter().filter(|&i| i < known).collect(),

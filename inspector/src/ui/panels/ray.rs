@@ -39,7 +39,7 @@ impl Panel for RayView {
         summary(ui, &life, cx);
         ui.separator();
         if let Some(row) = current.and_then(|i| life.rows.get(i)) {
-            ui.label(RichText::new(format!("pass {}, {}: {}", row.pass, row.kernel, row.why)).strong());
+            ui.label(RichText::new(format!("pass {}, {}: {}", row.number(), row.kernel, row.why)).strong());
         } else {
             ui.weak("no pass has worked on this ray yet");
         }
@@ -50,14 +50,15 @@ impl Panel for RayView {
 
 /// The last row whose pass has run.
 pub(in crate::ui) fn current_row(life: &Trace, place: usize) -> Option<usize> {
-    life.rows.partition_point(|row| row.pass < place).checked_sub(1)
+    life.rows.partition_point(|row| row.is_within(place)).checked_sub(1)
 }
 
 fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
     let [x, y] = life.pixel;
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("pixel {x},{y}"));
-        ui.label(format!("{} of {} passes worked on it", life.rows.len(), life.passes));
+        let of = life.passes.map_or_else(String::new, |passes| format!(" of {passes}"));
+        ui.label(format!("{}{of} passes worked on it", life.rows.len()));
         if let Some(last) = life.rows.last() {
             match (last.after.triangle, last.after.t) {
                 (Some(triangle), Some(t)) => {
@@ -152,7 +153,7 @@ impl RayView {
                         ui.add(egui::Label::new(text).selectable(false).truncate()).on_hover_text(&row.why);
                     });
                     if table_row.response().clicked() {
-                        chosen = Some(row.pass + 1);
+                        chosen = row.place();
                     }
                 });
             });
@@ -179,7 +180,7 @@ fn cells(row: &TraceRow) -> [String; 8] {
     let a = &row.after;
     let [x, y, z] = a.tmax.map(or_dash);
     [
-        row.pass.to_string(),
+        row.number(),
         row.kernel.into(),
         a.state.into(),
         row.cell.map_or_else(|| a.cell_index.to_string(), |[x, y, z]| format!("{x},{y},{z}")),

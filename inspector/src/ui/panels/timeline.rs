@@ -153,9 +153,10 @@ impl Timeline {
         let tick = |place: usize| if place == 0 { rect.left() } else { x(self.ends[place.min(passes.len()) - 1]) };
         if let Some(life) = &model.life {
             let current = current_row(life, model.place);
-            for (i, row) in life.rows.iter().enumerate().filter(|(_, row)| row.pass < passes.len()) {
+            for (i, row) in life.rows.iter().enumerate() {
+                let Some(place) = row.place().filter(|&place| place <= passes.len()) else { continue };
                 let color = if Some(i) == current { Color32::WHITE } else { Color32::from_white_alpha(90) };
-                let at = tick(row.pass + 1);
+                let at = tick(place);
                 painter.vline(at, rect.top()..=rect.top() + 5.0, Stroke::new(1.0, color));
             }
         }

@@ -6,7 +6,7 @@ mod progress;
 mod strip;
 
 use egui::{Rect, Sense, vec2};
-use raystep_kernels::export::trace::Trace;
+use raystep_kernels::export::trace::{Trace, TraceRow};
 use serde::{Deserialize, Serialize};
 
 use super::walked::{Walked, describe, event_buttons};
@@ -83,7 +83,7 @@ impl Panel for Walk2d {
         let what = self.walked.walk.as_ref().map_or_else(|| "no pass has worked on this ray yet".into(), describe);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
         if let Some(Under { text, row }) = under {
-            let pass = life.rows.get(row).map(|row| row.pass);
+            let pass = life.rows.get(row).and_then(|row| row.pass);
             if response.clicked() {
                 cx.shared.go_to = pass.map(|pass| pass + 1);
             }
@@ -120,7 +120,7 @@ impl Panel for Walk2d {
 /// The walk as a drawing.
 fn export(life: &Trace, walk: &WalkGeometry, spacing: Spacing, is_dark: bool) -> FileToSave {
     let [x, y] = life.pixel;
-    let last = walk.row.and_then(|row| life.rows.get(row)).map(|row| row.pass);
+    let last = walk.row.and_then(|row| life.rows.get(row)).map(TraceRow::number);
     let until = last.map_or_else(String::new, |pass| format!(", up to pass {pass}"));
     let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
     let svg = walk_svg(walk, &format!("The ray of pixel {x},{y}{until}"), &options);
@@ -207,6 +207,6 @@ mod tests {
         let file = export(&life, &WalkGeometry::new(&life, &data, row), Spacing::Equal, false);
         assert_eq!(file.name, format!("ray-{x}-{y}.svg"));
         let text = String::from_utf8(file.bytes).expect("text");
-        assert!(text.contains(&format!("pixel {x},{y}, up to pass {}", life.rows[row].pass)), "{text}");
+        assert!(text.contains(&format!("pixel {x},{y}, up to pass {}", life.rows[row].number())), "{text}");
     }
 }

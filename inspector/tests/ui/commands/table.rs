@@ -373,7 +373,7 @@ fn same_kernel(stage: &mut Stage, was: &Before, is_forward: bool) {
 fn event(stage: &mut Stage, was: &Before, is_forward: bool) {
     stage.settle();
     let life = stage.harness.state().model().life.clone().expect("a life");
-    let mut places = life.rows.iter().map(|row| row.pass + 1);
+    let mut places = life.rows.iter().filter_map(|row| row.place());
     let to = if is_forward { places.find(|&p| p > was.place) } else { places.rfind(|&p| p < was.place) };
     assert_eq!(Some(stage.place()), to);
 }

@@ -188,7 +188,7 @@ fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
         if let Some(cell) = row.cell.filter(|&cell| data.grid.is_in_grid(cell))
             && visits.last().is_none_or(|last| last.cell != cell)
         {
-            visits.push(Visit { cell, has_run: row.pass < place });
+            visits.push(Visit { cell, has_run: row.is_within(place) });
         }
     }
     // Where the ray has been brought to, it has not yet worked.
@@ -275,7 +275,7 @@ impl Placement {
 mod tests {
     use std::ops::ControlFlow;
 
-    use raystep_kernels::export::trace::trace;
+    use raystep_kernels::export::trace::{Rays, TraceRow, trace};
     use raystep_kernels::{Device, GridSize, Limits, Options, Plan, RaySource, Renderer, ScheduleKind};
     use raystep_scenes::generate;
 
@@ -328,20 +328,22 @@ mod tests {
         };
         let (life, data) = pollster::block_on(async {
             let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
-            let life = trace(&mut renderer, 3, 4, |_| ControlFlow::Continue(())).await.expect("a life");
+            let life = trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(())).await.expect("a life");
             (life, renderer.shared_data())
         });
+        let passes = life.passes.expect("the whole run");
         let count = |place: usize| visited(&life, &data, place).iter().filter(|v| v.has_run).count();
-        let visits = visited(&life, &data, life.passes);
+        let visits = visited(&life, &data, passes);
         assert!(visits.len() > 2, "the ray goes through the room");
         for pair in visits.windows(2) {
             let steps: i32 = (0..3).map(|axis| (pair[0].cell[axis] - pair[1].cell[axis]).abs()).sum();
             assert_eq!(steps, 1, "{pair:?}");
         }
-        assert_eq!((count(0), count(life.passes)), (0, visits.len()));
+        assert_eq!((count(0), count(passes)), (0, visits.len()));
         // Set-up has brought it to its first cell, and the first step to the second.
         let step = life.rows.iter().find(|row| row.kernel == "traverse_grid").expect("a step");
-        assert_eq!((count(life.rows[1].pass + 1), count(step.pass + 1)), (1, 2));
-        assert!((0..life.passes).all(|place| count(place) <= count(place + 1)));
+        let at = |row: &TraceRow| count(row.place().expect("a pass"));
+        assert_eq!((at(&life.rows[1]), at(step)), (1, 2));
+        assert!((0..passes).all(|place| count(place) <= count(place + 1)));
     }
 }

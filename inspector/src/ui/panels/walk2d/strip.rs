@@ -6,7 +6,7 @@ use super::super::walked::number;
 use super::picture::{current_color, in_order, outcome_color, ray_color};
 use super::progress::row_of;
 use super::{Scene, Under};
-use crate::walk::{Outcome, Spacing, Strip, StripCell, StripTest};
+use crate::walk::{Entry, Outcome, Spacing, Strip, StripCell, StripTest};
 
 /// Points above and below a tree's bars: a margin and the scale of t.
 pub(super) const TREE_EDGES: f32 = 26.0;
@@ -286,8 +286,13 @@ fn cell_words(cell: &StripCell) -> String {
     let [from, to] = cell.t.map(number);
     let [tx, ty, tz] = cell.tmax.map(|t| t.map_or_else(|| "never".into(), number));
     let axis = ["x", "y", "z"][cell.exit_axis];
+    let on = match cell.next {
+        Some(Entry::Leap { cells: [x, y, z] }) => format!(", and goes on {x},{y},{z} cells away"),
+        Some(Entry::Wrap) => ", over the grid's face, and goes on in another row".into(),
+        _ => String::new(),
+    };
     format!(
-        "{}: cell {x},{y},{z}, t {from} to {to}\ntmax x {tx}, y {ty}, z {tz}: leaves along {axis}\n{} triangles listed, {} tested",
+        "{}: cell {x},{y},{z}, t {from} to {to}\ntmax x {tx}, y {ty}, z {tz}: leaves along {axis}{on}\n{} triangles listed, {} tested",
         cell.letters,
         cell.listed,
         cell.tests.len()
@@ -296,11 +301,12 @@ fn cell_words(cell: &StripCell) -> String {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::Accelerator;
+    use raystep_kernels::{Accelerator, Options, Skip};
 
     use super::super::super::walked::tests::life;
     use super::*;
     use crate::walk::WalkGeometry;
+    use crate::walk::tests::{TEAPOT, options, scene, traced};
 
     #[test]
     fn a_cell_is_told_in_numbers() {
@@ -313,6 +319,24 @@ mod tests {
         assert!(text.contains(&format!("cell {x},{y},{z}, t {}", number(cell.t[0]))), "{text}");
         assert!(text.contains(&format!("{} {tmax}", ["x", "y", "z"][cell.exit_axis])), "{text}");
         assert!(text.contains(&format!("{} tested", cell.tests.len())), "{text}");
+    }
+
+    #[test]
+    fn a_cell_that_is_left_by_a_leap_says_so() {
+        let scene = scene(TEAPOT);
+        let (life, data) = traced(&scene, &Options { skip: Skip::On, ..options(&scene) }, [32, 32]);
+        let strip = Strip::new(&WalkGeometry::new(&life, &data, usize::MAX));
+        let mut leaps = 0;
+        for pair in strip.cells.windows(2) {
+            let [from, to] = [pair[0].cell, pair[1].cell];
+            let moved = [0, 1, 2].map(|axis: usize| to[axis] - from[axis]);
+            let [x, y, z] = moved;
+            let is_leap = moved.iter().map(|n| n.abs()).sum::<i32>() > 1;
+            let said = cell_words(&pair[0]).contains(&format!(", and goes on {x},{y},{z} cells away\n"));
+            assert_eq!(said, is_leap, "{}", cell_words(&pair[0]));
+            leaps += u32::from(is_leap);
+        }
+        assert!(leaps > 0 && !cell_words(&strip.cells[strip.cells.len() - 1]).contains("goes on"));
     }
 
     #[test]

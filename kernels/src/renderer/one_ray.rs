@@ -1,0 +1,56 @@
+//! A run of one ray alone: the same plan, the same kernels and the same texel, with every other ray left out.
+
+use super::{RenderError, Renderer};
+use crate::kernel::Kernel;
+use crate::schedule::Step;
+use crate::state;
+use crate::stream::{Region, STATE_TAG, Stream, StreamData};
+
+impl Renderer {
+    /// Whether a ray alone goes through the same passes, by the same numbers, as it does beside all others: so it is
+    /// up to the end of its walk where every turn of the walk runs the same kernels, whatever the rays do. Not where a
+    /// kernel runs until it is idle before the next one, and not where samples follow each other, as the next begins
+    /// when the last ray's walk is over.
+    #[must_use]
+    pub fn can_go_alone(&self) -> bool {
+        let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if *kernel != Kernel::Fused);
+        let is_the_same_for_all = |step: &Step| match step {
+            Step::Run(_) => runs_once(step),
+            // What shades for as long as the ray with the most to do is no part of the walk.
+            Step::RunUntilIdle(kernel) => kernel.is_walk(),
+            Step::LoopWhileActive(_, body) => body.iter().all(runs_once),
+        };
+        !self.plan.features.samples && self.plan.schedule.steps.iter().all(is_the_same_for_all)
+    }
+
+    /// Back to before the first pass, with one ray alone: no kernel works on any other, until the next
+    /// [`restart`](Self::restart). False, and back with all rays, where it [cannot go alone](Self::can_go_alone).
+    ///
+    /// # Errors
+    /// Where the image has no such pixel.
+    pub fn restart_alone(&mut self, x: u32, y: u32) -> Result<bool, RenderError> {
+        self.check_part(&[Stream::State], Region { x, y, width: 1, height: 1 })?;
+        self.alone = self.can_go_alone().then_some([x, y]);
+        self.begin();
+        Ok(self.alone.is_some())
+    }
+
+    /// Takes all rays but one out of the run that begins.
+    pub(super) fn leave_out_others(&mut self, [x, y]: [u32; 2]) {
+        let (width, height) = (self.plan.width, self.plan.height);
+        let texels = width as usize * height as usize;
+        let unwritten = || {
+            let layers = Stream::State.info().unwritten.iter();
+            layers.flat_map(|&bits| std::iter::repeat_n(bits, texels)).collect()
+        };
+        let given = self.given.as_ref().and_then(|given| given.streams.iter().find(|s| s.stream == Stream::State));
+        let bits = given.map_or_else(unwritten, |given| given.bits.clone());
+        let mut state = StreamData { stream: Stream::State, width, height, bits };
+        let ray = y as usize * width as usize + x as usize;
+        for (i, tag) in state.bits[STATE_TAG * texels..(STATE_TAG + 1) * texels].iter_mut().enumerate() {
+            // What is done waits for no kernel.
+            *tag = if i == ray { *tag } else { state::DONE };
+        }
+        self.write(&state);
+    }
+}
