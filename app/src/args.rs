@@ -7,6 +7,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip};
 
+use raystep_scenes::LoadOptions;
+
 use crate::error::Error;
 
 /// Which file.
@@ -17,6 +19,26 @@ pub(crate) struct SceneArgs {
     /// Which scene of a file that holds several, counted from 0 [default: the file's own]
     #[arg(long, value_name = "N", help_heading = "Scene and view")]
     pub(crate) scene_index: Option<usize>,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
+}
+
+/// What reading a scene may do.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct ReadArgs {
+    /// Most memory that a scene may take to be read, the copy of its textures for tracing included: bytes, or with K,
+    /// M, G or T so many KiB, MiB, GiB or TiB
+    #[arg(long, value_name = "SIZE", default_value = "8G", value_parser = parse_bytes, help_heading = "Scene and view")]
+    pub(crate) max_memory: u64,
+    /// Also read files that the scene names outside of its own folder, by '..' or through links
+    #[arg(long, help_heading = "Scene and view")]
+    pub(crate) allow_outside: bool,
+}
+
+impl Default for ReadArgs {
+    fn default() -> Self {
+        Self { max_memory: LoadOptions::default().max_bytes, allow_outside: false }
+    }
 }
 
 /// What is seen, and at which size.
@@ -201,6 +223,23 @@ pub(crate) struct QuietArgs {
     /// Show no progress, notes or summary
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+/// Reads `--max-memory`.
+fn parse_bytes(value: &str) -> Result<u64, String> {
+    let wrong = || "a size is wanted, such as 512M, 4G or a number of bytes".to_owned();
+    let digits = value.find(|c: char| !c.is_ascii_digit()).unwrap_or(value.len());
+    let (number, unit) = value.split_at(digits);
+    let shift = match unit.to_ascii_uppercase().as_str() {
+        "" | "B" => 0,
+        "K" | "KB" | "KIB" => 10,
+        "M" | "MB" | "MIB" => 20,
+        "G" | "GB" | "GIB" => 30,
+        "T" | "TB" | "TIB" => 40,
+        _ => return Err(wrong()),
+    };
+    let bytes = number.parse::<u64>().ok().and_then(|number| number.checked_mul(1 << shift));
+    bytes.filter(|&bytes| bytes > 0).ok_or_else(wrong)
 }
 
 /// A parser that knows every value's name, for help and completions.

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use raystep_kernels::grid::GridError;
-use raystep_kernels::{GpuError, PlanError, RenderError};
+use raystep_kernels::plan::Bytes;
+use raystep_kernels::{GpuError, Limits, PlanError, RenderError};
 
 /// The work failed.
 pub(crate) const FAILED: u8 = 1;
@@ -53,7 +54,10 @@ impl From<PlanError> for Error {
             PlanError::Grid(GridError::Size(_)) => Self::usage(format!("--grid: {error}")),
             PlanError::Samples { .. } => Self::usage(format!("--spp: {error}")),
             PlanError::Ray { .. } => Self::usage(format!("--ray: {error}")),
-            PlanError::BufferSize { .. } => Self::failed(format!("{error}; --device cpu is bound by memory only")),
+            PlanError::BufferSize { limit, .. } if limit < Limits::CPU.storage_bytes => {
+                let most = Bytes(Limits::CPU.storage_bytes);
+                Self::failed(format!("{error}; --device cpu takes up to {most}"))
+            }
             _ => Self::failed(error),
         }
     }

@@ -6,7 +6,7 @@ use clap::Args;
 use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
 
 use crate::args::{
-    CameraArgs, DeviceArgs, DeviceKind, RunArgs, SampleArgs, SceneArgs, Size, TuningArgs, Vector, ViewArgs,
+    CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, Size, TuningArgs, Vector, ViewArgs,
 };
 use crate::error::Error;
 
@@ -18,9 +18,12 @@ pub(crate) struct LinkArgs {
     /// Which scene of a file that holds several, counted from 0 [default: the file's own]
     #[arg(long, value_name = "N", help_heading = "Scene and view")]
     pub(crate) scene_index: Option<usize>,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
     /// What a link shows, in place of a scene and of the options that it sets
     ///
-    /// Put it between double quotes. --device and --adapter may stand beside one that names neither.
+    /// Put it between double quotes. --device and --adapter may stand beside one that names neither; what reading the
+    /// scene may do is never the link's to say.
     #[arg(
         long,
         value_name = "LINK",
@@ -47,17 +50,18 @@ impl LinkArgs {
     pub(crate) fn wanted(self, view: ViewArgs, mut run: RunArgs) -> Result<Wanted, Error> {
         if let Some(text) = self.link {
             let link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
-            return from_link(link, run.device);
+            return from_link(link, self.read, run.device);
         }
         let scene = self
             .scene
             .ok_or_else(|| Error::usage("which scene is missing: name its file, or give --link LINK (see --help)"))?;
         run.tuning.steps_per_pass = run.tuning.steps_per_pass.or(Some(1));
-        Ok(Wanted { scene: SceneArgs { scene, scene_index: self.scene_index }, view, run, ray: None })
+        let scene = SceneArgs { scene, scene_index: self.scene_index, read: self.read };
+        Ok(Wanted { scene, view, run, ray: None })
     }
 }
 
-fn from_link(link: Link, device: DeviceArgs) -> Result<Wanted, Error> {
+fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, Error> {
     let scene = link.scene.ok_or_else(|| Error::usage("--link: it names no scene: add scene=FILE to it"))?;
     let is_named = link.device != LinkDevice::Auto || link.adapter.is_some();
     if is_named && (device.device != DeviceKind::Auto || device.adapter.is_some()) {
@@ -74,7 +78,7 @@ fn from_link(link: Link, device: DeviceArgs) -> Result<Wanted, Error> {
     let no_camera = CameraArgs { camera: None, eye: None, look_at: None, up: None, fov: None };
     let [width, height] = link.size;
     Ok(Wanted {
-        scene: SceneArgs { scene: scene.into(), scene_index: link.scene_index },
+        scene: SceneArgs { scene: scene.into(), scene_index: link.scene_index, read },
         view: ViewArgs {
             size: Size { width, height },
             camera: match link.camera {

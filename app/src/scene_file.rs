@@ -1,16 +1,19 @@
 //! Scene files: from the file system into a `Scene`, and the camera that a command asks for.
 
-use std::cell::RefCell;
+mod beside;
+
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use raystep_scenes::{Camera, LoadOptions, Projection, Resolver, Scene, load};
+use raystep_kernels::plan::Bytes;
+use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
 use crate::args::{CameraArgs, SceneArgs, Vector};
 use crate::error::Error;
-use crate::output::{folder_of, reason};
+use crate::output::reason;
+use beside::Beside;
 
 /// Vertical angle of view of `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;
@@ -25,14 +28,15 @@ pub(crate) struct SceneFile {
 
 /// Reads a scene.
 pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
-    read_path(&args.scene, args.scene_index)
-}
-
-/// Reads a scene by its path, and one of a file that holds several.
-pub(crate) fn read_path(path: &Path, index: Option<usize>) -> Result<SceneFile, Error> {
+    let SceneArgs { scene: path, scene_index, read } = args;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let options = LoadOptions { scene: index, ..LoadOptions::default() };
-    let bytes = read_file(path, options.max_bytes).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
+    let options = LoadOptions { scene: *scene_index, max_bytes: read.max_memory, ..LoadOptions::default() };
+    let failed = |problem: &dyn std::fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
+    let raises = format!("--max-memory, now {}, raises it", Bytes(read.max_memory));
+    let bytes = read_file(path, options.max_bytes).map_err(|e| match e {
+        FileError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
+        _ => failed(&e),
+    })?;
     if extension == "obj" || extension == "ply" {
         return Err(Error::usage(format!(
             "{}: a glTF scene is wanted; 'raystep scene convert' turns OBJ and PLY into one",
@@ -40,12 +44,16 @@ pub(crate) fn read_path(path: &Path, index: Option<usize>) -> Result<SceneFile, 
         )));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let files = Beside { folder: folder_of(path).to_owned(), read: RefCell::new(vec![path.to_owned()]) };
+    let files = Beside::new(path, read.allow_outside).map_err(|e| failed(&e))?;
     let scene = load(&stem, &bytes, &files, &options).map_err(|e| match e {
-        raystep_scenes::LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
-        _ => Error::failed(format!("{}: {e}", path.display())),
+        LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
+        LoadError::Outside { .. } => failed(&format!("{e}; --allow-outside lets a scene read such files")),
+        LoadError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
+        _ => failed(&e),
     })?;
-    Ok(SceneFile { scene, inputs: canonical(&files.read.into_inner()) })
+    let mut inputs = vec![path.to_owned()];
+    inputs.extend(files.into_read());
+    Ok(SceneFile { scene, inputs: canonical(&inputs) })
 }
 
 /// Through links, so that two names of a file are one.
@@ -54,7 +62,7 @@ pub(crate) fn canonical(paths: &[PathBuf]) -> Vec<PathBuf> {
 }
 
 /// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
-pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
+pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileError> {
     let found = fs::metadata(path).map_err(|e| reason(&e))?;
     if found.is_dir() {
         return Err("it is a folder; a file is wanted".into());
@@ -62,9 +70,8 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> 
     if !found.is_file() {
         return Err("it is not a regular file".into());
     }
-    let too_large = || format!("it is larger than the {max_bytes} bytes that can be read here");
     if found.len() > max_bytes {
-        return Err(too_large());
+        return Err(FileError::TooLarge { bytes: found.len() });
     }
     let mut bytes = Vec::new();
     bytes
@@ -74,27 +81,8 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> 
     File::open(path)
         .and_then(|f| f.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes))
         .map_err(|e| reason(&e))?;
-    if bytes.len() as u64 > max_bytes { Err(too_large()) } else { Ok(bytes) }
-}
-
-/// The files beside a scene. `..` is allowed, as textures are often shared; absolute paths are not.
-struct Beside {
-    folder: PathBuf,
-    /// What was read so far.
-    read: RefCell<Vec<PathBuf>>,
-}
-
-impl Resolver for Beside {
-    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, String> {
-        let relative = Path::new(path);
-        if relative.has_root() || relative.is_absolute() {
-            return Err("an absolute path; one relative to the scene is wanted".into());
-        }
-        let path = self.folder.join(relative);
-        let bytes = read_file(&path, max_bytes)?;
-        self.read.borrow_mut().push(path);
-        Ok(bytes)
-    }
+    let read = bytes.len() as u64;
+    if read > max_bytes { Err(FileError::TooLarge { bytes: read }) } else { Ok(bytes) }
 }
 
 /// What is up of the directions that can be: `wanted`, unless one looks along it.

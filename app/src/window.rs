@@ -19,6 +19,7 @@ use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::Gpu;
 use winit::event_loop::EventLoop;
 
+use crate::args::ReadArgs;
 use crate::device::now_ns;
 use crate::error::Error;
 pub(crate) use host::SceneChoice;
@@ -30,6 +31,8 @@ use surface::{Application, Surface};
 pub(crate) struct Start {
     /// The scene; `None` shows an empty window.
     pub(crate) scene: Option<SceneChoice>,
+    /// What reading it, and each scene that is opened later, may do.
+    pub(crate) read: ReadArgs,
     /// What to run.
     pub(crate) settings: Settings,
     /// Where to go in it.
@@ -104,7 +107,7 @@ pub(crate) fn inspector(
     let woken = ctx.clone();
     let wake = Arc::new(move || woken.request_repaint());
     let devices = Devices { gpu: gpu.clone(), clock: Some(now_ns), wake };
-    let host = host::Desktop::new(ctx.clone(), gpu.clone());
+    let host = host::Desktop::new(ctx.clone(), gpu.clone(), start.read);
     let mut inspector = Inspector::new(devices, renderer, Box::new(host));
     if let Some(scene) = start.scene {
         inspector.open(&scene.to_string(), start.settings, start.arrival);

@@ -4,6 +4,8 @@
 mod bad_input;
 #[path = "cli/common.rs"]
 mod common;
+#[path = "cli/confined.rs"]
+mod confined;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/inspect.rs"]

@@ -26,8 +26,9 @@ use crate::shared::constants::{LIST_GROUPS, LIST_SIDE, WORKGROUP};
 use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
 
+pub(crate) use check::reserve;
 pub use check::{MAX_TEXELS, PlanError, given_width};
-use check::{check_buffer, check_rays, check_samples, check_scene, image_size};
+use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::{features, left_out};
 pub(crate) use display::element;
 pub use display::{Bytes, PlanText};
@@ -275,7 +276,10 @@ impl Plan {
         let variants =
             schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
         let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
-        data.fill(scene, options, features, units, |name| bound.contains(name));
+        if bound.contains("texels") {
+            check_texels(scene, limits)?;
+        }
+        data.fill(scene, options, features, units, |name| bound.contains(name))?;
 
         let streams = STREAMS
             .iter()

@@ -13,7 +13,7 @@ use crate::generate::Camera;
 use crate::grid::{self, GridData, GridSize};
 use crate::intersect::SceneInfo;
 use crate::options::{Options, RaySource, Rule, ScheduleKind};
-use crate::plan::PlanError;
+use crate::plan::{PlanError, reserve};
 use crate::real::{Real, Vec3};
 use crate::shade::{Light, Material, Shading};
 use crate::shared::bvh_walk::link_above;
@@ -228,6 +228,9 @@ impl SceneData {
     }
 
     /// Fills what `wanted` names. `scene` must have as many entries per attribute as triangles.
+    ///
+    /// # Errors
+    /// Where the memory for it is not there.
     pub(crate) fn fill(
         &mut self,
         scene: &Scene,
@@ -235,8 +238,8 @@ impl SceneData {
         features: Features,
         units: Units,
         wanted: impl Fn(&str) -> bool,
-    ) {
-        let data = self;
+    ) -> Result<(), PlanError> {
+        let (data, triangles) = (self, scene.triangles.len());
         data.features = features;
         if wanted("camera")
             && let RaySource::Camera { camera, width, height } = &options.rays
@@ -250,22 +253,25 @@ impl SceneData {
             data.packed_triangles = packed_triangles(&data.vertices, features.bvh.then_some(&data.bvh_items));
         }
         if wanted("normals") {
-            data.normals = match &scene.normals {
-                Some(normals) => normals.as_flattened().as_flattened().to_vec(),
-                None => scene.triangles.iter().flat_map(|t| [flat_normal(t); 3]).flatten().collect(),
-            };
+            data.normals = reserve("normals", 9 * triangles)?;
+            match &scene.normals {
+                Some(normals) => data.normals.extend_from_slice(normals.as_flattened().as_flattened()),
+                None => data.normals.extend(scene.triangles.iter().flat_map(|t| [flat_normal(t); 3]).flatten()),
+            }
         }
         if wanted("texcoords") {
-            data.texcoords = match &scene.texcoords {
-                Some(uv) => uv.as_flattened().as_flattened().to_vec(),
-                None => vec![0.0; 6 * scene.triangles.len()],
-            };
+            data.texcoords = reserve("texcoords", 6 * triangles)?;
+            match &scene.texcoords {
+                Some(uv) => data.texcoords.extend_from_slice(uv.as_flattened().as_flattened()),
+                None => data.texcoords.resize(6 * triangles, 0.0),
+            }
         }
         if wanted("vertex_colors") {
-            data.vertex_colors = match &scene.colors {
-                Some(colors) => colors.as_flattened().as_flattened().to_vec(),
-                None => vec![1.0; 9 * scene.triangles.len()],
-            };
+            data.vertex_colors = reserve("vertex_colors", 9 * triangles)?;
+            match &scene.colors {
+                Some(colors) => data.vertex_colors.extend_from_slice(colors.as_flattened().as_flattened()),
+                None => data.vertex_colors.resize(9 * triangles, 1.0),
+            }
         }
         if wanted("triangle_materials") {
             data.triangle_materials.clone_from(&scene.triangle_materials);
@@ -278,7 +284,8 @@ impl SceneData {
             data.shading = Shading { background: BACKGROUND, lights: data.lights.len() as u32 };
         }
         if wanted("texels") {
-            (data.textures, data.texels) = textures(&scene.textures);
+            (data.textures, data.texels) = textures(&scene.textures)?;
         }
+        Ok(())
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! A file is read in the order of the modules below:
 //!
-//! * `container` splits a GLB and parses the JSON.
-//! * `buffers` brings the bytes together: the BIN chunk, data URIs and external files.
+//! * `container` splits a GLB and parses the JSON, with `repair` for what the parser is too strict about.
+//! * `buffers` brings the bytes together as they are used: the BIN chunk, data URIs and external files.
 //! * `graph` checks the nodes (cycles, two parents) and works out their world matrices.
 //! * `materials` and `images` turn the materials in use into ours.
 //! * `geometry` counts the triangles, then decodes each primitive once and places it where its
@@ -26,22 +26,55 @@ mod lights_cameras;
 mod materials;
 mod place;
 mod pose;
+mod repair;
 
 use crate::{Note, Scene};
 use budget::Budget;
 use check::{Notes, at};
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
 /// Reads the files that a glTF file names beside itself.
 pub trait Resolver {
     /// The bytes of `path`: the percent-decoded relative path of the file's URI, `/` between its
-    /// parts. `..` may occur in it, and it is for the resolver to allow that or not. A file of more
-    /// than `max_bytes` is to be refused without reading it. The message of an error should say
-    /// what is wrong with the file; `path` is added to it.
+    /// parts. `..` may occur in it, and so may links on the way: it is for the resolver to keep to the
+    /// folder that it may read. A file of more than `max_bytes` is to be refused without reading it.
     ///
     /// # Errors
-    /// Where the file cannot be read, or is larger than `max_bytes`.
-    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, String>;
+    /// Where the file may not be read, cannot be, or is larger than `max_bytes`.
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, FileError>;
+}
+
+/// Why a [`Resolver`] did not read a file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FileError {
+    /// It lies outside of the folder that files are read from.
+    #[error("it lies outside of {folder}, the scene's folder")]
+    Outside {
+        /// That folder.
+        folder: String,
+    },
+    /// It is larger than what may be read.
+    #[error("its {bytes} bytes are more than can be read here")]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+    },
+    /// What is wrong with the file, without its path.
+    #[error("{0}")]
+    Unreadable(String),
+}
+
+impl From<String> for FileError {
+    fn from(problem: String) -> Self {
+        Self::Unreadable(problem)
+    }
+}
+
+impl From<&str> for FileError {
+    fn from(problem: &str) -> Self {
+        Self::Unreadable(problem.into())
+    }
 }
 
 /// A [`Resolver`] that refuses every file, for scenes that hold everything themselves.
@@ -49,7 +82,7 @@ pub trait Resolver {
 pub struct NoFiles;
 
 impl Resolver for NoFiles {
-    fn read(&self, _path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
+    fn read(&self, _path: &str, _max_bytes: u64) -> Result<Vec<u8>, FileError> {
         Err("no files can be read beside this scene".into())
     }
 }
@@ -59,14 +92,19 @@ impl Resolver for NoFiles {
 pub struct LoadOptions {
     /// Which scene of the file, counted from 0; `None` is the file's default scene, else its first.
     pub scene: Option<usize>,
-    /// The most bytes that may be decoded, temporary ones included, on top of the input itself.
-    /// All that is decoded is counted and nothing is given back, so this bounds the time as well.
+    /// The most bytes that a scene may take: the input, the files beside it and all that is decoded, temporary
+    /// bytes included, and for texels also the copy that kernels will read. All but what the decoder of an image
+    /// needs is counted for good, so this bounds the time as well.
     pub max_bytes: u64,
+    /// The most texels of all textures together.
+    pub max_texels: u64,
 }
 
 impl Default for LoadOptions {
+    /// The file's own scene, 8 GiB, and as many texels as one buffer of 4 GiB holds in eight bytes each: that is
+    /// how kernels read them, and no more can be bound on Vulkan, on Direct3D 12 or on the CPU.
     fn default() -> Self {
-        Self { scene: None, max_bytes: 16 << 30 }
+        Self { scene: None, max_bytes: 8 << 30, max_texels: 1 << 29 }
     }
 }
 
@@ -109,8 +147,42 @@ pub enum LoadError {
         /// The resolver's words.
         problem: String,
     },
-    /// Decoding would take more than [`LoadOptions::max_bytes`].
-    #[error("{path}: decoding this takes {needed} more bytes, but only {left} of the limit of {limit} are left")]
+    /// A file beside this one lies where it must not be read.
+    #[error("{path}: \"{uri}\" lies outside of {folder}, the scene's folder")]
+    Outside {
+        /// The place that names the file, e.g. `buffers[0].uri`.
+        path: String,
+        /// The file's URI as it is written there.
+        uri: String,
+        /// The folder that files are read from.
+        folder: String,
+    },
+    /// More texels than [`LoadOptions::max_texels`].
+    #[error(
+        "{path}: is {width} x {height} texels, and {all} texels with all images before it; at most {limit} can be traced"
+    )]
+    TooManyTexels {
+        /// The image.
+        path: String,
+        /// Its texels a row.
+        width: u32,
+        /// Its rows.
+        height: u32,
+        /// With all before it.
+        all: u64,
+        /// [`LoadOptions::max_texels`].
+        limit: u64,
+    },
+    /// This machine's memory does not hold it.
+    #[error("{path}: there is no memory for the {bytes} bytes that this takes")]
+    OutOfMemory {
+        /// The place.
+        path: String,
+        /// Bytes it would take.
+        bytes: u64,
+    },
+    /// Reading this would take more than [`LoadOptions::max_bytes`].
+    #[error("{path}: this takes {needed} more bytes, but only {left} of the limit of {limit} are left")]
     TooLarge {
         /// The place.
         path: String,
@@ -131,25 +203,35 @@ pub enum LoadError {
 /// # Errors
 /// A [`LoadError`] where the file is broken, needs what is not supported, or is too large.
 pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOptions) -> Result<Scene, LoadError> {
-    let (root, bin) = container::parse(bytes)?;
-    let mut notes = Notes::default();
-    check::extensions(&root, &mut notes)?;
-
     let budget = Budget::new(options.max_bytes);
-    let buffers = buffers::gather(&root, bin, resolver, &budget)?;
-    let accessors = accessor::Accessors::new(&root, &buffers, &budget);
+    budget.take(bytes.len() as u64, "the file")?;
+    let (root, bin) = container::parse(bytes, &budget)?;
+    let notes = RefCell::new(Notes::default());
+    check::extensions(&root, &mut notes.borrow_mut())?;
+
+    let buffers = buffers::Buffers::new(&root, bin, resolver, &budget)?;
+    let accessors = accessor::Accessors::new(&root, &buffers, &budget, &notes);
 
     let graph = graph::Graph::new(&root)?;
     let nodes = graph.nodes_of(&root, options.scene)?;
+    graph::check_transforms(&root, &nodes, &mut notes.borrow_mut());
     let groups = geometry::groups(&root, &nodes)?;
-    let primitives = geometry::survey(&root, &accessors, &groups, &mut notes)?;
+    let primitives = geometry::survey(&root, &accessors, &groups, &notes)?;
 
     // Sorted: the default material, then the file's order, and each once.
     let used: BTreeSet<Option<usize>> = primitives.iter().map(geometry::Primitive::material).collect();
-    let materials = materials::read(&root, &used, &buffers, resolver, &budget, &mut notes)?;
+    let images = images::Images {
+        buffers: &buffers,
+        resolver,
+        budget: &budget,
+        max_texels: options.max_texels,
+        texels: Cell::new(0),
+    };
+    let materials = materials::read(&root, &used, &images, &mut notes.borrow_mut())?;
 
     let poser = pose::Poser::new(&root, &accessors, &graph, &budget);
-    let triangles = geometry::triangles(&primitives, &accessors, &poser, &graph, &materials, &budget, &mut notes)?;
+    let triangles = geometry::triangles(&primitives, &accessors, &poser, &graph, &materials, &budget, &notes)?;
+    let mut notes = notes.take();
     let cameras = lights_cameras::cameras(&root, &graph, &nodes, &budget)?;
     let lights = lights_cameras::lights(&root, &graph, &nodes, &mut notes)?;
 

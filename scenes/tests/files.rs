@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 struct Beside(PathBuf);
 
 impl Resolver for Beside {
-    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
-        fs::read(self.0.join(path)).map_err(|e| e.to_string())
+    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, raystep_scenes::FileError> {
+        fs::read(self.0.join(path)).map_err(|e| e.to_string().into())
     }
 }
 

@@ -84,11 +84,18 @@ fn claims_beyond_the_file_are_refused_before_memory_is_taken() {
     assert!(doc.error().contains("357913941 zeros"));
 
     let text = |uri: &str| {
-        json!({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1_u64 << 32, "uri": uri}]}).to_string()
+        let mut doc = Doc::triangle().json;
+        doc["buffers"] = json!([{"byteLength": 1_u64 << 32, "uri": uri}]);
+        doc.to_string()
     };
     let error = load("x", text("data:;base64,AAAA").as_bytes(), &NoFiles, &LoadOptions::default()).unwrap_err();
     assert!(one_line(&error).contains("buffers[0]: has 3 bytes, fewer than its byteLength of 4294967296"), "{error}");
-    assert!(text("").len() < 200);
+    assert!(text("").len() < 500);
+
+    // Nodes of three bytes each, which take hundreds once they are parsed.
+    let nodes = json!({"asset": {"version": "2.0"}, "nodes": vec![json!({}); 100_000]}).to_string();
+    let error = one_line(&load("x", nodes.as_bytes(), &NoFiles, &small()).unwrap_err());
+    assert!(error.starts_with("the file's JSON: this takes") && nodes.len() < 400_000, "{error}");
 
     // A mesh of 20,000 triangles on 300,000 nodes.
     let mut doc = Doc::triangle();

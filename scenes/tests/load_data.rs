@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
+#[path = "load_data/images.rs"]
+mod images;
 mod load_common;
 
 use base64::Engine as _;

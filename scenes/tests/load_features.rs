@@ -3,6 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
 mod load_common;
+#[path = "load_features/valid.rs"]
+mod valid;
+#[path = "load_features/wrong.rs"]
+mod wrong;
 
 use glam::DVec3;
 use load_common::*;

@@ -33,8 +33,8 @@ pub fn scenes_dir() -> PathBuf {
 pub struct Beside(pub PathBuf);
 
 impl Resolver for Beside {
-    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(path)).map_err(|e| e.to_string())
+    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, raystep_scenes::FileError> {
+        std::fs::read(self.0.join(path)).map_err(|e| e.to_string().into())
     }
 }
 

@@ -76,7 +76,8 @@ fn passes_have_times_only_where_the_adapters_clock_agrees_with_the_hosts() {
 /// whatever this adapter's is, one of the three agrees at most.
 #[test]
 fn a_clock_that_is_off_by_ten_is_not_taken_for_a_time() {
-    let clocks: [(&str, fn() -> u64); 3] =
+    type Clock = fn() -> u64;
+    let clocks: [(&str, Clock); 3] =
         [("the host's", now_ns), ("ten times as fast", || 10 * now_ns()), ("ten times as slow", || now_ns() / 10)];
     let scene = scene("cornell-box.gltf");
     let options = Options { timings: true, ..options(&scene, 64, 64) };
@@ -164,7 +165,7 @@ fn a_buffer_larger_than_the_adapter_binds_is_refused_with_the_numbers() {
     assert!(matches!(error, PlanError::BufferSize { name: "vertices", bytes: 3_600_000, limit: 3_000_000 }), "{error}");
     assert_eq!(
         error.to_string(),
-        "vertices needs 3.4 MiB in one buffer, the adapter binds at most 2.9 MiB: 585.9 KiB too many"
+        "vertices needs 3.4 MiB in one buffer, this device binds at most 2.9 MiB: 585.9 KiB too many"
     );
     // A kernel that takes several steps reads triangles in another form.
     let error = Plan::new(&scene, &options(&scene, 16, 16), &limits).expect_err("too large");

@@ -6,14 +6,14 @@ mod measure;
 mod output;
 mod table;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use raystep_kernels::export::bench::SummaryRow;
 use raystep_kernels::options::STEPS_PER_PASS;
 use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, TuningArgs, grid_text, named};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, TuningArgs, grid_text, named};
 use crate::commands::distinct;
 use crate::commands::input::Input;
 use crate::device;
@@ -88,6 +88,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", help_heading = "Scene and view")]
     scene_index: Option<usize>,
     #[command(flatten)]
+    read: ReadArgs,
+    #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
     camera: CameraArgs,
@@ -95,6 +97,13 @@ pub(crate) struct BenchArgs {
     tuning: TuningArgs,
     #[command(flatten)]
     device: DeviceArgs,
+}
+
+impl BenchArgs {
+    /// One of the scenes, and how it is read.
+    fn file(&self, path: &Path) -> SceneArgs {
+        SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
+    }
 }
 
 /// Most runs of a configuration.
@@ -154,7 +163,7 @@ fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
 fn read_scenes(args: &BenchArgs, folder: &TargetFolder, progress: &Progress) -> Result<Vec<Input>, Error> {
     let mut inputs = Vec::new();
     for path in &distinct(&args.scenes) {
-        let input = Input::read(path, args.scene_index, &args.camera, progress)?;
+        let input = Input::read(args.file(path), &args.camera, progress)?;
         folder.refuse_inputs(&input.files, |name| output::NAMES.contains(&name))?;
         inputs.push(input);
     }

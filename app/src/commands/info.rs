@@ -10,7 +10,7 @@ use raystep_kernels::{AdapterChoice, AdapterSummary, Loops};
 use raystep_scenes::{Light, Projection, Scene};
 use serde::Serialize;
 
-use crate::args::{DeviceArgs, DeviceKind, SceneArgs};
+use crate::args::{DeviceArgs, DeviceKind, ReadArgs, SceneArgs};
 use crate::device::{AboutClock, block_on, choose, open};
 use crate::error::Error;
 use crate::scene_file;
@@ -29,6 +29,8 @@ pub(crate) struct InfoArgs {
     /// Which scene of a file that holds several, counted from 0
     #[arg(long, value_name = "N", requires = "scene")]
     scene_index: Option<usize>,
+    #[command(flatten)]
+    read: ReadArgs,
     /// As JSON
     #[arg(long)]
     json: bool,
@@ -37,7 +39,8 @@ pub(crate) struct InfoArgs {
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Error> {
     match &args.scene {
         Some(path) => {
-            let scene = scene_file::read(&SceneArgs { scene: path.clone(), scene_index: args.scene_index })?.scene;
+            let file = SceneArgs { scene: path.clone(), scene_index: args.scene_index, read: args.read };
+            let scene = scene_file::read(&file)?.scene;
             let about = AboutScene::of(&scene);
             print(&if args.json { super::json_text(&about)? } else { about.text() })
         }

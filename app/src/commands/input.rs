@@ -1,9 +1,9 @@
 //! Scenes to measure: with a view, and a hash that tells whether they have changed.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use raystep_kernels::export::bench::Hash;
-use raystep_scenes::{Camera, LoadOptions, Scene};
+use raystep_scenes::{Camera, Scene};
 
 use crate::args::{CameraArgs, SceneArgs};
 use crate::error::Error;
@@ -26,23 +26,17 @@ pub(crate) struct Input {
 
 impl Input {
     /// Reads a scene, says its notes.
-    pub(crate) fn read(
-        path: &Path,
-        scene_index: Option<usize>,
-        camera: &CameraArgs,
-        progress: &Progress,
-    ) -> Result<Self, Error> {
-        let file = SceneArgs { scene: path.to_owned(), scene_index };
+    pub(crate) fn read(file: SceneArgs, camera: &CameraArgs, progress: &Progress) -> Result<Self, Error> {
         let SceneFile { scene, inputs: files } = scene_file::read(&file)?;
         let mut hash = Hash::default();
-        for file in &files {
-            let bytes = read_file(file, LoadOptions::default().max_bytes);
-            hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", file.display())))?);
+        for path in &files {
+            let bytes = read_file(path, file.read.max_memory);
+            hash.add(&bytes.map_err(|e| Error::failed(format!("{}: {e}", path.display())))?);
         }
         let (camera, note) = scene_file::camera(camera, &scene)?;
         for note in scene.notes.iter().map(|n| &n.0).chain(&note) {
             progress.say(format_args!("note: {}: {note}", scene.name));
         }
-        Ok(Self { path: path.to_owned(), scene, camera, hash, files })
+        Ok(Self { path: file.scene, scene, camera, hash, files })
     }
 }

@@ -135,7 +135,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     arrival.place = arrival.place.or(Arrival::picture().place);
     let is_empty = link.scene.is_none() && link.link.is_none();
     let wanted = if is_empty {
-        let scene = SceneArgs { scene: PathBuf::new(), scene_index: None };
+        let scene = SceneArgs { scene: PathBuf::new(), scene_index: None, read: link.read };
         Wanted { scene, view, run, ray: None }
     } else {
         link.wanted(view, run)?
@@ -173,7 +173,8 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     }
     let settings = Settings::from(&linked);
     let Wanted { scene, run, .. } = wanted;
+    let read = scene.read;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
-    let start = Start { scene, settings, arrival, size: window.0 };
+    let start = Start { scene, read, settings, arrival, size: window.0 };
     Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
 }

@@ -13,13 +13,13 @@ mod section;
 mod table;
 mod work;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use raystep_kernels::{Device, GridSize, Load};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, Size, parse_grid};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, parse_grid};
 use crate::commands::distinct;
 use crate::commands::input::Input;
 use crate::device::{self, Chosen};
@@ -65,6 +65,8 @@ pub(crate) struct ReportArgs {
     /// Which scene of files that hold several, counted from 0 [default: each file's own]
     #[arg(long, value_name = "N", help_heading = "Scene and view")]
     scene_index: Option<usize>,
+    #[command(flatten)]
+    read: ReadArgs,
     /// Pixels a row and rows of views [default: 192x192; with --quick 64x64]
     #[arg(long, value_name = "WxH", help_heading = "Scene and view")]
     size: Option<Size>,
@@ -84,6 +86,11 @@ pub(crate) struct ReportArgs {
 const SIDES: [u32; 2] = [64, 192];
 
 impl ReportArgs {
+    /// One of the scenes, and how it is read.
+    fn file(&self, path: &Path) -> SceneArgs {
+        SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
+    }
+
     fn size(&self) -> Size {
         let side = if self.quick { SIDES[0] } else { SIDES[1] };
         self.size.unwrap_or(Size { width: side, height: side })
@@ -110,7 +117,7 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
     progress.stage("reading scenes");
     let mut inputs = Vec::new();
     for path in &distinct(&args.scenes) {
-        let input = Input::read(path, args.scene_index, &args.camera, progress)?;
+        let input = Input::read(args.file(path), &args.camera, progress)?;
         folder.refuse_inputs(&input.files, output::is_ours)?;
         inputs.push(input);
     }

@@ -12,6 +12,7 @@ use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 
 use super::{files, thread};
+use crate::args::{ReadArgs, SceneArgs};
 use crate::output::{Target, write};
 use crate::scene_file;
 
@@ -49,6 +50,7 @@ impl SceneChoice {
 pub(super) struct Desktop {
     ctx: egui::Context,
     gpu: Arc<Gpu>,
+    read: ReadArgs,
     events: Receiver<HostEvent>,
     tell: Sender<HostEvent>,
     /// What was remembered last.
@@ -56,9 +58,9 @@ pub(super) struct Desktop {
 }
 
 impl Desktop {
-    pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>) -> Self {
+    pub(super) fn new(ctx: egui::Context, gpu: Arc<Gpu>, read: ReadArgs) -> Self {
         let (tell, events) = channel();
-        Self { ctx, gpu, events, tell, remembered: String::new() }
+        Self { ctx, gpu, read, events, tell, remembered: String::new() }
     }
 
     /// Does something that takes its time, and tells what came of it.
@@ -91,8 +93,9 @@ impl Host for Desktop {
 
     fn loader(&mut self, path: &str) -> Loader {
         let SceneChoice { path, index } = SceneChoice::parse(path);
+        let file = SceneArgs { scene: path, scene_index: index, read: self.read };
         Box::new(move || {
-            let read = scene_file::read_path(&path, index).map_err(|e| e.message().to_owned())?;
+            let read = scene_file::read(&file).map_err(|e| e.message().to_owned())?;
             Ok(read.scene)
         })
     }

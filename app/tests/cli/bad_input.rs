@@ -71,7 +71,7 @@ fn work_that_fails_is_code_1() {
     let whole = fs::read(scene("teapot.glb")).expect("the teapot");
     fs::write(place.path("short.glb"), &whole[..whole.len() / 2]).expect("a file");
     fs::write(place.path("empty.glb"), "").expect("a file");
-    fs::write(place.path("lost.gltf"), r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"../a/b.bin"}],"bufferViews":[{"buffer":0,"byteLength":4}]}"#)
+    fs::write(place.path("lost.gltf"), r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"../a/b.bin"}],"bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}]}"#)
         .expect("a file");
     fs::write(place.path("bad.ply"), "ply\nformat ascii 1.0\nelement vertex 9999999999\n").expect("a file");
     fs::create_dir(place.path("folder.png")).expect("a folder");

@@ -8,8 +8,8 @@ use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
 struct Beside(PathBuf);
 
 impl Resolver for Beside {
-    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(path)).map_err(|e| e.to_string())
+    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, raystep_scenes::FileError> {
+        std::fs::read(self.0.join(path)).map_err(|e| e.to_string().into())
     }
 }
 

@@ -28,8 +28,8 @@ pub enum PlanError {
         /// Most pixels.
         rays: u64,
     },
-    /// A buffer is larger than the adapter binds.
-    #[error("{name} needs {} in one buffer, the adapter binds at most {}: {} too many", Bytes(*bytes), Bytes(*limit), Bytes(bytes - limit))]
+    /// A buffer is larger than the device binds, be it a GPU or the CPU.
+    #[error("{name} needs {} in one buffer, this device binds at most {}: {} too many", Bytes(*bytes), Bytes(*limit), Bytes(bytes - limit))]
     BufferSize {
         /// The buffer.
         name: &'static str,
@@ -37,6 +37,14 @@ pub enum PlanError {
         bytes: u64,
         /// The limit.
         limit: u64,
+    },
+    /// This machine's memory does not hold it.
+    #[error("there is no memory for the {} of {name}", Bytes(*bytes))]
+    OutOfMemory {
+        /// The buffer.
+        name: &'static str,
+        /// Its size.
+        bytes: u64,
     },
     /// More triangles than an id can name.
     #[error("the scene has {0} triangles, at most {max} can be traced", max = u32::MAX / 9)]
@@ -203,6 +211,23 @@ pub(super) fn check_rays(options: &Options, units: Units) -> Result<(), PlanErro
             Ok(())
         }
     }
+}
+
+/// Bytes of a texel as kernels read it.
+const TEXEL_BYTES: u64 = 8;
+
+/// Refuses textures that cannot be bound before they are converted.
+pub(super) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanError> {
+    let texels: u64 = scene.textures.iter().map(|t| t.texels.len() as u64).sum();
+    check_buffer("texels", texels * TEXEL_BYTES, limits)
+}
+
+/// An empty list with room for as many elements as the scene has of them.
+pub(crate) fn reserve<T>(name: &'static str, count: usize) -> Result<Vec<T>, PlanError> {
+    let mut list = Vec::new();
+    let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
+    list.try_reserve_exact(count).map_err(|_| PlanError::OutOfMemory { name, bytes })?;
+    Ok(list)
 }
 
 pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {

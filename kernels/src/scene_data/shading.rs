@@ -3,6 +3,7 @@
 use raystep_scenes::{Light as SceneLight, Scene, Texture as SceneTexture, Wrap};
 
 use crate::options::{Options, RaySource};
+use crate::plan::{PlanError, reserve};
 use crate::shade::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
 use crate::shared::texture::Texture;
 use crate::units::Units;
@@ -53,7 +54,7 @@ pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Ligh
 }
 
 /// All texels in one buffer, linear, 16 bits a channel: fine enough for 8-bit sRGB's darkest steps.
-pub(super) fn textures(textures: &[SceneTexture]) -> (Vec<Texture>, Vec<u32>) {
+pub(super) fn textures(textures: &[SceneTexture]) -> Result<(Vec<Texture>, Vec<u32>), PlanError> {
     let white = [SceneTexture {
         width: 1,
         height: 1,
@@ -69,7 +70,8 @@ pub(super) fn textures(textures: &[SceneTexture]) -> (Vec<Texture>, Vec<u32>) {
         Wrap::Mirror => 1,
         Wrap::Clamp => 2,
     };
-    let (mut infos, mut words) = (Vec::new(), Vec::new());
+    let texels: usize = textures.iter().map(|t| t.texels.len()).sum();
+    let (mut infos, mut words) = (Vec::new(), reserve("texels", 2 * texels)?);
     for t in textures {
         infos.push(Texture {
             first: (words.len() / 2) as u32,
@@ -83,7 +85,7 @@ pub(super) fn textures(textures: &[SceneTexture]) -> (Vec<Texture>, Vec<u32>) {
                 .flat_map(|&[r, g, b, _]| [linear[r as usize] | linear[g as usize] << 16, linear[b as usize]]),
         );
     }
-    (infos, words)
+    Ok((infos, words))
 }
 
 /// IEC 61966-2-1.

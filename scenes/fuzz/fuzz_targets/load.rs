@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use raystep_scenes::{LoadOptions, Resolver, load};
+use raystep_scenes::{FileError, LoadOptions, Resolver, load};
 
 /// A file of the fuzzer's own beside the scene, so that external buffers and images are reached.
 struct Beside;
@@ -12,7 +12,7 @@ struct Beside;
 const PNG: &[u8] = include_bytes!("../beside.png");
 
 impl Resolver for Beside {
-    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, String> {
+    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, FileError> {
         match path {
             "a.png" => Ok(PNG.to_vec()),
             "a.bin" => Ok((0..=255).collect()),
@@ -38,7 +38,7 @@ fn as_glb(bytes: &[u8]) -> Option<Vec<u8>> {
 
 fuzz_target!(|bytes: &[u8]| {
     let glb = as_glb(bytes);
-    let options = LoadOptions { scene: None, max_bytes: 16 << 20 };
+    let options = LoadOptions { max_bytes: 16 << 20, ..LoadOptions::default() };
     let Ok(scene) = load("fuzz", glb.as_deref().unwrap_or(bytes), &Beside, &options) else { return };
     let count = scene.triangles.len();
     assert!(scene.triangles.iter().flatten().flatten().all(|c| c.is_finite()));

@@ -3,18 +3,23 @@
 
 use super::budget::Budget;
 use super::buffers::Buffers;
-use super::{LoadError, at, check};
+use super::check::{self, Notes, Wrong};
+use super::{LoadError, at};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::{Index, Root, buffer::View};
+use serde_json::Value;
+use std::cell::RefCell;
 
 /// Zeros that a file may claim beyond its own size, see [`Accessors::open`].
 const FREE_ZEROS: u64 = 1 << 16;
 
 /// Everything that accessors refer to.
+#[derive(Clone, Copy)]
 pub(super) struct Accessors<'a> {
     root: &'a Root,
     buffers: &'a Buffers<'a>,
     budget: &'a Budget,
+    notes: &'a RefCell<Notes>,
 }
 
 /// A run of elements that is known to lie within its bytes.
@@ -44,6 +49,9 @@ struct Sparse<'a> {
 pub(super) struct Elements<'a> {
     /// Where it is used, and which one it is, for messages.
     path: String,
+    index: usize,
+    /// What the file says of its smallest and its largest components, not normalised.
+    bounds: [Option<&'a Value>; 2],
     /// How many elements there are.
     pub(super) count: u64,
     kind: Type,
@@ -53,11 +61,12 @@ pub(super) struct Elements<'a> {
     dense: Option<Run<'a>>,
     sparse: Option<Sparse<'a>>,
     budget: &'a Budget,
+    notes: &'a RefCell<Notes>,
 }
 
 impl<'a> Accessors<'a> {
-    pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>, budget: &'a Budget) -> Self {
-        Self { root, buffers, budget }
+    pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>, budget: &'a Budget, notes: &'a RefCell<Notes>) -> Self {
+        Self { root, buffers, budget, notes }
     }
 
     /// Checks the accessor that `path` refers to. Nothing is decoded or allocated yet.
@@ -74,7 +83,7 @@ impl<'a> Accessors<'a> {
             }
             // Zeros have no bytes to be checked against. Whatever they go with (a mesh that they
             // displace, indices) has at least a byte an element, so the file's size bounds them.
-            None if count > self.buffers.total_bytes() + FREE_ZEROS => {
+            None if count > FREE_ZEROS && count - FREE_ZEROS > self.buffers.total_bytes() => {
                 let problem = format!("claims {count} zeros without a bufferView, far more than the file has bytes");
                 return Err(at(path, problem));
             }
@@ -103,7 +112,9 @@ impl<'a> Accessors<'a> {
             }
         };
         let normalized = accessor.normalized;
-        Ok(Elements { path, count, kind, component, normalized, dense, sparse, budget: self.budget })
+        let bounds = [accessor.min.as_ref(), accessor.max.as_ref()];
+        let (index, Self { budget, notes, .. }) = (index.value(), *self);
+        Ok(Elements { path, index, bounds, count, kind, component, normalized, dense, sparse, budget, notes })
     }
 
     /// The bytes of `count` elements in a view.
@@ -115,7 +126,7 @@ impl<'a> Accessors<'a> {
         element_bytes: usize,
         path: &str,
     ) -> Result<Run<'a>, LoadError> {
-        let (bytes, stride) = self.buffers.view(self.root, view, path)?;
+        let (bytes, stride) = self.buffers.view(view, path)?;
         let stride = stride.unwrap_or(element_bytes);
         if stride < element_bytes {
             let problem =
@@ -179,18 +190,56 @@ impl Elements<'_> {
             (ComponentType::U16, false) => |b| f32::from(u16::from_le_bytes(word(b))),
             (ComponentType::U32, false) => |b| u32::from_le_bytes(word(b)) as f32,
         };
-        self.collect([0.0; N], |bytes| {
+        let elements = self.collect([0.0; N], |bytes| {
             let mut components = bytes.chunks(self.component.size()).map(decode);
             std::array::from_fn(|_| components.next().unwrap_or_default())
-        })
+        })?;
+        // A normalised number keeps the order of the integers that it is made of.
+        let scale = match (self.component, self.normalized) {
+            (ComponentType::F32, _) | (_, false) => 1.0,
+            (ComponentType::I8, true) => 127.0,
+            (ComponentType::U8, true) => 255.0,
+            (ComponentType::I16, true) => 32767.0,
+            (ComponentType::U16, true) => 65535.0,
+            (ComponentType::U32, true) => f64::from(u32::MAX),
+        };
+        let is_signed = matches!(self.component, ComponentType::I8 | ComponentType::I16) && self.normalized;
+        let as_decoded = |bound: f64| {
+            let bound = (bound / scale) as f32;
+            if is_signed { bound.max(-1.0) } else { bound }
+        };
+        self.check_bounds(&elements, as_decoded);
+        Ok(elements)
+    }
+
+    /// Notes where an element is outside of what the file says. What is no number is noted elsewhere.
+    fn check_bounds<T: PartialOrd + Copy, const N: usize>(&self, elements: &[[T; N]], as_decoded: impl Fn(f64) -> T) {
+        let parts = N.min(self.kind.multiplicity());
+        let bound = |value: Option<&Value>, part: usize| Some(as_decoded(value?.get(part)?.as_f64()?));
+        let [min, max] = self.bounds;
+        let holds = (0..parts).all(|part| {
+            let (min, max) = (bound(min, part), bound(max, part));
+            let mut values = elements.iter().filter_map(|element| element.get(part));
+            min.is_none() && max.is_none()
+                || !values.any(|value| min.is_some_and(|min| *value < min) || max.is_some_and(|max| *value > max))
+        });
+        self.found(Wrong::Bounds, usize::from(!holds));
+    }
+
+    /// Counts what is wrong with this accessor's elements.
+    pub(super) fn found(&self, what: Wrong, count: usize) {
+        self.notes.borrow_mut().found(what, self.index, count);
     }
 
     /// The first `N` components of every element as unsigned integers.
     pub(super) fn integers<const N: usize>(&self) -> Result<Vec<[u32; N]>, LoadError> {
-        self.collect([0; N], |bytes| {
+        let elements = self.collect([0; N], |bytes| {
             let mut components = bytes.chunks(self.component.size()).map(|b| unsigned(self.component, b));
             std::array::from_fn(|_| components.next().unwrap_or_default())
-        })
+        })?;
+        // What is negative or too large is cut to what an index can be.
+        self.check_bounds(&elements, |bound| bound as u32);
+        Ok(elements)
     }
 
     /// Decodes all elements: the dense run, or zeros, and the sparse ones over it.

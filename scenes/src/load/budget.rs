@@ -1,6 +1,6 @@
 //! Counts what is decoded, so that a small file cannot ask for a large machine.
 
-use super::{LoadError, at};
+use super::LoadError;
 use std::cell::Cell;
 
 /// The bytes that may still be decoded.
@@ -29,6 +29,20 @@ impl Budget {
         Ok(())
     }
 
+    /// Takes `needed` bytes while `work` runs. Only for what something else bounds in time: whoever could have
+    /// memory back again and again could also keep a reader busy without end.
+    pub(super) fn hold<T>(
+        &self,
+        needed: u64,
+        path: &str,
+        work: impl FnOnce() -> Result<T, LoadError>,
+    ) -> Result<T, LoadError> {
+        self.take(needed, path)?;
+        let done = work();
+        self.left.set(self.left.get().saturating_add(needed));
+        done
+    }
+
     /// Takes room for `count` elements and reserves exactly that.
     pub(super) fn vec<T>(&self, count: u64, path: &str) -> Result<Vec<T>, LoadError> {
         self.take(count.saturating_mul(size_of::<T>() as u64), path)?;
@@ -42,6 +56,9 @@ pub(super) fn reserve<T>(count: u64, path: &str) -> Result<Vec<T>, LoadError> {
     let reserved = usize::try_from(count).ok().and_then(|count| vec.try_reserve_exact(count).ok());
     match reserved {
         Some(()) => Ok(vec),
-        None => Err(at(path, format!("{count} elements do not fit into this machine's memory"))),
+        None => {
+            let bytes = count.saturating_mul(size_of::<T>() as u64);
+            Err(LoadError::OutOfMemory { path: path.to_owned(), bytes })
+        }
     }
 }

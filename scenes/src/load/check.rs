@@ -2,10 +2,14 @@
 
 use super::LoadError;
 use gltf::json::{Index, Root, validation::Checked};
+use std::collections::{BTreeMap, HashSet};
 
 /// Extensions that a file may require.
 const SUPPORTED: [&str; 4] =
     ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization", "KHR_texture_transform"];
+
+/// Extensions that a file may require since they change nothing but animations, and those are ignored.
+const OF_ANIMATIONS: [&str; 1] = ["KHR_animation_pointer"];
 
 /// An error at one place of the file.
 pub(super) fn at(path: impl Into<String>, problem: impl Into<String>) -> LoadError {
@@ -34,22 +38,76 @@ pub(super) fn finite<const N: usize>(values: [f32; N], path: &str) -> Result<[f3
     }
 }
 
+/// Whether a part of a colour is outside of what the specification allows.
+pub(super) fn is_outside(part: &f32) -> bool {
+    !(0.0..=1.0).contains(part)
+}
+
 /// Required extensions must be known; used ones that are not get a note.
 pub(super) fn extensions(root: &Root, notes: &mut Notes) -> Result<(), LoadError> {
-    if let Some(name) = root.extensions_required.iter().find(|name| !SUPPORTED.contains(&name.as_str())) {
+    let is_known = |name: &&String| SUPPORTED.contains(&name.as_str());
+    let is_harmless = |name: &String| OF_ANIMATIONS.contains(&name.as_str());
+    if let Some(name) = root.extensions_required.iter().find(|name| !is_known(name) && !is_harmless(name)) {
         return Err(LoadError::RequiredExtension(name.clone(), SUPPORTED.join(", ")));
     }
-    for name in root.extensions_used.iter().filter(|name| !SUPPORTED.contains(&name.as_str())) {
+    for name in root.extensions_used.iter().filter(|name| !is_known(name)) {
         notes.add(format!("the extension {name} is ignored"));
     }
     Ok(())
+}
+
+/// What is wrong in a file, and drawn all the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Wrong {
+    /// Vertices whose normal has no direction, by accessor.
+    Normals,
+    /// Vertices whose colour is not finite, by accessor.
+    Colors,
+    /// Vertices whose colour is outside of [0, 1], by accessor.
+    ColorsOutside,
+    /// Vertices whose texture coordinates are not finite, by accessor.
+    Texcoords,
+    /// Accessors with elements outside of their `min` and `max`, by accessor.
+    Bounds,
+    /// A material's colours outside of [0, 1], by material.
+    FactorOutside,
+    /// Lights with a colour outside of [0, 1], by light.
+    LightOutside,
+    /// Nodes with a matrix and one of its parts, by node.
+    MatrixBesideParts,
+    /// Nodes with a rotation of another length than 1, by node.
+    RotationNotUnit,
+}
+
+impl Wrong {
+    /// What is said of so many.
+    fn sentence(self, count: usize) -> String {
+        let (one, many, rest) = match self {
+            Self::Normals => ("normal", "normals", "no direction (zeros, NaN or infinities): drawn flat there"),
+            Self::Colors => ("vertex colour", "vertex colours", "parts that are no numbers: drawn as 1"),
+            Self::ColorsOutside => ("vertex colour", "vertex colours", "parts outside of 0 to 1: drawn as they are"),
+            Self::Texcoords => ("texture coordinate", "texture coordinates", "parts that are no numbers: drawn as 0"),
+            Self::Bounds => ("accessor", "accessors", "elements outside of min and max: drawn as they are"),
+            Self::FactorOutside => {
+                ("material factor", "material factors", "parts outside of 0 to 1: drawn as they are")
+            }
+            Self::LightOutside => ("light", "lights", "a colour outside of 0 to 1: drawn as it is"),
+            Self::MatrixBesideParts => {
+                ("node", "nodes", "a matrix beside a translation, rotation or scale: drawn by the matrix")
+            }
+            Self::RotationNotUnit => ("node", "nodes", "a rotation of another length than 1: drawn as if it were 1"),
+        };
+        if count == 1 { format!("1 {one} has {rest}") } else { format!("{count} {many} have {rest}") }
+    }
 }
 
 /// Sentences to the user, each said once.
 #[derive(Default)]
 pub(super) struct Notes {
     said: Vec<String>,
-    known: std::collections::HashSet<String>,
+    known: HashSet<String>,
+    /// How often something is wrong in one part of the file, which may be read again and again.
+    found: BTreeMap<(Wrong, usize), usize>,
 }
 
 impl Notes {
@@ -60,7 +118,19 @@ impl Notes {
         }
     }
 
+    /// Something is wrong `count` times in the part of the file with this index.
+    pub(super) fn found(&mut self, what: Wrong, index: usize, count: usize) {
+        if count > 0 {
+            self.found.insert((what, index), count);
+        }
+    }
+
+    /// What was said, and then what was counted.
     pub(super) fn into_vec(self) -> Vec<String> {
-        self.said
+        let mut counts: BTreeMap<Wrong, usize> = BTreeMap::new();
+        for ((what, _), count) in self.found {
+            *counts.entry(what).or_default() += count;
+        }
+        self.said.into_iter().chain(counts.into_iter().map(|(what, count)| what.sentence(count))).collect()
     }
 }

@@ -1,8 +1,11 @@
 //! From the file's bytes to its JSON and its BIN chunk.
 
-use super::{LoadError, at};
-use gltf::json::Root;
+use super::budget::Budget;
+use super::{LoadError, at, repair};
+use gltf::json::mesh::Primitive;
+use gltf::json::{Accessor, Material, Node, Root};
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use std::borrow::Cow;
 use std::fmt;
 
 const HEADER_BYTES: usize = 12;
@@ -11,14 +14,21 @@ const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
 const BIN_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 
 /// The parsed JSON and, of a GLB that has one, the BIN chunk.
-pub(super) fn parse(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), LoadError> {
+pub(super) fn parse<'a>(bytes: &'a [u8], budget: &Budget) -> Result<(Root, Option<&'a [u8]>), LoadError> {
     let (json, bin) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
-    let root = parse_json(json)?;
-    let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
-    // A minVersion says what a reader must know; without one, every 2.x file is readable as 2.0.
-    let readable = if root.asset.min_version.is_some() { version == "2.0" } else { version.starts_with("2.") };
-    if !readable {
-        return Err(at("asset", format!("is of glTF version {version:?}; 2.0 is what raystep reads")));
+    let root = parse_json(json, budget)?;
+    let version = &root.asset.version;
+    // Without a minVersion, every 2.x file is readable as 2.0.
+    match &root.asset.min_version {
+        Some(needed) if needed != "2.0" => {
+            let problem =
+                format!("is {needed:?}: the file says that a reader of 2.0 cannot show it, and that is raystep");
+            return Err(at("asset.minVersion", problem));
+        }
+        None if !version.starts_with("2.") => {
+            return Err(at("asset", format!("is of glTF version {version:?}; 2.0 is what raystep reads")));
+        }
+        _ => {}
     }
     Ok((root, bin))
 }
@@ -70,7 +80,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LoadError> {
     }
 }
 
-fn parse_json(json: &[u8]) -> Result<Root, LoadError> {
+fn parse_json(json: &[u8], budget: &Budget) -> Result<Root, LoadError> {
     let text = std::str::from_utf8(json)
         .map_err(|e| LoadError::Container(format!("this is neither a GLB nor UTF-8 text: byte {}", e.valid_up_to())))?;
     // Neither a byte order mark nor zeros as a chunk's padding are allowed, and both are met.
@@ -81,16 +91,35 @@ fn parse_json(json: &[u8]) -> Result<Root, LoadError> {
     if !text.trim_start().starts_with('{') {
         return Err(LoadError::Container("this is neither a GLB nor glTF JSON, which starts with `{`".into()));
     }
-    let root = match read_root(text) {
-        // A scene may be empty, but gltf-json insists on its list of nodes.
-        Err(LoadError::Json(error)) if error.starts_with("scenes[") && error.contains("missing field `nodes`") => {
-            read_root(&with_scene_nodes(text).ok_or(LoadError::Json(error))?)?
-        }
-        root => root?,
+    budget.take(structure_bytes(text), "the file's JSON")?;
+    let (root, text) = match read_root(text) {
+        Ok(root) => (root, Cow::Borrowed(text)),
+        Err(_) => read_repaired(text, budget)?,
     };
-    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let mut deserializer = serde_json::Deserializer::from_str(&text);
     WideIndices { key: "" }.deserialize(&mut deserializer).map_err(|error| LoadError::Json(error.to_string()))?;
     Ok(root)
+}
+
+/// At least what the objects of a file take once they are parsed: the largest of them for each.
+fn structure_bytes(text: &str) -> u64 {
+    let largest = size_of::<Material>().max(size_of::<Node>()).max(size_of::<Primitive>()).max(size_of::<Accessor>());
+    text.bytes().filter(|&byte| byte == b'{').count() as u64 * largest as u64
+}
+
+/// Reads what `gltf-json` refuses although it is right.
+fn read_repaired<'a>(text: &'a str, budget: &Budget) -> Result<(Root, Cow<'a, str>), LoadError> {
+    let bytes = text.len() as u64;
+    budget.take(2 * bytes, "the file's JSON")?;
+    let text = repair::whole_numbers(text);
+    match read_root(&text) {
+        Ok(root) => Ok((root, text)),
+        Err(LoadError::Json(error)) if ["scenes[", "animations["].iter().any(|list| error.starts_with(list)) => {
+            let text = repair::scenes_and_animations(&text).ok_or(LoadError::Json(error))?;
+            Ok((read_root(&text)?, Cow::Owned(text)))
+        }
+        Err(error) => Err(error),
+    }
 }
 
 fn read_root(text: &str) -> Result<Root, LoadError> {
@@ -103,15 +132,6 @@ fn read_root(text: &str) -> Result<Root, LoadError> {
     })?;
     deserializer.end().map_err(|error| LoadError::Json(error.to_string()))?;
     Ok(root)
-}
-
-/// The same JSON with an empty list of nodes in every scene that has none.
-fn with_scene_nodes(text: &str) -> Option<String> {
-    let mut json: serde_json::Value = serde_json::from_str(text).ok()?;
-    for scene in json.get_mut("scenes")?.as_array_mut()? {
-        scene.as_object_mut()?.entry("nodes").or_insert_with(|| serde_json::Value::Array(Vec::new()));
-    }
-    serde_json::to_string(&json).ok()
 }
 
 /// Keys whose integers the `gltf` crate cuts to 32 bits, so that 4294967296 would pass for 0.

@@ -6,7 +6,7 @@
 
 use super::accessor::Accessors;
 use super::budget::Budget;
-use super::check::{self, Notes};
+use super::check::{self, Notes, Wrong};
 use super::graph::Graph;
 use super::materials::Materials;
 use super::place::{Placement, flat_normal};
@@ -17,6 +17,7 @@ use gltf::json::accessor::{ComponentType as C, Type};
 use gltf::json::mesh::{Mode, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Mesh, Root};
+use std::cell::RefCell;
 use std::collections::HashMap;
 
 /// A mesh and the nodes that show it.
@@ -83,7 +84,7 @@ pub(super) fn survey<'a>(
     root: &'a Root,
     accessors: &Accessors<'_>,
     groups: &'a [Group<'a>],
-    notes: &mut Notes,
+    notes: &RefCell<Notes>,
 ) -> Result<Vec<Primitive<'a>>, LoadError> {
     let mut primitives = Vec::new();
     for group in groups {
@@ -91,11 +92,11 @@ pub(super) fn survey<'a>(
             let path = format!("meshes[{}].primitives[{k}]", group.mesh_index);
             let mode = check::known(&json.mode, &format!("{path}.mode"), "0 to 6")?;
             if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-                notes.add("points and lines are left out");
+                notes.borrow_mut().add("points and lines are left out");
                 continue;
             }
             let Some(&position) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
-                notes.add("primitives without positions are left out");
+                notes.borrow_mut().add("primitives without positions are left out");
                 continue;
             };
             let counting = match json.indices {
@@ -126,7 +127,7 @@ pub(super) fn triangles(
     graph: &Graph,
     materials: &Materials,
     budget: &Budget,
-    notes: &mut Notes,
+    notes: &RefCell<Notes>,
 ) -> Result<Triangles, LoadError> {
     let total =
         primitives.iter().map(|p| p.triangles.saturating_mul(p.group.nodes.len() as u64)).fold(0, u64::saturating_add);
@@ -165,10 +166,10 @@ pub(super) fn triangles(
             primitive.place(&decoded, vertices, &Placement::new(world), node, &mut out)?;
         }
         if posed.is_some_and(|(key, _)| key.is_skinned()) {
-            notes.add("skins are shown in their rest pose");
+            notes.borrow_mut().add("skins are shown in their rest pose");
         }
         if primitive.json.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-            notes.add("morph targets are shown with their default weights");
+            notes.borrow_mut().add("morph targets are shown with their default weights");
         }
         let count = out.positions.len();
         out.materials.resize(count, materials.id(primitive.material()).0);
@@ -191,7 +192,7 @@ impl Primitive<'_> {
         accessors: &Accessors<'_>,
         poser: &Poser<'_>,
         materials: &Materials,
-        notes: &mut Notes,
+        notes: &RefCell<Notes>,
     ) -> Result<Decoded, LoadError> {
         let open = |index, name: &str| accessors.open(index, &format!("{}.attributes.{name}", self.path));
         let small = [C::F32, C::I8, C::U8, C::I16, C::U16];
@@ -209,7 +210,10 @@ impl Primitive<'_> {
             let elements = open(index, "NORMAL")?;
             elements.expect(&[Type::Vec3], &[C::F32, C::I8, C::I16], "VEC3 of F32, I8 or I16")?;
             expect_count(&elements, count)?;
-            normals = Some(elements.vectors::<3>()?);
+            let values = elements.vectors::<3>()?;
+            let has_none = |n: &&[f32; 3]| !n.iter().all(|c| c.is_finite()) || **n == [0.0; 3];
+            elements.found(Wrong::Normals, values.iter().filter(has_none).count());
+            normals = Some(values);
         }
 
         let mut colors = None;
@@ -220,21 +224,24 @@ impl Primitive<'_> {
             elements.expect_normalized()?;
             expect_count(&elements, count)?;
             let mut values = elements.vectors::<3>()?;
-            replace_not_finite(&mut values, 1.0);
+            elements.found(Wrong::Colors, replace_not_finite(&mut values, 1.0));
+            elements.found(Wrong::ColorsOutside, values.iter().filter(|c| c.iter().any(check::is_outside)).count());
             colors = Some(values);
         }
 
         let mut texcoords = None;
         if let Some(usage) = materials.id(self.material()).1 {
             match self.attribute(Semantic::TexCoords(usage.set)) {
-                None => notes.add("a mesh without the texture coordinates of its texture is shown with one texel"),
+                None => notes
+                    .borrow_mut()
+                    .add("a mesh without the texture coordinates of its texture is shown with one texel"),
                 Some(index) => {
                     let elements = open(index, &format!("TEXCOORD_{}", usage.set))?;
                     elements.expect(&[Type::Vec2], &small, "VEC2 of F32, or of 8 or 16-bit integers")?;
                     expect_count(&elements, count)?;
                     let mut values = elements.vectors::<2>()?;
                     values.iter_mut().for_each(|uv| *uv = usage.apply(*uv));
-                    replace_not_finite(&mut values, 0.0);
+                    elements.found(Wrong::Texcoords, replace_not_finite(&mut values, 0.0));
                     texcoords = Some(values);
                 }
             }
@@ -323,7 +330,8 @@ fn gather<T: Copy>(list: &[T], [a, b, c]: [usize; 3]) -> Option<[T; 3]> {
     Some([*list.get(a)?, *list.get(b)?, *list.get(c)?])
 }
 
-/// Colours and texture coordinates that are no numbers must not reach the picture.
-fn replace_not_finite<const N: usize>(values: &mut [[f32; N]], with: f32) {
-    values.iter_mut().flatten().filter(|v| !v.is_finite()).for_each(|v| *v = with);
+/// Colours and texture coordinates that are no numbers must not reach the picture. How many there were.
+fn replace_not_finite<const N: usize>(values: &mut [[f32; N]], with: f32) -> usize {
+    let wrong = values.iter_mut().filter(|value| !value.iter().all(|part| part.is_finite()));
+    wrong.map(|value| value.iter_mut().filter(|part| !part.is_finite()).for_each(|part| *part = with)).count()
 }

@@ -1,7 +1,8 @@
 //! The node hierarchy: one parent each, no cycles, and every node's world matrix. Nothing here
 //! recurses, since a file may nest its nodes as deep as it likes.
 
-use super::{LoadError, at, check};
+use super::check::{self, Notes, Wrong};
+use super::{LoadError, at};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf::json::{Index, Node, Root};
 
@@ -95,6 +96,25 @@ impl Graph {
             open.extend(self.children.get(i).into_iter().flatten().rev());
         }
         Ok(nodes)
+    }
+}
+
+/// How far a rotation's length may be from 1, four components rounded to three decimals each: what is farther off
+/// was not meant to be a unit quaternion.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// Notes what is wrong with the transforms of these nodes, and what is taken in its place.
+pub(super) fn check_transforms(root: &Root, nodes: &[usize], notes: &mut Notes) {
+    for &i in nodes {
+        let Some(node) = root.nodes.get(i) else { continue };
+        let is_split = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
+        if node.matrix.is_some() {
+            notes.found(Wrong::MatrixBesideParts, i, usize::from(is_split));
+        } else if let Some(rotation) = node.rotation {
+            let [x, y, z, w] = rotation.0.map(f64::from);
+            let is_unit = (DQuat::from_xyzw(x, y, z, w).length() - 1.0).abs() <= UNIT_TOLERANCE;
+            notes.found(Wrong::RotationNotUnit, i, usize::from(!is_unit));
+        }
     }
 }
 

@@ -1,15 +1,26 @@
 //! PNG and JPEG images into texels, within limits.
+//!
+//! The header decides first: an image that could not be traced, or that the budget does not hold, is refused before
+//! anything is decoded. Each image is then decoded into the very memory that its texels stay in, PNGs row by row,
+//! JPEGs packed at the end of it, so that no second copy exists.
 
-use super::budget::Budget;
+use super::budget::{Budget, reserve};
 use super::buffers::{Buffers, read_uri};
 use super::{LoadError, Resolver, at};
-use gltf::json::{Image, Root};
-use image::{ImageFormat, ImageReader, Limits};
+use gltf::json::Image;
+use image::codecs::jpeg::JpegDecoder;
+use image::{ColorType, ImageDecoder as _, ImageFormat, Limits};
+use png::{BitDepth, Transformations};
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::io::Cursor;
 
-/// The most texels a side; more than any adapter's texture, and 4 GiB of texels at most.
+/// The most texels a side; more than any adapter's texture.
 const MAX_SIDE: u32 = 32_768;
+/// Bytes that a texel takes here, and those that it takes beside them as kernels read it: linear, 16 bits a channel.
+const TEXEL_BYTES: u64 = 4 + 8;
+/// What a PNG's chunks but its picture may take.
+const CHUNK_BYTES: usize = 16 << 20;
 
 /// Texels and size of an image.
 pub(super) struct Texels {
@@ -18,50 +29,176 @@ pub(super) struct Texels {
     pub(super) texels: Vec<[u8; 4]>,
 }
 
-/// Decodes `images[index]`.
-pub(super) fn read(
-    root: &Root,
-    index: usize,
-    image: &Image,
-    buffers: &Buffers<'_>,
-    resolver: &dyn Resolver,
-    budget: &Budget,
-) -> Result<Texels, LoadError> {
-    let path = format!("images[{index}]");
-    let bytes = match (&image.uri, image.buffer_view) {
-        (Some(uri), None) => Cow::Owned(read_uri(uri, &format!("{path}.uri"), resolver, budget)?),
-        (None, Some(view)) => Cow::Borrowed(buffers.view(root, view, &format!("{path}.bufferView"))?.0),
-        (Some(_), Some(_)) => return Err(at(path, "has both a uri and a bufferView; one of them would be right")),
-        (None, None) => return Err(at(path, "has neither a uri nor a bufferView")),
-    };
-    decode(&bytes, &path, budget)
+/// What images are read from, and how much they may take.
+pub(super) struct Images<'a> {
+    pub(super) buffers: &'a Buffers<'a>,
+    pub(super) resolver: &'a dyn Resolver,
+    pub(super) budget: &'a Budget,
+    /// See [`LoadOptions::max_texels`](super::LoadOptions::max_texels).
+    pub(super) max_texels: u64,
+    /// Texels so far.
+    pub(super) texels: Cell<u64>,
 }
 
-fn decode(bytes: &[u8], path: &str, budget: &Budget) -> Result<Texels, LoadError> {
-    // The bytes tell the format better than mimeType, which exporters get wrong.
-    let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-        _ => return Err(at(path, "is neither a PNG nor a JPEG")),
-    };
-    let wrong = |error: image::ImageError| at(path, format!("cannot be decoded: {error}"));
-    let dimensions = ImageReader::with_format(Cursor::new(bytes), format).into_dimensions();
-    let (width, height) = dimensions.map_err(wrong)?;
-    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
-        return Err(at(path, format!("is {width} x {height} texels; 1 to {MAX_SIDE} a side would be right")));
+impl Images<'_> {
+    /// Decodes `images[index]`.
+    pub(super) fn read(&self, index: usize, image: &Image) -> Result<Texels, LoadError> {
+        let path = format!("images[{index}]");
+        let bytes = match (&image.uri, image.buffer_view) {
+            (Some(uri), None) => Cow::Owned(read_uri(uri, &format!("{path}.uri"), self.resolver, self.budget)?),
+            (None, Some(view)) => Cow::Borrowed(self.buffers.view(view, &format!("{path}.bufferView"))?.0),
+            (Some(_), Some(_)) => return Err(at(path, "has both a uri and a bufferView; one of them would be right")),
+            (None, None) => return Err(at(path, "has neither a uri nor a bufferView")),
+        };
+        // The bytes tell the format better than mimeType, which exporters get wrong.
+        match image::guess_format(&bytes) {
+            Ok(ImageFormat::Png) => self.read_png(&bytes, &path),
+            Ok(ImageFormat::Jpeg) => self.read_jpeg(&bytes, &path),
+            _ => Err(at(path, "is neither a PNG nor a JPEG")),
+        }
     }
-    // Decoded as up to four 16-bit channels, then as 8-bit ones, then as texels.
-    let texel_count = u64::from(width) * u64::from(height);
-    budget.take(texel_count * (8 + 4 + 4), path)?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(width);
-    limits.max_image_height = Some(height);
-    // The decoder's own buffers come on top of the picture.
-    limits.max_alloc = Some(texel_count * 8 + (16 << 20));
-    reader.limits(limits);
-    let rgba = reader.decode().map_err(wrong)?.into_rgba8();
-    let (width, height) = rgba.dimensions();
-    let mut texels = super::budget::reserve(texel_count, path)?;
-    texels.extend_from_slice(rgba.as_raw().as_chunks::<4>().0);
-    Ok(Texels { width, height, texels })
+
+    /// Takes what so many texels need and reserves it, or says why not. Nothing is decoded yet.
+    fn room(&self, width: u32, height: u32, path: &str) -> Result<Texels, LoadError> {
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return Err(at(path, format!("is {width} x {height} texels; 1 to {MAX_SIDE} a side would be right")));
+        }
+        let count = u64::from(width) * u64::from(height);
+        let all = self.texels.get() + count;
+        if all > self.max_texels {
+            let limit = self.max_texels;
+            return Err(LoadError::TooManyTexels { path: path.to_owned(), width, height, all, limit });
+        }
+        self.budget.take(count * TEXEL_BYTES, path)?;
+        self.texels.set(all);
+        Ok(Texels { width, height, texels: reserve(count, path)? })
+    }
+
+    fn read_png(&self, bytes: &[u8], path: &str) -> Result<Texels, LoadError> {
+        let wrong = |error: png::DecodingError| cannot(path, &error);
+        let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: CHUNK_BYTES });
+        // Neither is looked at, and both may be long.
+        decoder.set_ignore_text_chunk(true);
+        decoder.set_ignore_iccp_chunk(true);
+        decoder.set_transformations(Transformations::EXPAND);
+        let header = decoder.read_header_info().map_err(wrong)?;
+        let mut out = self.room(header.width, header.height, path)?;
+        let mut reader = decoder.read_info().map_err(wrong)?;
+        let (channels, depth) = reader.output_color_type();
+        let to_rgba = Packed { channels: channels.samples(), deep: depth == BitDepth::Sixteen };
+        // A row of the picture, or the part of it that an interlaced pass has.
+        let line_bytes = reader.output_line_size(out.width).unwrap_or(usize::MAX);
+        let mut line = reserve::<u8>(line_bytes as u64, path)?;
+        line.resize(line_bytes, 0);
+        let mut row = reserve::<[u8; 4]>(out.width.into(), path)?;
+        let texels = out.width as usize * out.height as usize;
+        while let Some(place) = reader.read_row(&mut line).map_err(wrong)? {
+            match place {
+                png::InterlaceInfo::Null(_) => {
+                    let left = texels - out.texels.len();
+                    out.texels.extend(to_rgba.texels(&line).take(left.min(out.width as usize)));
+                }
+                png::InterlaceInfo::Adam7(pass) => {
+                    out.texels.resize(texels, [0; 4]);
+                    row.clear();
+                    row.extend(to_rgba.texels(&line));
+                    let stride = 4 * out.width as usize;
+                    png::expand_interlaced_row(out.texels.as_flattened_mut(), stride, row.as_flattened(), &pass, 32);
+                }
+            }
+        }
+        if out.texels.len() == texels { Ok(out) } else { Err(at(path, "ends before its last row")) }
+    }
+
+    fn read_jpeg(&self, bytes: &[u8], path: &str) -> Result<Texels, LoadError> {
+        let wrong = |error: image::ImageError| cannot(path, &error);
+        let input_bytes = bytes.len() as u64;
+        // The decoder keeps a copy of its input.
+        self.budget.hold(input_bytes, path, || {
+            drop(reserve::<u8>(input_bytes, path)?);
+            let mut decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(wrong)?;
+            let (width, height) = decoder.dimensions();
+            let mut out = self.room(width, height, path)?;
+            let is_gray = decoder.color_type() == ColorType::L8;
+            let coefficients = coefficient_bytes(bytes, width, height, is_gray);
+            self.budget.hold(coefficients, path, || {
+                let mut limits = Limits::no_limits();
+                (limits.max_image_width, limits.max_image_height) = (Some(width), Some(height));
+                decoder.set_limits(limits).map_err(wrong)?;
+                let channels = usize::from(decoder.color_type().channel_count());
+                out.texels.resize(width as usize * height as usize, [0; 4]);
+                // The decoder has no word for memory that is not there. What it will take is tried before it does.
+                drop(reserve::<u8>(coefficients, path)?);
+                let all = out.texels.as_flattened_mut();
+                let packed = all.len() / 4 * (4 - channels);
+                decoder.read_image(all.get_mut(packed..).unwrap_or_default()).map_err(wrong)?;
+                spread(all, channels);
+                Ok(out)
+            })
+        })
+    }
+}
+
+/// The decoder's words in one line.
+fn cannot(path: &str, error: &dyn std::fmt::Display) -> LoadError {
+    let words = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    at(path, format!("cannot be decoded: {words}"))
+}
+
+/// What the decoder of a JPEG keeps beside its picture, at most: all coefficients, 16 bits each, where the picture
+/// comes in several scans. Markers may also stand in a thumbnail's bytes; then this is more than is needed.
+fn coefficient_bytes(bytes: &[u8], width: u32, height: u32, is_gray: bool) -> u64 {
+    let count = |marker: u8| bytes.windows(2).filter(|pair| *pair == [0xff, marker]).count();
+    let (progressive, start_of_scan) = (0xc2, 0xda);
+    if count(progressive) == 0 && count(start_of_scan) < 2 {
+        return 0;
+    }
+    // Blocks of the largest size that the format has, in up to four components.
+    let side = |texels: u32| u64::from(texels).next_multiple_of(32);
+    side(width) * side(height) * 2 * if is_gray { 1 } else { 4 }
+}
+
+/// Texels as a PNG has them once its palette, its transparent colour and its low bit depths are expanded.
+#[derive(Clone, Copy)]
+struct Packed {
+    channels: usize,
+    /// Two bytes a channel, the high one first.
+    deep: bool,
+}
+
+impl Packed {
+    fn texels(self, line: &[u8]) -> impl Iterator<Item = [u8; 4]> {
+        let Self { channels, deep } = self;
+        line.chunks_exact(channels * if deep { 2 } else { 1 }).map(move |texel| {
+            let channel = |i: usize| {
+                if !deep {
+                    return texel.get(i).copied().unwrap_or_default();
+                }
+                let value = texel.get(2 * i..).and_then(|rest| rest.first_chunk()).copied().unwrap_or_default();
+                // The nearest of 8 bits.
+                ((u32::from(u16::from_be_bytes(value)) + 128) / 257) as u8
+            };
+            match channels {
+                1 => [channel(0), channel(0), channel(0), 255],
+                2 => [channel(0), channel(0), channel(0), channel(1)],
+                3 => [channel(0), channel(1), channel(2), 255],
+                _ => [channel(0), channel(1), channel(2), channel(3)],
+            }
+        })
+    }
+}
+
+/// Texels of `channels` bytes each that lie at the end of `all`, into texels of four bytes that fill it. What is
+/// written never gets ahead of what is read.
+fn spread(all: &mut [u8], channels: usize) {
+    let texels = all.len() / 4;
+    let packed = texels * (4 - channels);
+    let to_rgba = Packed { channels, deep: false };
+    for i in 0..texels {
+        let from = packed + channels * i;
+        let texel = all.get(from..from + channels).and_then(|bytes| to_rgba.texels(bytes).next());
+        if let (Some(texel), Some(to)) = (texel, all.get_mut(4 * i..4 * i + 4)) {
+            to.copy_from_slice(&texel);
+        }
+    }
 }

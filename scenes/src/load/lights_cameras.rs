@@ -1,7 +1,7 @@
 //! Lights and cameras, placed by their nodes.
 
 use super::budget::Budget;
-use super::check::{self, Notes};
+use super::check::{self, Notes, Wrong};
 use super::graph::Graph;
 use super::{LoadError, at};
 use crate::{Camera, Light, Projection};
@@ -92,6 +92,8 @@ pub(super) fn lights(root: &Root, graph: &Graph, nodes: &[usize], notes: &mut No
         let light = check::get(known, link.light, &path, "light")?;
         let path = format!("extensions.KHR_lights_punctual.lights[{}]", link.light);
         matters |= light.range.is_some() || *first_intensity.get_or_insert(light.intensity) != light.intensity;
+        let is_outside = light.color.iter().any(check::is_outside);
+        notes.found(Wrong::LightOutside, link.light.value(), usize::from(is_outside));
         lights.push(convert(light, &graph.world(i), &path, &format!("nodes[{i}]"))?);
     }
     if matters {

@@ -1,9 +1,8 @@
 //! The materials in use, and the textures that they use.
 
-use super::budget::Budget;
-use super::buffers::Buffers;
-use super::check::{self, Notes};
-use super::{LoadError, Resolver, images};
+use super::LoadError;
+use super::check::{self, Notes, Wrong};
+use super::images::Images;
 use crate::{Material, Texture, Wrap};
 use gltf::json::material::AlphaMode;
 use gltf::json::texture::{self, MagFilter, Sampler, WrappingMode};
@@ -52,9 +51,7 @@ impl Materials {
 pub(super) fn read(
     root: &Root,
     used: &BTreeSet<Option<usize>>,
-    buffers: &Buffers<'_>,
-    resolver: &dyn Resolver,
-    budget: &Budget,
+    images: &Images<'_>,
     notes: &mut Notes,
 ) -> Result<Materials, LoadError> {
     let mut out = Materials { materials: Vec::new(), textures: Vec::new(), ids: HashMap::new() };
@@ -74,7 +71,7 @@ pub(super) fn read(
                 let texture = match made.get(&key) {
                     Some(&texture) => texture,
                     None => {
-                        let texture = texture(root, key, buffers, resolver, budget)?;
+                        let texture = texture(root, key, images)?;
                         out.textures.push(texture);
                         let id = out.textures.len() as u32 - 1;
                         made.insert(key, id);
@@ -99,9 +96,11 @@ fn convert(i: usize, material: &gltf::json::Material, notes: &mut Notes) -> Resu
         AlphaMode::Mask | AlphaMode::Blend => notes.add("the alpha modes MASK and BLEND are shown as opaque"),
     }
     let factor = material.pbr_metallic_roughness.base_color_factor.0;
-    let [r, g, b, _] = check::finite(factor, &path("pbrMetallicRoughness.baseColorFactor"))?;
+    let [r, g, b, a] = check::finite(factor, &path("pbrMetallicRoughness.baseColorFactor"))?;
     let emissive_path = path("emissiveFactor");
     let emissive = check::finite(material.emissive_factor.0, &emissive_path)?;
+    let outside = [[r, g, b, a].iter().any(check::is_outside), emissive.iter().any(check::is_outside)];
+    notes.found(Wrong::FactorOutside, i, outside.iter().filter(|&&is_outside| is_outside).count());
     let extensions = material.extensions.as_ref();
     let strength = extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
     Ok(Material {
@@ -149,13 +148,11 @@ fn texture_key(
 fn texture(
     root: &Root,
     (image, [wrap_u, wrap_v], linear): TextureKey,
-    buffers: &Buffers<'_>,
-    resolver: &dyn Resolver,
-    budget: &Budget,
+    images: &Images<'_>,
 ) -> Result<Texture, LoadError> {
     let index = Index::<gltf::json::Image>::new(image as u32);
     let found = check::get(&root.images, index, "images", "image")?;
-    let texels = images::read(root, image, found, buffers, resolver, budget)?;
+    let texels = images.read(image, found)?;
     let wrap = |mode: u8| match mode {
         m if m == WrappingMode::ClampToEdge as u8 => Wrap::Clamp,
         m if m == WrappingMode::MirroredRepeat as u8 => Wrap::Mirror,

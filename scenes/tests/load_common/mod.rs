@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
-use raystep_scenes::{LoadError, LoadOptions, NoFiles, Resolver, Scene, load};
+use raystep_scenes::{FileError, LoadError, LoadOptions, NoFiles, Resolver, Scene, load};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -163,9 +163,9 @@ impl Files {
 }
 
 impl Resolver for Files {
-    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, String> {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, FileError> {
         match self.0.get(path) {
-            Some(bytes) if bytes.len() as u64 > max_bytes => Err("it is too large".into()),
+            Some(bytes) if bytes.len() as u64 > max_bytes => Err(FileError::TooLarge { bytes: bytes.len() as u64 }),
             Some(bytes) => Ok(bytes.clone()),
             None => Err("there is no such file".into()),
         }

@@ -25,7 +25,7 @@ impl Baseline {
             let at = path.display();
             Error::failed(format!("--baseline: {at}: {reason}; a folder that 'raystep bench' wrote is wanted"))
         };
-        let bytes = read_file(&path, MOST_BYTES).map_err(cannot)?;
+        let bytes = read_file(&path, MOST_BYTES).map_err(|e| cannot(e.to_string()))?;
         let rows = read_summary(bytes.as_slice()).map_err(|e| cannot(e.to_string()))?;
         Ok(Self { folder: folder.to_owned(), rows })
     }

@@ -168,7 +168,8 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell-box.gltf");
         let camera = CameraArgs { camera: None, eye: None, look_at: None, up: None, fov: None };
         let progress = Progress::new(true);
-        let input = Input::read(&path, None, &camera, &progress).expect("a scene");
+        let file = crate::args::SceneArgs { scene: path, scene_index: None, read: Default::default() };
+        let input = Input::read(file, &camera, &progress).expect("a scene");
         let arguments = DeviceArgs { device: DeviceKind::Cpu, adapter: None };
         let chosen = crate::device::choose(&arguments).expect("the twins");
         let size = Size { width: 16, height: 16 };
