@@ -2,9 +2,8 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::probe::clock::{self, ClockCheck};
-
 use super::gate::Gate;
+use super::probe::clock::{self, ClockCheck};
 use super::probe::{Loops, loops};
 
 /// A device, its queue, and what became of it.
