@@ -119,7 +119,7 @@ fn the_papers_numerics_lose_rays_where_theory_says_so() {
         };
         let mut sides = [of_side(-1.0), of_side(1.0)];
         sides.sort_unstable();
-        assert_eq!(from_plane(axis, f64::from(ray(0)[0][axis])), 0.0, "the eye is on a plane across axis {axis}");
+        assert!(from_plane(axis, f64::from(ray(0)[0][axis])) <= rounding, "the eye is on a plane across axis {axis}");
         assert_eq!(sides, [(0, 510), (510, 510)], "lost and all, of the sides of axis {axis}");
     }
 }
