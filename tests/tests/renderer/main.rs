@@ -1,15 +1,16 @@
 //! A run can be stopped at any pass, looked at in part, shared with others, and brought back to where it was.
 
+mod traces;
+
 use std::ops::ControlFlow;
 
-use raystep_kernels::export::trace::{Rays, Trace, TraceRow, ray_state, trace};
+use raystep_kernels::export::trace::ray_state;
 use raystep_kernels::{
-    Accelerator, Device, Numerics, Options, PassTotals, Ray, RaySource, Region, RenderError, Renderer, Samples,
-    ScheduleKind, Stream, StreamData, state::STATES,
+    Accelerator, Device, Options, PassTotals, Region, RenderError, Renderer, Samples, ScheduleKind, Stream, StreamData,
+    state::STATES,
 };
-use raystep_scenes::Scene;
 use raystep_tests::ways::{STEPPED, Way, stepped};
-use raystep_tests::{block_on, camera, devices, gpu_of, options, rays, scene, scene_files, streams_of, words};
+use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
 
 const WAYS: [Way; 5] = [
     STEPPED,
@@ -206,203 +207,5 @@ fn after_a_checkpoint_the_same_passes_follow() {
                 assert!(matches!(other.restore(&kept[0]), Err(RenderError::OtherRun)));
             });
         }
-    }
-}
-
-/// Where rays come from, whether any hit ends them, and which of them to follow: a spread over the picture, and rays
-/// in turn from inside of the scene, from outside and from its surface.
-fn followed(scene: &Scene) -> Vec<(RaySource, bool, Vec<[u32; 2]>)> {
-    let camera = RaySource::Camera { camera: camera(scene), width: 64, height: 48 };
-    let pixels = vec![[32, 24], [20, 30], [45, 17], [11, 40], [52, 36], [3, 3]];
-    if scene.triangles.is_empty() {
-        return vec![(camera, false, pixels)];
-    }
-    let random = RaySource::Given(rays::random(scene, 24, 5));
-    let nine = || (0..9).map(|i| [i, 0]).collect();
-    vec![(camera, false, pixels), (random.clone(), false, nine()), (random, true, nine())]
-}
-
-/// A triangle too small for the paper's threshold beside one of the scene's size, and a ray that meets it.
-fn small_triangle() -> (Scene, RaySource) {
-    let mut scene = scene("single-triangle.gltf");
-    let [a, b, c] = scene.triangles[0].map(glam::Vec3::from);
-    let [u, v] = [(b - a) / 2000.0, (c - a) / 2000.0];
-    scene.triangles.push([a, a + u, a + v].map(|corner| corner.to_array()));
-    scene.triangle_materials.push(0);
-    (scene.normals, scene.texcoords, scene.colors) = (None, None, None);
-    let normal = u.cross(v).normalize();
-    let origin = a + (u + v) * 0.25 + normal;
-    (scene, RaySource::Given(vec![Ray { origin: origin.to_array(), direction: (-normal).to_array() }]))
-}
-
-async fn life(renderer: &mut Renderer, [x, y]: [u32; 2], rays: Rays) -> Trace {
-    trace(renderer, x, y, rays, |_| ControlFlow::Continue(())).await.expect("a trace")
-}
-
-#[test]
-fn the_words_of_every_pass_say_what_the_streams_say() {
-    use Accelerator::{Bvh, Grid, None};
-    use ScheduleKind::{Compact, Second};
-    let ways = [
-        Way::new(Grid, Second, 1),
-        Way::new(Grid, Compact, 1).leaping(),
-        Way::new(Grid, Compact, 8).leaping(),
-        Way::new(Grid, Compact, 8),
-        Way::new(Grid, Second, 1).paper(),
-        Way::new(Bvh, Compact, 1),
-        Way::new(Bvh, Compact, 2),
-        Way::new(None, Second, 1),
-        Way::new(None, Compact, 8),
-        Way::new(None, Second, 1).paper(),
-    ];
-    let mut seen = std::collections::BTreeMap::<&str, usize>::new();
-    let mut hear = |label: &str, scene: &Scene, options: &Options, device: &Device, rays: &[[u32; 2]]| {
-        block_on(gpu_of(device), async {
-            let mut renderer = Renderer::new(scene, options, device).await.expect("a renderer");
-            for &ray in rays {
-                let life = life(&mut renderer, ray, Rays::One).await;
-                let kinds = words::check(&life, renderer.data());
-                for kind in kinds.unwrap_or_else(|why| panic!("{label}, ray {ray:?}: {why}")) {
-                    *seen.entry(kind).or_default() += 1;
-                }
-            }
-        });
-    };
-    for file in scene_files() {
-        let scene = scene(&file);
-        for way in ways.iter().filter(|way| way.accelerator != None || scene.triangles.len() <= 200) {
-            for (source, any_hit, rays) in followed(&scene) {
-                let is_camera = matches!(source, RaySource::Camera { .. });
-                if any_hit && way.numerics == Numerics::Paper {
-                    continue;
-                }
-                let options = Options { shade: is_camera, any_hit, ..way.of(&Options::new(source)) };
-                // On the adapter the words are of what it did, with the host's own functions beside.
-                let on_adapter = is_camera && way.steps == 1 && file == "teapot.glb";
-                for (name, device) in devices().into_iter().filter(|(name, _)| *name == "cpu" || on_adapter) {
-                    hear(&format!("{file} {name} {way}"), &scene, &options, &device, &rays);
-                }
-            }
-        }
-    }
-    let (scene, source) = small_triangle();
-    let options = Options { shade: false, ..Way::new(None, Second, 1).paper().of(&Options::new(source)) };
-    hear("a small triangle", &scene, &options, &Device::Cpu(Option::None), &[[0, 0]]);
-    println!("{seen:?}");
-    let all = [
-        "generated",
-        "started",
-        "starts inside",
-        "misses the grid",
-        "starts outside",
-        "steps",
-        "steps out",
-        "leaps",
-        "leaps out",
-        "wraps",
-        "empty cell",
-        "list ended",
-        "kept",
-        "accepted",
-        "accepted in its cell",
-        "hit",
-        "not nearer",
-        "again",
-        "outside",
-        "outside of the cell",
-        "behind",
-        "edge-on",
-        "small determinant",
-        "box met",
-        "box missed",
-        "node done",
-        "leaf",
-        "leaf done",
-        "down",
-        "up",
-        "sibling",
-        "tree done",
-        "last accepted",
-        "last missed",
-        "no triangles",
-        "walk goes on",
-        "walk found",
-        "walk hit",
-        "walk missed",
-        "any hit",
-        "ray ended",
-        "beyond the end",
-        "shaded",
-        "background",
-    ];
-    let unseen: Vec<_> = all.into_iter().filter(|kind| !seen.contains_key(kind)).collect();
-    assert!(unseen.is_empty(), "no ray had its words say: {unseen:?}");
-}
-
-#[test]
-fn a_ray_alone_does_what_it_does_beside_all_others() {
-    use Accelerator::{Bvh, Grid, None};
-    use ScheduleKind::{Compact, First, Second};
-    let ways = [
-        Way::new(Grid, Compact, 1).leaping(),
-        Way::new(Grid, Second, 1),
-        Way::new(Grid, Compact, 8),
-        Way::new(Grid, Second, 1).paper(),
-        Way::new(Bvh, Second, 1),
-        Way::new(Bvh, Compact, 1),
-        Way::new(None, Compact, 4),
-        Way::new(None, First, 1),
-    ];
-    for file in scene_files() {
-        let scene = scene(&file);
-        for way in ways.iter().filter(|way| way.accelerator != None || scene.triangles.len() <= 200) {
-            let on_adapter = ["cornell-box.gltf", "flat.gltf"].contains(&file.as_str());
-            for (name, device) in devices().into_iter().filter(|(name, _)| *name == "cpu" || on_adapter) {
-                let options = way.of(&options(&scene, 22, 17));
-                block_on(gpu_of(&device), async {
-                    let mut renderer = Renderer::new(&scene, &options, &device).await.expect("a renderer");
-                    for pixel in [[11, 8], [4, 12], [21, 0]] {
-                        let label = format!("{file} {name} {way}, ray {pixel:?}");
-                        let whole = life(&mut renderer, pixel, Rays::All).await;
-                        let alone = life(&mut renderer, pixel, Rays::One).await;
-                        let others = renderer.passes().iter().filter(|p| p.rays_in > 1).count();
-                        assert_eq!((others, alone.rays, alone.passes), (0, 1, Option::None), "{label}");
-                        assert_eq!((whole.rays, whole.rows.len()), (22 * 17, alone.rows.len()), "{label}");
-                        let last = whole.passes.map(|passes| passes - 1);
-                        for (alone, whole) in alone.rows.iter().zip(&whole.rows) {
-                            // Debug prints every float so that it reads back as the same bits.
-                            let expected = if alone.kernel == "shade" { last } else { alone.pass };
-                            assert_eq!(whole.pass, expected, "{label}");
-                            let alone = TraceRow { pass: expected, ..alone.clone() };
-                            assert_eq!(format!("{alone:?}"), format!("{whole:?}"), "{label}");
-                        }
-                        assert!(alone.rows.last().is_some_and(|row| row.pass.is_none()), "{label}");
-                    }
-                    // All rays again, where it is not asked for one.
-                    renderer.restart();
-                    renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
-                    assert_eq!(renderer.live()[raystep_kernels::state::DONE as usize], 22 * 17);
-                });
-            }
-        }
-    }
-}
-
-#[test]
-fn where_a_ray_depends_on_the_others_all_are_traced() {
-    let scene = scene("cornell-box.gltf");
-    let samples = raystep_kernels::Samples { count: 2, ..Default::default() };
-    let of = |way: Way| way.of(&options(&scene, 12, 10));
-    let first = of(Way::new(Accelerator::Grid, ScheduleKind::First, 1));
-    for options in [first, Options { samples, ..of(STEPPED) }] {
-        block_on(None, async {
-            let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
-            assert!(!renderer.can_go_alone());
-            let [one, all] =
-                [life(&mut renderer, [5, 5], Rays::One).await, life(&mut renderer, [5, 5], Rays::All).await];
-            assert_eq!((one.rays, one.passes), (120, Some(renderer.passes().len())));
-            assert_eq!(one, all);
-            words::check(&one, renderer.data()).unwrap_or_else(|why| panic!("{why}"));
-        });
     }
 }
