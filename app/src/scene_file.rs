@@ -8,9 +8,11 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use raystep_scenes::{Camera, LoadOptions, Projection, Resolver, Scene, load};
 
-use crate::args::{CameraArgs, SceneArgs, Vector};
+use crate::args::{CameraArgs, SceneArgs, Vector, WRONG_FOV};
+use crate::commands::extension;
 use crate::error::Error;
 use crate::output::{folder_of, reason};
+use crate::terminal::visible;
 
 /// Vertical angle of view of `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;
@@ -30,16 +32,12 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
 
 /// Reads a scene by its path, and one of a file that holds several.
 pub(crate) fn read_path(path: &Path, index: Option<usize>) -> Result<SceneFile, Error> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let options = LoadOptions { scene: index, ..LoadOptions::default() };
     let bytes = read_file(path, options.max_bytes).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
-    if extension == "obj" || extension == "ply" {
-        return Err(Error::usage(format!(
-            "{}: a glTF scene is wanted; 'raystep scene convert' turns OBJ and PLY into one",
-            path.display()
-        )));
-    }
+    expect_scene(path)?;
+    // The scene's name goes into tables, pages and titles: nothing in it is to be obeyed there.
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = visible(&stem);
     let files = Beside { folder: folder_of(path).to_owned(), read: RefCell::new(vec![path.to_owned()]) };
     let scene = load(&stem, &bytes, &files, &options).map_err(|e| match e {
         raystep_scenes::LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
@@ -48,13 +46,27 @@ pub(crate) fn read_path(path: &Path, index: Option<usize>) -> Result<SceneFile, 
     Ok(SceneFile { scene, inputs: canonical(&files.read.into_inner()) })
 }
 
+/// Looks, without reading it, whether a file may be a scene.
+pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
+    let at = path.display();
+    regular_file(path).map_err(|e| Error::failed(format!("{at}: {e}")))?;
+    if matches!(extension(path).as_str(), "obj" | "ply") {
+        let glb = path.with_extension("glb");
+        return Err(Error::usage(format!(
+            "{at}: a glTF scene is wanted; 'raystep scene convert {at} -o {}' makes one of it",
+            glb.display()
+        )));
+    }
+    Ok(())
+}
+
 /// Through links, so that two names of a file are one.
 pub(crate) fn canonical(paths: &[PathBuf]) -> Vec<PathBuf> {
     paths.iter().filter_map(|path| fs::canonicalize(path).ok()).collect()
 }
 
-/// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
-pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
+/// What the system knows of a file that ends.
+fn regular_file(path: &Path) -> Result<fs::Metadata, String> {
     let found = fs::metadata(path).map_err(|e| reason(&e))?;
     if found.is_dir() {
         return Err("it is a folder; a file is wanted".into());
@@ -62,6 +74,12 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> 
     if !found.is_file() {
         return Err("it is not a regular file".into());
     }
+    Ok(found)
+}
+
+/// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
+pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
+    let found = regular_file(path)?;
     let too_large = || format!("it is larger than the {max_bytes} bytes that can be read here");
     if found.len() > max_bytes {
         return Err(too_large());
@@ -109,7 +127,7 @@ pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option
     if let (Some(eye), Some(target)) = (args.eye, args.look_at) {
         let fov = args.fov.unwrap_or(DEFAULT_FOV_DEG);
         if !(fov > 0.0 && fov < 180.0) {
-            return Err(Error::usage(format!("--fov {fov}: an angle between 0 and 180 degrees is wanted")));
+            return Err(Error::usage(format!("--fov {fov}: {WRONG_FOV}")));
         }
         let Vector([x, y, z]) = args.up.unwrap_or(Vector([0.0, 1.0, 0.0]));
         let Some(up) = DVec3::new(x, y, z).try_normalize() else {
@@ -133,7 +151,8 @@ pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option
                     0 => {
                         format!("--camera {index}: the scene has no camera; leave it out for one that frames the scene")
                     }
-                    _ => format!("--camera {index}: the scene has {count}, counted from 0"),
+                    1 => format!("--camera {index}: the scene has one camera, number 0"),
+                    _ => format!("--camera {index}: the scene has {count} cameras, 0 to {}", count - 1),
                 })
             })
         }

@@ -245,7 +245,17 @@ impl Gpu {
         let timestamp_period_ns = has_timestamps.then(|| f64::from(queue.get_timestamp_period()));
         let loops = loops(&device, &queue).await?;
         let clock = OnceLock::new();
-        Ok(Arc::new(Self { device, queue, info, timestamp_period_ns, loops, source, trouble, gate: Gate::default(), clock }))
+        Ok(Arc::new(Self {
+            device,
+            queue,
+            info,
+            timestamp_period_ns,
+            loops,
+            source,
+            trouble,
+            gate: Gate::default(),
+            clock,
+        }))
     }
 
     /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. Only once, before anything
