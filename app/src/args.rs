@@ -17,7 +17,7 @@ pub(crate) struct SceneArgs {
     /// The scene: glTF 2.0, .gltf or .glb
     pub(crate) scene: PathBuf,
     /// Which scene of a file that holds several, counted from 0 [default: the file's own]
-    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     pub(crate) scene_index: Option<usize>,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
@@ -46,7 +46,7 @@ impl Default for ReadArgs {
 #[command(next_help_heading = "Scene and view")]
 pub(crate) struct ViewArgs {
     /// Pixels a row and rows
-    #[arg(long, value_name = "WxH", default_value = "512x512")]
+    #[arg(long, value_name = "WxH", default_value = "512x512", allow_hyphen_values = true)]
     pub(crate) size: Size,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -60,14 +60,15 @@ pub(crate) struct ViewArgs {
 pub(crate) struct SampleArgs {
     /// Samples a pixel: the mean of so many rays through it. 1 is the pixel's centre; with more, hits and all other
     /// streams but color and accumulated are those of the last sample's ray
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(Samples::MOST)))]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true,
+          value_parser = whole::<u32>(1, u64::from(Samples::MOST)))]
     pub(crate) spp: u32,
     /// Where in the pixel they lie: evenly spread, a scrambled Sobol' sequence (sobol); independently (random)
     #[arg(long, default_value = "sobol", value_parser = named(Sampler::ALL, Sampler::name))]
     pub(crate) sampler: Sampler,
     /// Another seed puts them elsewhere; the same one gives the same picture
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true,
+          value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
     pub(crate) seed: u32,
 }
 
@@ -95,7 +96,8 @@ impl SampleArgs {
 #[command(next_help_heading = "Scene and view")]
 pub(crate) struct CameraArgs {
     /// One of the scene's cameras, counted from 0 [default: 0, or one that frames the scene]
-    #[arg(long, value_name = "N", conflicts_with_all = ["eye", "look_at", "up", "fov"])]
+    #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true,
+          conflicts_with_all = ["eye", "look_at", "up", "fov"])]
     pub(crate) camera: Option<usize>,
     /// A camera of your own: where it is
     #[arg(long, value_name = "X,Y,Z", requires = "look_at", allow_hyphen_values = true)]
@@ -104,10 +106,10 @@ pub(crate) struct CameraArgs {
     #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true)]
     pub(crate) look_at: Option<Vector>,
     /// … what is up [default: 0,1,0]
-    #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", requires_all = ["eye", "look_at"], allow_hyphen_values = true)]
     pub(crate) up: Option<Vector>,
     /// … and its vertical angle of view in degrees [default: 40]
-    #[arg(long, value_name = "DEG", requires = "eye", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", requires_all = ["eye", "look_at"], allow_hyphen_values = true, value_parser = parse_fov)]
     pub(crate) fov: Option<f64>,
 }
 
@@ -139,13 +141,14 @@ pub(crate) struct TuningArgs {
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
     pub(crate) numerics: Numerics,
     /// Cells of the grid: as many along each axis, or along x, y and z
-    #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid)]
+    #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid,
+          allow_hyphen_values = true)]
     pub(crate) grid: GridSize,
     /// Leap over empty cells of the grid: where most of them are empty (auto), always (on) or never (off)
     #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
     pub(crate) skip: Skip,
     /// Most steps of a ray in one pass of the compact schedule [default: 8; for trace and dump 1, the paper's]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "K", value_parser = whole::<u32>(1, 4096), allow_negative_numbers = true)]
     pub(crate) steps_per_pass: Option<u32>,
     /// Leave nothing out of the plan, to see what leaving out saves
     #[arg(long)]
@@ -159,8 +162,13 @@ impl TuningArgs {
             let chosen = accelerators.iter().map(|a| a.name()).collect::<Vec<_>>().join(", ");
             let all = [("--grid", self.grid == GridSize::Auto), ("--skip on", self.skip != Skip::On)];
             if let Some((option, _)) = all.iter().find(|(_, is_default)| !is_default) {
+                let why = if accelerators.contains(&Accelerator::Auto) {
+                    "accelerator auto decides by itself whether there is one".to_owned()
+                } else {
+                    format!("accelerator {chosen} uses none")
+                };
                 return Err(Error::usage(format!(
-                    "{option} is about a grid, and accelerator {chosen} uses none: leave it out, or name accelerator grid"
+                    "{option} is about a grid, and {why}: leave it out, or name accelerator grid"
                 )));
             }
         }
@@ -249,6 +257,34 @@ where
 {
     PossibleValuesParser::new(all.iter().map(|&v| name(v)).collect::<Vec<_>>()).try_map(|value| value.parse::<T>())
 }
+
+/// A parser of whole numbers, whose error says which are right.
+pub(crate) fn whole<T: TryFrom<u64> + Clone + Send + Sync + 'static>(
+    least: u64,
+    most: u64,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = text.parse::<u64>().ok().filter(|n| (least..=most).contains(n));
+        let wanted = || match most {
+            u64::MAX => format!("a whole number from {least} is wanted"),
+            _ => format!("a whole number from {least} to {most} is wanted"),
+        };
+        number.and_then(|n| T::try_from(n).ok()).ok_or_else(wanted)
+    }
+}
+
+/// Reads the number of one of several things.
+pub(crate) fn counted(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "a whole number is wanted; the first one's is 0".to_owned())
+}
+
+/// Reads `--fov`; whether it is an angle that can be seen under is looked at with the camera.
+fn parse_fov(text: &str) -> Result<f64, &'static str> {
+    text.parse().map_err(|_| WRONG_FOV)
+}
+
+/// What is said where it is not.
+pub(crate) const WRONG_FOV: &str = "an angle between 0 and 180 degrees is wanted";
 
 /// Most pixels each way, on any device.
 const MOST_PIXELS: u32 = 32_768;

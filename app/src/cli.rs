@@ -3,19 +3,18 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::commands::{
     bench, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace,
 };
 use crate::error::Error;
-use crate::window;
+use crate::{usage, window};
 
 /// Trace rays as a stream program, step by step, with every stream in the open
 ///
 /// Small kernels work on per-ray streams, on any GPU or on the CPU. Exit codes: 0 done, 1 the work failed,
-/// 2 wrong usage.
+/// 2 wrong usage; 129, 130 and 143 ended by SIGHUP, SIGINT and SIGTERM.
 #[derive(Parser, Debug)]
 #[command(
     name = "raystep",
@@ -76,23 +75,11 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Req
         Ok(Cli { command: Some(command) }) => Ok(Request::Run(command)),
         Ok(Cli { command: None }) => Ok(Request::Show(Cli::command().render_help().to_string())),
         Err(error) if !error.use_stderr() => Ok(Request::Show(error.render().to_string())),
-        Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            Err(Error::usage("what to do is missing (see --help)"))
-        }
-        Err(error) => Err(Error::usage(one_line(&error.render().to_string()))),
+        Err(error) => Err(Error::usage(usage::message(&error, &arguments))),
     }
 }
 
-/// Whether an argument looks like a scene's file.
+/// Whether an argument looks like a scene's file, be it one that has to be converted first.
 fn is_scene(argument: &OsString) -> bool {
-    matches!(extension(Path::new(argument)).as_str(), "gltf" | "glb")
-}
-
-/// clap's message in one line: without the usage and the pointer to help, which are the same every time.
-fn one_line(message: &str) -> String {
-    let message = message.strip_prefix("error: ").unwrap_or(message);
-    let paragraphs =
-        message.split("\n\n").filter(|p| !p.starts_with("Usage:") && !p.starts_with("For more information"));
-    let lines = paragraphs.map(|p| p.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>().join("; ");
-    format!("{lines} (see --help)")
+    matches!(extension(Path::new(argument)).as_str(), "gltf" | "glb" | "obj" | "ply")
 }

@@ -19,11 +19,22 @@ pub(crate) mod trace;
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::terminal::is_obeyed;
 
-/// A value as indented JSON with a line feed at its end.
+/// A value as indented JSON with a line feed at its end. No string in it has a character that a terminal obeys:
+/// JSON itself wants only some of them escaped.
 pub(crate) fn json_text(value: &impl Serialize) -> Result<String, Error> {
-    let text = serde_json::to_string_pretty(value);
-    text.map(|text| text + "\n").map_err(|e| Error::failed(format!("cannot write as JSON: {e}")))
+    let text = serde_json::to_string_pretty(value).map_err(|e| Error::failed(format!("cannot write as JSON: {e}")))?;
+    let mut json = String::with_capacity(text.len() + 1);
+    for c in text.chars() {
+        if is_obeyed(c) && c != '\n' {
+            // All of them have four digits.
+            json += &format!("\\u{:04x}", u32::from(c));
+        } else {
+            json.push(c);
+        }
+    }
+    Ok(json + "\n")
 }
 
 /// A file name's extension in lower case, or nothing.
@@ -54,4 +65,17 @@ fn distinct<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
         }
     }
     distinct
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_is_the_same_data_with_nothing_to_obey_in_it() {
+        let name = "a\u{1b}\u{7f}\u{9b}\u{202e}\nü";
+        let text = json_text(&[name]).expect("JSON");
+        assert_eq!(text, "[\n  \"a\\u001b\\u007f\\u009b\\u202e\\nü\"\n]\n");
+        assert_eq!(serde_json::from_str::<Vec<String>>(&text).expect("JSON"), [name]);
+    }
 }

@@ -54,6 +54,7 @@ impl From<PlanError> for Error {
             PlanError::Grid(GridError::Size(_)) => Self::usage(format!("--grid: {error}")),
             PlanError::Samples { .. } => Self::usage(format!("--spp: {error}")),
             PlanError::Ray { .. } => Self::usage(format!("--ray: {error}")),
+            PlanError::ImageSize { width, height, side, rays } => Self::usage(too_large([width, height], side, rays)),
             PlanError::BufferSize { limit, .. } if limit < Limits::CPU.storage_bytes => {
                 let most = Bytes(Limits::CPU.storage_bytes);
                 Self::failed(format!("{error}; --device cpu takes up to {most}"))
@@ -61,6 +62,17 @@ impl From<PlanError> for Error {
             _ => Self::failed(error),
         }
     }
+}
+
+/// What of an image's size is too large: a side, or all of it.
+fn too_large([width, height]: [u64; 2], side: u32, rays: u64) -> String {
+    let image = format!("an image of {width}x{height} pixels");
+    if width.max(height) > u64::from(side) {
+        return format!(
+            "{image} has more than {side} on a side, the most that can be traced here: choose a smaller size"
+        );
+    }
+    format!("{image} has {}, and at most {rays} can be traced here: choose a smaller size", width * height)
 }
 
 impl From<GpuError> for Error {

@@ -1,4 +1,4 @@
-//! Ctrl-C: what has been written under a temporary name is removed, then the program ends.
+//! Ctrl-C, and being told to end: what has been written under a temporary name is removed, then the program ends.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,20 +9,66 @@ use std::sync::{Mutex, PoisonError};
 /// Temporary files and folders that exist now.
 static TEMPORARY: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// What a shell expects of a program that SIGINT ended.
-const INTERRUPTED: i32 = 130;
+/// Takes away what is half-written, and ends.
+fn end(code: i32) -> ! {
+    // The lock is never given back: nothing new is created while the program ends.
+    let temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in temporary.iter() {
+        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    }
+    #[cfg(unix)]
+    // At once: what libraries do at an ordinary exit would meet their own threads, which still work.
+    signal_hook::low_level::exit(code);
+    #[cfg(not(unix))]
+    std::process::exit(code)
+}
 
-/// Handles SIGINT, SIGTERM and SIGHUP from now on.
+/// Handles SIGHUP, SIGINT and SIGTERM from now on, but for those that whoever started the program has it ignore, as
+/// `nohup` does and a shell that starts it in the background. The exit code is the one that shells give such an end:
+/// 128 and the signal's number.
+///
+/// Where it cannot be installed, a signal ends the program as ever, and may leave a temporary file.
+#[cfg(unix)]
 pub(crate) fn install() {
-    // Where it cannot be installed, Ctrl-C ends the program as ever and may leave a temporary file.
-    let _ = ctrlc::set_handler(|| {
-        // The lock is never given back: nothing new is created while the program ends.
-        let temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
-        for path in temporary.iter() {
-            let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+
+    let ignored = ignored();
+    let handled = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|&signal| !has(ignored, signal));
+    let Ok(mut signals) = Signals::new(handled) else { return };
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            end(128 + signal);
         }
-        std::process::exit(INTERRUPTED);
     });
+}
+
+/// Handles Ctrl-C from now on.
+#[cfg(not(unix))]
+pub(crate) fn install() {
+    /// What shells expect of a program that Ctrl-C ended.
+    const INTERRUPTED: i32 = 130;
+    let _ = ctrlc::set_handler(|| end(INTERRUPTED));
+}
+
+/// A bit for each signal that is ignored now, the lowest for signal 1. Linux says it in a file; elsewhere only unsafe
+/// code could ask, and none is taken to be ignored.
+#[cfg(unix)]
+fn ignored() -> u64 {
+    let status = if cfg!(target_os = "linux") { fs::read_to_string("/proc/self/status").ok() } else { None };
+    status.as_deref().and_then(sig_ign).unwrap_or(0)
+}
+
+/// The line `SigIgn` of a process's status.
+#[cfg(unix)]
+fn sig_ign(status: &str) -> Option<u64> {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+    u64::from_str_radix(mask.trim(), 16).ok()
+}
+
+#[cfg(unix)]
+fn has(mask: u64, signal: i32) -> bool {
+    mask >> (signal - 1) & 1 == 1
 }
 
 /// Creates a file in a temporary folder: no interrupt comes in between, as one that is removing the folder
@@ -55,5 +101,26 @@ impl<T> Temporary<T> {
         let result = finish(self.inner);
         temporary.remove(&self.path);
         result
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ignored_signals_are_read_from_a_status_as_linux_writes_it() {
+        let status =
+            "Name:\traystep\nSigBlk:\t0000000000000002\nSigIgn:\t0000000000001001\nSigCgt:\t0000000180000440\n";
+        let mask = sig_ign(status).expect("a mask");
+        // SIGHUP and SIGPIPE.
+        assert_eq!([1, 2, 13, 15].map(|signal| has(mask, signal)), [true, false, true, false]);
+        assert_eq!(sig_ign("Name:\traystep\n"), None);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_signal_that_rust_ignores_is_seen_to_be_ignored() {
+        assert!(has(ignored(), signal_hook::consts::SIGPIPE));
     }
 }

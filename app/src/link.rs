@@ -7,6 +7,7 @@ use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
 
 use crate::args::{
     CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, Size, TuningArgs, Vector, ViewArgs,
+    counted,
 };
 use crate::error::Error;
 
@@ -16,7 +17,7 @@ pub(crate) struct LinkArgs {
     /// The scene: glTF 2.0, .gltf or .glb
     pub(crate) scene: Option<PathBuf>,
     /// Which scene of a file that holds several, counted from 0 [default: the file's own]
-    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     pub(crate) scene_index: Option<usize>,
     #[command(flatten)]
     pub(crate) read: ReadArgs,

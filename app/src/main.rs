@@ -11,6 +11,7 @@ mod output;
 mod scene_file;
 mod session;
 mod terminal;
+mod usage;
 mod window;
 
 use std::process::ExitCode;

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempDir};
 
+use crate::commands::extension;
 use crate::error::Error;
 use crate::interrupt::{Temporary, create_inside};
 use crate::scene_file::read_file;
+use crate::usage::or;
 
 /// A file to be written.
 #[derive(Debug)]
@@ -81,6 +83,34 @@ impl Target {
     fn cannot(&self, error: &io::Error) -> Error {
         Error::failed(format!("cannot write {}: {}", self.path.display(), reason(error)))
     }
+}
+
+/// Checks the ending of a name, by which the format is known: one of `endings`, which is returned.
+pub(crate) fn ending(option: &str, path: &Path, endings: &'static [&'static str]) -> Result<&'static str, Error> {
+    let extension = extension(path);
+    if let Some(ending) = endings.iter().find(|ending| **ending == extension) {
+        return Ok(ending);
+    }
+    let at = path.display();
+    let wanted = or(&endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>());
+    let example = format!("out.{}", endings[0]);
+    let is_only_ending = path
+        .file_name()
+        .and_then(|name| name.to_str())
+        .is_some_and(|name| name.strip_prefix('.').is_some_and(|rest| endings.contains(&rest.to_lowercase().as_str())));
+    let wrong = match fs::metadata(path) {
+        Ok(found) if found.is_dir() => {
+            format!("it is a folder; name a file in it, such as {}", path.join(example).display())
+        }
+        Ok(found) if !found.is_file() => {
+            format!(
+                "it is no file, and has no ending that says which format is wanted; name a file that ends in {wanted}"
+            )
+        }
+        _ if is_only_ending => format!("there is nothing before the ending; {example} would be right"),
+        _ => format!("a name that ends in {wanted} is wanted"),
+    };
+    Err(Error::usage(format!("{option} {at}: {wrong}")))
 }
 
 /// Refuses outputs that would replace what was read: `inputs` has canonical names.

@@ -10,9 +10,11 @@ use glam::DVec3;
 use raystep_kernels::plan::Bytes;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
-use crate::args::{CameraArgs, SceneArgs, Vector};
+use crate::args::{CameraArgs, SceneArgs, Vector, WRONG_FOV};
+use crate::commands::extension;
 use crate::error::Error;
 use crate::output::reason;
+use crate::terminal::visible;
 use beside::Beside;
 
 /// Vertical angle of view of `--eye` without `--fov`, degrees.
@@ -29,7 +31,6 @@ pub(crate) struct SceneFile {
 /// Reads a scene.
 pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     let SceneArgs { scene: path, scene_index, read } = args;
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let options = LoadOptions { scene: *scene_index, max_bytes: read.max_memory, ..LoadOptions::default() };
     let failed = |problem: &dyn std::fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
     let raises = format!("--max-memory, now {}, raises it", Bytes(read.max_memory));
@@ -37,13 +38,10 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
         FileError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
         _ => failed(&e),
     })?;
-    if extension == "obj" || extension == "ply" {
-        return Err(Error::usage(format!(
-            "{}: a glTF scene is wanted; 'raystep scene convert' turns OBJ and PLY into one",
-            path.display()
-        )));
-    }
+    expect_scene(path)?;
+    // The scene's name goes into tables, pages and titles: nothing in it is to be obeyed there.
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = visible(&stem);
     let files = Beside::new(path, read.allow_outside).map_err(|e| failed(&e))?;
     let scene = load(&stem, &bytes, &files, &options).map_err(|e| match e {
         LoadError::NoSuchScene { .. } => Error::usage(format!("--scene-index: {e}")),
@@ -56,13 +54,27 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     Ok(SceneFile { scene, inputs: canonical(&inputs) })
 }
 
+/// Looks, without reading it, whether a file may be a scene.
+pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
+    let at = path.display();
+    regular_file(path).map_err(|e| Error::failed(format!("{at}: {e}")))?;
+    if matches!(extension(path).as_str(), "obj" | "ply") {
+        let glb = path.with_extension("glb");
+        return Err(Error::usage(format!(
+            "{at}: a glTF scene is wanted; 'raystep scene convert {at} -o {}' makes one of it",
+            glb.display()
+        )));
+    }
+    Ok(())
+}
+
 /// Through links, so that two names of a file are one.
 pub(crate) fn canonical(paths: &[PathBuf]) -> Vec<PathBuf> {
     paths.iter().filter_map(|path| fs::canonicalize(path).ok()).collect()
 }
 
-/// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
-pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileError> {
+/// What the system knows of a file that ends.
+fn regular_file(path: &Path) -> Result<fs::Metadata, String> {
     let found = fs::metadata(path).map_err(|e| reason(&e))?;
     if found.is_dir() {
         return Err("it is a folder; a file is wanted".into());
@@ -70,6 +82,12 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileErro
     if !found.is_file() {
         return Err("it is not a regular file".into());
     }
+    Ok(found)
+}
+
+/// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
+pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileError> {
+    let found = regular_file(path)?;
     if found.len() > max_bytes {
         return Err(FileError::TooLarge { bytes: found.len() });
     }
@@ -97,7 +115,7 @@ pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option
     if let (Some(eye), Some(target)) = (args.eye, args.look_at) {
         let fov = args.fov.unwrap_or(DEFAULT_FOV_DEG);
         if !(fov > 0.0 && fov < 180.0) {
-            return Err(Error::usage(format!("--fov {fov}: an angle between 0 and 180 degrees is wanted")));
+            return Err(Error::usage(format!("--fov {fov}: {WRONG_FOV}")));
         }
         let Vector([x, y, z]) = args.up.unwrap_or(Vector([0.0, 1.0, 0.0]));
         let Some(up) = DVec3::new(x, y, z).try_normalize() else {
@@ -121,7 +139,8 @@ pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option
                     0 => {
                         format!("--camera {index}: the scene has no camera; leave it out for one that frames the scene")
                     }
-                    _ => format!("--camera {index}: the scene has {count}, counted from 0"),
+                    1 => format!("--camera {index}: the scene has one camera, number 0"),
+                    _ => format!("--camera {index}: the scene has {count} cameras, 0 to {}", count - 1),
                 })
             })
         }

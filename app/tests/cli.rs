@@ -6,12 +6,19 @@ mod bad_input;
 mod common;
 #[path = "cli/confined.rs"]
 mod confined;
+#[path = "cli/escapes.rs"]
+mod escapes;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/inspect.rs"]
 mod inspect;
 #[path = "cli/link.rs"]
 mod link;
+#[path = "cli/messages.rs"]
+mod messages;
+#[cfg(unix)]
+#[path = "cli/signals.rs"]
+mod signals;
 #[path = "cli/text.rs"]
 mod text;
 #[path = "cli/ways.rs"]

@@ -99,9 +99,9 @@ fn one_accelerator_without_files_and_the_list_of_cases() {
 #[test]
 fn what_cannot_be_meant_is_refused_before_anything_runs() {
     let place = Place::new();
-    place.fails(2, "there are inside, axis-0", &["stability", "--case", "no-such"]);
+    place.fails(2, "'raystep stability --list' lists them", &["stability", "--case", "no-such"]);
     place.fails(2, "--device cpu uses none", &["stability", "--device", "cpu", "--adapter", "x"]);
-    place.fails(2, "grid, bvh, none", &["stability", "--accelerator", "auto"]);
+    place.fails(2, "--accelerator auto: grid, bvh or none is wanted", &["stability", "--accelerator", "auto"]);
     place.fails(2, "--output", &["stability", "--force"]);
     let file = scene("cornell-box.gltf").display().to_string();
     place.fails(2, "unexpected argument", &["stability", &file]);

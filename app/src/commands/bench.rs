@@ -13,7 +13,9 @@ use raystep_kernels::export::bench::SummaryRow;
 use raystep_kernels::options::STEPS_PER_PASS;
 use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, TuningArgs, grid_text, named};
+use crate::args::{
+    CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, TuningArgs, counted, grid_text, named, whole,
+};
 use crate::commands::distinct;
 use crate::commands::input::Input;
 use crate::device;
@@ -40,7 +42,8 @@ use measure::{Bench, Group};
 Examples:
   raystep bench scenes/cornell-box.gltf -o bench
   raystep bench scenes/teapot.glb --accelerators grid,bvh --schedules second,compact,fused -o bench
-  raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow,random -o bench
+  raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow -o bench
+  raystep bench scenes/teapot.glb --repeats 50 -o before
   raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after")]
 pub(crate) struct BenchArgs {
     /// The scenes: glTF 2.0, .gltf or .glb
@@ -60,6 +63,7 @@ pub(crate) struct BenchArgs {
         value_name = "WxH…",
         value_delimiter = ',',
         default_value = "512x512",
+        allow_hyphen_values = true,
         help_heading = "What is measured"
     )]
     sizes: Vec<Size>,
@@ -68,11 +72,11 @@ pub(crate) struct BenchArgs {
           value_parser = named(RayKind::ALL, RayKind::name), help_heading = "What is measured")]
     rays: Vec<RayKind>,
     /// Runs that count
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=MOST_RUNS),
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32>(1, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
     repeats: u32,
     /// Runs before them that do not
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=MOST_RUNS),
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(0, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
     warmups: u32,
     /// The folder of an earlier benchmark: give the times now by the times then
@@ -85,7 +89,7 @@ pub(crate) struct BenchArgs {
     #[arg(long)]
     force: bool,
     /// Which scene of files that hold several, counted from 0 [default: each file's own]
-    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     scene_index: Option<usize>,
     #[command(flatten)]
     read: ReadArgs,
@@ -107,7 +111,7 @@ impl BenchArgs {
 }
 
 /// Most runs of a configuration.
-const MOST_RUNS: i64 = 100_000;
+const MOST_RUNS: u64 = 100_000;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
     args.tuning.check(&args.accelerators, &args.schedules)?;

@@ -11,7 +11,7 @@ use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::stream::{STREAMS, StreamInfo};
-use raystep_kernels::{Kernel, Pass, Stream, StreamData};
+use raystep_kernels::{Accelerator, Kernel, Limits, Options, Pass, ScheduleKind, Stream, StreamData};
 use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -36,7 +36,7 @@ pub(crate) struct DumpArgs {
     #[command(flatten)]
     scene: SceneArgs,
     /// After which pass, counted from 0
-    #[arg(long, value_name = "N|last|all", default_value = "last")]
+    #[arg(long, value_name = "N|last|all", default_value = "last", allow_negative_numbers = true)]
     pass: Which,
     /// Which streams, with commas between them; see 'raystep plan'
     #[arg(long, value_name = "NAME|all", default_value = "all", value_delimiter = ',', value_parser = parse_stream)]
@@ -76,7 +76,7 @@ impl FromStr for Which {
         match value {
             "last" => Ok(Self::Last),
             "all" => Ok(Self::All),
-            _ => value.parse().map(Self::Number).map_err(|_| "a pass's number, last or all is wanted"),
+            _ => value.parse().map(Self::Number).map_err(|_| "a pass's number from 0, last or all is wanted"),
         }
     }
 }
@@ -92,7 +92,8 @@ fn parse_stream(value: &str) -> Result<Wanted, String> {
         return Ok(Wanted::All);
     }
     let names = || STREAMS.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
-    Stream::from_name(value).map(Wanted::Stream).ok_or_else(|| format!("there are {}, and all", names()))
+    let found = Stream::from_name(value).map(Wanted::Stream);
+    found.ok_or_else(|| format!("there is no such stream; there are {}, and all", names()))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -173,7 +174,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         (session.plan, session.data) = Plan::new(&session.scene, &session.options, &session.chosen.limits())?;
     }
     folder.refuse_inputs(&session.inputs, is_ours)?;
-    let streams = streams(args, &session.plan)?;
+    let streams = streams(args, &session.plan, &session.options)?;
     let left_out = LeftOut::of(&session.plan);
     let mut running = session.start(&progress)?;
 
@@ -276,7 +277,7 @@ fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &P
 }
 
 /// The streams to write; an error where one that was named is not part of the plan.
-fn streams(args: &DumpArgs, plan: &Plan) -> Result<Vec<Stream>, Error> {
+fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result<Vec<Stream>, Error> {
     if args.stream.contains(&Wanted::All) {
         return Ok(plan.streams.iter().map(|s| s.what).collect());
     }
@@ -286,13 +287,34 @@ fn streams(args: &DumpArgs, plan: &Plan) -> Result<Vec<Stream>, Error> {
         if !plan.has_stream(stream) {
             let what = format!("stream {}", stream.name());
             let reason = plan.left_out.iter().find(|l| l.what == what).map_or("not needed", |l| l.reason);
-            return Err(Error::usage(format!("--stream {}: this run leaves it out: {reason}", stream.name())));
+            let tip = option_for(stream, options).map(|o| format!("; {o} has it")).unwrap_or_default();
+            return Err(Error::usage(format!("--stream {}: this run leaves it out: {reason}{tip}", stream.name())));
         }
         if !streams.contains(&stream) {
             streams.push(stream);
         }
     }
     Ok(streams)
+}
+
+/// One option more with which a run has a stream that it leaves out, where there is one: found by planning with it.
+fn option_for(stream: Stream, options: &Options) -> Option<&'static str> {
+    let changes: [(&'static str, fn(&mut Options)); 5] = [
+        ("--accelerator grid", |o| o.accelerator = Accelerator::Grid),
+        ("--accelerator bvh", |o| o.accelerator = Accelerator::Bvh),
+        ("--schedule compact", |o| o.schedule = ScheduleKind::Compact),
+        ("--steps-per-pass 1", |o| o.steps_per_pass = 1),
+        ("--spp 2", |o| o.samples.count = 2),
+    ];
+    // Which streams there are does not depend on the scene, and this one is planned at once.
+    let scene = raystep_scenes::generate::cornell_box();
+    let has_it = |change: fn(&mut Options)| {
+        let mut options = options.clone();
+        change(&mut options);
+        options.shade |= options.samples.count > 1;
+        Plan::new(&scene, &options, &Limits::CPU).is_ok_and(|(plan, _)| plan.has_stream(stream))
+    };
+    changes.into_iter().find(|(_, change)| has_it(*change)).map(|(option, _)| option)
 }
 
 /// Bytes of the streams after one pass.

@@ -1,6 +1,8 @@
 //! What the pages have in common that commands write: they need nothing beside them, no script and no network, and can
 //! be read in the light and in the dark.
 
+use crate::terminal::visible;
+
 /// Colours by what they are for, and the few elements that every page has.
 const STYLE: &str = "\
 :root{color-scheme:light dark;--ink:#222;--paper:#fff;--dim:#555;--rule:#e4e4e0;--head:#999;--bad:#b01525;--odd:#fde9e9}\
@@ -20,9 +22,11 @@ pub(crate) fn page(title: &str, style: &str, body: &str) -> String {
     )
 }
 
-/// Text as HTML, in elements and in attributes.
+/// Text as HTML, in elements and in attributes. HTML has no way to write control characters, and those that turn the
+/// direction of text would turn what stands behind: they are shown as a terminal shows them.
 pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let text = visible(text);
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
 }
 
 #[cfg(test)]
@@ -31,6 +35,7 @@ mod tests {
 
     #[test]
     fn text_is_not_markup() {
-        assert_eq!(escaped("<a href=\"x\">&"), "&lt;a href=&quot;x&quot;&gt;&amp;");
+        assert_eq!(escaped("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
+        assert_eq!(escaped("a\u{1b}b\u{202e}c"), "a\\u{1b}b\\u{202e}c");
     }
 }

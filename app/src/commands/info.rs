@@ -10,11 +10,11 @@ use raystep_kernels::{AdapterChoice, AdapterSummary, Loops};
 use raystep_scenes::{Light, Projection, Scene};
 use serde::Serialize;
 
-use crate::args::{DeviceArgs, DeviceKind, ReadArgs, SceneArgs};
+use crate::args::{DeviceArgs, DeviceKind, ReadArgs, SceneArgs, counted};
 use crate::device::{AboutClock, block_on, choose, open};
 use crate::error::Error;
 use crate::scene_file;
-use crate::terminal::print;
+use crate::terminal::{print, visible};
 
 /// List the GPU adapters and which one would be used; or what a scene holds
 #[derive(Args, Debug)]
@@ -27,7 +27,7 @@ pub(crate) struct InfoArgs {
     /// A scene to tell about instead
     scene: Option<PathBuf>,
     /// Which scene of a file that holds several, counted from 0
-    #[arg(long, value_name = "N", requires = "scene")]
+    #[arg(long, value_name = "N", requires = "scene", value_parser = counted, allow_negative_numbers = true)]
     scene_index: Option<usize>,
     #[command(flatten)]
     read: ReadArgs,
@@ -277,7 +277,7 @@ impl AboutScene {
             line("camera", format!("{i}: {:?}, {}{fov}, at {:?}", c.name, c.projection, c.eye));
         }
         for note in &self.notes {
-            line("note", note.clone());
+            line("note", visible(note).into_owned());
         }
         text
     }

@@ -11,13 +11,14 @@ use raystep_inspector::ui::{Arrival, Shown};
 use raystep_kernels::AdapterChoice;
 
 use super::trace::Pixel;
-use crate::args::{DeviceArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{DeviceArgs, RunArgs, SceneArgs, ViewArgs, whole};
 use crate::device;
 use crate::error::Error;
 use crate::link::{LinkArgs, Wanted, link_of};
-use crate::output::{Target, write};
+use crate::output::{Target, ending, write};
 use crate::scene_file;
-use crate::terminal::print;
+use crate::terminal::{print, visible};
+use crate::usage::did_you_mean;
 use crate::window::{self, SceneChoice, Start};
 
 /// Open the inspector: step through passes, see every stream, walk with a ray
@@ -28,29 +29,33 @@ use crate::window::{self, SceneChoice, Start};
 Examples:
   raystep inspect scenes/cornell-box.gltf
   raystep inspect scenes/teapot.glb --accelerator bvh --pixel 200,260 --pass 40
-  raystep inspect --link \"raystep:1?scene=scenes/cornell-box.gltf&pixel=270,256&pass=41&stream=tmax.x\"
+  raystep inspect --link \"raystep:1?scene=scenes/teapot.glb&pixel=200,260&pass=41&stream=tmax.x\"
   raystep inspect scenes/cornell-box.gltf --screenshot box.png --window 1600x1000 --do \"Full layout\"")]
 pub(crate) struct InspectArgs {
     #[command(flatten)]
     link: LinkArgs,
     /// The ray to look at, by its pixel from the top left
-    #[arg(long, value_name = "X,Y")]
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pixel: Option<Pixel>,
     /// Go there first: after so many passes
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(0, u64::MAX))]
     pass: Option<usize>,
     /// Draw the window into a PNG without a display, and exit
     #[arg(long, value_name = "F.png")]
     screenshot: Option<PathBuf>,
     /// The window's size in points
-    #[arg(long, value_name = "WxH", default_value = "1280x800")]
+    #[arg(long, value_name = "WxH", default_value = "1280x800", allow_hyphen_values = true)]
     window: Size,
     /// Pixels a point of a screenshot
-    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "screenshot")]
+    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "screenshot", value_parser = parse_scale,
+          allow_negative_numbers = true)]
     scale: f32,
-    /// Before the screenshot, do this command of the palette; may be given again and again
+    /// Before the screenshot, do this command of the palette, see --list; may be given again and again
     #[arg(long = "do", value_name = "COMMAND", requires = "screenshot", value_parser = parse_command)]
     commands: Vec<Command>,
+    /// List the commands of the palette
+    #[arg(long)]
+    list: bool,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -73,17 +78,30 @@ impl FromStr for Size {
     }
 }
 
+fn parse_scale(text: &str) -> Result<f32, &'static str> {
+    text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or("a number from 0.25 to 8 is wanted")
+}
+
 fn parse_command(name: &str) -> Result<Command, String> {
     let wanted = name.trim_end_matches('…').to_lowercase();
     let found = COMMANDS.iter().find(|info| info.name.trim_end_matches('…').to_lowercase() == wanted);
     found.map(|info| info.command).ok_or_else(|| {
         let names: Vec<&str> = COMMANDS.iter().map(|info| info.name).collect();
-        format!("no command is called {name:?}; there are: {}", names.join(", "))
+        format!("no command is called so; {}'raystep inspect --list' lists them", did_you_mean(name, &names))
     })
 }
 
 pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
+    if args.list {
+        return print(&COMMANDS.iter().map(|info| info.name.to_owned() + "\n").collect::<String>());
+    }
+    if let Some(path) = &args.screenshot {
+        ending("--screenshot", path, &["png"])?;
+    }
     let (args, start) = start(args)?;
+    if let Some(scene) = &start.scene {
+        scene_file::expect_scene(&scene.path)?;
+    }
     if args.screenshot.is_none() && !window::has_display() {
         return Err(Error::failed(
             "there is no display to open a window on; --screenshot F.png draws it into a file, 'raystep render' an image",
@@ -95,15 +113,13 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     }
     let gpu = device::open(&adapter(&args.device))?;
     let Some(target) = target else { return window::open(gpu, start) };
-    if !(0.25..=8.0).contains(&args.scale) {
-        return Err(Error::usage(format!("--scale {}: a number from 0.25 to 8 is wanted", args.scale)));
-    }
     let picture = window::screenshot(&gpu, start, args.scale, &args.commands)?;
     let mut png = Vec::new();
     picture
         .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
         .map_err(|e| Error::failed(format!("cannot write as PNG: {e}")))?;
-    let (name, [width, height]) = (target.path().display().to_string(), [picture.width(), picture.height()]);
+    let (name, [width, height]) =
+        (visible(&target.path().to_string_lossy()).into_owned(), [picture.width(), picture.height()]);
     write(vec![(target, png)])?;
     print(&format!("{name}: {width} x {height}, drawn on {}\n", gpu.info.name))
 }
@@ -122,7 +138,7 @@ struct WindowArgs {
 
 /// What the options, or the link, ask for.
 fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
-    let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, view, run } = args;
+    let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, view, run, list: _ } = args;
     let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, shown: None };
     if let Some(text) = &link.link {
         let link: Link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;

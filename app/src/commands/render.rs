@@ -16,7 +16,7 @@ use raystep_kernels::{Image, Kernel, Numerics, RayHit, Stream};
 use super::summary;
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
-use crate::output::{Target, refuse_inputs, write};
+use crate::output::{Target, ending, refuse_inputs, write};
 use crate::session::{Running, Session};
 use crate::terminal::{Progress, print};
 
@@ -36,7 +36,7 @@ Examples:
   raystep render scenes/cornell-box.gltf -o box.png --numerics paper --check
   raystep render scenes/terrain.glb -o t.png --eye 2,1,2 --look-at 0,0,0 --fov 30
   raystep render scenes/cornell-box.gltf -o box.png --passes-csv passes.csv --summary-json run.json
-  raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   (open it at ui.perfetto.dev)")]
+  raystep render scenes/cornell-box.gltf -o box.png --trace-json trace.json   (for ui.perfetto.dev)")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -73,14 +73,7 @@ enum Format {
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
-    let format = match super::extension(&args.output).as_str() {
-        "png" => Format::Png,
-        "exr" => Format::Exr,
-        _ => {
-            let path = args.output.display();
-            return Err(Error::usage(format!("-o {path}: a name that ends in .png or .exr is wanted")));
-        }
-    };
+    let format = if ending("-o", &args.output, &["png", "exr"])? == "exr" { Format::Exr } else { Format::Png };
     let target = Target::new(&args.output)?;
     let optional = |path: &Option<PathBuf>| path.as_deref().map(Target::new).transpose();
     let (passes_target, trace_target) = (optional(&args.passes_csv)?, optional(&args.trace_json)?);
@@ -125,7 +118,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Error> {
     }
     write(files)?;
     progress.finish();
-    progress.say(summary::text(&summary, &running));
+    progress.say_lines(&summary::text(&summary, &running));
     report.map_or(Ok(()), |report| judge(&report, &running))
 }
 

@@ -19,13 +19,13 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use raystep_kernels::{Device, GridSize, Load};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, parse_grid};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, counted, parse_grid};
 use crate::commands::distinct;
 use crate::commands::input::Input;
 use crate::device::{self, Chosen};
 use crate::error::Error;
 use crate::output::TargetFolder;
-use crate::terminal::Progress;
+use crate::terminal::{Progress, visible};
 use section::{SECTIONS, Section};
 use table::Table;
 use work::Work;
@@ -63,16 +63,16 @@ pub(crate) struct ReportArgs {
           value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
     sections: Vec<String>,
     /// Which scene of files that hold several, counted from 0 [default: each file's own]
-    #[arg(long, value_name = "N", help_heading = "Scene and view")]
+    #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     scene_index: Option<usize>,
     #[command(flatten)]
     read: ReadArgs,
     /// Pixels a row and rows of views [default: 192x192; with --quick 64x64]
-    #[arg(long, value_name = "WxH", help_heading = "Scene and view")]
+    #[arg(long, value_name = "WxH", help_heading = "Scene and view", allow_hyphen_values = true)]
     size: Option<Size>,
     /// Cells of the grid in the section factors [default: auto, finer than elsewhere]
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
-          value_parser = parse_grid, help_heading = "Tracing")]
+          value_parser = parse_grid, allow_hyphen_values = true, help_heading = "Tracing")]
     grid: GridSize,
     #[command(flatten)]
     quiet: QuietArgs,
@@ -175,7 +175,7 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
 
 /// On what, by which command.
 fn about(chosen: &Chosen) -> page::About {
-    let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    let command_line = std::env::args_os().skip(1).map(|argument| visible(&argument.to_string_lossy()).into_owned());
     let mut about = vec![
         ("command", std::iter::once("raystep".to_owned()).chain(command_line).collect::<Vec<_>>().join(" ")),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),

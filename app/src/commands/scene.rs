@@ -6,9 +6,9 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, value_par
 use raystep_scenes::generate::{GENERATORS, GenerateError, Generator};
 use raystep_scenes::{Scene, convert, write_glb};
 
-use crate::args::QuietArgs;
+use crate::args::{QuietArgs, whole};
 use crate::error::Error;
-use crate::output::{Target, refuse_inputs, write};
+use crate::output::{Target, ending, refuse_inputs, write};
 use crate::scene_file::{canonical, read_file};
 use crate::terminal::{Progress, print};
 
@@ -95,8 +95,9 @@ fn generator_command(generator: &'static Generator) -> Command {
     let mut command = QuietArgs::augment_args(Command::new(generator.name)).about(generator.summary);
     for p in generator.parameters {
         let help = format!("{}, {} [default: {}]", p.summary, range(p), p.default);
-        command =
-            command.arg(Arg::new(p.name).long(p.name).value_name("N").value_parser(value_parser!(u64)).help(help));
+        let number = whole::<u64>(*p.range.start(), *p.range.end());
+        let argument = Arg::new(p.name).long(p.name).value_name("N").value_parser(number).allow_negative_numbers(true);
+        command = command.arg(argument.help(help));
     }
     let example = generator.parameters.first().map(|p| format!(" --{} {}", p.name, p.default)).unwrap_or_default();
     let output = Arg::new("output").short('o').long("output").value_name("F.glb").required(true);
@@ -151,9 +152,7 @@ fn list() -> String {
 }
 
 fn glb_target(path: &Path) -> Result<Target, Error> {
-    if super::extension(path) != "glb" {
-        return Err(Error::usage(format!("-o {}: a name that ends in .glb is wanted", path.display())));
-    }
+    ending("-o", path, &["glb"])?;
     Target::new(path)
 }
 

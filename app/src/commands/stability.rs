@@ -20,6 +20,7 @@ use crate::device::{self, Chosen, block_on};
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::terminal::{Progress, print};
+use crate::usage::did_you_mean;
 use picture::Picture;
 
 /// Trace extreme cases, and compare every ray with f64 brute force
@@ -136,8 +137,8 @@ fn chosen_cases(names: &[String]) -> Result<Vec<&'static Case>, Error> {
     if let Some(unknown) = names.iter().find(|name| !CASES.iter().any(|case| case.name.contains(name.as_str()))) {
         let all: Vec<&str> = CASES.iter().map(|case| case.name).collect();
         return Err(Error::usage(format!(
-            "--case {unknown}: no case has this in its name; there are {}",
-            all.join(", ")
+            "--case {unknown}: no case has this in its name; {}'raystep stability --list' lists them",
+            did_you_mean(unknown, &all)
         )));
     }
     let is_chosen = |case: &&Case| names.is_empty() || names.iter().any(|name| case.name.contains(name.as_str()));

@@ -36,7 +36,7 @@ pub(crate) struct TraceArgs {
     #[command(flatten)]
     scene: LinkArgs,
     /// The ray through the centre of a pixel, counted from 0 at the top left
-    #[arg(long, value_name = "X,Y")]
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pixel: Option<Pixel>,
     /// A ray of your own: origin and direction, decimal or as the bits of an f32 in hex
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", allow_hyphen_values = true)]

@@ -63,24 +63,6 @@ impl Place {
         outcome(&mut self.command(&arguments))
     }
 
-    /// Starts the binary, interrupts it in the middle of its work, and expects that nothing is left of it.
-    #[cfg(unix)]
-    #[allow(dead_code, reason = "not every test binary interrupts one")]
-    pub(crate) fn leaves_nothing_interrupted(&self, arguments: &[&str]) {
-        let arguments: Vec<&OsStr> = arguments.iter().map(OsStr::new).collect();
-        let mut child = self.command(&arguments).stderr(Stdio::null()).spawn().expect("the binary starts");
-        let begun = std::time::Instant::now();
-        while self.names().is_empty() && begun.elapsed().as_secs() < 20 {
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
-        std::thread::sleep(std::time::Duration::from_millis(300));
-        assert!(self.names().iter().all(|n| n.starts_with(".raystep-")), "{:?}", self.names());
-        let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-        assert!(kill.is_ok_and(|status| status.success()));
-        assert_eq!(child.wait().expect("an end").code(), Some(130));
-        assert_eq!(self.names(), Vec::<String>::new());
-    }
-
     /// Runs, and fails the test unless the exit code is 0.
     pub(crate) fn ok(&self, arguments: &[&str]) -> Outcome {
         let outcome = self.run(arguments);

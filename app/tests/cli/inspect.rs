@@ -41,17 +41,65 @@ fn the_window_is_drawn_without_a_display_and_shows_what_it_is_asked_to() {
     assert_eq!(shot("large.png", &["--scale", "2"]).dimensions(), (1280, 800));
 }
 
+/// Columns in which the times of passes begin, which no two runs have in common.
+const TIMES: std::ops::RangeInclusive<u32> = 133..=135;
+/// The panel of the stream, with its tab.
+const STREAM: [std::ops::Range<u32>; 2] = [138..368, 48..374];
+/// In it, the picture of 32 x 32 texels: its corner, and its side, in pixels.
+const TEXELS: ([f32; 2], f32) = ([157.0, 180.0], 189.0);
+
+/// Where two pictures differ, but for times.
+fn differences(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {
+    assert_eq!(a.dimensions(), b.dimensions());
+    let pairs = a.enumerate_pixels().zip(b.pixels());
+    pairs.filter(|((x, _, a), b)| a != b && !TIMES.contains(x)).map(|((x, y, _), _)| [x, y]).collect()
+}
+
 #[test]
 fn a_link_says_where_to_go() {
     let place = Place::new();
-    let link = format!("raystep:1?scene={}&size=32x32&pixel=12,20&pass=20&stream=tmax.z", cornell_box());
-    let window = ["--window", "640x400", "--screenshot"];
-    place.ok(&[&["inspect", "--link", &link], &window[..], &["link.png"]].concat());
-    let options = ["inspect", &cornell_box(), "--size", "32x32", "--pixel", "12,20", "--pass", "20"];
-    place.ok(&[&options[..], &window[..], &["options.png"]].concat());
-    // The same but for the stream: the views differ, the passes at the left do not.
-    let (a, b) = (picture(&place, "link.png"), picture(&place, "options.png"));
-    assert!(differing(&a, &b) > 1_000);
+    let file = cornell_box();
+    let shot = |name: &str, how: &[&str]| {
+        place.ok(&[&["inspect", "--window", "640x400", "--screenshot", name], how].concat());
+        picture(&place, name)
+    };
+    let link = |more: &str| format!("raystep:1?scene={file}&size=32x32&{more}");
+    let options = shot("options.png", &[&file, "--size", "32x32", "--pixel", "12,20", "--pass", "20"]);
+    let linked = shot("link.png", &["--link", &link("pixel=12,20&pass=20")]);
+    assert_eq!(differences(&options, &linked), Vec::<[u32; 2]>::new(), "the pixel and the pass that options name");
+    for elsewhere in ["pixel=12,20&pass=22", "pixel=20,12&pass=20"] {
+        assert!(differences(&linked, &shot("other.png", &["--link", &link(elsewhere)])).len() > 100, "{elsewhere}");
+    }
+
+    // A stream beside: the panel of streams is another, and the rest is not.
+    let tmax = shot("tmax.png", &["--link", &link("pixel=12,20&pass=20&stream=tmax.z")]);
+    let is_inside = |[x, y]: &[u32; 2]| STREAM[0].contains(x) && STREAM[1].contains(y);
+    let changed = differences(&linked, &tmax);
+    assert!(changed.len() > 10_000 && changed.iter().all(is_inside), "{:?}", changed.iter().find(|p| !is_inside(p)));
+    // It shows that stream and layer: the higher a value after that pass, the brighter its texel.
+    let dump = ["dump", &file, "--size", "32x32", "--stream", "tmax", "--pass", "19", "--device", "gpu", "-o", "dump"];
+    place.ok(&dump);
+    let values = place.read("dump/pass-000019.tmax.npy");
+    let z = &values[values.len() - 4 * 32 * 32..];
+    let mut texels = Vec::new();
+    for (i, bytes) in z.chunks_exact(4).enumerate() {
+        let (x, y) = (i % 32, i / 32);
+        // The mark of the selected ray covers its neighbours.
+        if x.abs_diff(12) <= 2 && y.abs_diff(20) <= 2 {
+            continue;
+        }
+        let at = |corner: f32, texel: usize| (corner + TEXELS.1 * (texel as f32 + 0.5) / 32.0) as u32;
+        let [r, g, b, _] = tmax.get_pixel(at(TEXELS.0[0], x), at(TEXELS.0[1], y)).0.map(u32::from);
+        texels.push((f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]), 2 * r + 5 * g + b, [x, y]));
+    }
+    texels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let distinct = texels.chunk_by(|a, b| a.0 == b.0).count();
+    assert!(distinct >= 5, "{distinct} values");
+    for pair in texels.windows(2) {
+        let ((value, light, at), (next, lighter, there)) = (pair[0], pair[1]);
+        let is_right = if value == next { light == lighter } else { light < lighter };
+        assert!(is_right, "{value} at {at:?} is drawn with {light}, {next} at {there:?} with {lighter}");
+    }
 }
 
 #[test]
@@ -63,7 +111,7 @@ fn what_cannot_be_shown_is_said_in_a_line_and_leaves_no_file() {
         (1, "broken.gltf: the glTF JSON is wrong", &["broken.gltf"]),
         (1, "nothing.glb: No such file", &["nothing.glb"]),
         (2, "the image has pixels 0,0 to 7,7", &[&file, "--size", "8x8", "--pixel", "8,0"]),
-        (2, "no command is called \"dance\"", &[&file, "--do", "dance"]),
+        (2, "--do dance: no command is called so; 'raystep inspect --list' lists them", &[&file, "--do", "dance"]),
         (2, "cannot be stepped", &[&file, "--schedule", "fused"]),
         (2, "a number from 0.25 to 8 is wanted", &[&file, "--scale", "0"]),
         (2, "so does --pass", &["--link", "raystep:1?scene=x.glb&pass=3", "--pass", "4"]),

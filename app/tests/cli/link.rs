@@ -69,7 +69,7 @@ fn what_a_link_sets_is_not_set_again() {
     let link = format!("raystep:1?scene={file}&size=8x8&pixel=1,1&device=cpu");
     let cases: &[(&str, &str, &[&str])] = &[
         ("cannot be used with", &link, &[&file]),
-        ("--scene-index <N>", &link, &["--scene-index", "0"]),
+        ("--link <LINK> cannot be used with --scene-index <N>", &link, &["--scene-index", "0"]),
         ("cannot be used with", &link, &["--size", "9x9"]),
         ("cannot be used with", &link, &["--camera", "0"]),
         ("cannot be used with", &link, &["--eye", "0,0,1", "--look-at", "0,0,0"]),

@@ -125,25 +125,113 @@ fn a_view_along_up_says_which_up_is_taken() {
     assert_eq!(said(&[&down[..], &["--up", "0,0,5"]].concat()), "");
 }
 
+/// `13` or `1,036` at the end of a text.
+fn last_number(text: &str) -> u64 {
+    let digits = text.rsplit(|c: char| !(c.is_ascii_digit() || c == ',')).next().unwrap_or_default();
+    digits.replace(',', "").parse().unwrap_or_else(|_| panic!("no number ends {text:?}"))
+}
+
 #[test]
-fn help_examples_name_files_that_are_there_or_made_by_a_line_before() {
+fn the_readme_says_how_many_rays_check_counts_as_lost() {
+    let readme = std::fs::read_to_string(scene("../README.md")).expect("the README");
+    let said = |before: &str| last_number(readme.split_once(before).unwrap_or_else(|| panic!("no {before:?}")).0);
     let place = Place::new();
-    #[cfg(unix)]
-    std::os::unix::fs::symlink(scene(""), place.path("scenes")).expect("a link");
-    for command in [&["scene"][..], &["scene", "convert"], &["completions"]] {
-        let help = place.ok(&[command, &["--help"]].concat()).stdout;
-        let (_, examples) = help.split_once("Examples:\n").expect("examples");
-        if !cfg!(unix) {
-            continue;
-        }
-        for line in examples.lines() {
-            let line = line.replacen("  raystep", concat!("'", env!("CARGO_BIN_EXE_raystep"), "'"), 1);
-            let mut shell = std::process::Command::new("sh");
-            let home = place.path("");
-            let result = outcome(shell.args(["-c", &line]).env("HOME", &home).current_dir(&home));
-            assert_eq!(result.code, Some(0), "{line}: {result:?}");
-        }
+    let missed = |how: &[&str]| {
+        let render = ["render", &cornell_box(), "-o", "a.png", "--numerics", "paper", "--check", "--device", "cpu"];
+        let counted = place.ok(&[&render[..], how].concat()).stdout;
+        assert!(counted.contains(" 0 false, 0 wrong,"), "{counted}");
+        last_number(counted.split_once(" missed").expect("a count").0)
+    };
+    let (all, between_triangles) = (missed(&["--grid", "20"]), missed(&["--accelerator", "none"]));
+    assert_eq!(all, said(" of 262,144 rays"));
+    assert_eq!(between_triangles, said(" between triangles"));
+    assert_eq!(all - between_triangles, said(" at voxel faces"));
+}
+
+/// An example with less to do, that it may be run in a test: small images, few repeats, one section or case.
+fn small(example: &str) -> String {
+    let command = example.strip_prefix("raystep ").and_then(|rest| rest.split(' ').next()).unwrap_or_default();
+    let has = |option: &str| example.split(' ').any(|word| word == option);
+    let with = |option: &'static str, value: &'static str, is_wanted: bool| match example
+        .split_once(&format!(" {option} "))
+    {
+        Some((_, rest)) => Some((format!(" {option} {}", rest.split(' ').next().unwrap_or_default()), option, value)),
+        None => is_wanted.then(|| (String::new(), option, value)),
+    };
+    let is_view = matches!(command, "render" | "trace" | "dump" | "plan" | "inspect") && !has("--link");
+    let changes = [
+        with("--size", "16x16", is_view || command == "report"),
+        with("--pixel", "9,9", false),
+        with("--sizes", "16x16", command == "bench"),
+        with("--repeats", "1", command == "bench"),
+        with("--warmups", "0", command == "bench"),
+        with("--window", "480x300", command == "inspect"),
+        with("--screenshot", "shot.png", command == "inspect"),
+        with("--section", "grid", command == "report"),
+        with("--triangles", "100", false),
+        if has("--list") || has("--case") { None } else { with("--case", "no-triangle", command == "stability") },
+    ];
+    let quick =
+        if matches!(command, "report" | "stability") && !has("--quick") && !has("--list") { " --quick" } else { "" };
+    // What stands behind a pipe or an arrow is not raystep's.
+    let end = [" | ", " > "].iter().filter_map(|mark| example.find(mark)).min().unwrap_or(example.len());
+    let (mut line, rest) = (example[..end].to_owned() + quick, &example[end..]);
+    for (before, option, value) in changes.into_iter().flatten() {
+        let after = format!(" {option} {value}");
+        if before.is_empty() { line += &after } else { line = line.replace(&before, &after) }
     }
+    for pixel in ["pixel=200,260", "pixel=256,256"] {
+        line = line.replace(pixel, "pixel=9,9&size=16x16");
+    }
+    line + rest
+}
+
+/// Each example of each help, in order and in one folder a command, with the repository's scenes.
+#[test]
+#[cfg(unix)]
+fn help_examples_run() {
+    let commands = "inspect render trace dump bench report stability plan info scene completions";
+    let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
+    helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
+    let has_jq = std::process::Command::new("jq").arg("--version").output().is_ok_and(|o| o.status.success());
+    let mut run = 0;
+    for help in helps {
+        let place = Place::new();
+        std::os::unix::fs::symlink(scene(""), place.path("scenes")).expect("a link");
+        let text = place.ok(&[&help[..], &["--help"]].concat()).stdout;
+        let (_, examples) = text.split_once("Examples:\n").expect("examples");
+        let (mut of_help, mut folder) = (0, None);
+        for line in examples.lines() {
+            let Some(line) = line.strip_prefix("  ") else { continue };
+            // What a line does may be said behind it.
+            let line = line.split("   ").next().unwrap_or(line);
+            let line = if has_jq { line } else { line.split(" | jq").next().unwrap_or(line) };
+            let line = small(line);
+            // An example that stands for itself writes the folder that the one before has written.
+            let output = line.split_once(" -o ").map(|(_, rest)| rest.split(' ').next().unwrap_or(rest).to_owned());
+            if output.is_some() && output == folder && place.path(output.as_deref().unwrap_or_default()).is_dir() {
+                std::fs::remove_dir_all(place.path(output.as_deref().unwrap_or_default())).expect("a folder");
+            }
+            folder = output;
+            let script = format!("raystep() {{ '{}' \"$@\"; }}\n{line}", env!("CARGO_BIN_EXE_raystep"));
+            let mut shell = std::process::Command::new("sh");
+            for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+                shell.env_remove(name);
+            }
+            let home = place.path("");
+            let result = outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home));
+            if line == "raystep scenes/cornell-box.gltf" && cfg!(not(target_os = "macos")) {
+                // It opens a window, and a test has none to look at: tests/window.sh does.
+                assert!(result.stderr.starts_with("error: there is no display"), "{line}: {result:?}");
+            } else {
+                assert_eq!(result.code, Some(0), "{line}: {result:?}");
+            }
+            of_help += 1;
+        }
+        assert!(of_help > 0, "{help:?} has no example");
+        run += of_help;
+    }
+    assert!(run >= 50, "{run} examples");
 }
 
 #[test]

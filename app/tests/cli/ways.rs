@@ -58,7 +58,9 @@ fn a_pass_says_how_many_threads_it_launched() {
     let (width, height) = (100u64, 70u64);
     let covering = |side: u64| width.next_multiple_of(side) * height.next_multiple_of(side);
     for (device, schedule) in ["cpu", "gpu"].into_iter().flat_map(|d| SCHEDULES.map(|s| (d, s))) {
-        let how = ["--size", "100x70", "--device", device, "--schedule", schedule, "--quiet"];
+        // With eight steps a pass there are too few passes for a chunk of 512 rays to be done in one and left out.
+        let steps: &[&str] = if (device, schedule) == ("cpu", "compact") { &["--steps-per-pass", "2"] } else { &[] };
+        let how = [&["--size", "100x70", "--device", device, "--schedule", schedule, "--quiet"], steps].concat();
         let files = ["-o", "a.png", "--passes-csv", "passes.csv", "--trace-json", "trace.json"];
         place.ok(&[&["render", &cornell_box()], &how[..], &files[..]].concat());
         let passes = passes(&place, "passes.csv");
@@ -80,9 +82,13 @@ fn a_pass_says_how_many_threads_it_launched() {
             fewest = fewest.min(threads);
         }
         match (device, schedule) {
-            ("gpu", "compact") => assert!(fewest < 7000, "the last rays need fewer rows: {fewest}"),
-            ("cpu", "first" | "second") => assert!(fewest < 7000, "the last rays are in few chunks: {fewest}"),
-            _ => assert!(fewest >= 7000 || schedule == "compact", "{device} {schedule}: {fewest}"),
+            // What is launched follows the rays: their list on a GPU, the chunks that hold one on the CPU.
+            (_, "compact") | ("cpu", "first" | "second") => {
+                assert!(fewest < 7000, "the last rays need fewer threads: {device} {schedule}: {fewest}");
+            }
+            // Every pass is over the whole image.
+            (_, "fused") | ("gpu", "first" | "second") => assert!(fewest >= 7000, "{device} {schedule}: {fewest}"),
+            _ => panic!("{device} {schedule} is looked at by nobody"),
         }
         let trace = json(&place, "trace.json");
         let slices = trace["traceEvents"].as_array().expect("events").iter().filter(|e| e["cat"] == "pass");
@@ -161,15 +167,15 @@ fn what_would_have_no_effect_is_refused() {
     let file = cornell_box();
     let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
     let cases: &[(&str, &[&str])] = &[
-        ("0 is not in 1..=4096", &["--steps-per-pass", "0"]),
-        ("4097 is not in 1..=4096", &["--steps-per-pass", "4097"]),
-        ("99999999999999999999", &["--steps-per-pass", "99999999999999999999"]),
+        ("--steps-per-pass 0: a whole number from 1 to 4096 is wanted", &["--steps-per-pass", "0"]),
+        ("4097: a whole number from 1 to 4096 is wanted", &["--steps-per-pass", "4097"]),
+        ("99999999999999999999: a whole number from 1 to 4096", &["--steps-per-pass", "99999999999999999999"]),
         ("name schedule compact", &["--steps-per-pass", "2", "--schedule", "first"]),
         ("this is fused", &["--steps-per-pass", "8", "--schedule", "fused"]),
         ("--skip on is about a grid, and accelerator bvh uses none", &["--skip", "on", "--accelerator", "bvh"]),
-        ("name accelerator grid", &["--grid", "8", "--accelerator", "auto"]),
+        ("accelerator auto decides by itself whether there is one", &["--grid", "8", "--accelerator", "auto"]),
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
-        ("auto, on, off", &["--skip", "maybe"]),
+        ("auto, on or off is wanted", &["--skip", "maybe"]),
     ];
     for (wanted, how) in cases {
         place.fails(2, wanted, &[&render[..], how].concat());
@@ -231,10 +237,10 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
     let file = cornell_box();
     let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
     for (wanted, how) in [
-        ("0 is not in 1..=65536", &["--spp", "0"][..]),
-        ("65537 is not in 1..=65536", &["--spp", "65537"]),
-        ("invalid digit", &["--spp", "x"]),
-        ("sobol, random", &["--spp", "4", "--sampler", "blue"]),
+        ("--spp 0: a whole number from 1 to 65536 is wanted", &["--spp", "0"][..]),
+        ("65537: a whole number from 1 to 65536 is wanted", &["--spp", "65537"]),
+        ("--spp x: a whole number from 1 to 65536 is wanted", &["--spp", "x"]),
+        ("sobol or random is wanted", &["--spp", "4", "--sampler", "blue"]),
         ("give --spp", &["--sampler", "random"]),
         ("give --spp", &["--seed", "7"]),
     ] {

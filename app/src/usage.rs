@@ -1,0 +1,197 @@
+//! A command line that means nothing, in one line: what, where, and what would be right. clap finds what is wrong; its
+//! own words have tips that do not help here, and lists too long to read.
+
+use std::error::Error as _;
+use std::ffi::OsString;
+use std::path::Path;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// Values that a message lists; of more, it names those that are nearest.
+const MOST_LISTED: usize = 12;
+
+/// Least likeness of a name that somebody may have meant, by Jaro and Winkler: a slip or two in a word have more, and
+/// words that only share some letters, as dance and cancel do, have 0.82.
+const LIKE: f64 = 0.85;
+
+/// What is wrong with `arguments`, of which the first is the program.
+pub(crate) fn message(error: &clap::Error, arguments: &[OsString]) -> String {
+    let all = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => vec![text.clone()],
+        Some(ContextValue::Strings(texts)) => texts.clone(),
+        _ => Vec::new(),
+    };
+    let one = |kind| all(kind).into_iter().next().unwrap_or_default();
+    let argument = one(ContextKind::InvalidArg);
+    let option = name_of(&argument);
+    match error.kind() {
+        ErrorKind::InvalidValue => {
+            let (value, valid) = (one(ContextKind::InvalidValue), all(ContextKind::ValidValue));
+            match (value.as_str(), valid.as_slice()) {
+                ("", []) => format!("{argument}: a value is missing"),
+                ("", valid) => wrong_value(option, "''", valid),
+                (value, valid) => wrong_value(option, value, valid),
+            }
+        }
+        ErrorKind::ValueValidation => {
+            let reason = error.source().map_or_else(|| "it cannot be read".to_owned(), ToString::to_string);
+            format!("{option} {}: {reason}", one(ContextKind::InvalidValue))
+        }
+        ErrorKind::UnknownArgument => {
+            let similar = one(ContextKind::SuggestedArg);
+            let tip = if similar.is_empty() { String::new() } else { format!("; {similar} is similar") };
+            format!("unexpected argument {argument}{tip} (see --help)")
+        }
+        ErrorKind::InvalidSubcommand => {
+            let is_scene = arguments.get(1).is_some_and(|first| first == "scene");
+            // clap gives the nearest last.
+            let nearest = all(ContextKind::SuggestedSubcommand).pop();
+            no_such_command(&one(ContextKind::InvalidSubcommand), is_scene, nearest)
+        }
+        ErrorKind::MissingRequiredArgument => missing(&all(ContextKind::InvalidArg), arguments),
+        ErrorKind::ArgumentConflict => {
+            let others = all(ContextKind::PriorArg);
+            if others.is_empty() || others == [argument.clone()] {
+                format!("{option} is given more than once: give it once")
+            } else {
+                format!("{argument} cannot be used with {}: leave one of them out", and(&others))
+            }
+        }
+        ErrorKind::MissingSubcommand | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            "what to do is missing (see --help)".to_owned()
+        }
+        ErrorKind::InvalidUtf8 => "an argument is no UTF-8, where only a file's name need not be".to_owned(),
+        _ => one_line(&error.render().to_string()),
+    }
+}
+
+/// What messages call an argument that help shows as `--size <WxH>`.
+fn name_of(argument: &str) -> &str {
+    let name = argument.split(' ').next().unwrap_or(argument);
+    name.trim_matches(['<', '>', '[', ']', '.'])
+}
+
+/// A value that is none of the valid ones.
+fn wrong_value(option: &str, value: &str, valid: &[String]) -> String {
+    if valid.len() <= MOST_LISTED {
+        format!("{option} {value}: {} is wanted", or(valid))
+    } else {
+        format!("{option} {value}: {}(see --help)", did_you_mean(value, valid))
+    }
+}
+
+/// `did you mean x or y? `, or nothing where no name is near.
+pub(crate) fn did_you_mean<T: AsRef<str>>(wrong: &str, names: &[T]) -> String {
+    let near = nearest(wrong, names);
+    if near.is_empty() { String::new() } else { format!("did you mean {}? ", or(&near)) }
+}
+
+/// The three names at most that are most like a wrong one, the most like first.
+fn nearest<'a, T: AsRef<str>>(wrong: &str, names: &'a [T]) -> Vec<&'a str> {
+    let wrong = wrong.to_lowercase();
+    let likeness = |name: &str| {
+        let name = name.to_lowercase();
+        // Part of a name is as good as a slip in it.
+        let is_part = wrong.chars().count() > 1 && name.contains(&wrong);
+        if is_part { 1.0 } else { strsim::jaro_winkler(&wrong, &name) }
+    };
+    let mut near: Vec<(f64, &str)> =
+        names.iter().map(|name| (likeness(name.as_ref()), name.as_ref())).filter(|(like, _)| *like >= LIKE).collect();
+    near.sort_by(|a, b| b.0.total_cmp(&a.0));
+    near.into_iter().take(3).map(|(_, name)| name).collect()
+}
+
+/// `a, b or c`
+pub(crate) fn or<T: AsRef<str>>(names: &[T]) -> String {
+    series(names, "or")
+}
+
+/// `a, b and c`
+fn and<T: AsRef<str>>(names: &[T]) -> String {
+    series(names, "and")
+}
+
+fn series<T: AsRef<str>>(names: &[T], word: &str) -> String {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, rest)) => format!("{} {word} {last}", rest.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// A first word that is no command: perhaps a file.
+fn no_such_command(word: &str, is_scene: bool, nearest: Option<String>) -> String {
+    let tip = nearest.map(|name| format!("did you mean {name}? ")).unwrap_or_default();
+    if is_scene {
+        return format!("{word}: no scene that can be made is called so; {tip}'raystep scene list' lists them");
+    }
+    let path = Path::new(word);
+    if path.is_dir() {
+        return format!("{word}: it is a folder; a command or a glTF file is wanted (see --help)");
+    }
+    if path.exists() || path.components().count() > 1 || path.extension().is_some() {
+        return format!("{word}: a command, or a file whose name ends in .gltf or .glb, is wanted (see --help)");
+    }
+    format!(
+        "{word}: there is no such command{}",
+        if tip.is_empty() { " (see --help)".into() } else { format!("; {tip}(see --help)") }
+    )
+}
+
+/// Arguments that must be there and are not.
+fn missing(arguments: &[String], given: &[OsString]) -> String {
+    const OF_CAMERA: [&str; 4] = ["--eye", "--look-at", "--up", "--fov"];
+    let is_given = |option: &&str| {
+        let starts = |given: &OsString| given.to_str().and_then(|g| g.strip_prefix(option)).is_some_and(is_whole);
+        given.iter().any(starts)
+    };
+    let is_of_camera = |argument: &String| OF_CAMERA.contains(&name_of(argument));
+    if let Some(option) =
+        OF_CAMERA.iter().find(|option| is_given(option)).filter(|_| arguments.iter().all(is_of_camera))
+    {
+        let place = |argument: &String| OF_CAMERA.iter().position(|&option| option == name_of(argument));
+        let mut arguments = arguments.to_vec();
+        arguments.sort_by_key(place);
+        return format!("{option} is for a camera of your own, which needs {} as well", and(&arguments));
+    }
+    let is = if arguments.len() == 1 { "is" } else { "are" };
+    format!("{} {is} missing (see --help)", and(arguments))
+}
+
+/// Whether an option's name ends here.
+fn is_whole(rest: &str) -> bool {
+    rest.is_empty() || rest.starts_with('=')
+}
+
+/// clap's message in one line: without the usage and the pointer to help, which are the same every time.
+fn one_line(message: &str) -> String {
+    let message = message.strip_prefix("error: ").unwrap_or(message);
+    let paragraphs =
+        message.split("\n\n").filter(|p| !p.starts_with("Usage:") && !p.starts_with("For more information"));
+    let lines = paragraphs.map(|p| p.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>().join("; ");
+    format!("{lines} (see --help)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_names_come_first_and_far_ones_not_at_all() {
+        let names = ["Light or dark", "Simple layout", "Full layout", "Fit picture", "Quit"];
+        assert_eq!(nearest("ful layuot", &names), ["Full layout"]);
+        assert_eq!(nearest("layout", &names), ["Simple layout", "Full layout"]);
+        assert_eq!(nearest("dance", &names), Vec::<&str>::new());
+        assert_eq!(did_you_mean("quiet", &names), "did you mean Quit? ");
+        assert_eq!(did_you_mean("x", &names), "");
+    }
+
+    #[test]
+    fn names_stand_in_a_series() {
+        assert_eq!(
+            (or(&["a"]), or(&["a", "b"]), and(&["a", "b", "c"])),
+            ("a".into(), "a or b".into(), "a, b and c".into())
+        );
+    }
+}
