@@ -325,7 +325,7 @@ fn passes_keep_their_numbers_whatever_is_dumped() {
     for (i, way) in ways.into_iter().enumerate() {
         let is_stepped = way != ["--schedule", "fused"];
         let passes = is_stepped.then(|| {
-            let trace = ["trace", &cornell_box(), "--pixel", "3,4", "--format", "json", "--quiet"];
+            let trace = ["trace", &cornell_box(), "--pixel", "3,4", "--all-rays", "--format", "json", "--quiet"];
             let life: Value =
                 serde_json::from_str(&place.ok(&[&trace[..], &common, way].concat()).stdout).expect("JSON");
             life["passes"].as_u64().expect("a number") as usize
