@@ -299,7 +299,8 @@ fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result<Vec<Stream
 
 /// One option more with which a run has a stream that it leaves out, where there is one: found by planning with it.
 fn option_for(stream: Stream, options: &Options) -> Option<&'static str> {
-    let changes: [(&'static str, fn(&mut Options)); 5] = [
+    type Change = (&'static str, fn(&mut Options));
+    let changes: [Change; 5] = [
         ("--accelerator grid", |o| o.accelerator = Accelerator::Grid),
         ("--accelerator bvh", |o| o.accelerator = Accelerator::Bvh),
         ("--schedule compact", |o| o.schedule = ScheduleKind::Compact),
