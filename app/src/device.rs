@@ -91,11 +91,19 @@ pub(crate) fn choose(args: &DeviceArgs) -> Result<Chosen, Error> {
         DeviceKind::Cpu => Ok(on_cpu("--device cpu".into())),
         DeviceKind::Gpu => Ok(on_gpu(open(&AdapterChoice::Best)?, "--device gpu")),
         DeviceKind::Auto => Ok(match block_on(None, Gpu::new(&AdapterChoice::Best)) {
-            Ok(gpu) if gpu.info.device_type != wgpu::DeviceType::Cpu => {
-                check_clock(&gpu)?;
-                on_gpu(gpu, "the best adapter")
+            Ok(gpu) => {
+                let name = gpu.info.name.clone();
+                match Device::auto(gpu, Some(now_ns)) {
+                    Device::Gpu(gpu) => {
+                        check_clock(&gpu)?;
+                        on_gpu(gpu, "the best adapter")
+                    }
+                    device => Chosen {
+                        device,
+                        reason: format!("the only adapter is software ({name}), the CPU twins are faster"),
+                    },
+                }
             }
-            Ok(gpu) => on_cpu(format!("the only adapter is software ({}), the CPU twins are faster", gpu.info.name)),
             Err(GpuError::NoAdapter(_)) => on_cpu("no GPU adapter found: the CPU twins".into()),
             Err(error) => on_cpu(format!("{error}: the CPU twins")),
         }),

@@ -88,8 +88,9 @@ pub(crate) fn open(gpu: Arc<Gpu>, start: Start) -> Result<(), Error> {
     let run = event_loop.run_app(&mut Application { eframe, surface: surface.clone() });
     run.map_err(|e| Error::failed(format!("the window was closed: {e}")))?;
     if !ended.is_open.load(Ordering::Relaxed) {
-        let reason = surface.trouble().or_else(last_error::take);
-        return Err(failed(reason.unwrap_or_else(|| "the system gives no reason".into())));
+        let logged =
+            || Some(last_error::take_of("eframe")?.trim_start_matches("Exiting because of error: ").to_owned());
+        return Err(failed(surface.trouble().or_else(logged).unwrap_or_else(|| "the system gives no reason".into())));
     }
     match ended.lost.lock().ok().and_then(|mut lost| lost.take()).or_else(|| surface.trouble()) {
         Some(message) => Err(Error::failed(message)),

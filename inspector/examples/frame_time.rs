@@ -72,6 +72,8 @@ impl Host for Threads {
 
     fn save(&mut self, _file: FileToSave) {}
 
+    fn save_as(&mut self, _file: FileToSave, _path: &str, _replaces: bool) {}
+
     fn events(&mut self) -> Vec<HostEvent> {
         Vec::new()
     }

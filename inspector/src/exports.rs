@@ -21,8 +21,10 @@ pub struct Export {
     pub name: String,
     /// The extension, without a dot.
     pub extension: &'static str,
-    /// What it holds.
+    /// Its contents.
     pub bytes: Vec<u8>,
+    /// What that is, in words: "73 rows".
+    pub holds: String,
 }
 
 /// Nothing was exported.
@@ -43,18 +45,18 @@ pub enum ExportError {
 }
 
 impl Export {
-    fn new(name: &str, extension: &'static str, bytes: Vec<u8>) -> Self {
+    fn new(name: &str, extension: &'static str, bytes: Vec<u8>, holds: String) -> Self {
         // Scenes are named by anybody.
         let name: String =
             name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' }).take(100).collect();
         let name = name.trim_matches('.');
-        Self { name: if name.is_empty() { "raystep".into() } else { name.into() }, extension, bytes }
+        Self { name: if name.is_empty() { "raystep".into() } else { name.into() }, extension, bytes, holds }
     }
 
-    fn json(name: &str, value: &impl Serialize) -> Result<Self, ExportError> {
+    fn json(name: &str, value: &impl Serialize, holds: String) -> Result<Self, ExportError> {
         let mut bytes = serde_json::to_vec_pretty(value)?;
         bytes.push(b'\n');
-        Ok(Self::new(name, "json", bytes))
+        Ok(Self::new(name, "json", bytes, holds))
     }
 
     /// The name with its extension.
@@ -76,7 +78,7 @@ pub fn passes_csv(run: &RunContext, passes: &[Pass], work: &[PassWork]) -> Resul
         csv.write(run, pass, work.get(i).copied()).map_err(failed)?;
     }
     csv.finish().map_err(failed)?;
-    Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes))
+    Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes, counted(passes.len(), "row")))
 }
 
 /// Passes as Chrome trace events, which Perfetto opens.
@@ -85,7 +87,21 @@ pub fn passes_csv(run: &RunContext, passes: &[Pass], work: &[PassWork]) -> Resul
 /// [`ExportError::Json`].
 pub fn passes_trace(run: &RunContext, passes: &[Pass]) -> Result<Export, ExportError> {
     let bytes = serde_json::to_vec(&trace_events(run, passes))?;
-    Ok(Export::new(&format!("{}.trace", run.scene), "json", bytes))
+    Ok(Export::new(&format!("{}.trace", run.scene), "json", bytes, counted(passes.len(), "pass")))
+}
+
+/// How many of what.
+fn counted(count: usize, what: &str) -> String {
+    match (count, what) {
+        (1, what) => format!("1 {what}"),
+        (_, "pass") => format!("{count} passes"),
+        (_, what) => format!("{count} {what}s"),
+    }
+}
+
+fn texels(data: &StreamData) -> String {
+    let layers = counted(data.stream.layers(), "layer");
+    format!("{}, {layers} of {} x {} texels", data.stream.name(), data.width, data.height)
 }
 
 /// As `dump` names a stream: after pass `pass`, or before the first.
@@ -101,7 +117,7 @@ fn stream_name(data: &StreamData, pass: Option<usize>) -> String {
 pub fn stream_npy(data: &StreamData, pass: Option<usize>) -> Result<Export, ExportError> {
     let mut bytes = Vec::new();
     npy::write_stream(&mut bytes, data)?;
-    Ok(Export::new(&stream_name(data, pass), "npy", bytes))
+    Ok(Export::new(&stream_name(data, pass), "npy", bytes, texels(data)))
 }
 
 /// A stream as OpenEXR, a channel a layer. `pass` is the one that it was read after, if any.
@@ -111,7 +127,7 @@ pub fn stream_npy(data: &StreamData, pass: Option<usize>) -> Result<Export, Expo
 pub fn stream_exr(data: &StreamData, pass: Option<usize>) -> Result<Export, ExportError> {
     let mut bytes = Cursor::new(Vec::new());
     exr::write_stream(&mut bytes, data)?;
-    Ok(Export::new(&stream_name(data, pass), "exr", bytes.into_inner()))
+    Ok(Export::new(&stream_name(data, pass), "exr", bytes.into_inner(), texels(data)))
 }
 
 fn life_name(life: &Trace) -> String {
@@ -126,7 +142,7 @@ fn life_name(life: &Trace) -> String {
 pub fn life_csv(life: &Trace) -> Result<Export, ExportError> {
     let mut bytes = Vec::new();
     life.write_csv(&mut bytes).map_err(|e| ExportError::Csv(e.to_string()))?;
-    Ok(Export::new(&life_name(life), "csv", bytes))
+    Ok(Export::new(&life_name(life), "csv", bytes, counted(life.rows.len(), "row")))
 }
 
 /// A ray's life as `trace --format json` writes it.
@@ -134,17 +150,17 @@ pub fn life_csv(life: &Trace) -> Result<Export, ExportError> {
 /// # Errors
 /// [`ExportError::Json`].
 pub fn life_json(life: &Trace) -> Result<Export, ExportError> {
-    Export::json(&life_name(life), life)
+    Export::json(&life_name(life), life, counted(life.rows.len(), "row"))
 }
 
 /// The data flow as SVG; see [`DataFlow::svg`].
 #[must_use]
 pub fn data_flow_svg(graph: &DataFlow, current: Option<Kernel>, rays: &[(Kernel, u64)]) -> Export {
-    Export::new("data-flow", "svg", graph.svg(current, rays).into_bytes())
+    Export::new("data-flow", "svg", graph.svg(current, rays).into_bytes(), "a drawing".into())
 }
 
 /// A link as a line of text.
 #[must_use]
 pub fn link_text(link: &Link) -> Export {
-    Export::new("link", "txt", format!("{link}\n").into_bytes())
+    Export::new("link", "txt", format!("{link}\n").into_bytes(), "a link".into())
 }

@@ -1,7 +1,11 @@
 //! What a run is asked for, as plain data: what the options panel edits, and what is saved.
 
+use std::sync::Arc;
+
 use glam::DVec3;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip};
+use raystep_kernels::{
+    Accelerator, Device, Gpu, GridSize, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip,
+};
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +14,9 @@ use crate::link::{Link, LinkCamera, LinkDevice, LinkRay};
 /// Where passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DeviceKind {
+    /// As on the command line: the adapter that the window draws with, and the twins in f32 where that is software.
+    /// A run that is open has one of the others.
+    Auto,
     /// The adapter that the window draws with.
     #[default]
     Gpu,
@@ -20,13 +27,24 @@ pub enum DeviceKind {
 }
 
 impl DeviceKind {
-    /// Every value.
+    /// Every value that a run can have.
     pub const ALL: [Self; 3] = [Self::Gpu, Self::Cpu, Self::CpuF64];
+
+    /// What a run has: the choice, where it is still to be made.
+    #[must_use]
+    pub fn on(self, gpu: &Arc<Gpu>) -> Self {
+        match self {
+            Self::Auto if Device::auto(gpu.clone(), None).is_gpu() => Self::Gpu,
+            Self::Auto => Self::Cpu,
+            chosen => chosen,
+        }
+    }
 
     /// What people read.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Gpu => "GPU",
             Self::Cpu => "CPU twins, f32",
             Self::CpuF64 => "CPU twins, f64",
@@ -163,7 +181,12 @@ impl From<&Link> for Settings {
             ray,
             keep_all: link.keep_all,
             samples: link.samples,
-            device: if link.device == LinkDevice::Cpu { DeviceKind::Cpu } else { DeviceKind::Gpu },
+            device: match link.device {
+                // An adapter's name is the name of a GPU.
+                LinkDevice::Auto if link.adapter.is_none() => DeviceKind::Auto,
+                LinkDevice::Auto | LinkDevice::Gpu => DeviceKind::Gpu,
+                LinkDevice::Cpu => DeviceKind::Cpu,
+            },
             ..Self::default()
         }
     }
@@ -196,7 +219,11 @@ impl Settings {
             steps_per_pass: self.steps_per_pass,
             keep_all: self.keep_all,
             samples: self.samples_taken(),
-            device: if self.device == DeviceKind::Gpu { LinkDevice::Gpu } else { LinkDevice::Cpu },
+            device: match self.device {
+                DeviceKind::Auto => LinkDevice::Auto,
+                DeviceKind::Gpu => LinkDevice::Gpu,
+                DeviceKind::Cpu | DeviceKind::CpuF64 => LinkDevice::Cpu,
+            },
             ray: given,
             ..Link::default()
         }

@@ -1,5 +1,6 @@
 //! The window: menus, keys and panels over a run.
 
+mod asked_path;
 pub mod canvas;
 pub mod command;
 mod dialogs;
@@ -28,7 +29,8 @@ use crate::saved::Saved;
 use crate::session::engine::{Devices, OPENING};
 use crate::session::request::{Opened, Request};
 use crate::session::{Model, Target};
-use crate::settings::{Settings, View};
+use crate::settings::{DeviceKind, Settings, View};
+use asked_path::{AskedPath, NOT_WRITTEN};
 use canvas::Canvas;
 use command::Command;
 use dialogs::Dialog;
@@ -49,6 +51,8 @@ pub struct Inspector {
     shared: Shared,
     tree: Tree<Pane>,
     dialog: Option<Dialog>,
+    /// Paths that are still to be asked for.
+    asked: VecDeque<AskedPath>,
     todo: VecDeque<Command>,
     toasts: Toasts,
     is_playing: bool,
@@ -106,6 +110,7 @@ impl Inspector {
             shared: Shared::default(),
             tree: Layout::Simple.tree(),
             dialog: None,
+            asked: VecDeque::new(),
             todo: VecDeque::new(),
             toasts: Toasts::default().with_anchor(egui_notify::Anchor::BottomRight),
             is_playing: false,
@@ -229,13 +234,16 @@ impl Inspector {
             }
             self.fail(format!("{what}: {message}"));
         }
+        let cancelled = self.model.cancelled.drain(..).chain(self.other.iter_mut().flat_map(|m| m.cancelled.drain(..)));
+        if cancelled.filter(|&what| what == take::EXPORTING).count() > 0 {
+            self.note(NOT_WRITTEN);
+        }
         for event in self.host.events() {
             match event {
                 HostEvent::Chosen(path) => self.open_file(&path),
-                HostEvent::Saved(path) => {
-                    self.tell(format!("saved {path}"));
-                    self.shared.say(false, format!("saved {path}"));
-                }
+                HostEvent::Saved { holds, path } => self.note(format!("{holds} written to {path}")),
+                HostEvent::Cancelled(what) => self.note(what),
+                HostEvent::AskPath { file, path, why } => self.asked.push_back(AskedPath::new(file, path, why)),
                 HostEvent::Failed(message) => self.fail(message),
             }
         }
@@ -257,7 +265,8 @@ impl Inspector {
 
     /// A file from a dialog, a drop or the list of recent ones: with the settings in use, seen as it wants.
     fn open_file(&mut self, path: &str) {
-        let settings = self.model.opened.as_ref().map(|o| o.settings.clone()).unwrap_or_default();
+        let settings = self.model.opened.as_ref().map(|o| o.settings.clone());
+        let settings = settings.unwrap_or_else(|| Settings { device: DeviceKind::Auto, ..Settings::default() });
         let settings = Settings { view: Settings::default().view, ray: None, ..settings };
         self.open(path, settings, Arrival::picture());
     }
@@ -306,6 +315,13 @@ impl Inspector {
         };
         self.tree.ui(&mut layout::Panes { cx }, ui);
         self.todo.extend(todo);
+    }
+
+    /// Says what was done, also to who looks later.
+    fn note(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        self.shared.say(false, text.clone());
+        self.tell(text);
     }
 
     fn fail(&mut self, message: String) {

@@ -39,6 +39,21 @@ pub enum Device {
     CpuF64(Option<fn() -> u64>),
 }
 
+impl Device {
+    /// What to take where nobody chose, and this is the best adapter: it, unless it is software. The twins are faster
+    /// then; `clock` is theirs.
+    #[must_use]
+    pub fn auto(gpu: Arc<Gpu>, clock: Option<fn() -> u64>) -> Self {
+        if gpu.is_software() { Self::Cpu(clock) } else { Self::Gpu(gpu) }
+    }
+
+    /// Whether it is a wgpu device.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        matches!(self, Self::Gpu(_))
+    }
+}
+
 enum Executor {
     Gpu(Box<GpuExecutor>),
     Cpu(CpuExecutor<f32>),

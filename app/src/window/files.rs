@@ -36,3 +36,13 @@ pub(super) fn remember(saved: &str) {
         let _ = crate::output::write(vec![(target, saved.as_bytes().to_vec())]);
     }
 }
+
+/// A path for a file of this name, in the folder where the program runs, that no file has yet.
+pub(super) fn proposed(name: &str) -> String {
+    let folder = std::env::current_dir().unwrap_or_default();
+    let (stem, extension) = name.split_once('.').map_or((name, ""), |(stem, _)| (stem, &name[stem.len()..]));
+    let numbered = (2..1000).map(|n| format!("{stem}-{n}{extension}"));
+    let free = std::iter::once(name.to_owned()).chain(numbered).map(|name| folder.join(name));
+    let path = free.into_iter().find(|path| name.is_empty() || !path.exists()).unwrap_or_else(|| folder.join(name));
+    path.to_string_lossy().into_owned()
+}

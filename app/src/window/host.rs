@@ -11,7 +11,7 @@ use raystep_inspector::session::request::Loader;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 
-use super::{files, thread};
+use super::{files, last_error, thread};
 use crate::args::{ReadArgs, SceneArgs};
 use crate::output::{Target, write};
 use crate::scene_file;
@@ -102,25 +102,39 @@ impl Host for Desktop {
 
     fn choose_scene(&mut self) {
         // Dialogs want the main thread on macOS, and are asynchronous everywhere.
+        let asking = Asking::begin();
         let dialog = rfd::AsyncFileDialog::new().add_filter("glTF 2.0", &["gltf", "glb"]).pick_file();
         self.aside(move || {
-            let file = files::wait(dialog)?;
-            Some(HostEvent::Chosen(file.path().to_string_lossy().into_owned()))
+            Some(match files::wait(dialog) {
+                Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),
+                None => match asking.failure() {
+                    Some(why) => HostEvent::AskPath { file: None, path: files::proposed(""), why },
+                    None => HostEvent::Cancelled("cancelled: no scene is opened"),
+                },
+            })
         });
     }
 
     fn save(&mut self, file: FileToSave) {
         let extension = Path::new(&file.name).extension().unwrap_or_default().to_string_lossy().into_owned();
+        let asking = Asking::begin();
         let dialog =
             rfd::AsyncFileDialog::new().set_file_name(&file.name).add_filter(&extension, &[&extension]).save_file();
         self.aside(move || {
-            let chosen = files::wait(dialog)?;
-            let written = Target::new(chosen.path()).and_then(|target| write(vec![(target, file.bytes)]));
-            Some(match written {
-                Ok(()) => HostEvent::Saved(chosen.path().display().to_string()),
-                Err(error) => HostEvent::Failed(error.message().to_owned()),
+            Some(match files::wait(dialog) {
+                // The dialog has asked whether to replace what is there.
+                Some(chosen) => save(file, &chosen.path().to_string_lossy(), chosen.path(), true),
+                None => match asking.failure() {
+                    Some(why) => HostEvent::AskPath { path: files::proposed(&file.name), file: Some(file), why },
+                    None => HostEvent::Cancelled("cancelled: nothing is written"),
+                },
             })
         });
+    }
+
+    fn save_as(&mut self, file: FileToSave, path: &str, replaces: bool) {
+        let path = path.to_owned();
+        self.aside(move || Some(save(file, &path, Path::new(&path), replaces)));
     }
 
     fn events(&mut self) -> Vec<HostEvent> {
@@ -132,5 +146,35 @@ impl Host for Desktop {
             files::remember(saved);
             saved.clone_into(&mut self.remembered);
         }
+    }
+}
+
+/// What came of a file. Where it cannot be written, another path is asked for.
+fn save(file: FileToSave, name: &str, path: &Path, replaces: bool) -> HostEvent {
+    let path_text = name.to_owned();
+    if !replaces && path.exists() {
+        let why = format!("{name} is there already: name another file, or allow that it is replaced");
+        return HostEvent::AskPath { file: Some(file), path: path_text, why };
+    }
+    match Target::new(path).and_then(|target| write(vec![(target, file.bytes.clone())])) {
+        Ok(()) => HostEvent::Saved { holds: file.holds, path: path.display().to_string() },
+        Err(error) => HostEvent::AskPath { file: Some(file), path: path_text, why: error.message().to_owned() },
+    }
+}
+
+/// A dialog that was begun. rfd answers alike where its user closes it and where there is none: it tells the one from
+/// the other in what it logs alone.
+struct Asking;
+
+impl Asking {
+    fn begin() -> Self {
+        last_error::take_of("rfd");
+        Self
+    }
+
+    /// Why there was no dialog.
+    fn failure(&self) -> Option<String> {
+        last_error::take_of("rfd")?;
+        Some("There is no dialog for files here: xdg-desktop-portal or zenity would show one.".into())
     }
 }

@@ -1,21 +1,25 @@
-//! The last error that libraries logged: where a window cannot be opened, eframe says why nowhere else.
+//! The last errors that libraries logged: why a window cannot be opened, or a dialog for files not be shown, eframe and
+//! rfd say nowhere else.
 
+use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
-struct LastError(Mutex<Option<String>>);
+/// By the crate that logged it.
+struct LastErrors(Mutex<BTreeMap<String, String>>);
 
-static LAST: LastError = LastError(Mutex::new(None));
+static LAST: LastErrors = LastErrors(Mutex::new(BTreeMap::new()));
 
-impl Log for LastError {
+impl Log for LastErrors {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
         metadata.level() == Level::Error
     }
 
     fn log(&self, record: &Record<'_>) {
         if self.enabled(record.metadata()) {
-            *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(record.args().to_string());
+            let library = record.target().split(':').next().unwrap_or_default().to_owned();
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(library, record.args().to_string());
         }
     }
 
@@ -29,9 +33,8 @@ pub(super) fn listen() {
     }
 }
 
-/// The last one since, in one line.
-pub(super) fn take() -> Option<String> {
-    let last = LAST.0.lock().unwrap_or_else(PoisonError::into_inner).take()?;
-    let line = last.split_whitespace().collect::<Vec<_>>().join(" ");
-    Some(line.trim_start_matches("Exiting because of error: ").to_owned())
+/// The last one of a library since, in one line.
+pub(super) fn take_of(library: &str) -> Option<String> {
+    let last = LAST.0.lock().unwrap_or_else(PoisonError::into_inner).remove(library)?;
+    Some(last.split_whitespace().collect::<Vec<_>>().join(" "))
 }

@@ -179,6 +179,7 @@ impl Server {
 
     fn device(&self, kind: DeviceKind) -> Device {
         match kind {
+            DeviceKind::Auto => Device::auto(self.devices.gpu.clone(), self.devices.clock),
             DeviceKind::Gpu => Device::Gpu(self.devices.gpu.clone()),
             DeviceKind::Cpu => Device::Cpu(self.devices.clock),
             DeviceKind::CpuF64 => Device::CpuF64(self.devices.clock),
@@ -295,6 +296,7 @@ impl Server {
     /// The old run stays until the new one is ready.
     async fn open(&mut self, path: Option<String>, scene: Arc<Scene>, settings: Settings) -> Result<(), Trouble> {
         self.say(Update::Progress("building and compiling", 0, 0));
+        let settings = Settings { device: settings.device.on(&self.devices.gpu), ..settings };
         let device = self.device(settings.device);
         if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
             gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;

@@ -83,6 +83,8 @@ pub struct Model {
     pub answers: Vec<(&'static str, Box<dyn Any + Send>)>,
     /// What went wrong, for whom shows it to take.
     pub failures: Vec<(&'static str, String)>,
+    /// What was cancelled, for whom shows it to take.
+    pub cancelled: Vec<&'static str>,
 }
 
 impl Model {
@@ -119,6 +121,7 @@ impl Model {
             work: None,
             answers: Vec::new(),
             failures: Vec::new(),
+            cancelled: Vec::new(),
         };
         (model, task)
     }
@@ -195,7 +198,7 @@ impl Model {
             Update::Done(what, answer) => self.answers.push((what, answer)),
             Update::Progress(what, done, of) => self.work = Some(Work { what, done, of }),
             Update::Failed(what, message) => self.failures.push((what, message)),
-            Update::Cancelled(_) => {}
+            Update::Cancelled(what) => self.cancelled.push(what),
             Update::Idle => {
                 self.waiting = self.waiting.saturating_sub(1);
                 self.work = None;

@@ -4,6 +4,7 @@ use egui::{ComboBox, Id, Key, Modal};
 use raystep_kernels::Stream;
 
 use super::Inspector;
+use super::asked_path::AskedPath;
 use super::command::{COMMANDS, Command, Menu};
 use super::palette::Palette;
 
@@ -21,8 +22,10 @@ pub(super) enum Dialog {
     Link(String),
     /// A component of the selected ray: stream, layer, its value as it is typed.
     Edit(Stream, usize, String),
-    /// What can be taken away.
-    Export,
+    /// What can be taken away, and whether passes only up to here.
+    Export(bool),
+    /// A path, where there is no dialog for files.
+    Path(AskedPath),
 }
 
 /// The commands of the export window.
@@ -39,6 +42,7 @@ const EXPORTS: [Command; 8] = [
 
 impl Inspector {
     pub(super) fn show_dialog(&mut self, ctx: &egui::Context) {
+        self.ask_path();
         let Some(mut dialog) = self.dialog.take() else { return };
         let mut stays = true;
         let response = Modal::new(Id::unique("dialog")).show(ctx, |ui| match &mut dialog {
@@ -74,23 +78,45 @@ impl Inspector {
                     stays = self.edit_texel(*stream, *layer, &text);
                 }
             }
-            Dialog::Export => {
+            Dialog::Export(is_up_to_here) => {
                 ui.heading("Export");
                 for command in EXPORTS {
                     if ui.add_enabled(self.can(command), egui::Button::new(command.name())).clicked() {
+                        self.shared.is_up_to_here = *is_up_to_here;
                         self.perform(command);
                         stays = false;
                     }
+                    if command == Command::ExportTrace {
+                        ui.indent("passes", |ui| ui.checkbox(is_up_to_here, self.which_passes()));
+                    }
+                }
+            }
+            Dialog::Path(asked) => {
+                if asked.show(ui) {
+                    self.go_on_with(asked);
+                    stays = false;
                 }
             }
         });
-        if stays && !response.should_close() {
-            self.dialog = Some(dialog);
+        match dialog {
+            Dialog::Path(asked) if stays && response.should_close() => self.give_up(&asked),
+            dialog if stays && !response.should_close() => self.dialog = Some(dialog),
+            _ => {}
         }
     }
 }
 
 impl Inspector {
+    /// What the choice of passes says.
+    fn which_passes(&self) -> String {
+        let (place, known) = (self.model.place, self.model.passes.len());
+        if self.model.is_complete {
+            format!("only up to here: {place} of {known} passes")
+        } else {
+            format!("only up to here: {place} passes; else the run goes to its end first")
+        }
+    }
+
     fn choose_component(&self, ui: &mut egui::Ui, stream: &mut Stream, layer: &mut usize) {
         let Some(opened) = &self.model.opened else { return };
         ui.horizontal_wrapped(|ui| {

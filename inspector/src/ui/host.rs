@@ -10,6 +10,8 @@ pub struct FileToSave {
     pub name: String,
     /// Its contents.
     pub bytes: Vec<u8>,
+    /// What that is, as it is told once it is written: "73 rows", "a picture".
+    pub holds: String,
 }
 
 /// What a host has to tell.
@@ -17,7 +19,23 @@ pub enum HostEvent {
     /// The user chose a scene.
     Chosen(String),
     /// A file was written.
-    Saved(String),
+    Saved {
+        /// What it holds.
+        holds: String,
+        /// Where it is.
+        path: String,
+    },
+    /// The user chose no place, or no scene.
+    Cancelled(&'static str),
+    /// There is no dialog to ask with, or the path was not one: the inspector is to ask for a path itself.
+    AskPath {
+        /// What is to be written; `None` where a scene is to be opened.
+        file: Option<FileToSave>,
+        /// A path to propose.
+        path: String,
+        /// Why it is asked, in one line.
+        why: String,
+    },
     /// Something failed; one line.
     Failed(String),
 }
@@ -36,6 +54,8 @@ pub trait Host {
     fn choose_scene(&mut self);
     /// Asks the user where to, and writes.
     fn save(&mut self, file: FileToSave);
+    /// Writes to a path, over a file that is there only where that is allowed.
+    fn save_as(&mut self, file: FileToSave, path: &str, replaces: bool);
     /// What happened since the last call.
     fn events(&mut self) -> Vec<HostEvent>;
     /// Keeps what is to be found again when the inspector is opened the next time.

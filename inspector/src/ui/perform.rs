@@ -128,7 +128,7 @@ impl Inspector {
             C::Show(kind) => layout::toggle(&mut self.tree, kind),
             C::Palette => self.dialog = Some(Dialog::Palette(Palette::default())),
             C::Help => self.dialog = Some(Dialog::Help),
-            C::Export => self.dialog = Some(Dialog::Export),
+            C::Export => self.dialog = Some(Dialog::Export(false)),
             _ => self.ask_panels(command),
         }
     }

@@ -54,6 +54,8 @@ pub struct Shared {
     pub stream: Option<Stream>,
     /// Files that panels want to be saved.
     pub files: Vec<FileToSave>,
+    /// The next export of passes ends here.
+    pub is_up_to_here: bool,
     /// What to stop at, and whether it is on.
     pub watches: Vec<(Watch, bool)>,
     /// What the last run to a watch stopped at, in words.
@@ -82,6 +84,7 @@ impl Default for Shared {
             shown: None,
             stream: None,
             files: Vec::new(),
+            is_up_to_here: false,
             watches: Watch::ALL.map(|watch| (watch, matches!(watch, Watch::NonFinite | Watch::TMaxBackwards))).to_vec(),
             fired: None,
             recent: Vec::new(),

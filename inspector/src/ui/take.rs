@@ -1,9 +1,10 @@
 //! What is taken away: exports, handed to the host to be saved.
 
 use std::any::Any;
+use std::ops::ControlFlow;
 
-use raystep_kernels::Stream;
 use raystep_kernels::export::csv::{RunContext, Timer};
+use raystep_kernels::{Pass, Progress, Stream};
 
 use super::Inspector;
 use super::canvas::Canvas;
@@ -11,6 +12,7 @@ use super::command::Command;
 use super::host::FileToSave;
 use crate::exports::{self, Export, ExportError};
 use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::session::{Target, go_on};
 use crate::settings::DeviceKind;
 
 /// The name of jobs whose answer is an [`Export`].
@@ -18,7 +20,7 @@ pub(in crate::ui) const EXPORTING: &str = "exporting";
 
 impl From<Export> for FileToSave {
     fn from(export: Export) -> Self {
-        Self { name: export.file_name(), bytes: export.bytes }
+        Self { name: export.file_name(), bytes: export.bytes, holds: export.holds }
     }
 }
 
@@ -26,8 +28,8 @@ impl Inspector {
     /// Exports what a command names.
     pub(super) fn take(&mut self, command: Command) {
         let export = match command {
-            Command::ExportPasses => self.context().map(|run| exports::passes_csv(&run, self.so_far(), &[])),
-            Command::ExportTrace => self.context().map(|run| exports::passes_trace(&run, self.so_far())),
+            Command::ExportPasses => self.take_passes(|run, passes| exports::passes_csv(run, passes, &[])),
+            Command::ExportTrace => self.take_passes(exports::passes_trace),
             Command::ExportRay => self.model.life.as_ref().map(|life| exports::life_csv(life)),
             Command::ExportExr | Command::ExportNpy => {
                 let stream = self.shared.stream.unwrap_or(Stream::State);
@@ -44,8 +46,19 @@ impl Inspector {
         }
     }
 
-    fn so_far(&self) -> &[raystep_kernels::Pass] {
-        &self.model.passes[..self.model.place.min(self.model.passes.len())]
+    /// All passes, or those up to here where that was chosen. Where they are not all known, they are run first.
+    fn take_passes(&mut self, write: WritePasses) -> Option<Result<Export, ExportError>> {
+        let is_up_to_here = std::mem::take(&mut self.shared.is_up_to_here);
+        let run = self.context()?;
+        let known = &self.model.passes;
+        if is_up_to_here {
+            return Some(write(&run, &known[..self.model.place.min(known.len())]));
+        }
+        if self.model.is_complete {
+            return Some(write(&run, known));
+        }
+        self.model.ask(Request::Job(EXPORTING, run_and_write(run, write)));
+        None
     }
 
     /// What all rows of this run have in common.
@@ -57,7 +70,9 @@ impl Inspector {
                 Some(resolution_ns) => Timer::GpuTimestamp { resolution_ns },
                 None => Timer::Host { resolution_ns: None },
             }),
-            DeviceKind::Cpu | DeviceKind::CpuF64 => self.devices.clock.map(|_| Timer::CpuClock { resolution_ns: None }),
+            DeviceKind::Auto | DeviceKind::Cpu | DeviceKind::CpuF64 => {
+                self.devices.clock.map(|_| Timer::CpuClock { resolution_ns: None })
+            }
         };
         Some(RunContext {
             run_id: format!("inspector-{}", self.model.generation),
@@ -86,6 +101,28 @@ impl Inspector {
     }
 }
 
+type WritePasses = fn(&RunContext, &[Pass]) -> Result<Export, ExportError>;
+
+/// Runs to the end, writes all passes, and comes back.
+fn run_and_write(run: RunContext, write: WritePasses) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let JobContext { session, progress, .. } = context;
+            let here = session.place();
+            let mut tell = |at: &Progress| {
+                if progress(at.rays_decided, at.rays) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            };
+            let ran = session.step(Target::End, &mut tell).await;
+            let passes = session.passes().to_vec();
+            // Also where it was stopped: whoever looks at a place is not taken elsewhere.
+            session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
+            ran.map_err(|e| e.to_string())?;
+            let export = write(&run, &passes).map_err(|e| e.to_string())?;
+            Ok(Box::new(export) as Box<dyn Any + Send>)
+        })
+    })
+}
+
 type Write = fn(&raystep_kernels::StreamData, Option<usize>) -> Result<Export, ExportError>;
 
 /// Reads a stream as it is, and writes it as a file.
@@ -109,7 +146,8 @@ pub(in crate::ui) fn png(canvas: &Canvas, texture: &wgpu::Texture, name: String)
             let image = image.ok_or("the picture came back in another size")?;
             let mut bytes = std::io::Cursor::new(Vec::new());
             image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| e.to_string())?;
-            let export = Export { name: name.replace(' ', "-"), extension: "png", bytes: bytes.into_inner() };
+            let holds = format!("a picture of {} x {} pixels", texture.width(), texture.height());
+            let export = Export { name: name.replace(' ', "-"), extension: "png", bytes: bytes.into_inner(), holds };
             Ok(Box::new(export) as Box<dyn Any + Send>)
         })
     })

@@ -155,16 +155,53 @@ fn without_grid_and_tree_only_triangles_are_tested() {
 #[test]
 fn leaps_and_passes_of_many_steps_are_said_to_be_leaps() {
     let scene = scene(TEAPOT);
-    for steps_per_pass in [1, 8] {
-        let (trace, data) = traced(&scene, &Options { skip: Skip::On, steps_per_pass, ..options(&scene) }, [32, 32]);
+    for (skip, steps_per_pass) in [(Skip::Off, 1), (Skip::On, 1), (Skip::Off, 8), (Skip::On, 8)] {
+        let (trace, data) = traced(&scene, &Options { skip, steps_per_pass, ..options(&scene) }, [32, 32]);
         let walk = whole(&trace, &data);
-        assert!(walk.cells.iter().any(|cell| matches!(cell.entry, Entry::Leap { .. })), "{steps_per_pass}");
+        let which = format!("{skip:?}, {steps_per_pass} steps");
+        let mut leaps = 0;
+        for pair in walk.cells.windows(2) {
+            let [from, to] = pair else { continue };
+            let way = [0, 1, 2].map(|axis| to.cell[axis] - from.cell[axis]);
+            let far: i32 = way.iter().map(|n| n.abs()).sum();
+            let axis = way.iter().position(|&n| n != 0).expect("another cell");
+            let wanted = if far == 1 { Entry::Face { axis, step: way[axis] } } else { Entry::Leap { cells: way } };
+            assert_eq!(to.entry, wanted, "{which}: {:?} to {:?}", from.cell, to.cell);
+            leaps += usize::from(far > 1);
+            // A pass of one step goes farther only over cells that list nothing: those in which the ray is between.
+            if steps_per_pass == 1 && far > 1 {
+                let passed = cells_between(&walk, &data, from, to);
+                assert!(passed.iter().all(|&cell| listed(&data, cell).count() == 0), "{which}: {passed:?}");
+                assert!(!passed.is_empty(), "{which}: a leap over nothing");
+            }
+        }
+        assert_eq!(leaps > 0, skip == Skip::On || steps_per_pass > 1, "{which}: {leaps} leaps");
+        assert_eq!(walk.cells[0].entry, Entry::Start);
         for cell in &walk.cells {
             let [enter, leave] = cell.bounds.interval(walk.origin, walk.direction).unwrap_or([cell.t_in; 2]);
             let off = (cell.t_in - enter).abs().max((cell.t_out - leave).abs());
-            assert!(off < 1e-5, "{steps_per_pass}, {:?}: {off}", cell.cell);
+            assert!(off < 1e-5, "{which}, {:?}: {off}", cell.cell);
         }
     }
+}
+
+/// The numbers of the cells that the ray passes between two others, at points a twentieth of a cell apart, and not
+/// within a thousandth of a cell of any plane: there it may be in either.
+fn cells_between(walk: &WalkGeometry, data: &SceneData, from: &CellVisit, to: &CellVisit) -> Vec<u32> {
+    let step = walk.cell_size.min_element() / walk.direction.length() / 20.0;
+    let count = ((to.t_in - from.t_out) / step).max(0.0) as usize;
+    let mut cells = Vec::new();
+    for t in (1..count).map(|i| from.t_out + step * i as f64) {
+        let place = (walk.point(t) - walk.bounds.min) / walk.cell_size;
+        let is_inside = (place - place.round()).abs().min_element() > 1e-3;
+        let cell = place.floor().as_ivec3().to_array();
+        if is_inside && cell != from.cell && cell != to.cell {
+            let [x, y, z] = [0, 1, 2].map(|axis| cell[axis] as u32);
+            cells.push(x + data.grid.cells[0] as u32 * (y + data.grid.cells[1] as u32 * z));
+        }
+    }
+    cells.dedup();
+    cells
 }
 
 #[test]
@@ -177,11 +214,24 @@ fn a_ray_that_misses_and_an_empty_trace_have_a_walk_too() {
     let nothing = whole(&trace, &data);
     assert!(nothing.row.is_none() && nothing.cells.is_empty());
     assert!(Strip::new(&nothing).cells.is_empty() && Projected::new(&nothing).squares.is_empty());
-    // A trace of another scene: indices that are not there.
-    let (foreign, _) = traced(&scene, &options(&scene), [32, 32]);
-    let _ = whole(&foreign, &SceneData::default());
-    let (small, data) = traced(&self::scene(CORNELL), &options(&self::scene(CORNELL)), [20, 40]);
-    let _ = (whole(&foreign, &data), small);
+}
+
+#[test]
+fn a_trace_of_another_scene_shows_nothing_that_is_not_there() {
+    let (teapot, cornell) = (scene(TEAPOT), scene(CORNELL));
+    let (foreign, _) = traced(&teapot, &options(&teapot), [32, 32]);
+    assert!(foreign.rows.iter().filter_map(|row| row.tested).any(|id| id as usize >= cornell.triangles.len()));
+    let nothing = whole(&foreign, &SceneData::default());
+    assert_eq!((nothing.structure, nothing.row), (Structure::Nothing, Some(foreign.rows.len() - 1)));
+    assert!(nothing.cells.is_empty() && nothing.nodes.is_empty() && nothing.tested.is_empty());
+    assert_eq!(nothing.hit, None);
+    let (_, data) = traced(&cornell, &options(&cornell), [20, 40]);
+    let walk = whole(&foreign, &data);
+    let in_scene = |triangle: u32| (triangle as usize) < cornell.triangles.len();
+    assert!(walk.tested.iter().all(|test| in_scene(test.triangle)));
+    assert!(walk.hit.is_none_or(|hit| in_scene(hit.triangle)));
+    let lists = data.grid_cells.len() as u32 - 1;
+    assert!(!walk.cells.is_empty() && walk.cells.iter().all(|cell| cell.index < lists || cell.listed == 0));
 }
 
 #[test]

@@ -19,6 +19,9 @@ pub(crate) const EMPTY: &str = "empty.gltf";
 /// A file that is no glTF.
 pub(crate) const BROKEN: &str = "broken.glb";
 
+/// Why a path is asked for where there are no dialogs.
+pub(crate) const NO_DIALOG: &str = "there is no dialog for files";
+
 /// What a desktop was asked for, and what it shall answer.
 #[derive(Default)]
 pub(crate) struct Desk {
@@ -26,7 +29,23 @@ pub(crate) struct Desk {
     pub(crate) saved: Vec<FileToSave>,
     /// What the dialog for scenes answers; nothing where the user closes it.
     pub(crate) choice: Option<String>,
+    /// What dialogs do.
+    pub(crate) dialogs: Dialogs,
+    /// The names of files that are there, where there are no dialogs.
+    pub(crate) there: Vec<String>,
     events: Vec<HostEvent>,
+}
+
+/// What the dialogs of a desktop do.
+#[derive(Clone, Copy, Default, PartialEq)]
+pub(crate) enum Dialogs {
+    /// They answer.
+    #[default]
+    Answer,
+    /// Their user closes them.
+    Cancel,
+    /// There are none.
+    Missing,
 }
 
 /// The desktop, as the inspector sees it.
@@ -72,14 +91,44 @@ impl Host for TestHost {
     }
 
     fn choose_scene(&mut self) {
-        let choice = self.desk().choice.clone();
-        self.desk().events.extend(choice.map(HostEvent::Chosen));
+        let mut desk = self.desk();
+        let choice = desk.choice.clone();
+        let event = match (desk.dialogs, choice) {
+            (Dialogs::Missing, _) => HostEvent::AskPath { file: None, path: "/here/".into(), why: NO_DIALOG.into() },
+            (Dialogs::Answer, Some(choice)) => HostEvent::Chosen(choice),
+            _ => HostEvent::Cancelled("cancelled: no scene is opened"),
+        };
+        desk.events.push(event);
     }
 
     fn save(&mut self, file: FileToSave) {
         let mut desk = self.desk();
-        desk.events.push(HostEvent::Saved(file.name.clone()));
-        desk.saved.push(file);
+        let event = match desk.dialogs {
+            Dialogs::Answer => {
+                let (holds, path) = (file.holds.clone(), file.name.clone());
+                desk.saved.push(file);
+                HostEvent::Saved { holds, path }
+            }
+            Dialogs::Cancel => HostEvent::Cancelled("cancelled: nothing is written"),
+            Dialogs::Missing => {
+                HostEvent::AskPath { path: format!("/here/{}", file.name), file: Some(file), why: NO_DIALOG.into() }
+            }
+        };
+        desk.events.push(event);
+    }
+
+    fn save_as(&mut self, file: FileToSave, path: &str, replaces: bool) {
+        let mut desk = self.desk();
+        let path = path.to_owned();
+        let event = if desk.there.contains(&path) && !replaces {
+            HostEvent::AskPath { file: Some(file), path, why: "it is there already".into() }
+        } else {
+            let holds = file.holds.clone();
+            desk.there.push(path.clone());
+            desk.saved.push(file);
+            HostEvent::Saved { holds, path }
+        };
+        desk.events.push(event);
     }
 
     fn events(&mut self) -> Vec<HostEvent> {

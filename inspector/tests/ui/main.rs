@@ -5,6 +5,7 @@ mod adapter;
 mod commands;
 mod desk;
 mod error;
+mod exports;
 mod hard;
 mod names;
 mod session;

@@ -102,6 +102,7 @@ fn a_first_session() {
     stage.settle();
     stage.click(Role::Button, Command::ExportPasses.name());
     stage.settle();
+    assert!(stage.paints(&format!("{} rows written to ", stage.place())), "{:?}", stage.painted());
     let files = std::mem::take(&mut stage.desk.lock().expect("not poisoned").saved);
     assert_eq!(files.len(), 1);
     assert!(files[0].name.ends_with(".passes.csv"), "{}", files[0].name);

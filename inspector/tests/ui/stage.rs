@@ -254,17 +254,69 @@ impl Stage {
         self.get(Role::SpinButton, name).accesskit_node().numeric_value().expect("a number")
     }
 
-    /// The window as it is, held against the picture of this name.
+    /// The texts that are painted inside what clips them, in order.
+    pub(crate) fn painted(&self) -> Vec<String> {
+        fn collect(shape: &egui::Shape, clip: egui::Rect, texts: &mut Vec<String>) {
+            match shape {
+                egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, clip, texts)),
+                egui::Shape::Text(text) if text.visual_bounding_rect().intersects(clip) => {
+                    texts.push(text.galley.text().to_owned());
+                }
+                _ => {}
+            }
+        }
+        let mut texts = Vec::new();
+        for clipped in &self.harness.output().shapes {
+            collect(&clipped.shape, clipped.clip_rect, &mut texts);
+        }
+        texts
+    }
+
+    /// Whether some text that is painted holds this.
+    pub(crate) fn paints(&self, part: &str) -> bool {
+        self.painted().iter().any(|text| text.contains(part))
+    }
+
+    /// The window as it is, held against the picture and the text of this name.
+    #[track_caller]
     pub(crate) fn snapshot(&mut self, name: &str) {
         self.harness.snapshot(name);
+        self.snapshot_of_text(name);
+    }
+
+    /// All that is painted as text, held against the file of this name: not a digit may differ.
+    #[track_caller]
+    fn snapshot_of_text(&self, name: &str) {
+        let path = std::path::Path::new(SNAPSHOTS).join(format!("{name}.txt"));
+        let painted = self.painted().iter().map(|text| format!("{text:?}\n")).collect::<String>();
+        if std::env::var("UPDATE_SNAPSHOTS").is_ok_and(|value| !matches!(value.as_str(), "" | "0" | "false")) {
+            std::fs::write(&path, painted).expect("a folder that can be written to");
+            return;
+        }
+        let kept = std::fs::read_to_string(&path);
+        let kept = kept.unwrap_or_else(|e| panic!("{}: {e}; UPDATE_SNAPSHOTS=1 writes it", path.display()));
+        // A checkout may end lines in its own way.
+        let differs = kept.lines().zip(painted.lines()).find(|(kept, painted)| kept != painted);
+        if let Some((kept, painted)) = differs {
+            panic!("{name}: {painted} is painted, and {} has {kept}", path.display());
+        }
+        assert_eq!(
+            kept.lines().count(),
+            painted.lines().count(),
+            "{name}: texts more or fewer than {}",
+            path.display()
+        );
     }
 }
 
-/// Text is laid out and rasterised by egui itself, bit for bit the same everywhere; what differs from one Mesa to the
-/// next is the rounding of blends and of texels at the edges of nearest-neighbour pictures. 0.6 is kittest's own bound
-/// for such rounding in a pixel, and of edges a few dozen pixels may fall to the other side.
+/// Where the pictures and texts are.
+const SNAPSHOTS: &str = "tests/ui/snapshots";
+
+/// What is drawn differs from one Mesa to the next by the rounding of blends and of texels at the edges of
+/// nearest-neighbour pictures. 0.6 is kittest's own bound for such rounding in a pixel, and of edges a few dozen pixels
+/// may fall to the other side. A digit is fewer pixels than that: texts are compared as texts.
 fn snapshot_options() -> SnapshotOptions {
-    SnapshotOptions::new().threshold(0.6).max_failed_pixels(40).output_path("tests/ui/snapshots")
+    SnapshotOptions::new().threshold(0.6).max_failed_pixels(40).output_path(SNAPSHOTS)
 }
 
 /// Draws with our own device.

@@ -9,7 +9,7 @@ use crate::ui::pane::PaneKind;
 
 /// The Cornell box in its automatic grid.
 fn in_grid() -> Settings {
-    Settings { size: [256, 256], device: DeviceKind::Gpu, ..Settings::default() }
+    Settings { size: [256, 256], device: DeviceKind::Auto, ..Settings::default() }
 }
 
 /// As the paper launches it: every pass works on every ray.

@@ -81,7 +81,8 @@ impl Panel for Dataflow {
         let Some(opened) = &cx.model.opened else { return false };
         let svg =
             DataFlow::new(&opened.plan).svg(cx.model.last_pass().map(|p| p.kernel), &waiting(&opened.plan, cx.model));
-        cx.shared.files.push(FileToSave { name: "data-flow.svg".into(), bytes: svg.into_bytes() });
+        let (name, holds) = ("data-flow.svg".into(), "a drawing".into());
+        cx.shared.files.push(FileToSave { name, bytes: svg.into_bytes(), holds });
         true
     }
 }

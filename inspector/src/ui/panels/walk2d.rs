@@ -124,7 +124,7 @@ fn export(life: &Trace, walk: &WalkGeometry, spacing: Spacing, is_dark: bool) ->
     let until = last.map_or_else(String::new, |pass| format!(", up to pass {pass}"));
     let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
     let svg = walk_svg(walk, &format!("The ray of pixel {x},{y}{until}"), &options);
-    FileToSave { name: format!("ray-{x}-{y}.svg"), bytes: svg.into_bytes() }
+    FileToSave { name: format!("ray-{x}-{y}.svg"), bytes: svg.into_bytes(), holds: "a drawing".into() }
 }
 
 /// What is painted, and how far it has come.

@@ -55,12 +55,12 @@ pub(super) fn row(command: Command) -> Row {
             let mut reader = csv::Reader::from_reader(bytes.as_slice());
             assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
             let rows: Vec<_> = reader.records().map(|row| row.expect("a row")).collect();
-            assert_eq!(rows.len(), was.place);
+            assert_all(s, was, rows.len(), "rows");
         }),
         C::ExportTrace => (nothing, |s, was| {
             let json: serde_json::Value = serde_json::from_slice(&file(s, ".trace.json")).expect("JSON");
             let events = json["traceEvents"].as_array().expect("events");
-            assert_eq!(events.iter().filter(|event| event["cat"] == "pass").count(), was.place);
+            assert_all(s, was, events.iter().filter(|event| event["cat"] == "pass").count(), "passes");
         }),
         C::ExportExr => (nothing, |s, _| {
             let bytes = file(s, ".exr");
@@ -348,6 +348,15 @@ fn zoomed(stage: &mut Stage) -> f64 {
 fn is_ray_watched(stage: &Stage) -> bool {
     let node = stage.get(Role::CheckBox, "selected ray: its state changes");
     node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+}
+
+/// So many passes were exported: all, the count was said, and nobody was taken elsewhere.
+#[track_caller]
+fn assert_all(stage: &mut Stage, was: &Before, count: usize, what: &str) {
+    assert!(stage.paints(&format!("{count} {what} written to ")), "{:?}", stage.painted());
+    assert_eq!(stage.place(), was.place);
+    stage.perform(Command::End);
+    assert_eq!(count, stage.place());
 }
 
 #[track_caller]

@@ -303,6 +303,12 @@ impl Gpu {
         self.clock.get().map(|clock| clock.now)
     }
 
+    /// Whether it is a driver that computes on the CPU.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
     /// Whether the device still works.
     ///
     /// # Errors
