@@ -6,6 +6,7 @@
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::RayState;
 use raystep_kernels::features::Features;
+use raystep_kernels::shared::constants::LIGHTS_SUMMED;
 use raystep_kernels::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, Tag, UNWRITTEN};
 
 /// A ray in one pass.
@@ -54,11 +55,15 @@ pub const CONDITIONS: &[Condition] = &[
     // Of the cells before this one there is nothing in the streams.
     row(Kernel::Intersect, "var step = 0; step < bound && walk.inside; step++", |_| None),
     row(Kernel::Intersect, "index == cell", |_| None),
-    row(Kernel::Intersect, "var item = grid_cells[index]; item < grid_cells[index + 1u]; item++", |_| None),
-    row(Kernel::Intersect, "grid_items[item] == triangle", |_| None),
+    row(Kernel::Intersect, "low < high", |_| None),
+    row(Kernel::Intersect, "grid_items[middle] < triangle", |_| None),
+    row(Kernel::Intersect, "begun != NO_CELL", |_| None),
+    row(Kernel::Intersect, "turns >= TURNS", |c| Some(c.searches_on())),
+    row(Kernel::Intersect, "is_listed(triangle, index)", |_| None),
+    row(Kernel::Intersect, "repeated == NOT_KNOWN_YET", |c| Some(c.searches_on())),
     row(Kernel::Intersect, OUTSIDE, |_| Some(false)),
     row(Kernel::Intersect, "tag != ISECT_NO_HIT && tag != ISECT_HIT", |c| Some(!c.was(&[ISECT_NO_HIT, ISECT_HIT]))),
-    row(Kernel::Intersect, "in_list", |c| Some(c.after.item != c.before.item)),
+    row(Kernel::Intersect, "in_list", |c| Some(c.after.item != c.before.item || c.searches_on())),
     row(Kernel::Intersect, "candidate.is_hit && accepted", |c| Some(c.has_new_hit())),
     row(Kernel::Intersect, "ended", |c| match c.is(&[ISECT_NO_HIT, ISECT_HIT]) {
         true => Some(false),
@@ -75,6 +80,9 @@ pub const CONDITIONS: &[Condition] = &[
     row(Kernel::Shade, "material.texture != 0xffffffffu", |_| None),
     row(Kernel::Shade, "material.double_sided != 0u && dot3(normal, direction) > 0.0", |_| None),
     row(Kernel::Shade, "var i = 0u; i < shading.lights; i++", |_| None),
+    row(Kernel::Shade, "first >= LIGHTS_SUMMED", |c| Some(c.before.item >= LIGHTS_SUMMED)),
+    row(Kernel::Shade, "var i = first; i < end; i++", |_| None),
+    row(Kernel::Shade, "end < shading.lights", |c| Some(c.is(&[SHADE]))),
     row(Kernel::Accumulate, OUTSIDE, |_| Some(false)),
     row(Kernel::Accumulate, "textureLoad(state, texel, 0).x != DONE || before >= f32(sampling.samples)", |c| {
         Some(c.after.samples == c.before.samples)
@@ -101,6 +109,11 @@ impl Case<'_> {
 
     fn has_nearer_hit(&self) -> bool {
         self.after.t != self.before.t
+    }
+
+    /// Whether the search for a repeated test goes on in the next pass: nothing else leaves a ray at the item of its list.
+    fn searches_on(&self) -> bool {
+        self.after.item == self.before.item && self.is(&[ISECT_NO_HIT, ISECT_HIT])
     }
 
     /// Another triangle at the same t counts too: the order of hits is (t, triangle).
