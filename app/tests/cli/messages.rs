@@ -97,7 +97,7 @@ fn names_that_do_not_exist_are_told_the_nearest_or_all_where_they_are_few() {
         ),
         (
             "--stream nose: there is no such stream; there are ray_origin, ray_direction, state, tmax, previous, hit, \
-             color, counters, accumulated, and all",
+             color, counters, accumulated, place, trail, scan, and all",
             vec!["dump", &file, "-o", "d", "--stream", "nose"],
         ),
         ("rendr: there is no such command; did you mean render? (see --help)", vec!["rendr"]),
