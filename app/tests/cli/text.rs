@@ -93,7 +93,8 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert!(first.stdout.contains(" passes, in ") && !first.stdout.contains("last "), "{first:?}");
     let typed = ["trace", &cornell_box(), "--ray", "0,0,5,0,0,-1"];
     let whole = place.ok(&[&typed[..], &common[2..]].concat()).stdout;
-    assert!(whole.contains(" passes, in 0 of them this ray waited"), "one ray is the whole run: {whole}");
+    // One ray is the whole run: its passes are known, and it waits while a kernel runs that is not its own.
+    assert!(whole.contains(" passes, in ") && !whole.contains("only this ray was traced"), "{whole}");
     place.fails(2, "--ray has none: leave one of them out", &[&typed[..], &["--all-rays"]].concat());
 }
 
