@@ -6,6 +6,8 @@ mod bad_input;
 mod common;
 #[path = "cli/confined.rs"]
 mod confined;
+#[path = "cli/dump.rs"]
+mod dump;
 #[path = "cli/escapes.rs"]
 mod escapes;
 #[path = "cli/files.rs"]

@@ -1,6 +1,7 @@
 //! `raystep dump`
 
 mod left_out;
+mod wanted;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::stream::{STREAMS, StreamInfo};
-use raystep_kernels::{Accelerator, Kernel, Limits, Options, Pass, ScheduleKind, Stream, StreamData};
+use raystep_kernels::{Kernel, Pass, Stream, StreamData};
 use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -21,6 +22,7 @@ use crate::scene_file::read_file;
 use crate::session::{Running, Session};
 use crate::terminal::Progress;
 use left_out::{LeftOut, NOT_NEEDED, needs_shading};
+use wanted::streams;
 
 /// Write the values of streams after one pass or after each
 ///
@@ -274,48 +276,6 @@ fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &P
         progress.rays(&running.renderer.progress());
     }
     Ok(())
-}
-
-/// The streams to write; an error where one that was named is not part of the plan.
-fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result<Vec<Stream>, Error> {
-    if args.stream.contains(&Wanted::All) {
-        return Ok(plan.streams.iter().map(|s| s.what).collect());
-    }
-    let mut streams = Vec::new();
-    for wanted in &args.stream {
-        let Wanted::Stream(stream) = *wanted else { continue };
-        if !plan.has_stream(stream) {
-            let what = format!("stream {}", stream.name());
-            let reason = plan.left_out.iter().find(|l| l.what == what).map_or("not needed", |l| l.reason);
-            let tip = option_for(stream, options).map(|o| format!("; {o} has it")).unwrap_or_default();
-            return Err(Error::usage(format!("--stream {}: this run leaves it out: {reason}{tip}", stream.name())));
-        }
-        if !streams.contains(&stream) {
-            streams.push(stream);
-        }
-    }
-    Ok(streams)
-}
-
-/// One option more with which a run has a stream that it leaves out, where there is one: found by planning with it.
-fn option_for(stream: Stream, options: &Options) -> Option<&'static str> {
-    type Change = (&'static str, fn(&mut Options));
-    let changes: [Change; 5] = [
-        ("--accelerator grid", |o| o.accelerator = Accelerator::Grid),
-        ("--accelerator bvh", |o| o.accelerator = Accelerator::Bvh),
-        ("--schedule compact", |o| o.schedule = ScheduleKind::Compact),
-        ("--steps-per-pass 1", |o| o.steps_per_pass = 1),
-        ("--spp 2", |o| o.samples.count = 2),
-    ];
-    // Which streams there are does not depend on the scene, and this one is planned at once.
-    let scene = raystep_scenes::generate::cornell_box();
-    let has_it = |change: fn(&mut Options)| {
-        let mut options = options.clone();
-        change(&mut options);
-        options.shade |= options.samples.count > 1;
-        Plan::new(&scene, &options, &Limits::CPU).is_ok_and(|(plan, _)| plan.has_stream(stream))
-    };
-    changes.into_iter().find(|(_, change)| has_it(*change)).map(|(option, _)| option)
 }
 
 /// Bytes of the streams after one pass.

@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use crate::common::{Place, scene};
 
-fn cornell_box() -> String {
+pub(crate) fn cornell_box() -> String {
     scene("cornell-box.gltf").display().to_string()
 }
 
-fn channels(file: Vec<u8>) -> BTreeMap<String, FlatSamples> {
+pub(crate) fn channels(file: Vec<u8>) -> BTreeMap<String, FlatSamples> {
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -24,27 +24,11 @@ fn channels(file: Vec<u8>) -> BTreeMap<String, FlatSamples> {
     image.layer_data.channel_data.list.into_iter().map(|c| (c.name.to_string(), c.sample_data)).collect()
 }
 
-fn floats<'a>(channels: &'a BTreeMap<String, FlatSamples>, name: &str) -> &'a [f32] {
+pub(crate) fn floats<'a>(channels: &'a BTreeMap<String, FlatSamples>, name: &str) -> &'a [f32] {
     match &channels[name] {
         FlatSamples::F32(values) => values,
         other => panic!("{name} is {other:?}"),
     }
-}
-
-/// Shape and values of a .npy, by the rules of its format.
-fn npy(file: &[u8]) -> (String, Vec<usize>, Vec<u32>) {
-    assert_eq!(&file[..8], b"\x93NUMPY\x01\x00");
-    let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
-    assert_eq!((10 + length) % 64, 0, "the data is not aligned");
-    let header = std::str::from_utf8(&file[10..10 + length]).expect("ASCII");
-    assert!(header.ends_with('\n') && header.contains("'fortran_order': False"), "{header:?}");
-    let between = |start: &str, end: &str| {
-        let rest = &header[header.find(start).expect(start) + start.len()..];
-        rest[..rest.find(end).expect(end)].to_owned()
-    };
-    let shape = between("'shape': (", ")").split(", ").map(|n| n.parse().expect("a number")).collect();
-    let words = file[10 + length..].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    (between("'descr': '", "'"), shape, words.collect())
 }
 
 #[test]
@@ -258,172 +242,6 @@ fn the_gpu_and_the_twins_draw_the_same_image() {
     let may_round = on_gpu["adapter"]["kind"] != "software";
     let furthest = cpu.as_raw().iter().zip(gpu.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(furthest.is_some_and(|furthest| furthest <= u8::from(may_round)), "{furthest:?}");
-}
-
-#[test]
-fn dump_writes_streams_and_an_index_that_names_them() {
-    let place = Place::new();
-    let outcome = place.ok(&[
-        "dump",
-        &cornell_box(),
-        "-o",
-        "out",
-        "--pass",
-        "last",
-        "--stream",
-        "hit,state",
-        "--format",
-        "both",
-        "--size",
-        "20x10",
-        "--grid",
-        "4,3,2",
-        "--device",
-        "cpu",
-    ]);
-    assert!(outcome.stderr.contains("writing 4 files, "), "the size is said first: {outcome:?}");
-    let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
-    let passes = index["passes"].as_array().expect("passes");
-    let last = passes.last().expect("a pass");
-    assert_eq!(index["scene_units_per_stream_unit"], 4.0);
-    assert_eq!((&index["options"]["grid"], &index["options"]["counters"]), (&"4,3,2".into(), &false.into()));
-    assert_eq!(index["options"]["scene_path"], cornell_box());
-    assert_eq!((&last["kernel"], &last["left_out"]), (&"shade".into(), &Value::Null), "shading changes the state");
-    let names: Vec<_> = last["files"].as_array().expect("files").iter().map(|f| f.as_str().expect("a name")).collect();
-    let stem = format!("pass-{:06}", passes.len() - 1);
-    let expected = ["state.npy", "state.exr", "hit.npy", "hit.exr"].map(|n| format!("{stem}.{n}"));
-    assert_eq!(sorted(&names), sorted(&expected.each_ref().map(String::as_str)));
-
-    let (kind, shape, hit) = npy(&place.read(&format!("out/{stem}.hit.npy")));
-    assert_eq!((kind.as_str(), shape), ("<u4", vec![3, 10, 20]));
-    assert!(hit[400..].iter().all(|&triangle| triangle < 26));
-    let channels = channels(place.read(&format!("out/{stem}.hit.exr")));
-    assert_eq!(channels["hit.triangle"], FlatSamples::U32(hit[400..].to_vec()));
-    let u: Vec<u32> = floats(&channels, "hit.u").iter().map(|u| u.to_bits()).collect();
-    assert_eq!(u, hit[..200]);
-    assert_eq!(place.names(), ["out"]);
-}
-
-fn sorted<'a>(names: &[&'a str]) -> Vec<&'a str> {
-    let mut names = names.to_vec();
-    names.sort_unstable();
-    names
-}
-
-/// Passes of a run have the same numbers whichever streams are dumped, and those of `trace`.
-#[test]
-fn passes_keep_their_numbers_whatever_is_dumped() {
-    let place = Place::new();
-    let common = ["--size", "12x9", "--device", "cpu"];
-    let ways = [
-        &["--schedule", "compact"][..],
-        &["--schedule", "compact", "--steps-per-pass", "8", "--accelerator", "bvh"],
-        &["--schedule", "second"],
-        &["--schedule", "first", "--accelerator", "none"],
-        &["--schedule", "fused"],
-    ];
-    for (i, way) in ways.into_iter().enumerate() {
-        let is_stepped = way != ["--schedule", "fused"];
-        let passes = is_stepped.then(|| {
-            let trace = ["trace", &cornell_box(), "--pixel", "3,4", "--all-rays", "--format", "json", "--quiet"];
-            let life: Value =
-                serde_json::from_str(&place.ok(&[&trace[..], &common, way].concat()).stdout).expect("JSON");
-            life["passes"].as_u64().expect("a number") as usize
-        });
-        let mut hits = Vec::new();
-        for (streams, left_out) in [
-            ("all", &[][..]),
-            ("state", &[]),
-            ("hit,color", &[]),
-            ("hit", if is_stepped { &["shade"] } else { &["generate", "shade"] }),
-        ] {
-            let folder = format!("{i}-{streams}");
-            let dump = ["dump", &cornell_box(), "--pass", "last", "--stream", streams, "-o", &folder];
-            let outcome = place.ok(&[&dump[..], &common, way].concat());
-            let index: Value = serde_json::from_slice(&place.read(&format!("{folder}/index.json"))).expect("JSON");
-            let all = index["passes"].as_array().expect("passes");
-            let last = all.len() - 1;
-            assert_eq!(all.len(), passes.unwrap_or(3), "{way:?} {streams}: as many as trace has");
-            let named: Vec<_> = all.iter().filter(|p| !p["left_out"].is_null()).map(|p| p["kernel"].as_str()).collect();
-            assert_eq!(named, left_out.iter().map(|k| Some(*k)).collect::<Vec<_>>(), "{way:?} {streams}");
-            for (number, pass) in all.iter().enumerate() {
-                assert_eq!(pass["index"], number, "{way:?} {streams}");
-                let said = format!("pass {number} ({}) is left out: ", pass["kernel"].as_str().expect("a name"));
-                assert_eq!(outcome.stderr.contains(&said), !pass["left_out"].is_null(), "{outcome:?}");
-                assert_eq!(pass["rays_in"].is_null(), !pass["left_out"].is_null(), "{way:?} {streams}");
-            }
-            let hit = format!("pass-{last:06}.hit.npy");
-            if streams != "state" {
-                hits.push(place.read(&format!("{folder}/{hit}")));
-            }
-            if is_stepped && streams == "hit" {
-                // By its number it is there as well, and the one after it is not.
-                let by = |number: usize, folder: &str| {
-                    let number = number.to_string();
-                    [&["dump", &cornell_box(), "--pass", &number, "--stream", "hit", "-o", folder][..], &common, way]
-                        .concat()
-                        .into_iter()
-                        .map(str::to_owned)
-                        .collect::<Vec<_>>()
-                };
-                let folder = format!("{i}-numbered");
-                place.ok(&by(last, &folder).iter().map(String::as_str).collect::<Vec<_>>());
-                hits.push(place.read(&format!("{folder}/{hit}")));
-                let beyond = by(last + 1, "beyond");
-                let message = format!("the run has {} passes, 0 to {last}", last + 1);
-                place.fails(2, &message, &beyond.iter().map(String::as_str).collect::<Vec<_>>());
-            }
-        }
-        assert!(hits.iter().all(|hit| *hit == hits[0]), "{way:?}: the hits of the last pass");
-    }
-}
-
-#[test]
-fn dump_of_all_passes_ends_as_the_last_one_does() {
-    let place = Place::new();
-    let common = ["--stream", "all", "--size", "12x9", "--quiet"];
-    for device in ["cpu", "gpu"] {
-        let (all, last) = (format!("{device}-all"), format!("{device}-last"));
-        let base = ["dump", &cornell_box(), "--device", device];
-        place.ok(&[&base[..], &common[..], &["--pass", "all", "-o", &all]].concat());
-        place.ok(&[&base[..], &common[..], &["--pass", "last", "-o", &last]].concat());
-        let index: Value = serde_json::from_slice(&place.read(&format!("{all}/index.json"))).expect("JSON");
-        let passes = index["passes"].as_array().expect("passes");
-        assert!(passes.iter().all(|p| p["files"].as_array().is_some_and(|f| f.len() == 6)));
-        for name in passes.last().expect("a pass")["files"].as_array().expect("files") {
-            let name = name.as_str().expect("a name");
-            assert_eq!(place.read(&format!("{all}/{name}")), place.read(&format!("{last}/{name}")), "{name}");
-        }
-        // What the index says of a pass is what its state stream holds.
-        let states = ["UNWRITTEN", "TRAV_SETUP", "TRAV", "ISECT_NO_HIT", "ISECT_HIT", "SHADE", "BACKGROUND", "DONE"];
-        let (_, _, state) = npy(&place.read(&format!("{all}/pass-000004.state.npy")));
-        for (tag, name) in states.iter().enumerate() {
-            let count = state[..108].iter().filter(|&&t| t == tag as u32).count();
-            assert_eq!(passes[4]["rays_by_state"][name], count, "{device} {name}");
-        }
-    }
-}
-
-#[test]
-fn dump_leaves_a_folder_with_files_alone_unless_forced() {
-    let place = Place::new();
-    std::fs::create_dir(place.path("out")).expect("a folder");
-    let dump = ["dump", &cornell_box(), "-o", "out", "--stream", "hit", "--size", "8x8", "--device", "cpu", "--quiet"];
-    place.ok(&dump);
-    std::fs::write(place.path("out/mine.txt"), "mine").expect("a file");
-    place.fails(1, "out is not empty", &dump);
-    // What an index should not list is left alone.
-    std::fs::write(place.path("pass-0.npy"), "mine").expect("a file");
-    let mut index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
-    let files = index["passes"][0]["files"].as_array_mut().expect("files");
-    files.extend(["../pass-0.npy", "mine.txt"].map(Value::from));
-    std::fs::write(place.path("out/index.json"), index.to_string()).expect("a file");
-    place.ok(&[&dump[..], &["--force", "--pass", "3"]].concat());
-    assert_eq!((place.read("out/mine.txt"), place.read("pass-0.npy")), (b"mine".to_vec(), b"mine".to_vec()));
-    let entries = std::fs::read_dir(place.path("out")).expect("the folder");
-    let names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
-    let names: Vec<_> = names.iter().map(String::as_str).collect();
-    assert_eq!(sorted(&names), ["index.json", "mine.txt", "pass-000003.hit.npy"], "the first dump's files are gone");
 }
 
 #[test]

@@ -1,0 +1,49 @@
+//! The streams that are asked for, and how to get one that the run leaves out.
+
+use raystep_kernels::plan::Plan;
+use raystep_kernels::{Accelerator, Limits, Options, ScheduleKind, Stream};
+
+use super::{DumpArgs, Wanted};
+use crate::error::Error;
+
+/// The streams to write; an error where one that was named is not part of the plan.
+pub(super) fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result<Vec<Stream>, Error> {
+    if args.stream.contains(&Wanted::All) {
+        return Ok(plan.streams.iter().map(|s| s.what).collect());
+    }
+    let mut streams = Vec::new();
+    for wanted in &args.stream {
+        let Wanted::Stream(stream) = *wanted else { continue };
+        if !plan.has_stream(stream) {
+            let what = format!("stream {}", stream.name());
+            let reason = plan.left_out.iter().find(|l| l.what == what).map_or("not needed", |l| l.reason);
+            let tip = option_for(stream, options).map(|o| format!("; {o} has it")).unwrap_or_default();
+            return Err(Error::usage(format!("--stream {}: this run leaves it out: {reason}{tip}", stream.name())));
+        }
+        if !streams.contains(&stream) {
+            streams.push(stream);
+        }
+    }
+    Ok(streams)
+}
+
+/// One option more with which a run has a stream that it leaves out, where there is one: found by planning with it.
+fn option_for(stream: Stream, options: &Options) -> Option<&'static str> {
+    type Change = (&'static str, fn(&mut Options));
+    let changes: [Change; 5] = [
+        ("--accelerator grid", |o| o.accelerator = Accelerator::Grid),
+        ("--accelerator bvh", |o| o.accelerator = Accelerator::Bvh),
+        ("--schedule compact", |o| o.schedule = ScheduleKind::Compact),
+        ("--steps-per-pass 1", |o| o.steps_per_pass = 1),
+        ("--spp 2", |o| o.samples.count = 2),
+    ];
+    // Which streams there are does not depend on the scene, and this one is planned at once.
+    let scene = raystep_scenes::generate::cornell_box();
+    let has_it = |change: fn(&mut Options)| {
+        let mut options = options.clone();
+        change(&mut options);
+        options.shade |= options.samples.count > 1;
+        Plan::new(&scene, &options, &Limits::CPU).is_ok_and(|(plan, _)| plan.has_stream(stream))
+    };
+    changes.into_iter().find(|(_, change)| has_it(*change)).map(|(option, _)| option)
+}
