@@ -46,11 +46,12 @@ fn lists_longer_than_any_loop_are_walked_to_their_end() {
     expect_no_errors("pile in one cell", &scene, &one_cell, &grids, 0.0);
     // One triangle a pass: as many passes as there are triangles.
     let stepped = [Way::new(None, Second, 1), Way::new(Grid, Compact, 1)];
-    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&scene, 4) };
+    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&scene, 3) };
     expect_no_errors("pile, step by step", &scene, &one_cell, &stepped, 0.0);
     let larger = pile(300_000);
-    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&larger, 6) };
-    expect_no_errors("larger pile", &larger, &one_cell, &several, 0.0);
+    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&larger, 4) };
+    let few: Vec<Way> = several.into_iter().filter(|way| way.schedule == Fused || way.steps == 4096).collect();
+    expect_no_errors("larger pile", &larger, &one_cell, &few, 0.0);
 }
 
 /// What a ray has counted does not depend on how many dispatches it took.
