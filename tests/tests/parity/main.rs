@@ -133,6 +133,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             found.add(&format!("{file} {way} contracted"), parity::compare(&gpu, &scene, &options));
         }
     }
+    let ordinary = (found.sum.undecided, found.sum.rays);
     // With so few loop turns a dispatch that whatever can wait does, between any two steps.
     for (file, turns) in [("cornell-box.gltf", 1), ("cornell-box.gltf", 30), ("primitives.gltf", 6), ("lights.gltf", 6)]
     {
@@ -158,10 +159,16 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
         "{} passes, {} components compared: {} equal but for rounding, {} rays undecided",
         sum.passes, sum.components, sum.tolerated, sum.undecided
     );
+    assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
     // A ray is near an edge or a face by less than some 40 roundings of 2⁻²⁴ once in 10,000 tests of one triangle
     // that fills the view; most are farther.
-    assert!(sum.undecided * 10_000 < sum.rays, "{} of {} rays undecided", sum.undecided, sum.rays);
-    assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
+    let (undecided, rays) = ordinary;
+    println!(
+        "{undecided} of {rays} undecided in whole passes, {} of {} in parts of them",
+        sum.undecided - undecided,
+        sum.rays - rays
+    );
+    assert!(undecided * 10_000 < rays, "{undecided} of {rays} rays undecided");
     for info in KERNELS {
         assert!(sum.kernels.contains(&info.kernel), "no ray was ever in {}", info.name);
     }
