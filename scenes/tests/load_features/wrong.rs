@@ -47,6 +47,20 @@ fn normals_and_colours_that_are_none_are_counted() {
 }
 
 #[test]
+fn texture_coordinates_that_are_no_numbers_are_counted() {
+    let mut doc = Doc::triangle();
+    let uv = doc.floats("VEC2", &[f32::NAN, 0.5, 1., f32::INFINITY, 0.25, 1.]);
+    doc.primitive()["attributes"]["TEXCOORD_0"] = json!(uv);
+    doc.primitive()["material"] = json!(0);
+    doc.push("materials", json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
+    doc.push("textures", json!({"source": 0}));
+    let view = doc.view(&png(1, 1, &[9, 8, 7, 255]));
+    doc.push("images", json!({"bufferView": view, "mimeType": "image/png"}));
+    assert_eq!(counted(&doc), ["2 texture coordinates have parts that are no numbers: drawn as 0"]);
+    assert_eq!(doc.scene().texcoords.unwrap()[0], [[0., 0.5], [1., 0.], [0.25, 1.]]);
+}
+
+#[test]
 fn transforms_that_are_wrong_are_counted() {
     let matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1];
     let mut doc = Doc::triangle();
