@@ -37,6 +37,7 @@
 pub mod accumulate;
 pub mod buffer;
 pub mod bvh;
+pub mod compose;
 pub mod executor;
 pub mod export;
 pub mod features;

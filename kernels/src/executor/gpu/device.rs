@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::gate::Gate;
+use super::compiled::Pipelines;
 use super::probe::clock::{self, ClockCheck};
 use super::probe::{Loops, loops};
 
@@ -23,6 +24,7 @@ pub struct Gpu {
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
     pub(super) gate: Gate,
+    pub(super) compiled: Pipelines,
     clock: OnceLock<Clock>,
 }
 
@@ -253,6 +255,7 @@ impl Gpu {
             source,
             trouble,
             gate: Gate::default(),
+            compiled: Pipelines::default(),
             clock,
         }))
     }
