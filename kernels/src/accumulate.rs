@@ -8,7 +8,7 @@
 //! picture. They do not: 4,096 samples of noise are off by less than 2e-6 m in the tests below. That many samples leave an
 //! error of some 1e-3 m at an edge.
 
-use crate::executor::cpu::Texels;
+use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;

@@ -2,7 +2,7 @@
 //! loop turns.
 
 use crate::bvh::WIDE_MAX_DEPTH;
-use crate::executor::cpu::Texels;
+use crate::tables::texels::Texels;
 use crate::generate::eye_ray;
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::executor::cpu::Texels;
+use crate::tables::texels::Texels;
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_TRIANGLE};

@@ -1,10 +1,14 @@
 //! Every kernel, in one table: its WGSL, its twin, and the states it works on.
 
-use crate::executor::cpu::Twin;
 use crate::real::Real;
+use crate::scene_data::SceneData;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::state::{self, StateCounts, Tag};
+use crate::tables::texels::Texels;
 use crate::{accumulate, fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
+
+/// A kernel's twin: one ray's work.
+pub type Twin<R> = fn(&mut Texels<'_, R>, &SceneData);
 
 /// A kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

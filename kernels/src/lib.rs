@@ -64,6 +64,7 @@ pub mod stability;
 pub mod state;
 pub mod statistics;
 pub mod stream;
+pub mod tables;
 pub mod traverse_bvh;
 pub mod traverse_grid;
 pub mod units;

@@ -1,6 +1,6 @@
 //! Twin of `setup.wgsl`: finds where the ray's walk begins.
 
-use crate::executor::cpu::Texels;
+use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_NODE;

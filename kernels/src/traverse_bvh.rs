@@ -1,6 +1,6 @@
 //! Twin of `traverse_bvh.wgsl`: moves the ray to its next node of the tree.
 
-use crate::executor::cpu::Texels;
+use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};

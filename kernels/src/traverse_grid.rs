@@ -1,6 +1,6 @@
 //! Twin of `traverse_grid.wgsl`: moves the ray to its next cell.
 
-use crate::executor::cpu::Texels;
+use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;

@@ -1,6 +1,6 @@
 //! Twin of `walk.wgsl`: takes each ray up to K steps on.
 
-use crate::executor::cpu::Texels;
+use crate::tables::texels::Texels;
 use crate::fused::Trace;
 use crate::intersect::list_ended;
 use crate::real::Real;
