@@ -8,13 +8,13 @@
 //! picture. They do not: 4,096 samples of noise are off by less than 2e-6 m in the tests below. That many samples leave an
 //! error of some 1e-3 m at an edge.
 
-use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::state::{DONE, UNWRITTEN};
 use crate::stream::Stream::{Accumulated, Color, Hit, State};
 use crate::stream::{ACCUMULATED_SAMPLES, HIT_TRIANGLE};
+use crate::tables::texels::Texels;
 
 /// The mean of so many samples, from the mean of those before the last and the last.
 pub fn moved<R: Real>(mean_before: R, sample: R, samples: R) -> R {

@@ -29,13 +29,14 @@ mod references;
 mod split;
 mod tree;
 mod wide;
-mod wide_node;
 
-pub use binary::{BvhData, BvhNode, EMPTY, MAX_LEAF, NO_NODE};
+pub use crate::shared::bvh_walk::{BvhNode, EMPTY};
+pub use crate::shared::constants::{NO_NODE, WIDE_MAX_DEPTH};
+pub use crate::shared::wide_node::{WideChild, WideContent, WideNode};
+pub use binary::{BvhData, MAX_LEAF};
 pub use check::BvhFault;
 pub use tree::{MAX_DEPTH, TreeShape};
-pub use wide::{MAX_WIDE_LEAF, WIDE_MAX_DEPTH, WideBvhData};
-pub use wide_node::{WideChild, WideContent, WideNode};
+pub use wide::{MAX_WIDE_LEAF, WideBvhData};
 
 use references::References;
 

@@ -1,9 +1,6 @@
 //! Twin of `intersect.wgsl`: tests the ray against triangles of its list.
 
-use bytemuck::{Pod, Zeroable};
-
-use crate::tables::texels::Texels;
-use crate::features::Features;
+use crate::grid_lists::list_ended;
 use crate::real::{Real, Vec3};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_CELL};
@@ -12,32 +9,7 @@ use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::shared::vector::smallest3;
 use crate::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, Tag};
 use crate::stream::Stream::{Counters, Hit, RayDirection, RayOrigin, Scan, State, TMax};
-
-/// The uniform `scene`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct SceneInfo {
-    /// Number of triangles.
-    pub triangles: u32,
-    /// Most steps of a ray in one pass.
-    pub steps: u32,
-    /// Rays.
-    pub rays: u32,
-    /// Where a dispatch begins, in rows of workgroups.
-    pub first_row: u32,
-}
-
-/// A cell's list has ended; `exit` is the t at which the ray leaves the cell.
-pub fn list_ended<R: Real>(features: &Features, tag: Tag, nearest_t: R, exit: R) -> Tag {
-    let is_hit = tag == ISECT_HIT;
-    match (features.in_cell, features.any_hit) {
-        (false, false) if is_hit && nearest_t <= exit => SHADE,
-        // Nothing was hit, and nothing behind the ray's end counts.
-        (false, true) if nearest_t <= exit => BACKGROUND,
-        (true, _) if is_hit => SHADE,
-        _ => TRAV,
-    }
-}
+use crate::tables::texels::Texels;
 
 /// Whether a cell lists a triangle: lists ascend.
 fn is_listed(scene: &SceneData, triangle: u32, cell: u32) -> bool {

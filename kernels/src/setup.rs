@@ -1,11 +1,11 @@
 //! Twin of `setup.wgsl`: finds where the ray's walk begins.
 
-use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_NODE;
 use crate::state::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
 use crate::stream::Stream::{Counters, Previous, RayDirection, RayOrigin, State, TMax};
+use crate::tables::texels::Texels;
 
 /// One ray's work.
 pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {

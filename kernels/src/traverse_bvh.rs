@@ -1,12 +1,12 @@
 //! Twin of `traverse_bvh.wgsl`: moves the ray to its next node of the tree.
 
-use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
 use crate::shared::constants::{INF, NO_NODE};
 use crate::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::stream::Stream::{Counters, Previous, RayDirection, RayOrigin, State};
+use crate::tables::texels::Texels;
 
 /// One ray's work.
 pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {

@@ -1,12 +1,12 @@
 //! Twin of `traverse_grid.wgsl`: moves the ray to its next cell.
 
-use crate::tables::texels::Texels;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;
 use crate::shared::grid_walk::Walk;
 use crate::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::stream::Stream::{Counters, RayDirection, RayOrigin, State, TMax};
+use crate::tables::texels::Texels;
 
 /// One ray's work.
 pub fn traverse_grid<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {

@@ -1,8 +1,6 @@
 //! Twin of `walk.wgsl`: takes each ray up to K steps on.
 
-use crate::tables::texels::Texels;
-use crate::fused::Trace;
-use crate::intersect::list_ended;
+use crate::grid_lists::list_ended;
 use crate::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
@@ -11,6 +9,8 @@ use crate::shared::grid_walk::Walk;
 use crate::shared::vector::smallest3;
 use crate::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, Tag};
 use crate::stream::Stream::{Counters, Hit, Previous, RayDirection, RayOrigin, State, TMax};
+use crate::tables::texels::Texels;
+use crate::tracing::Trace;
 
 /// A ray's place between two passes.
 struct Place<R: Real> {

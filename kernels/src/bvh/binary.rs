@@ -1,64 +1,19 @@
 //! The binary tree as kernels read it.
 
-use bytemuck::{Pod, Zeroable};
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::references::{Bounds, References};
 use super::tree::{self, TreeShape};
 use super::{BvhError, BvhOptions, down, fits, up};
-
-/// A node: its box, and what is in it.
-///
-/// `link` has the number of triangles in bits 0 to 29. Where it is 0, the node's children are nodes `first` and
-/// `first + 1`, ordered by their centres along the axis in bits 30 and 31 (0 to 2), the one along which they
-/// differ most: a ray that does not go down that axis enters `first` first. Otherwise the node is a leaf with
-/// items `first .. first + count`, [`MAX_LEAF`] at most.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct BvhNode {
-    /// Lower corner, traced units.
-    pub min: [f32; 3],
-    /// First child or first item.
-    pub first: u32,
-    /// Upper corner, traced units.
-    pub max: [f32; 3],
-    /// Axis and count.
-    pub link: u32,
-}
-
-/// `link` of the root of a tree without triangles: axis 3, count 0. Its box is the one point (`f32::MAX`,
-/// `f32::MAX`, `f32::MAX`), which a ray whose direction is shorter than 2^27 reaches at no t up to 2^100.
-pub const EMPTY: u32 = 3 << 30;
-
-/// What the root has for a parent.
-pub const NO_NODE: u32 = u32::MAX;
+use crate::shared::bvh_walk::{BvhNode, EMPTY};
+use crate::shared::constants::NO_NODE;
 
 /// Most triangles of a leaf.
 pub const MAX_LEAF: u32 = 4;
 
 /// What a visit of an inner node costs, in tests of a triangle: each is one step of the walk.
 const NODE_COST: f64 = 1.0;
-
-impl BvhNode {
-    /// Triangles of a leaf; 0 for an inner node and for the root of an empty tree.
-    #[must_use]
-    pub fn count(&self) -> u32 {
-        self.link & 0x3fff_ffff
-    }
-
-    /// Axis that the children of an inner node are ordered along.
-    #[must_use]
-    pub fn axis(&self) -> usize {
-        (self.link >> 30) as usize
-    }
-
-    /// Whether it has children.
-    #[must_use]
-    pub fn is_inner(&self) -> bool {
-        self.count() == 0 && self.link != EMPTY
-    }
-}
 
 /// A built binary tree.
 #[derive(Clone, Debug, PartialEq)]

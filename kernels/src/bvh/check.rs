@@ -1,10 +1,12 @@
 //! Holds a built tree against what it promises, from its buffers alone.
 
-use super::binary::{BvhData, EMPTY, NO_NODE, order};
+use super::binary::{BvhData, order};
 use super::polygon::covered;
 use super::references::{Bounds, corners};
-use super::wide::{WIDE_MAX_DEPTH, WideBvhData};
-use super::wide_node::WideContent;
+use super::wide::WideBvhData;
+use crate::shared::bvh_walk::EMPTY;
+use crate::shared::constants::{NO_NODE, WIDE_MAX_DEPTH};
+use crate::shared::wide_node::WideContent;
 
 /// What a tree does not keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -8,12 +8,10 @@ use obvhs::cwbvh::node::CwBvhNode;
 
 use super::references::{Bounds, References};
 use super::tree::{self, TreeShape};
-use super::wide_node::{WideContent, WideNode, spacing};
 use super::{BvhError, BvhOptions, down, fits};
+use crate::shared::constants::WIDE_MAX_DEPTH;
+use crate::shared::wide_node::{WideContent, WideNode, spacing};
 use crate::units::floor_log2;
-
-/// Most levels of a wide tree: what a walk with an entry of its stack a level needs.
-pub const WIDE_MAX_DEPTH: u32 = 32;
 
 /// Most triangles of a leaf.
 pub const MAX_WIDE_LEAF: u32 = 3;

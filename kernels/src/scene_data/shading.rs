@@ -4,7 +4,7 @@ use raystep_scenes::{Light as SceneLight, Scene, Texture as SceneTexture, Wrap};
 
 use crate::options::{Options, RaySource};
 use crate::plan::{PlanError, reserve};
-use crate::shade::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
+use crate::shared::shading::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
 use crate::shared::texture::Texture;
 use crate::units::Units;
 

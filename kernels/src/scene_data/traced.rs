@@ -2,9 +2,9 @@
 
 use raystep_scenes::{Camera as SceneCamera, Projection, Scene};
 
-use crate::generate::Camera;
 use crate::grid;
 use crate::options::{Options, Ray, RaySource};
+use crate::shared::camera::Camera;
 use crate::units::{Units, exp2, floor_log2};
 
 /// What boxes of a tree are grown by, in traced units: as much as the grid's cells, and 24 roundings for the

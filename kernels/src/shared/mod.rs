@@ -1,12 +1,16 @@
 //! Rules that two kernels must agree on: one WGSL function each, with one twin beside it.
 
 pub mod bvh_walk;
+pub mod camera;
 pub mod constants;
 pub mod grid_walk;
 pub mod samples;
+pub mod scene;
+pub mod shading;
 pub mod texture;
 pub mod triangle;
 pub mod vector;
+pub mod wide_node;
 pub mod wide_walk;
 
 /// WESL modules that kernels import from, by name: `package::NAME`.

@@ -1,7 +1,7 @@
 //! Twin of `wide_walk.wgsl`: one node of the compressed eight-wide tree.
 
 use super::bvh_walk::finite_inverse;
-use crate::bvh::WideNode;
+use super::wide_node::WideNode;
 use crate::real::{Real, Vec3};
 
 /// Words of a restart trail, eight levels each.

@@ -101,6 +101,6 @@ impl WideNode {
 }
 
 /// What a biased exponent stands for.
-pub(super) fn spacing(exponent: u8) -> f64 {
+pub(crate) fn spacing(exponent: u8) -> f64 {
     exp2(i32::from(exponent) - 127)
 }
