@@ -26,7 +26,6 @@ use crate::shared::constants::{LIST_GROUPS, LIST_SIDE, WORKGROUP};
 use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
 
-pub(crate) use check::reserve;
 pub use check::{MAX_TEXELS, PlanError, given_width};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::{features, left_out};

@@ -1,5 +1,6 @@
 //! A scene as kernels read it: the bytes of every uniform and storage buffer that a run binds.
 
+mod error;
 mod indices;
 mod shading;
 mod traced;
@@ -11,7 +12,6 @@ use crate::bvh::{self, BvhNode, BvhOptions, BvhQuality, WideNode};
 use crate::features::Features;
 use crate::grid::{self, GridData, GridSize};
 use crate::options::{Options, RaySource, Rule, ScheduleKind};
-use crate::plan::{PlanError, reserve};
 use crate::real::{Real, Vec3};
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
@@ -21,6 +21,8 @@ use crate::shared::scene::SceneInfo;
 use crate::shared::shading::{Light, Material, Shading};
 use crate::shared::texture::Texture;
 use crate::units::Units;
+pub use error::SceneDataError;
+use error::reserve;
 pub use shading::{BACKGROUND, linear_to_srgb, srgb_to_linear};
 use shading::{flat_normal, lights, material, textures};
 use traced::{bvh_growth, packed_triangles, reach, traced_vertices};
@@ -180,7 +182,7 @@ impl SceneData {
         features: &Features,
         units: Units,
         storage_bytes: u64,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, SceneDataError> {
         let mut data = Self { units, ..Self::default() };
         data.info.triangles = scene.triangles.len() as u32;
         data.info.steps = options.steps_per_pass;
@@ -213,7 +215,7 @@ impl SceneData {
     ///
     /// # Errors
     /// Where the grid cannot be built.
-    pub(crate) fn prepare_leaps(&mut self, options: &Options, storage_bytes: u64) -> Result<(), PlanError> {
+    pub(crate) fn prepare_leaps(&mut self, options: &Options, storage_bytes: u64) -> Result<(), SceneDataError> {
         if options.grid == GridSize::Auto {
             let reach = reach(&self.vertices, options, self.units);
             self.set_grid(grid::build_for_leaps(&self.vertices, reach, storage_bytes / 4)?);
@@ -238,7 +240,7 @@ impl SceneData {
         features: Features,
         units: Units,
         wanted: impl Fn(&str) -> bool,
-    ) -> Result<(), PlanError> {
+    ) -> Result<(), SceneDataError> {
         let (data, triangles) = (self, scene.triangles.len());
         data.features = features;
         if wanted("camera")

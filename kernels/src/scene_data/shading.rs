@@ -2,8 +2,8 @@
 
 use raystep_scenes::{Light as SceneLight, Scene, Texture as SceneTexture, Wrap};
 
+use super::error::{SceneDataError, reserve};
 use crate::options::{Options, RaySource};
-use crate::plan::{PlanError, reserve};
 use crate::shared::shading::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
 use crate::shared::texture::Texture;
 use crate::units::Units;
@@ -54,7 +54,7 @@ pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Ligh
 }
 
 /// All texels in one buffer, linear, 16 bits a channel: fine enough for 8-bit sRGB's darkest steps.
-pub(super) fn textures(textures: &[SceneTexture]) -> Result<(Vec<Texture>, Vec<u32>), PlanError> {
+pub(super) fn textures(textures: &[SceneTexture]) -> Result<(Vec<Texture>, Vec<u32>), SceneDataError> {
     let white = [SceneTexture {
         width: 1,
         height: 1,
