@@ -131,7 +131,7 @@ impl Schedule {
 
     /// The counts after a kernel that is no part of the walk, if it sent all of its rays on to the next kernel.
     fn after_all(&self, kernel: Kernel, counts: &StateCounts) -> StateCounts {
-        let walk = || self.kernels().into_iter().find(|k| k.is_walk()).and_then(|k| k.info().active.first().copied());
+        let walk = || self.kernels().into_iter().find(|k| k.is_walk()).and_then(|k| k.info().takes.first().copied());
         let to = match kernel {
             Kernel::Setup => walk(),
             Kernel::Accumulate => Some(state::UNWRITTEN),
@@ -139,7 +139,7 @@ impl Schedule {
         };
         let mut after = *counts;
         if let Some(to) = to {
-            kernel.info().active.iter().for_each(|&tag| after[tag as usize] = 0);
+            kernel.info().takes.iter().for_each(|&tag| after[tag as usize] = 0);
             after[to as usize] += kernel.live(counts);
         }
         after

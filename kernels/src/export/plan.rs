@@ -128,7 +128,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         PlannedKernel {
             name: info.name,
             summary: info.summary,
-            rays_in: info.active.iter().map(|&tag| state::name(tag)).collect(),
+            rays_in: info.takes.iter().map(|&tag| state::name(tag)).collect(),
             bindings: bindings.collect(),
         }
     };

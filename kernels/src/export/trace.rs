@@ -122,7 +122,7 @@ pub async fn trace(
     let mut rows = Vec::new();
     while let Some(pass) = renderer.step().await? {
         // A kernel leaves alone every ray that is not in its states: nothing to read back then.
-        if pass.kernel.info().active.contains(&before.tag) {
+        if pass.kernel.info().takes.contains(&before.tag) {
             let after = ray_state(renderer, x, y).await?;
             let mut row = TraceRow::new(&pass, renderer.data(), &before, &after);
             row.pass = row.pass.filter(|_| !(is_alone && waits_for_all(pass.kernel)));

@@ -62,7 +62,7 @@ impl Plan {
         writeln!(f, "\nkernels")?;
         for variant in &self.variants {
             let info = variant.kernel.info();
-            let states: Vec<_> = info.active.iter().map(|&t| state::name(t)).collect();
+            let states: Vec<_> = info.takes.iter().map(|&t| state::name(t)).collect();
             writeln!(f, "  {:<14} {} (rays in {})", info.name, info.summary, states.join(", "))?;
             for binding in &variant.bindings {
                 let access = match (binding.reads, binding.writes) {

@@ -213,7 +213,7 @@ impl Books {
             let kernel = self.kernels[index];
             let ids: Vec<u32> = (0u32..)
                 .zip(tags)
-                .filter(|(_, tag)| kernel.info().active.contains(tag))
+                .filter(|(_, tag)| kernel.info().takes.contains(tag))
                 .map(|(i, _)| (i % width) | ((i / width) << 16))
                 .collect();
             if !ids.is_empty() {
@@ -271,7 +271,7 @@ pub(super) fn is_dynamic(name: &str) -> bool {
 /// Counts after a pass, from those before it and what it sent.
 pub(super) fn counts_after(kernel: Kernel, before: &StateCounts, sent: &StateCounts) -> StateCounts {
     let mut after = *before;
-    let active = kernel.info().active;
+    let active = kernel.info().takes;
     active.iter().for_each(|&tag| after[tag as usize] = 0);
     match kernel.sends_all_to() {
         Some(to) => after[to as usize] += kernel.live(before),
