@@ -73,12 +73,12 @@ pub mod units;
 mod vec64;
 pub mod walk;
 
-pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, Load, Loops, adapters};
+pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, Load, adapters};
 pub use grid::GridSize;
 pub use image::Image;
 pub use kernel::Kernel;
 pub use options::{Accelerator, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
-pub use plan::{Limits, Plan, PlanError};
+pub use plan::{Limits, Loops, Plan, PlanError};
 pub use ray_kinds::RayKind;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
 pub use samples::{Sampler, Samples};

@@ -6,6 +6,7 @@
 mod check;
 mod decide;
 mod display;
+mod limits;
 mod turns;
 
 use std::collections::BTreeSet;
@@ -13,17 +14,15 @@ use std::collections::BTreeSet;
 use raystep_scenes::Scene;
 
 use crate::buffer::BUFFERS;
-use crate::executor::gpu::{Gpu, Loops, fill_bytes, given_bytes};
 use crate::features::Features;
 use crate::grid::{self, GridSize};
 use crate::kernel::Kernel;
 use crate::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
-use crate::renderer::GIVEN;
 use crate::scene_data::SceneData;
 use crate::schedule::Schedule;
 use crate::shader::Variant;
-use crate::shared::constants::{LIST_GROUPS, LIST_SIDE, WORKGROUP};
-use crate::stream::{STREAMS, Stream};
+use crate::stream::{INPUTS, STREAMS, Stream};
+use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, LIVE_REGIONS, fill_bytes, given_bytes};
 use crate::units::Units;
 
 pub use check::{MAX_TEXELS, PlanError, given_width};
@@ -31,58 +30,8 @@ use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, 
 use decide::{features, left_out};
 pub(crate) use display::element;
 pub use display::{Bytes, PlanText};
+pub use limits::{Limits, Loops};
 use turns::Resumes;
-
-/// What an executor can hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Largest image side in pixels.
-    pub image_side: u32,
-    /// Most bytes of one storage buffer.
-    pub storage_bytes: u64,
-    /// Most rays.
-    pub rays: u64,
-    /// Most loop turns of one thread in one dispatch, all of its loops together; what takes more goes on in the next.
-    pub turns: u32,
-}
-
-/// Loop turns of a thread in one dispatch where the adapter sets no limit: a million tests of triangles, some 200 ms, so
-/// that no system takes the GPU away from it.
-const TURNS_WITHOUT_LIMIT: u32 = 1 << 22;
-
-/// Of the turns after which an adapter ends loops, the part that a thread takes. It may count the turns of up to 16
-/// threads that run in one vector together, and the loops around the budget take some, too.
-const SHARE_OF_LIMIT: u32 = 32;
-
-impl Limits {
-    /// The CPU twins': memory is the only limit, images are kept to 2²⁶ pixels, some 6 GB of streams.
-    pub const CPU: Self = Self { image_side: 32_768, storage_bytes: 1 << 32, rays: 1 << 26, turns: u32::MAX };
-}
-
-impl From<&Gpu> for Limits {
-    fn from(gpu: &Gpu) -> Self {
-        Self::of_adapter(&gpu.device.limits(), gpu.loops)
-    }
-}
-
-impl Limits {
-    /// What an adapter with these limits and loops can hold.
-    #[must_use]
-    pub fn of_adapter(limits: &wgpu::Limits, loops: Loops) -> Self {
-        let groups = limits.max_compute_workgroups_per_dimension;
-        let side = limits.max_texture_dimension_2d.min(groups.saturating_mul(WORKGROUP));
-        Self {
-            image_side: side,
-            turns: match loops {
-                Loops::Unlimited => TURNS_WITHOUT_LIMIT,
-                Loops::EndAfter(turns) => (turns / SHARE_OF_LIMIT).max(1),
-            },
-            storage_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-            // Rows of workgroups of one indirect dispatch, and rays of a row.
-            rays: u64::from(groups.min(65_535)) * u64::from(LIST_GROUPS * LIST_SIDE * LIST_SIDE),
-        }
-    }
-}
 
 /// Something with a size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,15 +90,6 @@ pub struct Plan {
     /// What is left out.
     pub left_out: Vec<LeftOut>,
 }
-
-/// Passes of one batch at most: one slot each in the GPU executor's housekeeping buffers.
-pub const COUNT_SLOTS: u64 = 256;
-/// Bytes between two slots: a dynamic offset's alignment on every adapter.
-pub const COUNT_SLOT_BYTES: u64 = 256;
-/// Texels of each constant with which the GPU executor fills streams.
-pub const FILL_TEXELS: u32 = 1 << 18;
-/// Lists of rays that exist at a time: for each of two kernels the one that it works on, and the next.
-pub const LIVE_REGIONS: u64 = 4;
 
 /// The buffers in which the GPU executor keeps the passes' books, as far as kernels bind them.
 fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str>> {
@@ -299,7 +239,7 @@ impl Plan {
         buffers.extend(housekeeping(&bound, u64::from(width) * u64::from(height)));
         buffers.push(Planned { what: "fill", bytes: fill_bytes(width, height) });
         if given {
-            let bytes = GIVEN.iter().map(|&stream| given_bytes(stream, width, height)).sum();
+            let bytes = INPUTS.iter().map(|&stream| given_bytes(stream, width, height)).sum();
             buffers.push(Planned { what: "given", bytes });
         }
         let mut plan = Self {

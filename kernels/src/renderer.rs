@@ -22,7 +22,6 @@ use crate::schedule::Cursor;
 use crate::state::{self, StateCounts};
 use crate::stream::Region;
 pub use checkpoint::Checkpoint;
-pub(crate) use given::GIVEN;
 use given::GivenRays;
 pub use records::PassTotals;
 use records::Records;

@@ -180,6 +180,9 @@ pub const STREAMS: [StreamInfo; 12] = [
     ),
 ];
 
+/// The streams that rays from outside begin with.
+pub const INPUTS: [Stream; 3] = [Stream::RayOrigin, Stream::RayDirection, Stream::State];
+
 impl Stream {
     /// Its row of the table.
     #[must_use]

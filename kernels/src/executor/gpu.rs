@@ -20,21 +20,20 @@ use wgpu::util::DeviceExt as _;
 use books::Books;
 pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, GpuSource, adapters};
 use fill::Fill;
-pub(crate) use fill::{fill_bytes, given_bytes};
 pub use gate::Held;
 pub use load::Load;
 use pipelines::{Counting, Pipelines};
-pub use probe::Loops;
 pub use probe::clock::ClockCheck;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;
 
 use crate::options::Accelerator;
-use crate::plan::{COUNT_SLOTS, Plan};
+use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shared::constants::TURNS_A_TEST;
 use crate::stream::{STATE_TAG, Stream, StreamData, Texel};
+use crate::tables::sizes::COUNT_SLOTS;
 
 /// Runs kernels over the rays of a plan.
 pub struct GpuExecutor {

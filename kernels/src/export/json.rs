@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::structure::{Structure, structure_bytes};
-use crate::executor::gpu::{AdapterSummary, Gpu, Loops};
+use crate::executor::gpu::{AdapterSummary, Gpu};
 use crate::kernel::Kernel;
-use crate::plan::Plan;
+use crate::plan::{Loops, Plan};
 use crate::reference::Report;
 use crate::renderer::RayHit;
 use crate::scene_data::SceneData;

@@ -2,7 +2,8 @@
 
 use raystep_scenes::{Projection, Scene};
 
-use super::{Bytes, Limits};
+use super::display::Bytes;
+use super::limits::Limits;
 use crate::bvh::BvhError;
 use crate::grid::GridError;
 use crate::options::{Options, RaySource};

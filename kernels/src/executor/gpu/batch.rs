@@ -6,9 +6,9 @@ use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
 use crate::executor::readback::Readback;
 use crate::kernel::Kernel;
-use crate::plan::COUNT_SLOT_BYTES;
 use crate::shared::constants::WORKGROUP;
 use crate::state::StateCounts;
+use crate::tables::sizes::COUNT_SLOT_BYTES;
 
 /// Where `first_row` lies in the uniform `scene`, in bytes.
 const FIRST_ROW: u64 = 12;

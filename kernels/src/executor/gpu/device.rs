@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::gate::Gate;
 use super::probe::clock::{self, ClockCheck};
-use super::probe::{Loops, loops};
+use super::probe::loops;
+use crate::plan::{Limits, Loops};
 
 /// A device, its queue, and what became of it.
 pub struct Gpu {
@@ -168,6 +169,12 @@ fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
         wgpu::DeviceType::Cpu => 4,
     };
     (kind, u8::from(info.backend == wgpu::Backend::Gl))
+}
+
+impl From<&Gpu> for Limits {
+    fn from(gpu: &Gpu) -> Self {
+        Self::of_adapter(&gpu.device.limits(), gpu.loops)
+    }
 }
 
 impl Gpu {
