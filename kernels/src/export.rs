@@ -21,6 +21,7 @@ pub mod exr;
 pub mod json;
 pub mod npy;
 pub mod plan;
-pub mod structure;
 pub mod trace;
 pub mod trace_events;
+
+pub use crate::plan::structure;

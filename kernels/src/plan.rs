@@ -7,6 +7,7 @@ mod check;
 mod decide;
 mod display;
 mod limits;
+pub mod structure;
 mod turns;
 
 use std::collections::BTreeSet;
@@ -31,6 +32,7 @@ use decide::{features, left_out};
 pub(crate) use display::element;
 pub use display::{Bytes, PlanText};
 pub use limits::{Limits, Loops};
+pub use structure::{BvhSummary, GridSummary, Structure, structure_bytes};
 use turns::Resumes;
 
 /// Something with a size.

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::structure::{Structure, structure_bytes};
 use crate::executor::gpu::{AdapterSummary, Gpu};
 use crate::kernel::Kernel;
-use crate::plan::{Loops, Plan};
+pub use crate::plan::GridSummary;
+use crate::plan::{Loops, Plan, Structure};
 use crate::reference::Report;
 use crate::renderer::RayHit;
 use crate::scene_data::SceneData;
@@ -148,45 +148,6 @@ pub struct RunOptions {
     pub sampler: Option<&'static str>,
     /// `--seed`; `null` where a pixel has one sample.
     pub seed: Option<u32>,
-}
-
-/// A grid in numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct GridSummary {
-    /// Cells along x, y and z.
-    pub cells: [i32; 3],
-    /// Cells with an empty list.
-    pub empty_cells: u64,
-    /// Entries of all lists.
-    pub references: u64,
-    /// Longest list.
-    pub longest_list: u32,
-    /// Whether rays leap over empty cells.
-    pub leaps: bool,
-    /// Bytes of the buffers that the run binds for it.
-    pub bytes: u64,
-    /// What cells were grown by, in traced units.
-    pub growth: f32,
-}
-
-impl GridSummary {
-    /// Of a run that has a grid.
-    #[must_use]
-    pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
-        if data.grid_cells.len() < 2 {
-            return None;
-        }
-        let lengths = || data.grid_cells.windows(2).map(|w| w[1] - w[0]);
-        Some(Self {
-            cells: data.grid.cells,
-            empty_cells: lengths().filter(|&n| n == 0).count() as u64,
-            references: data.grid_items.len() as u64,
-            longest_list: lengths().max().unwrap_or(0),
-            leaps: plan.features.skip,
-            bytes: structure_bytes(plan),
-            growth: data.growth,
-        })
-    }
 }
 
 /// A kernel's share of a run.

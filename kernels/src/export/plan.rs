@@ -3,10 +3,9 @@
 use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
-use super::structure::Structure;
 use crate::kernel::Kernel;
 use crate::options::Accelerator;
-use crate::plan::{Because, Plan, Planned, element};
+use crate::plan::{Because, Plan, Planned, Structure, element};
 use crate::scene_data::SceneData;
 use crate::schedule::Step;
 use crate::shader::{Resource, Variant};

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use super::structure::Structure;
 use super::{Because, Plan};
 use crate::buffer;
-use crate::export::structure::Structure;
 use crate::shader::Resource;
 use crate::state;
 

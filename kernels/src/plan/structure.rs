@@ -4,10 +4,10 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::json::GridSummary;
+use super::Plan;
+use super::display::Bytes;
 use crate::bvh::WideContent;
 use crate::options::{Accelerator, LEAST_FOR_GRID, MOST_WITHOUT};
-use crate::plan::{Bytes, Plan};
 use crate::scene_data::SceneData;
 
 /// The buffers that make up grids and trees.
@@ -25,6 +25,25 @@ pub struct Structure {
     pub grid: Option<GridSummary>,
     /// The tree; `null` without one.
     pub bvh: Option<BvhSummary>,
+}
+
+/// A grid in numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GridSummary {
+    /// Cells along x, y and z.
+    pub cells: [i32; 3],
+    /// Cells with an empty list.
+    pub empty_cells: u64,
+    /// Entries of all lists.
+    pub references: u64,
+    /// Longest list.
+    pub longest_list: u32,
+    /// Whether rays leap over empty cells.
+    pub leaps: bool,
+    /// Bytes of the buffers that the run binds for it.
+    pub bytes: u64,
+    /// What cells were grown by, in traced units.
+    pub growth: f32,
 }
 
 /// A tree in numbers.
@@ -72,6 +91,26 @@ impl Structure {
 #[must_use]
 pub fn structure_bytes(plan: &Plan) -> u64 {
     plan.buffers.iter().filter(|b| OF_STRUCTURES.contains(&b.what)).map(|b| b.bytes).sum()
+}
+
+impl GridSummary {
+    /// Of a run that has a grid.
+    #[must_use]
+    pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
+        if data.grid_cells.len() < 2 {
+            return None;
+        }
+        let lengths = || data.grid_cells.windows(2).map(|w| w[1] - w[0]);
+        Some(Self {
+            cells: data.grid.cells,
+            empty_cells: lengths().filter(|&n| n == 0).count() as u64,
+            references: data.grid_items.len() as u64,
+            longest_list: lengths().max().unwrap_or(0),
+            leaps: plan.features.skip,
+            bytes: structure_bytes(plan),
+            growth: data.growth,
+        })
+    }
 }
 
 impl BvhSummary {
