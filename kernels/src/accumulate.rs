@@ -50,7 +50,7 @@ pub fn accumulate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::Sampler;
+    use crate::shared::samples::Sampler;
 
     #[test]
     fn a_mean_of_many_samples_is_off_by_little() {

@@ -1,7 +1,7 @@
 //! The textual options of the kernels: what a run needs, and for what it does not need, why not.
 
-use crate::samples::Sampler;
 use crate::shared::grid_walk::WalkRules;
+use crate::shared::samples::Sampler;
 use crate::shared::triangle::TriangleRules;
 
 macro_rules! features {

@@ -47,6 +47,7 @@ mod grid_lists;
 pub mod image;
 pub mod intersect;
 pub mod kernel;
+pub mod numbers;
 pub mod options;
 mod parallel;
 pub mod plan;
@@ -81,5 +82,6 @@ pub use options::{Accelerator, Numerics, Options, Ray, RaySource, Rule, Schedule
 pub use plan::{Limits, Loops, Plan, PlanError};
 pub use ray_kinds::RayKind;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
-pub use samples::{Sampler, Samples};
+pub use samples::Samples;
+pub use shared::samples::Sampler;
 pub use stream::{Region, Stream, StreamData};

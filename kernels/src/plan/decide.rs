@@ -7,8 +7,8 @@ use crate::buffer::BUFFERS;
 use crate::features::Features;
 use crate::kernel::{KERNELS, Kernel};
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
-use crate::samples::Sampler;
 use crate::scene_data::traced_camera;
+use crate::shared::samples::Sampler;
 use crate::stream::{STREAMS, Stream};
 use crate::units::Units;
 

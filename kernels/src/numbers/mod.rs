@@ -1,0 +1,3 @@
+//! Numbers, units and the few helpers that everything else is written with.
+
+pub mod named;
