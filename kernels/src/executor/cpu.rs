@@ -1,13 +1,13 @@
 //! The twins, on all cores: the same streams as the GPU executor, one row of texels a ray.
 
 use crate::executor::PassResult;
-use crate::kernel::Kernel;
-use crate::parallel::for_chunks;
+use crate::numbers::parallel::for_chunks;
+use crate::numbers::real::Real;
 use crate::plan::{Bytes, Plan};
-use crate::real::Real;
+use crate::programs::closest_hit::kernels::Kernel;
 use crate::scene_data::SceneData;
-use crate::state::{self, StateCounts};
-use crate::stream::{Region, STATE_TAG, STREAMS, Stream, StreamData};
+use crate::tables::state::{self, StateCounts};
+use crate::tables::stream::{Region, STATE_TAG, STREAMS, Stream, StreamData};
 use crate::tables::texels::{Layout, Texels};
 
 /// Runs twins over the rays of a plan.

@@ -32,8 +32,8 @@ use crate::options::Accelerator;
 use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shared::constants::TURNS_A_TEST;
-use crate::stream::{STATE_TAG, Stream, StreamData, Texel};
 use crate::tables::sizes::COUNT_SLOTS;
+use crate::tables::stream::{STATE_TAG, Stream, StreamData, Texel};
 
 /// Runs kernels over the rays of a plan.
 pub struct GpuExecutor {
@@ -73,7 +73,7 @@ impl GpuExecutor {
         let mut buffers = Vec::new();
         for planned in &plan.buffers {
             let Some(contents) = data.bytes(planned.what) else { continue };
-            let is_uniform = crate::buffer::info(planned.what).is_some_and(|b| b.is_uniform);
+            let is_uniform = crate::tables::buffer::info(planned.what).is_some_and(|b| b.is_uniform);
             let kind = if is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
             let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
             let descriptor = wgpu::util::BufferInitDescriptor { label: Some(planned.what), contents, usage };

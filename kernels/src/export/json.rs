@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::executor::gpu::{AdapterSummary, Gpu};
-use crate::kernel::Kernel;
 pub use crate::plan::GridSummary;
 use crate::plan::{Loops, Plan, Structure};
+use crate::programs::closest_hit::kernels::Kernel;
 use crate::reference::Report;
+pub use crate::renderer::KernelSummary;
 use crate::renderer::RayHit;
-use crate::scene_data::SceneData;
-use crate::state::{self, StateCounts};
-use crate::stream::{Stream, Texel};
+use crate::tables::state::{self, StateCounts};
+use crate::tables::stream::{Stream, Texel};
 
 /// Version of the JSON objects here.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -150,17 +150,6 @@ pub struct RunOptions {
     pub seed: Option<u32>,
 }
 
-/// A kernel's share of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct KernelSummary {
-    /// Passes.
-    pub passes: usize,
-    /// Rays worked on, summed over its passes.
-    pub rays_in: u64,
-    /// Device time; `null` unless every pass was timed.
-    pub duration_ns: Option<u64>,
-}
-
 /// How many rays hit something.
 #[must_use]
 pub fn hit_count(hits: &[Option<RayHit>]) -> u64 {
@@ -182,7 +171,7 @@ pub struct CounterSums {
 impl CounterSums {
     /// Of the values of the `counters` stream after a run of this plan; `None` for another stream.
     #[must_use]
-    pub fn of(data: &crate::stream::StreamData, plan: &Plan) -> Option<Self> {
+    pub fn of(data: &crate::tables::stream::StreamData, plan: &Plan) -> Option<Self> {
         let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
         (data.stream == Stream::Counters).then(|| Self {
             cells_visited: sum(0),

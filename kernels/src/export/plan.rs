@@ -3,13 +3,13 @@
 use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
-use crate::kernel::Kernel;
 use crate::options::Accelerator;
 use crate::plan::{Because, Plan, Planned, Structure, element};
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::programs::closest_hit::schedule::Step;
 use crate::scene_data::SceneData;
-use crate::schedule::Step;
 use crate::shader::{Resource, Variant};
-use crate::state;
+use crate::tables::state;
 
 /// A plan, for `raystep plan --json`.
 #[derive(Clone, Debug, Serialize)]

@@ -1,3 +1,7 @@
 //! Numbers, units and the few helpers that everything else is written with.
 
 pub mod named;
+pub(crate) mod parallel;
+pub mod real;
+pub mod srgb;
+pub mod units;

@@ -4,13 +4,13 @@ use raystep_scenes::{Projection, Scene};
 
 use super::display::Bytes;
 use super::limits::Limits;
-use crate::bvh::BvhError;
-use crate::grid::GridError;
+use crate::numbers::units::Units;
+use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};
-use crate::samples::Samples;
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
-use crate::units::Units;
+use crate::structures::bvh::BvhError;
+use crate::structures::grid::GridError;
 
 /// A run that cannot be planned.
 #[derive(Debug, thiserror::Error)]

@@ -4,9 +4,9 @@ use std::fmt;
 
 use super::structure::Structure;
 use super::{Because, Plan};
-use crate::buffer;
 use crate::shader::Resource;
-use crate::state;
+use crate::tables::buffer;
+use crate::tables::state;
 
 /// A byte count as people read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

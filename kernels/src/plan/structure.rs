@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use super::Plan;
 use super::display::Bytes;
-use crate::bvh::WideContent;
 use crate::options::{Accelerator, LEAST_FOR_GRID, MOST_WITHOUT};
 use crate::scene_data::SceneData;
+use crate::structures::bvh::WideContent;
 
 /// The buffers that make up grids and trees.
 const OF_STRUCTURES: [&str; 7] =
@@ -219,12 +219,12 @@ mod tests {
         let (binary, wide) = (ScheduleKind::Second, ScheduleKind::Fused);
         let options = Options { accelerator: Accelerator::Bvh, ..Options::new(RaySource::Given(Vec::new())) };
         let (_, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene");
-        let how = crate::bvh::BvhOptions::default();
-        let built = crate::bvh::build(&data.vertices, data.growth, &how).expect("a tree");
+        let how = crate::structures::bvh::BvhOptions::default();
+        let built = crate::structures::bvh::build(&data.vertices, data.growth, &how).expect("a tree");
         let two = of(&scene, Accelerator::Bvh, binary).bvh.expect("a tree");
         assert_eq!((two.width, two.depth, two.nodes), (2, built.depth, built.nodes.len() as u64));
         assert_eq!((two.references, two.bytes), (built.items.len() as u64, two.nodes * 36 + two.references * 4));
-        let built = crate::bvh::build_wide(&data.vertices, data.growth, &how).expect("a tree");
+        let built = crate::structures::bvh::build_wide(&data.vertices, data.growth, &how).expect("a tree");
         let eight = of(&scene, Accelerator::Bvh, wide).bvh.expect("a tree");
         assert_eq!((eight.width, eight.depth, eight.nodes), (8, built.depth, built.nodes.len() as u64));
         assert_eq!((eight.references, eight.bytes), (built.triangles.len() as u64, eight.nodes * 80));

@@ -6,7 +6,7 @@
 //! none can need as many, nothing of this is compiled.
 
 use super::limits::{Limits, TURNS_WITHOUT_LIMIT};
-use crate::features::Features;
+use crate::options::features::Features;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
 

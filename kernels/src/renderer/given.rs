@@ -1,12 +1,12 @@
 //! Rays from outside: what `generate` would have written.
 
+use crate::numbers::units::exp2;
 use crate::options::Ray;
 use crate::plan::Plan;
 use crate::scene_data::{SceneData, traced_ray};
 use crate::shared::constants::INF;
-use crate::state;
-use crate::stream::{INPUTS, STATE_T, Stream, StreamData};
-use crate::units::exp2;
+use crate::tables::state;
+use crate::tables::stream::{INPUTS, STATE_T, Stream, StreamData};
 
 /// Rays from outside, as streams, and the exponent of each one's t.
 pub(super) struct GivenRays {

@@ -1,7 +1,7 @@
 //! Why the bytes of a scene cannot be prepared.
 
-use crate::bvh::BvhError;
-use crate::grid::GridError;
+use crate::structures::bvh::BvhError;
+use crate::structures::grid::GridError;
 
 /// The buffers of a scene cannot be made.
 #[derive(Debug, thiserror::Error)]

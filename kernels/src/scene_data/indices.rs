@@ -6,7 +6,7 @@
 //! is a byte a node, and where it fails the proof does.
 
 use super::SceneData;
-use crate::features::Features;
+use crate::options::features::Features;
 use crate::shared::constants::wide_stack;
 use crate::shared::wide_node::WideNode;
 

@@ -3,14 +3,14 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::constants::{NO_NODE, PARALLEL};
-use crate::real::{Real, Vec3};
+use crate::numbers::real::{Real, Vec3};
 
 /// A node: its box, and what is in it.
 ///
 /// `link` has the number of triangles in bits 0 to 29. Where it is 0, the node's children are nodes `first` and
 /// `first + 1`, ordered by their centres along the axis in bits 30 and 31 (0 to 2), the one along which they
 /// differ most: a ray that does not go down that axis enters `first` first. Otherwise the node is a leaf with
-/// items `first .. first + count`, [`MAX_LEAF`](crate::bvh::MAX_LEAF) at most.
+/// items `first .. first + count`, [`MAX_LEAF`](crate::structures::bvh::MAX_LEAF) at most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BvhNode {

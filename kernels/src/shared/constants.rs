@@ -6,7 +6,7 @@ pub const INF: f32 = 1.267_650_6e30;
 
 /// A direction component below this (2⁻⁶⁴) cannot carry the ray across one cell's width of rounding
 /// error inside the grid: with t at most 2²⁸ in traced units, it moves by less than 2⁻³⁶, far less than
-/// what every cell is grown by (see [`crate::grid`]). Dividing by anything larger stays below [`INF`].
+/// what every cell is grown by (see [`crate::structures::grid`]). Dividing by anything larger stays below [`INF`].
 pub const PARALLEL: f32 = 5.421_011e-20;
 
 /// The paper's threshold for the same question (§4.2.3), absolute.

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::units::exp2;
+use crate::numbers::units::exp2;
 
 /// A node of the compressed wide tree of Ylitie, Karras and Laine 2017, with the planes of each axis side by side.
 ///

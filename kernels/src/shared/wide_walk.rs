@@ -2,7 +2,7 @@
 
 use super::bvh_walk::finite_inverse;
 use super::wide_node::WideNode;
-use crate::real::{Real, Vec3};
+use crate::numbers::real::{Real, Vec3};
 
 /// Words of a restart trail, eight levels each.
 pub const TRAIL_WORDS: usize = 4;

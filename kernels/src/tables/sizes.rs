@@ -1,6 +1,6 @@
 //! Sizes of the buffers that the GPU executor keeps for itself: what the plan counts and the executor allocates.
 
-use crate::stream::{STREAMS, Stream};
+use crate::tables::stream::{STREAMS, Stream};
 
 /// Passes of one batch at most: one slot each in the GPU executor's housekeeping buffers.
 pub const COUNT_SLOTS: u64 = 256;

@@ -1,7 +1,7 @@
 //! The texels of one ray, as a CPU kernel reads and writes them.
 
-use crate::real::{Real, Vec3};
-use crate::stream::{STREAMS, Stream};
+use crate::numbers::real::{Real, Vec3};
+use crate::tables::stream::{STREAMS, Stream};
 
 /// Where the components of each stream lie in a ray's row of texels.
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,10 @@
 //! The passes' books: how many rays each pass sent where, and the lists of live rays.
 
-use crate::kernel::Kernel;
 use crate::plan::Plan;
+use crate::programs::closest_hit::kernels::Kernel;
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
-use crate::state::{COUNT, StateCounts, Tag};
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS};
+use crate::tables::state::{COUNT, StateCounts, Tag};
 
 /// Rays of one row of an indirect dispatch.
 const RAYS_A_ROW: u32 = LIST_SIDE * LIST_SIDE * LIST_GROUPS;

@@ -1,8 +1,8 @@
 //! What every stream begins with, kept on the GPU: a restart copies it and uploads nothing.
 
 use crate::plan::Plan;
-use crate::stream::{Stream, StreamData};
 use crate::tables::sizes::{fill_bytes, fill_rows, fill_values, given_bytes, pitch};
+use crate::tables::stream::{Stream, StreamData};
 
 /// Constant texels, and the streams that were given.
 pub(super) struct Fill {

@@ -2,7 +2,7 @@
 
 use super::{GpuError, GpuExecutor};
 use crate::executor::readback::Readback;
-use crate::stream::{Region, Stream, StreamData};
+use crate::tables::stream::{Region, Stream, StreamData};
 
 /// Bytes of one trip to the host, or one layer: a stream may be larger than the largest buffer.
 const TRIP_BYTES: u64 = 1 << 26;
