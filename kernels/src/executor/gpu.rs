@@ -2,7 +2,10 @@
 
 mod batch;
 mod books;
+mod clock;
+mod clock_check;
 mod device;
+mod error;
 mod fill;
 mod gate;
 mod load;
@@ -10,6 +13,7 @@ mod picture;
 mod pipelines;
 mod probe;
 mod read;
+pub mod readback;
 mod snapshot;
 mod timers;
 
@@ -18,12 +22,13 @@ use std::sync::Arc;
 use wgpu::util::DeviceExt as _;
 
 use books::Books;
-pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, GpuSource, adapters};
+pub use clock_check::ClockCheck;
+pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuSource, adapters};
+pub use error::GpuError;
 use fill::Fill;
 pub use gate::Held;
 pub use load::Load;
 use pipelines::{Counting, Pipelines};
-pub use probe::clock::ClockCheck;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;

@@ -2,7 +2,6 @@
 
 pub mod cpu;
 pub mod gpu;
-pub mod readback;
 
 use crate::programs::closest_hit::kernels::Kernel;
 use crate::tables::state::StateCounts;

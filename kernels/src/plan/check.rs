@@ -2,8 +2,8 @@
 
 use raystep_scenes::{Projection, Scene};
 
-use super::display::Bytes;
 use super::limits::Limits;
+use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};

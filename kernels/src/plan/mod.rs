@@ -26,11 +26,12 @@ use crate::tables::buffer::BUFFERS;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, LIVE_REGIONS, fill_bytes, given_bytes};
 use crate::tables::stream::{INPUTS, STREAMS, Stream};
 
+pub use crate::numbers::bytes::Bytes;
 pub use check::{MAX_TEXELS, PlanError, given_width};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::{features, left_out};
+pub use display::PlanText;
 pub(crate) use display::element;
-pub use display::{Bytes, PlanText};
 pub use limits::{Limits, Loops};
 pub use structure::{BvhSummary, GridSummary, Structure, structure_bytes};
 use turns::Resumes;

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::Plan;
-use super::display::Bytes;
+use crate::numbers::bytes::Bytes;
 use crate::options::{Accelerator, LEAST_FOR_GRID, MOST_WITHOUT};
 use crate::scene_data::SceneData;
 use crate::structures::bvh::WideContent;

@@ -4,7 +4,7 @@ use super::books::{Place, counts_after, read_sent};
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
-use crate::executor::readback::Readback;
+use crate::executor::gpu::readback::Readback;
 use crate::programs::closest_hit::kernels::Kernel;
 use crate::shared::constants::WORKGROUP;
 use crate::tables::sizes::COUNT_SLOT_BYTES;

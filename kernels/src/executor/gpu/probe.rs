@@ -1,7 +1,4 @@
-//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened; and, when
-//! somebody gives a clock, whether its own is one.
-
-pub(super) mod clock;
+//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened.
 
 use std::future::poll_fn;
 use std::task::Poll;
@@ -9,7 +6,7 @@ use std::task::Poll;
 use futures_channel::oneshot;
 use wgpu::util::DeviceExt as _;
 
-use super::GpuError;
+use super::error::GpuError;
 use crate::plan::Loops;
 
 /// Turns that the loop is told to take.

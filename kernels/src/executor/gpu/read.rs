@@ -1,7 +1,7 @@
 //! Streams from the GPU to the host: whole, a part, or one ray's texels of many streams at once.
 
 use super::{GpuError, GpuExecutor};
-use crate::executor::readback::Readback;
+use crate::executor::gpu::readback::Readback;
 use crate::tables::stream::{Region, Stream, StreamData};
 
 /// Bytes of one trip to the host, or one layer: a stream may be larger than the largest buffer.

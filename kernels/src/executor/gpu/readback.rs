@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use futures_channel::oneshot;
 
-use super::gpu::{Gpu, GpuError};
+use super::{Gpu, GpuError};
 
 /// Bytes on their way. Dropped before they arrive, it gives the buffer back.
 pub(crate) struct Readback {

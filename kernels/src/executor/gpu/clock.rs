@@ -12,9 +12,11 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::super::timers::read_times;
-use super::super::{Gpu, GpuError};
-use crate::executor::readback::Readback;
+use super::clock_check::ClockCheck;
+use super::device::Clock;
+use super::readback::Readback;
+use super::timers::read_times;
+use super::{Gpu, GpuError};
 
 /// Host time of a submission that is worth comparing: dozens of times what submitting and noticing the end take (some
 /// 0.1 ms on a GPU, 0.2 ms on software ones), and no more than a frame.
@@ -22,12 +24,6 @@ const LONG_ENOUGH_NS: u64 = 10_000_000;
 
 /// Submissions of that length. One that another program's work holds up says nothing; of five in a row, some are not.
 const TRIES: u32 = 5;
-
-/// The least share of the host's time that a true device's span has in the best of them.
-const LEAST_SHARE: f64 = 0.5;
-
-/// And the most: quartz clocks are apart by some 0.01%, and periods of ticks are told to some 0.1%.
-const MOST_SHARE: f64 = 1.02;
 
 /// Workgroups of the first submission.
 const FEWEST_GROUPS: u32 = 16;
@@ -57,44 +53,27 @@ fn clock(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
 }
 ";
 
-/// What the device's clock and the host's said of the same work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ClockCheck {
-    /// Span between the device's timestamps before and after it; `None` where they were no times.
-    pub device_ns: Option<u64>,
-    /// From its submission to its end, on the host's clock.
-    pub host_ns: u64,
-}
-
-impl ClockCheck {
-    /// The device's time as a share of the host's.
-    #[must_use]
-    pub fn share(&self) -> Option<f64> {
-        self.device_ns.filter(|_| self.host_ns > 0).map(|ns| ns as f64 / self.host_ns as f64)
-    }
-
-    /// Whether both are times of this work.
-    #[must_use]
-    pub fn agrees(&self) -> bool {
-        self.share().is_some_and(|share| (LEAST_SHARE..=MOST_SHARE).contains(&share))
-    }
-
-    /// How far the two are apart, in octaves.
-    fn distance(&self) -> f64 {
-        self.share().map_or(f64::INFINITY, |share| share.log2().abs())
-    }
-}
-
-impl std::fmt::Display for ClockCheck {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let ms = |ns: u64| format!("{:.3} ms", ns as f64 / 1e6);
-        let device = self.device_ns.map_or("no time".into(), ms);
-        write!(f, "{device} of work that took {} on the host's clock", ms(self.host_ns))
+impl Gpu {
+    /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. Only once, before anything
+    /// that is to be timed is made; without it, no pass on this device has a time.
+    ///
+    /// # Errors
+    /// Where the device is lost or refuses.
+    pub async fn check_clock(self: &Arc<Self>, now: fn() -> u64) -> Result<(), GpuError> {
+        if self.clock.get().is_none() {
+            let check = match self.timestamp_period_ns {
+                Some(period_ns) => Some(check(self, period_ns, now).await?),
+                None => None,
+            };
+            // Another's that was quicker is as good.
+            let _ = self.clock.set(Clock { now, check });
+        }
+        Ok(())
     }
 }
 
 /// Compares the device's clock with the host's, `now`. `period_ns`: nanoseconds a tick of the device's.
-pub(in super::super) async fn check(gpu: &Arc<Gpu>, period_ns: f64, now: fn() -> u64) -> Result<ClockCheck, GpuError> {
+async fn check(gpu: &Arc<Gpu>, period_ns: f64, now: fn() -> u64) -> Result<ClockCheck, GpuError> {
     gpu.health()?;
     let scopes = gpu.push_scopes();
     let work = Work::new(gpu, period_ns, now);
@@ -197,31 +176,5 @@ impl<'a> Work<'a> {
         let times = times.finish(BYTES, |bytes| read_times(bytes, self.period_ns)).await?;
         let host_ns = (self.now)().saturating_sub(begin);
         Ok(ClockCheck { device_ns: times.first().and_then(|&(_, duration)| duration), host_ns })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn clocks_agree_where_the_device_counts_most_of_the_hosts_time_and_no_more() {
-        let of = |device_ns| ClockCheck { device_ns, host_ns: 10_000_000 };
-        for (device_ns, agrees) in [
-            (Some(9_900_000), true),
-            (Some(10_000_000), true),
-            (Some(5_000_001), true),
-            // A clock a hundred times too slow, and one whose period is told wrong by a factor of two.
-            (Some(100_000), false),
-            (Some(4_900_000), false),
-            (Some(10_300_000), false),
-            (Some(20_000_000), false),
-            (Some(0), false),
-            (None, false),
-        ] {
-            assert_eq!(of(device_ns).agrees(), agrees, "{}", of(device_ns));
-        }
-        assert!(!ClockCheck { device_ns: Some(5), host_ns: 0 }.agrees(), "a host's clock that stands still");
-        assert_eq!(of(Some(98_000)).to_string(), "0.098 ms of work that took 10.000 ms on the host's clock");
     }
 }
