@@ -13,7 +13,7 @@ use wesl::{CompileOptions, ManglerKind, ModulePath, VirtualResolver, Wesl};
 use crate::compose::{ComposeError, compose};
 use crate::features::Features;
 use crate::kernel::Kernel;
-use crate::shared;
+use crate::programs::closest_hit;
 use crate::stream::{Stream, Texel};
 
 /// What a binding is bound to.
@@ -193,7 +193,7 @@ impl Variant {
 #[doc(hidden)] pub fn compose_wesl(kernel: Kernel, features: &Features) -> Result<String, String> {
     let path = |name: &str| format!("package::{name}").parse::<ModulePath>().map_err(|e| e.to_string());
     let mut resolver = VirtualResolver::new();
-    for (name, source) in shared::modules(features.stack, features.turns) {
+    for (name, source) in closest_hit::modules(features.stack, features.turns) {
         resolver.add_module(path(name)?, source.into());
     }
     let root = path(kernel.name())?;

@@ -5,13 +5,13 @@ use std::mem::{offset_of, size_of};
 
 use raystep_kernels::bvh::BvhNode;
 use raystep_kernels::features::Features;
-use raystep_kernels::generate::Camera;
-use raystep_kernels::intersect::SceneInfo;
 use raystep_kernels::kernel::KERNELS;
-use raystep_kernels::shade::{Light, Material, Shading};
 use raystep_kernels::shader::{Resource, Variant};
+use raystep_kernels::shared::camera::Camera;
 use raystep_kernels::shared::grid_walk::Grid;
 use raystep_kernels::shared::samples::Sampling;
+use raystep_kernels::shared::scene::SceneInfo;
+use raystep_kernels::shared::shading::{Light, Material, Shading};
 use raystep_kernels::shared::texture::Texture;
 use raystep_kernels::{Kernel, Stream};
 
