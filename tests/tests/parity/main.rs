@@ -211,7 +211,7 @@ fn a_hit_that_is_kept_survives_leaving_the_grid() {
 fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
     move |plan| {
         let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
-        // WESL prints expressions its own way, so spaces do not count.
+        // The breaks are written on one line each, so spaces do not count.
         let changed = replace_ignoring_layout(&variant.source, from, to);
         assert!(changed != variant.source, "{from:?} is not in\n{}", variant.source);
         variant.source = changed;
