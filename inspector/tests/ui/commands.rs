@@ -13,8 +13,8 @@ use raystep_inspector::ui::command::{COMMANDS, Command, CommandInfo};
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::Kernel;
 
-use crate::desk::CORNELL;
-use crate::stage::Stage;
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::Stage;
 
 /// Pixel and place from which every command starts.
 const PIXEL: [u32; 2] = [40, 44];

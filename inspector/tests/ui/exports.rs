@@ -5,8 +5,8 @@ use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
 
-use crate::desk::{CORNELL, Dialogs, NO_DIALOG};
-use crate::stage::{Plan, Stage};
+use crate::ui::desk::{CORNELL, Dialogs, NO_DIALOG};
+use crate::ui::stage::{Plan, Stage};
 
 const PLACE: usize = 12;
 

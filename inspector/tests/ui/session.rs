@@ -11,9 +11,9 @@ use raystep_kernels::export::trace::{Rays, Trace, trace};
 use raystep_kernels::{Accelerator, Device, Renderer};
 use raystep_scenes::generate::cornell_box;
 
-use crate::adapter::{block_on, gpu};
-use crate::desk::CORNELL;
-use crate::stage::{Plan, Stage};
+use crate::ui::adapter::{block_on, gpu};
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::{Plan, Stage};
 
 /// The pixel that is clicked, of 512 × 512.
 const PIXEL: [u32; 2] = [200, 360];

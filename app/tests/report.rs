@@ -1,12 +1,9 @@
 //! `raystep report`, from the built binary: its CSVs read back by a strict reader, its page held against them, and its
 //! exit codes.
 
-#[path = "cli/common.rs"]
-mod common;
-
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::{Place, scene};
+use crate::common::{Place, scene};
 
 type Row = BTreeMap<String, String>;
 
