@@ -22,7 +22,8 @@ mod random;
 use glam::DVec3;
 use raystep_scenes::{Bounds, Camera, Light, Projection, Scene};
 
-use crate::options::{Ray, named};
+use crate::numbers::named::named;
+use crate::options::Ray;
 use crate::parallel::map_ranges;
 use crate::plan::given_width;
 use crate::renderer::RayHit;

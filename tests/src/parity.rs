@@ -162,7 +162,7 @@ fn record(found: &mut Parity, pass: &Pass, rules: &Rounding<'_>, after: &[(Strea
     let active = if rules.data.features.eye_rays && pass.kernel == Kernel::Fused {
         &unwritten[..]
     } else {
-        pass.kernel.info().active
+        pass.kernel.info().takes
     };
     let tags = after.iter().find(|(s, _)| s.stream == Stream::State).map(|(s, _)| s.layer(0)).unwrap_or_default();
     let tags_before = rules.before.iter().find(|s| s.stream == Stream::State).map(|s| s.layer(0)).unwrap_or_default();

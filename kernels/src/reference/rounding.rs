@@ -7,12 +7,12 @@ mod judge;
 mod nudge;
 
 use super::{Possible, possible};
-use crate::generate::eye_ray;
 use crate::kernel::Kernel;
 use crate::plan::Plan;
 use crate::real::{Vec3, ulps};
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::finite_inverse;
+use crate::shared::camera::eye_ray;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::shared::grid_walk::smallest_axis;
 use crate::shared::vector::smallest3;
@@ -49,7 +49,7 @@ impl Rounding<'_> {
     fn ray(&self, ray: usize) -> [[f32; 3]; 2] {
         if self.data.features.eye_rays {
             let (x, y) = (ray as u32 % self.plan.width, ray as u32 / self.plan.width);
-            let (origin, direction) = eye_ray::<f32>(self.data, x, y);
+            let (origin, direction) = eye_ray::<f32>(&self.data.camera, self.data.features.perspective, x, y);
             return [origin.to_array(), direction.to_array()];
         }
         let [direction, origin] = RAY.map(|s| self.floats(s, ray));
