@@ -53,6 +53,15 @@ cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 step "format"
 cargo fmt --all --check
 
+step "every file of tests is in its crate's test binary"
+for file in */tests/*.rs; do
+    name=$(basename "$file" .rs)
+    [ "$name" = main ] || grep -qx "mod $name;" "${file%/*}/main.rs" || {
+        echo "$file is in no binary: write \"mod $name;\" in ${file%/*}/main.rs" >&2
+        exit 1
+    }
+done
+
 step "lints, tests and documentation"
 # clippy lints what it compiles as rustc does, so that nothing is compiled once for lints and once for tests.
 export RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__

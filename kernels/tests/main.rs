@@ -1,5 +1,6 @@
-//! Structures hold what a ray can meet, and shaders bind what the tables say.
+//! Structures hold what a ray can meet, shaders bind what the tables say, and modules reach down only.
 
 mod bvh;
+mod floors;
 mod grid;
 mod shaders;
