@@ -7,10 +7,10 @@ use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll, Waker};
 use std::time::Instant;
 
-use raystep_kernels::reference::{BruteForce, Candidates, Mistake, Report, Verdict, candidates_of, check_rays};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, ScheduleKind, Stream, StreamData};
+use raystep_lab::reference::{BruteForce, Candidates, Mistake, Report, Verdict, candidates_of, check_rays};
 use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
 use ways::Way;
 

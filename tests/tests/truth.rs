@@ -1,11 +1,11 @@
 //! Robust numerics against f64 brute force: no missed, false or wrong hit but ties, on any scene.
 
-use raystep_kernels::reference::{Verdict, possible};
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::stability::{self, CASES, Judge, Variant};
 use raystep_kernels::state::TRAV;
 use raystep_kernels::stream::{STATE_T, STATE_TAG};
 use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule, Stream};
+use raystep_lab::reference::{Verdict, possible};
+use raystep_lab::stability::{self, CASES, Judge, Variant};
 use raystep_tests::ways::{FAST, STEPPED};
 use raystep_tests::{
     Checked, block_on, check, check_ways, devices, gpu, gpu_of, mistakes_among, options, rays, scene, scene_files,

@@ -9,9 +9,10 @@ mod table;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use raystep_kernels::export::bench::SummaryRow;
 use raystep_kernels::options::STEPS_PER_PASS;
-use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
+use raystep_kernels::{Accelerator, ScheduleKind};
+use raystep_lab::RayKind;
+use raystep_lab::bench::SummaryRow;
 
 use crate::args::{
     CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, TuningArgs, counted, grid_text, named, whole,

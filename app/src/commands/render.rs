@@ -10,8 +10,8 @@ use raystep_kernels::export::csv::{PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
-use raystep_kernels::reference::{Report, check_rays};
 use raystep_kernels::{Image, Kernel, Numerics, RayHit, Stream};
+use raystep_lab::reference::{Report, check_rays};
 
 use super::summary;
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};

@@ -9,11 +9,9 @@ mod table;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use raystep_kernels::reference::Verdict;
-use raystep_kernels::stability::{
-    self, CASES, Case, Judge, Place, Row, StabilityError, Variant, Workload, drift, probe,
-};
 use raystep_kernels::{Accelerator, Device, Numerics, RaySource, ScheduleKind};
+use raystep_lab::reference::Verdict;
+use raystep_lab::stability::{self, CASES, Case, Judge, Place, Row, StabilityError, Variant, Workload, drift, probe};
 
 use crate::args::{DeviceArgs, DeviceKind, QuietArgs, named};
 use crate::device::{self, Chosen, block_on};
@@ -261,7 +259,7 @@ impl From<StabilityError> for Error {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::stability::Expected;
+    use raystep_lab::stability::Expected;
 
     use super::*;
 

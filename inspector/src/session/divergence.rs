@@ -2,16 +2,16 @@
 //!
 //! Both questions are asked one pass at a time. The twins start from the device's own streams before the pass, so
 //! that a pass is not blamed for what an earlier one did, and what a ray did in a pass is judged by what f32 can
-//! decide, see [`raystep_kernels::reference::rounding`].
+//! decide, see [`raystep_lab::rounding`].
 
 mod map;
 
 use std::ops::ControlFlow;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
-use raystep_kernels::reference::rounding::{Rounding, judging_bytes};
 use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
+use raystep_lab::rounding::{Rounding, judging_bytes};
 
 pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
 
@@ -120,8 +120,8 @@ fn replace(before: &mut [StreamData], values: StreamData) {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::stability::{CASES, Variant};
     use raystep_kernels::{Accelerator, Device, Options, RaySource};
+    use raystep_lab::stability::{CASES, Variant};
     use raystep_scenes::generate;
 
     use super::*;

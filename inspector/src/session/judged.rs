@@ -7,11 +7,11 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::reference::{BruteForce, Verdict, candidates_of, sample};
 use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
 use raystep_kernels::state::{self, StateCounts, Tag};
 use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG};
 use raystep_kernels::{Pass, Plan, RenderError, Renderer, Stream};
+use raystep_lab::reference::{BruteForce, Verdict, candidates_of, sample};
 
 use super::Edit;
 

@@ -8,7 +8,6 @@ use super::structure::{Structure, structure_bytes};
 use crate::executor::gpu::{AdapterSummary, Gpu, Loops};
 use crate::kernel::Kernel;
 use crate::plan::Plan;
-use crate::reference::Report;
 use crate::renderer::RayHit;
 use crate::scene_data::SceneData;
 use crate::state::{self, StateCounts};
@@ -248,13 +247,6 @@ pub struct CheckSummary {
     pub wrong: u64,
     /// Largest error of t among right hits, in units in the last place.
     pub largest_t_ulp: f64,
-}
-
-impl From<&Report> for CheckSummary {
-    fn from(report: &Report) -> Self {
-        let Report { rays, same, ties, missed, false_hits, wrong, largest_t_ulp, .. } = *report;
-        Self { rays, same, ties, missed, false_hits, wrong, largest_t_ulp }
-    }
 }
 
 /// Rays in each state, by the state's name.

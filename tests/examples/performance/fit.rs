@@ -1,6 +1,6 @@
 //! Lines through times, and where two of them cross.
 
-pub(crate) use raystep_kernels::statistics::Line;
+pub(crate) use raystep_lab::statistics::Line;
 
 /// The x from which on `b` is below `a` for good, by straight lines between points `[x, a, b]` on logarithmic axes,
 /// x ascending. `None` where `b` is not below at the end, or never was above.

@@ -1,6 +1,6 @@
 //! What is written: rows of runs, and rows of small measurements.
 
-use raystep_kernels::export::bench::Spread;
+use raystep_lab::bench::Spread;
 use serde::{Deserialize, Serialize};
 
 /// One configuration's runs. Unknown is empty, never 0.

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use glam::DVec3;
-use raystep_kernels::ray_kinds::{PrimaryHits, random};
-use raystep_kernels::{Accelerator, Options, RayHit, RayKind, RaySource, Renderer, ScheduleKind};
+use raystep_kernels::{Accelerator, Options, RayHit, RaySource, Renderer, ScheduleKind};
+use raystep_lab::RayKind;
+use raystep_lab::rays::{PrimaryHits, random};
 use raystep_scenes::{Camera, LoadOptions, Projection, Scene, convert, generate};
 use raystep_tests::Beside;
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use raystep_kernels::export::bench::{SummaryRow, read_summary};
+use raystep_lab::bench::{SummaryRow, read_summary};
 
 use super::output::SUMMARY;
 use crate::error::Error;

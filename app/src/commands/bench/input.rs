@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::ray_kinds::{PrimaryHits, random};
-use raystep_kernels::{Options, RayHit, RayKind, RaySource, Renderer};
+use raystep_kernels::{Options, RayHit, RaySource, Renderer};
+use raystep_lab::RayKind;
+use raystep_lab::rays::{PrimaryHits, random};
 
 use crate::args::{Size, TuningArgs};
 use crate::commands::input::Input;

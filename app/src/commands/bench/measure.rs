@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::export::bench::{Hash, SCHEMA_VERSION, Spread, SummaryRow, useful_steps_per_thread};
 use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{
-    Accelerator, Device, Load, Numerics, Options, Pass, RayKind, RaySource, RenderError, Renderer, ScheduleKind, Stream,
+    Accelerator, Device, Load, Numerics, Options, Pass, RaySource, RenderError, Renderer, ScheduleKind, Stream,
 };
+use raystep_lab::RayKind;
+use raystep_lab::bench::{Hash, SCHEMA_VERSION, Spread, SummaryRow, useful_steps_per_thread};
 
 use super::{BenchArgs, Measured, tuning_text};
 use crate::args::Size;

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
-use raystep_kernels::export::bench::{PERCENTILES, SCHEMA_VERSION, write_summary};
 use raystep_kernels::export::csv::PassesCsv;
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::{Gpu, ScheduleKind};
+use raystep_lab::bench::{PERCENTILES, SCHEMA_VERSION, write_summary};
 use serde::Serialize;
 
 use super::input::SEED;

@@ -1,6 +1,6 @@
 //! What was measured, for people.
 
-use raystep_kernels::export::bench::SummaryRow;
+use raystep_lab::bench::SummaryRow;
 
 use crate::commands::aligned;
 

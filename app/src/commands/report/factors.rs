@@ -4,9 +4,9 @@
 //! where rules differ. The grid is finer than the automatic one.
 
 use raystep_kernels::plan::Plan;
-use raystep_kernels::ray_kinds::{Aim, Planes, aimed};
-use raystep_kernels::statistics::quantile;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, Skip};
+use raystep_lab::rays::{Aim, Planes, aimed};
+use raystep_lab::statistics::quantile;
 
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};

@@ -5,8 +5,8 @@ use std::time::Instant;
 use raystep_kernels::export::json::GridSummary;
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::statistics::quantile;
 use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
+use raystep_lab::statistics::quantile;
 
 use super::judge::Judge;
 use super::page::{Part, WHISKERS, number};

@@ -6,10 +6,10 @@
 //! At an edge f32 may not know which of two triangles a ray hits, and either is right. But where the surface goes on all
 //! around, one of them it must be: a ray that goes on is lost, and counts as missed.
 
-use raystep_kernels::reference::{BruteForce, Candidates, Possible, Verdict, candidates_of, sample};
 use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
 use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG};
 use raystep_kernels::{Renderer, Stream, StreamData, state};
+use raystep_lab::reference::{BruteForce, Candidates, Possible, Verdict, candidates_of, sample};
 
 use super::table::Row;
 use super::work::{SEED, Work};
@@ -127,7 +127,7 @@ impl Judged {
     pub(super) fn fill(&self, row: Row) -> Row {
         let (rays, errors) = (self.rays(), self.errors());
         let million = |share: f64| 1e6 * share;
-        let interval = raystep_kernels::statistics::wilson(errors, rays);
+        let interval = raystep_lab::statistics::wilson(errors, rays);
         row.set("judged_rays", rays)
             .set("missed", self.count(Verdict::Missed))
             .set("false_hits", self.count(Verdict::False))

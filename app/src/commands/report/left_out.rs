@@ -1,8 +1,8 @@
 //! What the plan's leaving out saves: everything put back, the same rays with and without in turn.
 
 use raystep_kernels::plan::Plan;
-use raystep_kernels::statistics::quantile;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
+use raystep_lab::statistics::quantile;
 
 use super::page::{Part, WHISKERS, number};
 use super::table::{Row, Table};

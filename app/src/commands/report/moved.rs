@@ -1,7 +1,7 @@
 //! The error of t where the scene lies far from the origin, and where its units are tiny or huge.
 //!
 //! Two errors are told apart. The *arithmetic's* is that of tracing the scene as f32 has it: it is compared with f64 from
-//! the same f32 numbers, and its prediction is the bound of `raystep_kernels::reference`, ray by ray. The *rounding's* is
+//! the same f32 numbers, and its prediction is the bound of `raystep_lab::reference`, ray by ray. The *rounding's* is
 //! what moving or scaling has made of the scene before a single ray was traced: each coordinate is off by up to half a unit
 //! in the last place, h. A plane through corners c with the normal n is hit where (o + t·d − c)·n = 0, so that to first
 //! order, and with corners weighted by numbers that add up to 1,
@@ -21,10 +21,10 @@ mod plots;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use raystep_kernels::ray_kinds::{Aim, aimed};
-use raystep_kernels::reference::Verdict;
-use raystep_kernels::statistics::{quantile, wilson};
 use raystep_kernels::{Numerics, Options, Ray, RaySource};
+use raystep_lab::rays::{Aim, aimed};
+use raystep_lab::reference::Verdict;
+use raystep_lab::statistics::{quantile, wilson};
 use raystep_scenes::Scene;
 
 use super::judge::{Judge, Judged};
@@ -185,7 +185,7 @@ impl Here {
                 [ray.origin, ray.direction]
             })
             .collect();
-        let candidates = raystep_kernels::reference::candidates_of(&renderer.data().vertices, &traced);
+        let candidates = raystep_lab::reference::candidates_of(&renderer.data().vertices, &traced);
         let exact = candidates.iter().enumerate().map(|(i, c)| c.exact.map(|(k, t)| (k, t * renderer.t_scale(i))));
         Ok(Self { extent: extent(scene), exact: exact.collect(), rays })
     }

@@ -7,11 +7,11 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::reference::Verdict;
 use raystep_kernels::state::{self, StateCounts};
-use raystep_kernels::statistics::quantile;
 use raystep_kernels::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind, Stream};
+use raystep_lab::reference::Verdict;
+use raystep_lab::statistics::quantile;
 
 use super::judge::{Judge, is_decided, is_error};
 use super::page::{Part, number};

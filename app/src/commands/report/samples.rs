@@ -7,8 +7,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use raystep_kernels::statistics::{power_law, root_mean_square};
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
+use raystep_lab::statistics::{power_law, root_mean_square};
 
 use super::page::{Part, number};
 use super::table::{Row, Table};

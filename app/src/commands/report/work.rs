@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use raystep_kernels::export::csv::Timer;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::statistics::quantile;
 use raystep_kernels::{GridSize, Load, Options, RaySource, RenderError, Renderer};
+use raystep_lab::statistics::quantile;
 
 use super::table::Row;
 use crate::args::Size;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use raystep_kernels::stability::{Place, drift, probe};
+use raystep_lab::stability::{Place, drift, probe};
 
 use super::Report;
 use crate::device::{Chosen, block_on};

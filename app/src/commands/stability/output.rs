@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use raystep_kernels::stability::{COLUMNS, drift, probe, write_rows};
+use raystep_lab::stability::{COLUMNS, drift, probe, write_rows};
 
 use super::{Report, page};
 use crate::error::Error;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use raystep_kernels::stability::{Row, drift, probe};
+use raystep_lab::stability::{Row, drift, probe};
 
 use super::picture::{LEGEND, Picture};
 use super::{Outcome, Report, table};

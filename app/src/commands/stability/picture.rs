@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use image::{ExtendedColorType, ImageEncoder as _};
-use raystep_kernels::reference::Verdict;
+use raystep_lab::reference::Verdict;
 
 use crate::error::Error;
 

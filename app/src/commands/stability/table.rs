@@ -1,7 +1,7 @@
 //! The results for people: a line a case, and a line for everything that is not as expected.
 
-use raystep_kernels::stability::{Case, Row, Truth};
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
+use raystep_lab::stability::{Case, Row, Truth};
 
 use super::Outcome;
 use crate::commands::aligned;

@@ -2,9 +2,9 @@
 
 use raystep_kernels::executor::cpu::OutOfMemory;
 use raystep_kernels::real::ulps;
-use raystep_kernels::reference::rounding::{Component, Judged, Verdict};
 use raystep_kernels::stream::STREAMS;
 use raystep_kernels::{Kernel, Plan, Stream};
+use raystep_lab::rounding::{Component, Judged, Verdict};
 
 /// The pass of a ray that never parted.
 pub const NEVER: u32 = u32::MAX;

@@ -7,9 +7,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use egui::{Button, Color32, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
-use raystep_kernels::reference::Verdict;
-use raystep_kernels::statistics::wilson;
 use raystep_kernels::{Options, Plan, Renderer};
+use raystep_lab::reference::Verdict;
+use raystep_lab::statistics::wilson;
 
 use crate::session::judged::{Judgement, judge, why_not};
 use crate::session::request::{Job, JobContext, JobFuture, Request};

@@ -1,6 +1,7 @@
 //! Rays a second by kind of ray, and what the rays did.
 
-use raystep_kernels::{Accelerator, RayKind, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, ScheduleKind, Skip};
+use raystep_lab::RayKind;
 
 use super::one_size;
 use crate::args::MeshArg;

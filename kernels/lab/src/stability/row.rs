@@ -22,8 +22,9 @@
 
 use std::io::Write;
 
-use crate::export::csv::{self, known};
-use crate::options::Numerics;
+use raystep_kernels::export::csv::{self, known};
+use raystep_kernels::options::Numerics;
+
 use crate::stability::{Case, Run, Variant};
 
 /// Version of the columns.
@@ -195,8 +196,9 @@ pub fn write_rows<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) 
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::options::{Accelerator, ScheduleKind};
+
     use super::*;
-    use crate::options::{Accelerator, ScheduleKind};
     use crate::reference::Verdict;
     use crate::stability::{CASES, Score};
 

@@ -3,14 +3,15 @@
 
 use std::ops::ControlFlow;
 
-use crate::export::csv;
-use crate::options::{Accelerator, Numerics, Options, Rule, ScheduleKind, Skip};
-use crate::renderer::{Device, RenderError, Renderer};
-use crate::shared::constants::INF;
+use raystep_kernels::export::csv;
+use raystep_kernels::options::{Accelerator, Numerics, Options, Rule, ScheduleKind, Skip};
+use raystep_kernels::renderer::{Device, RenderError, Renderer};
+use raystep_kernels::shared::constants::INF;
+use raystep_kernels::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
+use raystep_kernels::stream::{STATE_CELL, STATE_TAG, Stream, StreamData};
+
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, make};
-use crate::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
-use crate::stream::{STATE_CELL, STATE_TAG, Stream, StreamData};
 
 /// What robust rules stay within, in the unit of [`Sample::error`], half units in the last place: the plane is rounded
 /// once where it is no exact f32, the difference once, WGSL's division is off by 5 at most, the product is rounded once.

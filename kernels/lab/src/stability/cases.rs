@@ -1,13 +1,14 @@
 //! The table of cases. A new one is an entry here, made of what `make` and `planes` have.
 
-use crate::options::Accelerator::Grid;
+use glam::DVec3;
+use raystep_kernels::options::Accelerator::Grid;
+
 use crate::stability::claims::{
     AT_CORNERS, AT_EDGES, BY_CHANCE, EDGES_CRACK, HALF_AT_EDGES, NONE, OUTSIDE, SMALL, fails, up_to,
 };
 use crate::stability::make::{self, At};
 use crate::stability::planes::{On, on_planes};
 use crate::stability::{Case, Paper, StabilityError, Truth, Workload};
-use glam::DVec3;
 
 /// Rays within a closed sphere, which may fail by the paper's rules, but need not.
 const CASE: Case = Case {
@@ -356,8 +357,9 @@ pub static CASES: &[Case] = &[
 mod tests {
     use std::collections::BTreeSet;
 
+    use raystep_kernels::options::RaySource;
+
     use super::*;
-    use crate::options::RaySource;
 
     #[test]
     fn every_case_is_made_says_what_it_is_and_may_fail() {

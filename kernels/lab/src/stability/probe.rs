@@ -4,14 +4,15 @@
 //! or reorder in one and not in the other, and t then differs in its last bits. Grid, tree and none agree bit for bit
 //! on a device only as far as this probe finds no difference there.
 
-use crate::export::csv;
-use crate::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
-use crate::real::ulps;
-use crate::renderer::{Device, Renderer};
-use crate::shared::constants::NO_TRIANGLE;
+use raystep_kernels::export::csv;
+use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
+use raystep_kernels::real::ulps;
+use raystep_kernels::renderer::{Device, Renderer};
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, Stream};
+
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, Workload, make};
-use crate::stream::{HIT_TRIANGLE, STATE_T, Stream};
 
 /// A way to compile the triangle test.
 #[derive(Clone, Debug, PartialEq)]

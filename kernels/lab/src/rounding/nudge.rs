@@ -1,12 +1,13 @@
 //! Rays next to a ray: where a pass takes many decisions, what a device made of a ray must be what becomes of a ray
 //! whose components are off by no more than a division, a product and a sum may make of them.
 
+use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
+use raystep_kernels::plan::Plan;
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::stream::{HIT_TRIANGLE, Stream, StreamData};
+
 use super::{RAY, Rounding};
-use crate::executor::cpu::{CpuExecutor, OutOfMemory};
-use crate::plan::Plan;
-use crate::scene_data::SceneData;
-use crate::shared::constants::NO_TRIANGLE;
-use crate::stream::{HIT_TRIANGLE, Stream, StreamData};
 
 /// How far, in half units in the last place of the largest component, and what is moved, an index into [`RAY`].
 const MOVES: [(f32, usize); 4] = [(1.0, 0), (4.0, 0), (1.0, 1), (4.0, 1)];

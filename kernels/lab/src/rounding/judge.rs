@@ -1,11 +1,12 @@
 //! Two outcomes of one pass, ray by ray.
 
+use raystep_kernels::executor::cpu::OutOfMemory;
+use raystep_kernels::kernel::Kernel;
+use raystep_kernels::plan::Plan;
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::stream::{HIT_TRIANGLE, Stream, StreamData};
+
 use super::Rounding;
-use crate::executor::cpu::OutOfMemory;
-use crate::kernel::Kernel;
-use crate::plan::Plan;
-use crate::shared::constants::NO_TRIANGLE;
-use crate::stream::{HIT_TRIANGLE, Stream, StreamData};
 
 /// Rays whose neighbours are looked at together: a bound on the memory that takes.
 const TOGETHER: usize = 4096;

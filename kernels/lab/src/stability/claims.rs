@@ -1,7 +1,8 @@
 //! What is claimed of the cases: how many rays may be undecided, and where the paper's rules must fail; each with the
 //! reason.
 
-use crate::options::Accelerator::{self, Bvh, Grid, None};
+use raystep_kernels::options::Accelerator::{self, Bvh, Grid, None};
+
 use crate::stability::{Ceiling, Paper};
 
 pub(super) const BY_CHANCE: Ceiling = Ceiling {

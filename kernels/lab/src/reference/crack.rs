@@ -1,7 +1,7 @@
 //! Rays that pass between two triangles. Near an edge f32 cannot tell which of the triangles there a ray hits, but where
 //! the surface goes on, it hits one of them.
 
-use super::{BruteForce, Candidates, Mistake, Verdict, largest_axis};
+use super::{BruteForce, Candidates, Mistake, Verdict, largest_axis, wide};
 
 impl BruteForce<'_> {
     /// What became of a ray that found this, as [`Candidates::judge`]; a tie that is a crack is a miss.
@@ -47,7 +47,7 @@ impl BruteForce<'_> {
     /// the same two corners. Where a mesh only looks closed, as at a corner in the middle of a longer edge, it has a gap
     /// of a rounding's width, and no test of triangles can close it.
     fn is_joined(&self, origin: [f32; 3], direction: [f32; 3], candidates: &Candidates, t: f64) -> bool {
-        let (o, d) = (origin.map(f64::from), direction.map(f64::from));
+        let (o, d) = (wide(origin), wide(direction));
         let mut open: Vec<[[u32; 3]; 2]> = Vec::new();
         for p in candidates.possible.iter().filter(|p| (p.t - t).abs() <= p.t_bound.max(1e-3 * t)) {
             let corners = self.corners(p.triangle).map(|c| c.map(|v| (v + 0.0).to_bits()));
@@ -77,7 +77,7 @@ impl BruteForce<'_> {
         const ASIDE: f64 = 1.0 / (1u32 << 14) as f64;
         // How much farther or nearer a surface may be there, that is not seen nearly edge-on.
         const NEXT_TO_IT: f64 = 1.0 / (1u32 << 9) as f64;
-        let d = direction.map(f64::from);
+        let d = wide(direction);
         let k = largest_axis(d);
         let (i, j, step) = ((k + 1) % 3, (k + 2) % 3, ASIDE * d[k].abs());
         (0..8).all(|turn| {
@@ -85,7 +85,7 @@ impl BruteForce<'_> {
             let mut aside = d;
             aside[i] += step * f64::from(across);
             aside[j] += step * f64::from(up);
-            let found = self.candidates(origin, aside.map(|v| v as f32));
+            let found = self.candidates(origin, aside.as_vec3().to_array());
             found.exact.is_some_and(|(_, other)| (other - t).abs() <= within.min(NEXT_TO_IT * t))
         })
     }

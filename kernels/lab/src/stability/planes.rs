@@ -1,12 +1,12 @@
 //! Rays in the faces, along the edges and through the corners of a grid's cells.
 
+use raystep_kernels::grid::GridSize;
+use raystep_kernels::options::{Options, Ray, RaySource};
+use raystep_kernels::plan::{Limits, Plan};
+use raystep_kernels::shared::grid_walk::Grid;
 use raystep_scenes::Scene;
 
-use crate::grid::GridSize;
-use crate::options::{Options, Ray, RaySource};
-use crate::plan::{Limits, Plan};
-use crate::ray_kinds::Random;
-use crate::shared::grid_walk::Grid;
+use crate::rays::Random;
 use crate::stability::make::{self, SEED, given, sphere};
 use crate::stability::{StabilityError, Workload};
 

@@ -2,7 +2,7 @@
 //! kernels saw, with a bound on what f32 may get wrong.
 //!
 //! With u = 2⁻²⁴, a difference, product or sum rounds by a factor of at most 1 ± u, a division by WGSL's
-//! 2.5 units in the last place by 1 ± 5u. For the watertight test (see [`crate::shared::triangle`]):
+//! 2.5 units in the last place by 1 ± 5u. For the watertight test (see [`raystep_kernels::shared::triangle`]):
 //!
 //! * a sheared corner p = a − s·c, |s| ≤ 1, is off by at most (2|a| + 8|c|)·u ≤ 10u·r, r being the
 //!   corner's largest distance along an axis from the origin;
@@ -19,16 +19,16 @@
 mod crack;
 mod exact;
 mod report;
-pub mod rounding;
 
 use std::ops::ControlFlow;
 
-use crate::parallel::map_ranges;
-use crate::ray_kinds::Random;
-use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, NO_TRIANGLE};
-use crate::stream::{HIT_TRIANGLE, STATE_T, StreamData};
-use crate::vec64::{cross, dot, sub};
+use glam::DVec3;
+use raystep_kernels::parallel::map_ranges;
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
+use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, StreamData};
+
+use crate::rays::Random;
 pub use report::{Mistake, Report, Verdict};
 
 const U: f64 = 1.0 / (1u64 << 24) as f64;
@@ -98,7 +98,7 @@ pub fn sample(rays: usize, count: usize, seed: u32) -> Vec<usize> {
 /// Every triangle in f64: corners, and a sphere around each for a quick and safe no.
 pub struct BruteForce<'a> {
     vertices: &'a [f32],
-    spheres: Vec<([f64; 3], f64)>,
+    spheres: Vec<(DVec3, f64)>,
 }
 
 /// An edge function with what f32 may be off by.
@@ -135,7 +135,7 @@ pub struct Possible {
 #[must_use]
 pub fn possible(vertices: &[f32], origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
     let triangles = BruteForce { vertices, spheres: Vec::new() };
-    triangles.test(origin, direction, origin.map(f64::from), direction.map(f64::from), triangle)
+    triangles.test(origin, direction, triangle)
 }
 
 /// Whether the ray sees a triangle exactly edge-on, as it sees every triangle without an area: such a one is never
@@ -210,9 +210,9 @@ impl<'a> BruteForce<'a> {
     #[must_use]
     pub fn new(vertices: &'a [f32]) -> Self {
         let sphere = |v: &[f32]| {
-            let p = [0, 3, 6].map(|c| [0, 1, 2].map(|a| f64::from(v[c + a])));
-            let center = [0, 1, 2].map(|a| (p[0][a] + p[1][a] + p[2][a]) / 3.0);
-            let radius = p.iter().map(|q| length(sub(*q, center))).fold(0.0, f64::max);
+            let p = [0, 3, 6].map(|c| wide([v[c], v[c + 1], v[c + 2]]));
+            let center = (p[0] + p[1] + p[2]) / 3.0;
+            let radius = p.iter().map(|q| (*q - center).length()).fold(0.0, f64::max);
             (center, radius)
         };
         Self { vertices, spheres: vertices.chunks_exact(9).map(sphere).collect() }
@@ -227,17 +227,17 @@ impl<'a> BruteForce<'a> {
     /// Tests all of them.
     #[must_use]
     pub fn candidates(&self, origin: [f32; 3], direction: [f32; 3]) -> Candidates {
-        let (o, d) = (origin.map(f64::from), direction.map(f64::from));
-        let d_squared = dot(d, d);
+        let (o, d) = (wide(origin), wide(direction));
+        let d_squared = d.dot(d);
         let mut all = Candidates::default();
         for (triangle, &(center, radius)) in self.spheres.iter().enumerate() {
-            let c = sub(center, o);
-            let off = cross(c, d);
-            let reach = radius + 64.0 * U * (length(c) + radius);
-            if dot(off, off) > reach * reach * d_squared * (1.0 + 1e-9) {
+            let c = center - o;
+            let off = c.cross(d);
+            let reach = radius + 64.0 * U * (c.length() + radius);
+            if off.dot(off) > reach * reach * d_squared * (1.0 + 1e-9) {
                 continue;
             }
-            let Some(p) = self.test(origin, direction, o, d, triangle as u32) else { continue };
+            let Some(p) = self.test(origin, direction, triangle as u32) else { continue };
             if p.is_definite {
                 all.surely_by = Some(all.surely_by.map_or(p.t + p.t_bound, |by| by.min(p.t + p.t_bound)));
             }
@@ -256,16 +256,16 @@ impl<'a> BruteForce<'a> {
     }
 
     /// The edge functions of a triangle, opposite corners 0, 1 and 2, and its corners' depths.
-    fn edges(&self, o: [f64; 3], d: [f64; 3], triangle: u32) -> ([Edge; 3], [f64; 3]) {
+    fn edges(&self, o: DVec3, d: DVec3, triangle: u32) -> ([Edge; 3], [f64; 3]) {
         let corners = self.corners(triangle);
         let largest = largest_axis(d);
         let [i, j, k] = [(largest + 1) % 3, (largest + 2) % 3, largest];
         let (sx, sy, sz) = (d[i] / d[k], d[j] / d[k], 1.0 / d[k]);
         let (mut p, mut reach) = ([[0.0; 3]; 3], [0.0; 3]);
         for c in 0..3 {
-            let a = sub(corners[c].map(f64::from), o);
+            let a = wide(corners[c]) - o;
             p[c] = [a[i] - sx * a[k], a[j] - sy * a[k], sz * a[k]];
-            reach[c] = 10.0 * U * a[0].abs().max(a[1].abs()).max(a[2].abs());
+            reach[c] = 10.0 * U * a.x.abs().max(a.y.abs()).max(a.z.abs());
         }
         let edge = |q: usize, r: usize| {
             let (a, b) = (p[q][0] * p[r][1], p[q][1] * p[r][0]);
@@ -281,9 +281,9 @@ impl<'a> BruteForce<'a> {
     }
 
     /// `None` where f32, too, must see that the ray misses the triangle.
-    fn test(&self, origin: [f32; 3], direction: [f32; 3], o: [f64; 3], d: [f64; 3], triangle: u32) -> Option<Possible> {
+    fn test(&self, origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
         let corners = self.corners(triangle);
-        let (edges, z) = self.edges(o, d, triangle);
+        let (edges, z) = self.edges(wide(origin), wide(direction), triangle);
         let could_be = |sign: f64| edges.iter().all(|e| sign * e.value >= -e.bound);
         if !could_be(1.0) && !could_be(-1.0) {
             return None;
@@ -324,8 +324,8 @@ const fn exp2_minus_20() -> f64 {
 }
 
 /// As the kernels choose it.
-fn largest_axis(d: [f64; 3]) -> usize {
-    let m = d.map(f64::abs);
+fn largest_axis(d: DVec3) -> usize {
+    let m = d.abs();
     if m[0] > m[1] && m[0] > m[2] {
         0
     } else if m[1] > m[2] {
@@ -335,8 +335,9 @@ fn largest_axis(d: [f64; 3]) -> usize {
     }
 }
 
-fn length(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
+/// An f32 vector in f64, exactly.
+fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::from(v.map(f64::from))
 }
 
 #[cfg(test)]

@@ -6,17 +6,18 @@
 mod judge;
 mod nudge;
 
-use super::{Possible, possible};
-use crate::generate::eye_ray;
-use crate::kernel::Kernel;
-use crate::plan::Plan;
-use crate::real::{Vec3, ulps};
-use crate::scene_data::SceneData;
-use crate::shared::bvh_walk::finite_inverse;
-use crate::shared::constants::NO_TRIANGLE;
-use crate::shared::grid_walk::smallest_axis;
-use crate::shared::vector::smallest3;
-use crate::stream::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
+use raystep_kernels::generate::eye_ray;
+use raystep_kernels::kernel::Kernel;
+use raystep_kernels::plan::Plan;
+use raystep_kernels::real::{Vec3, ulps};
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::bvh_walk::finite_inverse;
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::shared::grid_walk::smallest_axis;
+use raystep_kernels::shared::vector::smallest3;
+use raystep_kernels::stream::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
+
+use crate::reference::{Possible, possible};
 pub use judge::{Component, Judged, Verdict, judging_bytes};
 
 /// What a ray is made of.

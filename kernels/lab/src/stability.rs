@@ -27,13 +27,13 @@ mod score;
 
 use std::ops::ControlFlow;
 
+use raystep_kernels::grid::GridSize;
+use raystep_kernels::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
+use raystep_kernels::plan::PlanError;
+use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_scenes::Scene;
 use raystep_scenes::generate::GenerateError;
 
-use crate::grid::GridSize;
-use crate::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
-use crate::plan::PlanError;
-use crate::renderer::{Device, RenderError, Renderer};
 pub use cases::CASES;
 pub use row::{COLUMNS, Expected, Place, Row, SCHEMA_VERSION, write_rows};
 pub use score::{Judge, Largest, Score};

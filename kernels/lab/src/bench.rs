@@ -30,9 +30,8 @@
 use std::fmt;
 use std::io::{Read, Write};
 
+use raystep_kernels::renderer::{Pass, RayHit};
 use serde::{Deserialize, Serialize};
-
-use crate::renderer::{Pass, RayHit};
 
 /// Version of the columns.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -98,7 +97,7 @@ pub enum ReadError {
 /// # Errors
 /// Where `out` fails.
 pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()> {
-    let mut writer = super::csv::writer(out);
+    let mut writer = raystep_kernels::export::csv::writer(out);
     for row in rows {
         writer.serialize(row)?;
     }
@@ -244,9 +243,10 @@ impl fmt::Display for Hash {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::kernel::Kernel;
+    use raystep_kernels::state::StateCounts;
+
     use super::*;
-    use crate::kernel::Kernel;
-    use crate::state::StateCounts;
 
     fn row() -> SummaryRow {
         SummaryRow {

@@ -1,11 +1,12 @@
 //! What became of every ray of a variant.
 
-use crate::parallel::map_ranges;
+use raystep_kernels::parallel::map_ranges;
+use raystep_kernels::renderer::{RenderError, Renderer};
+use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
+use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STREAMS, Stream, StreamData};
+
 use crate::reference::{BruteForce, Candidates, Possible, Verdict, is_edge_on};
-use crate::renderer::{RenderError, Renderer};
-use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::stability::Truth;
-use crate::stream::{HIT_TRIANGLE, STATE_T, STREAMS, Stream, StreamData};
 
 /// The largest error of a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

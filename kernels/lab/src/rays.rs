@@ -17,17 +17,20 @@
 //! origin stays on the viewer's side.
 
 mod aimed;
+mod mixed;
 mod random;
 
 use glam::DVec3;
+use raystep_kernels::named;
+use raystep_kernels::options::Ray;
+use raystep_kernels::parallel::map_ranges;
+use raystep_kernels::plan::given_width;
+use raystep_kernels::renderer::RayHit;
+use raystep_kernels::shared::constants::WORKGROUP;
 use raystep_scenes::{Bounds, Camera, Light, Projection, Scene};
 
-use crate::options::{Ray, named};
-use crate::parallel::map_ranges;
-use crate::plan::given_width;
-use crate::renderer::RayHit;
-use crate::shared::constants::WORKGROUP;
 pub use aimed::{Aim, Planes, aimed};
+pub use mixed::{Random as SplitMix64, at_edges, mixed, segments};
 pub(crate) use random::Random;
 
 /// How far origins are moved off a surface, as a share of the largest coordinate of the scene's box.
@@ -61,7 +64,7 @@ pub struct PrimaryHits<'a> {
     pub camera: &'a Camera,
     /// Pixels a row.
     pub width: u32,
-    /// One a pixel, as [`Renderer::hits`](crate::Renderer::hits) gives them.
+    /// One a pixel, as [`Renderer::hits`](raystep_kernels::Renderer::hits) gives them.
     pub hits: &'a [Option<RayHit>],
 }
 

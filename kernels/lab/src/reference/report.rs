@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use raystep_kernels::export::json::CheckSummary;
+
 /// What became of one ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
@@ -93,6 +95,13 @@ impl Report {
         self.largest_t_ulp = self.largest_t_ulp.max(other.largest_t_ulp);
         self.mistakes.extend(other.mistakes);
         self.mistakes.truncate(64);
+    }
+}
+
+impl From<&Report> for CheckSummary {
+    fn from(report: &Report) -> Self {
+        let Report { rays, same, ties, missed, false_hits, wrong, largest_t_ulp, .. } = *report;
+        Self { rays, same, ties, missed, false_hits, wrong, largest_t_ulp }
     }
 }
 

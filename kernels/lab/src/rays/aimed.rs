@@ -5,11 +5,11 @@
 //! apply to them, too.
 
 use glam::{DVec3, Vec3};
+use raystep_kernels::options::Ray;
+use raystep_kernels::scene_data::SceneData;
 use raystep_scenes::Scene;
 
 use super::{Random, ray};
-use crate::options::Ray;
-use crate::scene_data::SceneData;
 
 /// What rays are aimed at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,12 +154,12 @@ fn in_face(scene: &Scene, planes: &Planes, i: usize, random: &mut Random) -> DVe
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::grid::GridSize;
+    use raystep_kernels::options::{Options, RaySource};
+    use raystep_kernels::plan::{Limits, Plan};
     use raystep_scenes::generate;
 
     use super::*;
-    use crate::grid::GridSize;
-    use crate::options::{Options, RaySource};
-    use crate::plan::{Limits, Plan};
 
     fn planes(scene: &Scene, cells: u32) -> Planes {
         let rays = RaySource::Given(vec![Ray { origin: [0.0; 3], direction: [1.0; 3] }]);

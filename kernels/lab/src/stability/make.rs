@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use raystep_kernels::grid::GridSize;
+use raystep_kernels::options::{Ray, RaySource};
 use raystep_scenes::{Camera, Material, Projection, Scene, generate};
 
-use crate::grid::GridSize;
-use crate::options::{Ray, RaySource};
-use crate::ray_kinds::Random;
+use crate::rays::Random;
 use crate::stability::planes::Planes;
 use crate::stability::{StabilityError, Workload};
 

@@ -1,0 +1,17 @@
+//! What is measured and judged of kernels: truth in f64 and what f32 may get wrong of it, agreement of executors pass
+//! by pass, kinds of rays, extreme cases, statistics and benchmarks. Written once; the command line, the inspector,
+//! the docs' measurements and the tests use the same functions.
+
+pub mod bench;
+pub mod parity;
+pub mod rays;
+pub mod reference;
+pub mod rounding;
+pub mod stability;
+pub mod statistics;
+mod wait;
+pub mod watertight;
+pub mod ways;
+
+pub use rays::RayKind;
+pub use wait::block_on;
