@@ -26,7 +26,7 @@ pub(crate) use given::GIVEN;
 use given::GivenRays;
 pub use records::PassTotals;
 use records::Records;
-pub use results::RayHit;
+pub use results::{RayHit, found};
 
 /// Where passes run.
 #[derive(Clone)]

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use raystep_kernels::real::ulps;
 use raystep_kernels::{Accelerator, Renderer, ScheduleKind, Skip};
-use raystep_lab::reference::sample;
+use raystep_lab::judge::sample;
 use raystep_tests::ways::EVERY;
 use raystep_tests::{devices, hits, mistakes_among, options, scene, scene_files, traced};
 

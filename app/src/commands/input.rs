@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use raystep_lab::bench::Hash;
+use raystep_lab::Hash;
 use raystep_scenes::{Camera, Scene};
 
 use crate::args::{CameraArgs, SceneArgs};

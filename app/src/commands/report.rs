@@ -18,17 +18,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use raystep_kernels::{Device, GridSize, Load};
+use raystep_lab::Machine;
+use section::{SECTIONS, Section};
+use table::Table;
+use work::Work;
 
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, counted, parse_grid};
 use crate::commands::distinct;
 use crate::commands::input::Input;
-use crate::device::{self, Chosen};
+use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::terminal::{Progress, visible};
-use section::{SECTIONS, Section};
-use table::Table;
-use work::Work;
 
 /// Measure error against run time: CSVs, plots and a page
 ///
@@ -174,7 +175,7 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
 }
 
 /// On what, by which command.
-fn about(chosen: &Chosen) -> page::About {
+fn about(chosen: &Machine) -> page::About {
     let command_line = std::env::args_os().skip(1).map(|argument| visible(&argument.to_string_lossy()).into_owned());
     let mut about = vec![
         ("command", std::iter::once("raystep".to_owned()).chain(command_line).collect::<Vec<_>>().join(" ")),

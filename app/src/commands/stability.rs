@@ -9,17 +9,19 @@ mod table;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use picture::Picture;
 use raystep_kernels::{Accelerator, Device, Numerics, RaySource, ScheduleKind};
+use raystep_lab::judge::Judge;
 use raystep_lab::reference::Verdict;
-use raystep_lab::stability::{self, CASES, Case, Judge, Place, Row, StabilityError, Variant, Workload, drift, probe};
+use raystep_lab::stability::{self, CASES, Case, Place, Row, StabilityError, Variant, Workload, drift, probe};
+use raystep_lab::{Machine, block_on};
 
 use crate::args::{DeviceArgs, DeviceKind, QuietArgs, named};
-use crate::device::{self, Chosen, block_on};
+use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::terminal::{Progress, print};
 use crate::usage::did_you_mean;
-use picture::Picture;
 
 /// Trace extreme cases, and compare every ray with f64 brute force
 ///
@@ -144,7 +146,7 @@ fn chosen_cases(names: &[String]) -> Result<Vec<&'static Case>, Error> {
 }
 
 /// Where to trace, and how it is called in the report.
-fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Chosen)>, Error> {
+fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Machine)>, Error> {
     if args.device == Devices::Cpu && args.adapter.is_some() {
         return Err(Error::usage("--adapter names a GPU adapter, and --device cpu uses none: leave one of them out"));
     }
@@ -161,7 +163,7 @@ fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Chose
         let twins = [("cpu_f32", Device::Cpu(None)), ("cpu_f64", Device::CpuF64(None))];
         places.extend(twins.map(|(name, device)| {
             let reason = "the CPU twins".to_owned();
-            (Place { device: name, adapter: String::new() }, Chosen { device, reason })
+            (Place { device: name, adapter: String::new() }, Machine { device, reason })
         }));
     }
     Ok(places)
@@ -182,7 +184,7 @@ fn all(args: &StabilityArgs, cases: &[&'static Case], progress: &Progress) -> Re
 }
 
 /// Traces a case in every way that was asked for.
-fn one(args: &StabilityArgs, case: &'static Case, places: &[(Place, Chosen)]) -> Result<Outcome, Error> {
+fn one(args: &StabilityArgs, case: &'static Case, places: &[(Place, Machine)]) -> Result<Outcome, Error> {
     let rays = if args.quick { (case.rays / 8).max(1) } else { case.rays };
     let workload = (case.make)(rays)?;
     let mut outcome = Outcome { case, rows: Vec::new(), pictures: Vec::new(), first_wrong_ray: None };
@@ -219,7 +221,11 @@ fn add_picture(pictures: &mut Vec<Picture>, row: &Row, workload: &Workload, verd
         RaySource::Camera { width, height, .. } => Some([*width, *height]),
         RaySource::Given(_) => None,
     };
-    let Some(mut picture) = Picture::of(verdicts, size, || judge.directions()) else { return };
+    let Some(mut picture) =
+        Picture::of(verdicts, size, || (0..judge.sample().len()).map(|place| judge.ray(place)[1]).collect())
+    else {
+        return;
+    };
     match pictures.iter_mut().find(|p| p.is_same(&picture)) {
         Some(same) => same.ways.push(table::way(row)),
         None => {

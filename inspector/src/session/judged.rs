@@ -7,11 +7,11 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::state::{self, StateCounts, Tag};
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG};
+use raystep_kernels::state;
+use raystep_kernels::stream::STATE_TAG;
 use raystep_kernels::{Pass, Plan, RenderError, Renderer, Stream};
-use raystep_lab::reference::{BruteForce, Verdict, candidates_of, sample};
+use raystep_lab::judge::{Cracks, Judge, Judged, Traced, rays_a_batch, sample};
+use raystep_lab::reference::{Counts, Mistake, Verdict};
 
 use super::Edit;
 
@@ -23,16 +23,6 @@ const MOST_PLACES: usize = 64;
 
 /// The same rays in every run.
 const SEED: u32 = 1;
-
-/// Rays whose hit is decided: in no state that a walking kernel changes.
-#[must_use]
-pub fn resolved(counts: &StateCounts) -> u64 {
-    (0..).zip(counts).filter(|(tag, _)| is_resolved(*tag)).map(|(_, &rays)| u64::from(rays)).sum()
-}
-
-fn is_resolved(tag: Tag) -> bool {
-    matches!(tag, state::SHADE | state::BACKGROUND | state::DONE)
-}
 
 /// A ray that did not hit what it should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,12 +40,8 @@ pub struct WrongRay {
 pub struct Judgement {
     /// Rays of the run.
     pub rays: u64,
-    /// Rays that were judged: all, or a random sample.
-    pub judged: u64,
-    /// Those that hit the exact triangle, or rightly none.
-    pub right: u64,
-    /// Those where f32 could not tell.
-    pub undecided: u64,
+    /// What became of those that were judged: all, or a random sample.
+    pub counts: Counts,
     /// Those that are wrong, in the order in which they were resolved.
     pub wrong: Vec<WrongRay>,
     /// Wrong rays are known to be resolved by a place, but may have been so many passes before.
@@ -63,12 +49,6 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// How many wrong rays have one of these verdicts.
-    #[must_use]
-    pub fn count(&self, verdict: Verdict) -> usize {
-        self.wrong.iter().filter(|wrong| wrong.verdict == verdict).count()
-    }
-
     /// How many rays were resolved wrongly by the first `place` passes.
     #[must_use]
     pub fn wrong_by(&self, place: usize) -> usize {
@@ -126,33 +106,28 @@ pub async fn judge(
     renderer.restart();
     renderer.run(|now| progress(RUN * now.rays_decided / now.rays.max(1), WHOLE)).await?;
     let passes = renderer.passes().to_vec();
-    let (origins, directions) =
-        (renderer.values(Stream::RayOrigin).await?, renderer.values(Stream::RayDirection).await?);
-    let (end, hit) = (renderer.values(Stream::State).await?, renderer.values(Stream::Hit).await?);
-
-    let vertices = &renderer.data().vertices;
-    let triangles = BruteForce::new(vertices);
-    let count = most_rays(triangles.triangles());
-    let sample = sample(renderer.plan().rays as usize, count, SEED);
-    let mut judgement = Judgement { rays: renderer.plan().rays, judged: sample.len() as u64, ..Judgement::default() };
-    let batch = (1usize << 24).div_ceil(triangles.triangles().max(1)).clamp(64, 1 << 16);
+    let traced = Traced::read(renderer).await?;
+    let triangles = traced.vertices().len() / 9;
+    let sample = sample(traced.rays(), most_rays(triangles), SEED);
+    let mut judgement = Judgement { rays: renderer.plan().rays, ..Judgement::default() };
+    let batch = rays_a_batch(triangles);
     for (i, rays) in sample.chunks(batch).enumerate() {
         let part = RUN + (AGAIN - RUN) * (i * batch) as u64 / sample.len() as u64;
         if progress(part, WHOLE).is_break() {
             return Err(RenderError::Cancelled { passes: passes.len() });
         }
-        let as_made = |&ray: &usize| [&origins, &directions].map(|s| [0, 1, 2].map(|layer| s.get_f32(layer, ray)));
-        let made: Vec<_> = rays.iter().map(as_made).collect();
-        for ((&ray, [origin, direction]), candidates) in rays.iter().zip(&made).zip(candidates_of(vertices, &made)) {
-            let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), end.get_f32(STATE_T, ray));
-            let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
-            match triangles.judge(ray, *origin, *direction, &candidates, found).0.verdict {
-                Verdict::Same => judgement.right += 1,
-                Verdict::Tie => judgement.undecided += 1,
-                verdict => judgement.wrong.push(WrongRay { ray, verdict, resolved_by: None }),
+        // A judge of its own: what all rays may hit takes too much memory.
+        let mut judge = Judge::default();
+        judge.prepare(&traced, rays.to_vec());
+        for Judged { mistake, .. } in judge.of(&traced, Cracks::Missed).all() {
+            let Mistake { ray, verdict, .. } = mistake;
+            judgement.counts.add(verdict);
+            if verdict.is_error() {
+                judgement.wrong.push(WrongRay { ray, verdict, resolved_by: None });
             }
         }
     }
+    drop(traced);
 
     let places = places(&passes, MOST_PLACES);
     judgement.passes_between = places.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
@@ -167,7 +142,7 @@ pub async fn judge(
         renderer.run_to(place, |_| progress(part, WHOLE)).await?;
         let now = renderer.values(Stream::State).await?;
         for wrong in judgement.wrong.iter_mut().filter(|wrong| wrong.resolved_by.is_none()) {
-            wrong.resolved_by = is_resolved(now.get(STATE_TAG, wrong.ray)).then_some(place);
+            wrong.resolved_by = state::is_decided(now.get(STATE_TAG, wrong.ray)).then_some(place);
         }
     }
     judgement.wrong.sort_by_key(|wrong| (wrong.resolved_by.unwrap_or(usize::MAX), wrong.ray));
@@ -184,7 +159,7 @@ fn places(passes: &[Pass], most: usize) -> Vec<usize> {
     let mut before = 0;
     let mut all = Vec::new();
     for (pass, place) in passes.iter().zip(1..) {
-        let now = resolved(&pass.counts);
+        let now = state::decided(&pass.counts);
         if now != before {
             all.push(place);
         }
@@ -228,19 +203,17 @@ mod tests {
     #[test]
     fn by_robust_rules_none_is_wrong_and_by_the_papers_some_are() {
         let (robust, passes) = judged(Numerics::Robust, 64);
-        assert_eq!((robust.rays, robust.judged, robust.wrong.len()), (64 * 64, 64 * 64, 0));
-        assert_eq!(robust.right + robust.undecided, robust.judged);
-        assert!(robust.right > 4000, "{robust:?}");
-        let counts: Vec<u64> = passes.iter().map(|pass| resolved(&pass.counts)).collect();
+        assert_eq!((robust.rays, robust.counts.rays(), robust.wrong.len()), (64 * 64, 64 * 64, 0));
+        assert_eq!(robust.counts.errors(), 0);
+        assert!(robust.counts.same > 4000, "{robust:?}");
+        let counts: Vec<u64> = passes.iter().map(|pass| state::decided(&pass.counts)).collect();
         assert!(counts.is_sorted() && counts[0] == 0, "{counts:?}");
         assert_eq!(counts.last(), Some(&(64 * 64)));
 
         // Through cracks where f32 cannot tell which side is hit, and past surfaces at cells' faces.
         let (paper, passes) = judged(Numerics::Paper, 512);
-        assert!(paper.wrong.len() > 500, "{} of {}", paper.wrong.len(), paper.judged);
-        assert_eq!(paper.right + paper.undecided + paper.wrong.len() as u64, paper.judged);
-        let verdicts = [Verdict::Missed, Verdict::False, Verdict::Wrong];
-        assert_eq!(verdicts.map(|v| paper.count(v)).iter().sum::<usize>(), paper.wrong.len());
+        assert!(paper.wrong.len() > 500, "{} of {}", paper.wrong.len(), paper.counts.rays());
+        assert_eq!(paper.counts.errors(), paper.wrong.len() as u64);
         assert!(paper.wrong.iter().all(|wrong| wrong.resolved_by.is_some_and(|by| by <= passes.len())));
         assert_eq!((paper.wrong_by(0), paper.wrong_by(passes.len())), (0, paper.wrong.len()));
         let steps = paper.steps();
@@ -262,7 +235,7 @@ mod tests {
                 run.restart();
                 pollster::block_on(run.run_to(place, |_| ControlFlow::Continue(()))).expect("a run");
                 let now = pollster::block_on(run.values(Stream::State)).expect("its states");
-                assert_eq!(is_resolved(now.get(STATE_TAG, wrong.ray)), is_so, "{wrong:?} after {place}");
+                assert_eq!(state::is_decided(now.get(STATE_TAG, wrong.ray)), is_so, "{wrong:?} after {place}");
             }
         }
     }

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
 //! | `run_id` | the configuration's own, the same in its rows of `passes.csv` |
-//! | `scene`, `scene_hash`, `triangles` | name, [`struct@Hash`] of the files that it was read from, size |
+//! | `scene`, `scene_hash`, `triangles` | name, [hash](crate::hash::Hash) of the files that it was read from, size |
 //! | `accelerator` … `tuning` | how it was traced; `tuning` has the other options that decide a run's speed |
 //! | `rays_kind` … `height_px` | which rays, on what, and of how large an image |
 //! | `rays` | traced a run: a pixel without a hit sends no bounce or shadow ray |
@@ -21,16 +21,14 @@
 //! | `useful_steps_per_thread` | rays worked on by threads launched, over all passes |
 //! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells (or nodes of the tree) visited, triangles tested, tests of a triangle that the ray had met before; counted in a run of its own, as far as the schedule can count |
 //! | `bytes_per_triangle` | of the grid or tree, and of the triangles where kernels read them packed |
-//! | `hits`, `hits_hash` | rays that hit something, and a [`struct@Hash`] of what each hit: equal hashes are equal bits |
+//! | `hits`, `hits_hash` | rays that hit something, and a [hash](crate::hash::Hash) of what each hit: equal hashes are equal bits |
 //! | `baseline_ratio` | median now by the baseline's: above 1 is slower |
 //!
-//! Percentiles are those of the sorted times with linear interpolation between neighbours (Hyndman and Fan,
-//! "Sample Quantiles in Statistical Packages", 1996, definition 7; NumPy's and R's default).
+//! Percentiles are those of [`crate::statistics::PERCENTILES`].
 
-use std::fmt;
 use std::io::{Read, Write};
 
-use raystep_kernels::renderer::{Pass, RayHit};
+use raystep_kernels::renderer::Pass;
 use serde::{Deserialize, Serialize};
 
 /// Version of the columns.
@@ -38,9 +36,6 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// `timer_source` where times are the host's.
 const HOST: &str = "host";
-
-/// How percentiles are defined, for reports.
-pub const PERCENTILES: &str = "linear interpolation between sorted times (Hyndman and Fan 1996, definition 7)";
 
 /// A row of `summary.csv`; its columns are described [above](self).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -151,94 +146,12 @@ impl SummaryRow {
     }
 }
 
-/// Where the middle of some times lies, and how far they spread.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    /// Half are below.
-    pub median: f64,
-    /// One in twenty is below.
-    pub p05: f64,
-    /// One in twenty is above.
-    pub p95: f64,
-}
-
-impl Spread {
-    /// `None` of nothing.
-    #[must_use]
-    pub fn of(times: &[u64]) -> Option<Self> {
-        let mut sorted = times.to_vec();
-        sorted.sort_unstable();
-        let at = |share| percentile(&sorted, share);
-        Some(Self { median: at(0.5)?, p05: at(0.05)?, p95: at(0.95)? })
-    }
-}
-
-/// The value below which `share` (0 to 1) of the sorted times lie, by [`PERCENTILES`].
-fn percentile(sorted: &[u64], share: f64) -> Option<f64> {
-    let place = share * sorted.len().checked_sub(1)? as f64;
-    let below = sorted[place.floor() as usize] as f64;
-    let above = sorted[place.ceil() as usize] as f64;
-    Some(below + (above - below) * place.fract())
-}
-
 /// Rays worked on by threads launched, over all passes; `None` where nothing was launched.
 #[must_use]
 pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
     let rays: u64 = passes.iter().map(|pass| u64::from(pass.rays_in)).sum();
     let threads: u64 = passes.iter().map(|pass| pass.threads_launched).sum();
     (threads > 0).then(|| rays as f64 / threads as f64)
-}
-
-/// FNV-1a, 64 bits (Fowler, Noll and Vo; draft-eastlake-fnv): tells contents apart, and is no protection against malice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Hash(u64);
-
-impl Default for Hash {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Hash {
-    /// Of some bytes.
-    #[must_use]
-    pub fn of(bytes: &[u8]) -> Self {
-        let mut hash = Self::default();
-        hash.add(bytes);
-        hash
-    }
-
-    /// Adds more bytes.
-    pub fn add(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    /// Of what every ray hit, by its bits. Where a ray may end at any hit, only whether it hit is compared.
-    #[must_use]
-    pub fn of_hits(hits: &[Option<RayHit>], is_any_hit: bool) -> Self {
-        let mut hash = Self::default();
-        for hit in hits {
-            match hit {
-                None => hash.add(&[0]),
-                Some(_) if is_any_hit => hash.add(&[1]),
-                Some(hit) => {
-                    hash.add(&hit.triangle.to_le_bytes());
-                    hash.add(&hit.t.to_bits().to_le_bytes());
-                    hash.add(&hit.u.to_bits().to_le_bytes());
-                    hash.add(&hit.v.to_bits().to_le_bytes());
-                }
-            }
-        }
-        hash
-    }
-}
-
-impl fmt::Display for Hash {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:016x}", self.0)
-    }
 }
 
 #[cfg(test)]
@@ -291,41 +204,6 @@ mod tests {
             assert!(refused(bytes).starts_with("it is no summary of a benchmark: "), "{bytes:?}");
         }
         assert!(read_summary(&b""[..]).is_ok_and(|rows| rows.is_empty()));
-    }
-
-    #[test]
-    fn percentiles_are_numpys() {
-        // numpy.percentile([15, 20, 35, 40, 50], [5, 50, 95]) and the same of one value.
-        let spread = Spread::of(&[40, 15, 50, 35, 20]).expect("times");
-        assert_eq!(spread.median, 35.0);
-        assert!((spread.p05 - 16.0).abs() < 1e-9 && (spread.p95 - 48.0).abs() < 1e-9, "{spread:?}");
-        assert_eq!(Spread::of(&[3, 4]).map(|s| s.median), Some(3.5));
-        assert_eq!(Spread::of(&[7]), Some(Spread { median: 7.0, p05: 7.0, p95: 7.0 }));
-        assert_eq!(Spread::of(&[]), None);
-    }
-
-    #[test]
-    fn hashes_are_the_published_ones() {
-        // Test vectors of draft-eastlake-fnv: FNV-1a of "", "a" and "foobar".
-        assert_eq!(Hash::default().to_string(), "cbf29ce484222325");
-        assert_eq!(Hash::of(b"a").to_string(), "af63dc4c8601ec8c");
-        assert_eq!(Hash::of(b"foobar").to_string(), "85944171f73967e8");
-    }
-
-    #[test]
-    fn hits_differ_by_a_bit_unless_any_hit_will_do() {
-        let hit = RayHit { t: 1.0, u: 0.0, v: 0.0, triangle: 3 };
-        let one = [Some(hit), None];
-        for other in [
-            [Some(RayHit { v: -0.0, ..hit }), None],
-            [Some(RayHit { u: 0.5, ..hit }), None],
-            [Some(RayHit { t: 1.0 + f64::EPSILON, ..hit }), None],
-            [Some(RayHit { triangle: 4, ..hit }), None],
-        ] {
-            assert_ne!(Hash::of_hits(&one, false), Hash::of_hits(&other, false));
-            assert_eq!(Hash::of_hits(&one, true), Hash::of_hits(&other, true));
-        }
-        assert_ne!(Hash::of_hits(&one, true), Hash::of_hits(&[None, Some(hit)], true));
     }
 
     #[test]

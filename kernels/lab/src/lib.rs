@@ -3,6 +3,10 @@
 //! the docs' measurements and the tests use the same functions.
 
 pub mod bench;
+pub mod hash;
+pub mod judge;
+pub mod machine;
+pub mod meter;
 pub mod parity;
 pub mod rays;
 pub mod reference;
@@ -13,5 +17,7 @@ mod wait;
 pub mod watertight;
 pub mod ways;
 
+pub use hash::Hash;
+pub use machine::Machine;
 pub use rays::RayKind;
-pub use wait::block_on;
+pub use wait::{block_on, block_on_shared};

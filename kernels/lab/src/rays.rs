@@ -30,8 +30,8 @@ use raystep_kernels::shared::constants::WORKGROUP;
 use raystep_scenes::{Bounds, Camera, Light, Projection, Scene};
 
 pub use aimed::{Aim, Planes, aimed};
-pub use mixed::{Random as SplitMix64, at_edges, mixed, segments};
-pub(crate) use random::Random;
+pub use mixed::{at_edges, mixed, segments};
+pub use random::Random;
 
 /// How far origins are moved off a surface, as a share of the largest coordinate of the scene's box.
 pub const SURFACE_OFFSET: f64 = 1.0 / (1u32 << 16) as f64;
@@ -83,7 +83,7 @@ impl PrimaryHits<'_> {
     #[must_use]
     pub fn bounce(&self, seed: u32) -> Vec<Ray> {
         self.each(|pixel, at| {
-            let sum = at.normal + Random::new(pixel, seed).on_sphere();
+            let sum = at.normal + Random::of(pixel, seed).on_sphere();
             // The opposite of the normal leaves nothing of it.
             let direction = if sum.length_squared() > 1e-12 { sum.normalize() } else { at.normal };
             ray(at.point, direction)
@@ -104,7 +104,7 @@ impl PrimaryHits<'_> {
         let top = (min + max) * 0.5 + DVec3::Y * ((max.y - min.y) * 0.5);
         self.each(|pixel, at| {
             let lights = self.scene.lights.as_slice();
-            let light = lights.get(Random::new(pixel, seed).below(lights.len()));
+            let light = lights.get(Random::of(pixel, seed).below(lights.len()));
             let direction = match light {
                 Some(Light::Point { position, .. } | Light::Spot { position, .. }) => {
                     glam::Vec3::from(*position).as_dvec3() - at.point
@@ -181,7 +181,7 @@ pub fn random(bounds: &Bounds, count: usize, seed: u32) -> Vec<Ray> {
     };
     let part = |range: std::ops::Range<usize>| {
         let ray_of = |i: usize| {
-            let mut random = Random::new(i as u32, seed);
+            let mut random = Random::of(i as u32, seed);
             let x = random.unit();
             let y = random.unit();
             let z = random.unit();

@@ -18,61 +18,17 @@
 
 mod crack;
 mod exact;
-mod report;
-
-use std::ops::ControlFlow;
+mod verdict;
 
 use glam::DVec3;
 use raystep_kernels::parallel::map_ranges;
-use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, StreamData};
 
-use crate::rays::Random;
-pub use report::{Mistake, Report, Verdict};
+pub use verdict::{Counts, Mistake, Verdict};
 
 const U: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// Four times f32's smallest normal number: what two products lose where they are flushed to 0.
 const UNDERFLOW: f64 = 4.0 * f32::MIN_POSITIVE as f64;
-
-/// Compares what rays hit with what they should. Streams are those after the last walking pass; the
-/// texels from `rays` on (unused ones) are left out. `progress` gets rays done and rays in all.
-pub fn check_rays(
-    data: &SceneData,
-    rays: u64,
-    [origins, directions, state, hit]: [&StreamData; 4],
-    mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,
-) -> Report {
-    let triangles = BruteForce::new(&data.vertices);
-    let one = |ray: usize| {
-        let component = |s: &StreamData| [0, 1, 2].map(|layer| s.get_f32(layer, ray));
-        let triangle = hit.get(HIT_TRIANGLE, ray);
-        let t = state.get_f32(STATE_T, ray);
-        let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
-        let (origin, direction) = (component(origins), component(directions));
-        triangles.judge(ray, origin, direction, &triangles.candidates(origin, direction), found)
-    };
-    let (rays, mut report) = (rays as usize, Report::default());
-    let batch = (1usize << 24).div_ceil(triangles.triangles().max(1)).clamp(64, 1 << 16);
-    for first in (0..rays).step_by(batch) {
-        let count = batch.min(rays - first);
-        let parts = map_ranges(count, 64, |range| {
-            let mut part = Report::default();
-            for i in range {
-                let (mistake, t_ulp) = one(first + i);
-                part.add(mistake, t_ulp);
-            }
-            part
-        });
-        parts.into_iter().for_each(|part| report.merge(part));
-        if progress((first + count) as u64, rays as u64).is_break() {
-            report.is_partial = first + count < rays;
-            break;
-        }
-    }
-    report
-}
 
 /// What each of some rays may hit, origin and direction each, on all cores.
 #[must_use]
@@ -81,18 +37,6 @@ pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates
     let part =
         |range: std::ops::Range<usize>| range.map(|i| triangles.candidates(rays[i][0], rays[i][1])).collect::<Vec<_>>();
     map_ranges(rays.len(), 16, part).concat()
-}
-
-/// Indices of `count` of `rays` rays, ascending: one at random of each of as many stretches of equal length. All of
-/// them where there are no more.
-#[must_use]
-pub fn sample(rays: usize, count: usize, seed: u32) -> Vec<usize> {
-    if count >= rays {
-        return (0..rays).collect();
-    }
-    let begin = |i: usize| (i as u64 * rays as u64 / count as u64) as usize;
-    let one = |i: usize| begin(i) + Random::new(i as u32, seed).below(begin(i + 1) - begin(i));
-    (0..count).map(one).collect()
 }
 
 /// Every triangle in f64: corners, and a sphere around each for a quick and safe no.
@@ -175,7 +119,7 @@ impl Candidates {
         }
     }
 
-    /// What became of a ray that found this; also the error of t in the units of [`Report::largest_t_ulp`].
+    /// What became of a ray that found this; also the error of t in the units of [`Report::largest_t_ulp`](crate::judge::Report::largest_t_ulp).
     #[must_use]
     pub fn judge(&self, ray: usize, found: Option<(u32, f64)>) -> (Mistake, f64) {
         let surely_by = self.surely_by.unwrap_or(f64::INFINITY);
@@ -338,19 +282,4 @@ fn largest_axis(d: DVec3) -> usize {
 /// An f32 vector in f64, exactly.
 fn wide(v: [f32; 3]) -> DVec3 {
     DVec3::from(v.map(f64::from))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sample_is_spread_over_all_rays_and_the_same_again() {
-        let some = sample(1000, 100, 7);
-        assert_eq!(some, sample(1000, 100, 7));
-        assert_ne!(some, sample(1000, 100, 8));
-        assert!(some.iter().enumerate().all(|(i, &ray)| (10 * i..10 * i + 10).contains(&ray)), "{some:?}");
-        assert_eq!((sample(3, 3, 1), sample(3, 9, 1), sample(0, 9, 1)), (vec![0, 1, 2], vec![0, 1, 2], vec![]));
-        assert_eq!(sample(5, 0, 1), Vec::<usize>::new());
-    }
 }

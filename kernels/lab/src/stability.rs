@@ -34,9 +34,11 @@ use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_scenes::Scene;
 use raystep_scenes::generate::GenerateError;
 
+use crate::judge::Judge;
+
 pub use cases::CASES;
 pub use row::{COLUMNS, Expected, Place, Row, SCHEMA_VERSION, write_rows};
-pub use score::{Judge, Largest, Score};
+pub use score::{Largest, Score};
 
 /// One extreme case.
 #[derive(Clone, Copy, Debug)]
@@ -217,6 +219,6 @@ pub async fn run(
         Err(error) => return Err(error.into()),
     }
     let at_bound = at_bound.max(renderer.unfinished());
-    let score = judge.score(case.truth, &renderer).await?;
+    let score = Score::of(judge, case.truth, &renderer).await?;
     Ok(Run { score, passes: renderer.pass_count(), at_bound })
 }

@@ -64,8 +64,11 @@ pub fn root_mean_square(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
-/// The value below which `share` (0 to 1) of the values lie, by linear interpolation between ranks. What is not a
-/// number is left out; `None` of nothing.
+/// How percentiles are defined, for reports: NumPy's and R's default, in "Sample Quantiles in Statistical Packages".
+pub const PERCENTILES: &str = "linear interpolation between sorted times (Hyndman and Fan 1996, definition 7)";
+
+/// The value below which `share` (0 to 1) of the values lie, by [`PERCENTILES`]. What is not a number is left out;
+/// `None` of nothing.
 #[must_use]
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| !v.is_nan()).collect();
@@ -73,6 +76,42 @@ pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let place = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
     let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
     Some(if below == above { below } else { below + (above - below) * place.fract() })
+}
+
+/// The middle one; `None` of nothing.
+#[must_use]
+pub fn median(values: &[f64]) -> Option<f64> {
+    quantile(values, 0.5)
+}
+
+/// Where the middle of some times lies, and how far they spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Half are below.
+    pub median: f64,
+    /// One in twenty is below.
+    pub p05: f64,
+    /// One in twenty is above.
+    pub p95: f64,
+}
+
+impl Spread {
+    /// `None` of nothing.
+    #[must_use]
+    pub fn of(times: &[f64]) -> Option<Self> {
+        let at = |share| quantile(times, share);
+        Some(Self { median: at(0.5)?, p05: at(0.05)?, p95: at(0.95)? })
+    }
+}
+
+/// Fewer values than this have no 5th and 95th percentile.
+const FEWEST_FOR_PERCENTILES: usize = 20;
+
+/// The 5th and the 95th percentile, of few values the smallest and the largest.
+#[must_use]
+pub fn low_and_high(values: &[f64]) -> [Option<f64>; 2] {
+    let ends = if values.len() < FEWEST_FOR_PERCENTILES { [0.0, 1.0] } else { [0.05, 0.95] };
+    ends.map(|share| quantile(values, share))
 }
 
 #[cfg(test)]
@@ -125,5 +164,24 @@ mod tests {
         assert!(quantile(&values, 0.05).is_some_and(|v| is_near(v, 16.0)));
         assert_eq!((quantile(&values, 1.0), quantile(&[f64::NAN], 0.5)), (Some(50.0), None));
         assert_eq!(quantile(&[f64::INFINITY; 2], 0.3), Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn percentiles_are_numpys() {
+        // numpy.percentile([15, 20, 35, 40, 50], [5, 50, 95]) and the same of one value.
+        let spread = Spread::of(&[40.0, 15.0, 50.0, 35.0, 20.0]).expect("times");
+        assert_eq!(spread.median, 35.0);
+        assert!((spread.p05 - 16.0).abs() < 1e-9 && (spread.p95 - 48.0).abs() < 1e-9, "{spread:?}");
+        assert_eq!(Spread::of(&[3.0, 4.0]).map(|s| s.median), Some(3.5));
+        assert_eq!(Spread::of(&[7.0]), Some(Spread { median: 7.0, p05: 7.0, p95: 7.0 }));
+        assert_eq!(Spread::of(&[]), None);
+    }
+
+    #[test]
+    fn few_values_have_ends_and_many_have_percentiles() {
+        let values = |n: u32| (0..n).map(f64::from).collect::<Vec<_>>();
+        assert_eq!(low_and_high(&values(19)), [Some(0.0), Some(18.0)]);
+        assert_eq!(low_and_high(&values(21)), [Some(1.0), Some(19.0)]);
+        assert_eq!(low_and_high(&[]), [None; 2]);
     }
 }

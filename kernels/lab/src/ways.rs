@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use raystep_kernels::options;
 use raystep_kernels::{Accelerator, Numerics, Options, ScheduleKind, Skip};
 
 /// One way to trace a scene.

@@ -3,12 +3,12 @@
 use std::ops::ControlFlow;
 
 use raystep_kernels::{Options, RayHit, RaySource, Renderer};
+use raystep_lab::Machine;
 use raystep_lab::RayKind;
 use raystep_lab::rays::{PrimaryHits, random};
 
 use crate::args::{Size, TuningArgs};
 use crate::commands::input::Input;
-use crate::device::Chosen;
 use crate::error::Error;
 
 /// What random rays begin with: the same in every run of every version.
@@ -29,7 +29,7 @@ impl<'a> Viewed<'a> {
     }
 
     /// Rays of a kind; `None` where there is not a single one.
-    pub(super) fn rays(&mut self, kind: RayKind, chosen: &Chosen) -> Result<Option<RaySource>, Error> {
+    pub(super) fn rays(&mut self, kind: RayKind, chosen: &Machine) -> Result<Option<RaySource>, Error> {
         let (Input { scene, camera, .. }, Size { width, height }) = (self.input, self.size);
         let rays = match kind {
             RayKind::Primary => return Ok(Some(self.primary())),
@@ -54,10 +54,10 @@ impl<'a> Viewed<'a> {
 
     /// Which structure finds the hits does not matter, and the rules are always the robust ones: what is
     /// measured with other rules is measured with the same rays.
-    fn trace(&self, chosen: &Chosen) -> Result<Vec<Option<RayHit>>, Error> {
+    fn trace(&self, chosen: &Machine) -> Result<Vec<Option<RayHit>>, Error> {
         let options = Options { shade: false, grid: self.tuning.grid, ..Options::new(self.primary()) };
         let mut renderer = chosen.wait(Renderer::new(&self.input.scene, &options, &chosen.device))?;
         chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
-        chosen.wait(renderer.hits())
+        Ok(chosen.wait(renderer.hits())?)
     }
 }

@@ -11,15 +11,17 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::{
     Accelerator, Device, Load, Numerics, Options, Pass, RaySource, RenderError, Renderer, ScheduleKind, Stream,
 };
+use raystep_lab::Hash;
+use raystep_lab::Machine;
 use raystep_lab::RayKind;
-use raystep_lab::bench::{Hash, SCHEMA_VERSION, Spread, SummaryRow, useful_steps_per_thread};
+use raystep_lab::bench::{SCHEMA_VERSION, SummaryRow, useful_steps_per_thread};
+use raystep_lab::statistics::Spread;
 
 use super::{BenchArgs, Measured, tuning_text};
 use crate::args::Size;
 use crate::commands::input::Input;
-use crate::device::Chosen;
 use crate::error::Error;
-use crate::session::{MISSES_ALL, misses_all, run_context, run_id};
+use crate::session::{MISSES_ALL, misses_all, run_id};
 use crate::terminal::Progress;
 
 /// Most bytes of configurations that are measured in turn, so that they fit on most devices together. One
@@ -55,14 +57,14 @@ struct Ready {
     details: Details,
     renderer: Renderer,
     bytes: u64,
-    device_ns: Vec<u64>,
-    wall_ns: Vec<u64>,
+    device_ns: Vec<f64>,
+    wall_ns: Vec<f64>,
 }
 
 /// A benchmark under way.
 pub(super) struct Bench<'a> {
     args: &'a BenchArgs,
-    chosen: &'a Chosen,
+    chosen: &'a Machine,
     progress: &'a Progress,
     /// What a GPU does between runs, which keeps its clocks up.
     load: Option<Load>,
@@ -73,7 +75,7 @@ pub(super) struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    pub(super) fn new(args: &'a BenchArgs, chosen: &'a Chosen, progress: &'a Progress) -> Self {
+    pub(super) fn new(args: &'a BenchArgs, chosen: &'a Machine, progress: &'a Progress) -> Self {
         let measured = Measured { run_id: run_id(), rows: Vec::new(), details: Vec::new(), notes: Vec::new() };
         let load = match &chosen.device {
             Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
@@ -161,7 +163,7 @@ impl<'a> Bench<'a> {
         let run_id = format!("{}-{}", self.measured.run_id, self.configurations);
         self.configurations += 1;
         self.progress.stage(&format!("{what}: compiling kernels and timing passes"));
-        let context = run_context(run_id.clone(), &input.scene, options, chosen, &plan);
+        let context = chosen.run_context(run_id.clone(), &input.scene, options, &plan);
         let context = RunContext { repeat: self.args.repeats, ..context };
         let compiling = Renderer::from_plan(plan.clone(), data.clone(), options, &chosen.device);
         let (details, compile_s) = self.time_passes(context, compiling)?;
@@ -248,8 +250,8 @@ impl<'a> Bench<'a> {
                 if run >= warmups {
                     // Where the device has no true clock, the host's times count.
                     if device_ns.is_some() || !self.chosen.timer().times_passes() {
-                        ready.wall_ns.push(wall_ns);
-                        ready.device_ns.extend(device_ns);
+                        ready.wall_ns.push(wall_ns as f64);
+                        ready.device_ns.extend(device_ns.map(|ns| ns as f64));
                     } else {
                         ready.row.invalid += 1;
                     }
@@ -328,7 +330,7 @@ fn options(args: &BenchArgs, rays: RaySource, kind: RayKind) -> Options {
 }
 
 /// Whether runs that count need the times of every pass: the twins' are what [`device_ns`] adds up.
-fn times_every_pass(chosen: &Chosen) -> bool {
+fn times_every_pass(chosen: &Machine) -> bool {
     chosen.gpu().is_none()
 }
 

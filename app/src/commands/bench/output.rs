@@ -7,14 +7,16 @@ use std::path::Path;
 use raystep_kernels::export::csv::PassesCsv;
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::{Gpu, ScheduleKind};
-use raystep_lab::bench::{PERCENTILES, SCHEMA_VERSION, write_summary};
+use raystep_lab::Machine;
+use raystep_lab::bench::{SCHEMA_VERSION, write_summary};
+use raystep_lab::statistics::PERCENTILES;
 use serde::Serialize;
 
 use super::input::SEED;
 use super::{BenchArgs, Measured, tuning_text};
 use crate::args::grid_text;
 use crate::commands::input::Input;
-use crate::device::{AboutClock, Chosen};
+use crate::device::AboutClock;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
 
@@ -96,7 +98,7 @@ pub(super) fn refuse_others(folder: &Path) -> Result<(), Error> {
 pub(super) fn write(
     args: &BenchArgs,
     folder: &TargetFolder,
-    chosen: &Chosen,
+    chosen: &Machine,
     inputs: &[Input],
     measured: &Measured,
 ) -> Result<(), Error> {
@@ -112,7 +114,7 @@ pub(super) fn write(
     folder.write(RUN, |out| out.write_all(text.as_bytes()))
 }
 
-fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &'a Measured) -> About<'a> {
+fn about<'a>(args: &BenchArgs, chosen: &'a Machine, inputs: &[Input], measured: &'a Measured) -> About<'a> {
     let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     let scene = |input: &Input| AboutScene {
         name: input.scene.name.clone(),

@@ -6,10 +6,9 @@
 //! At an edge f32 may not know which of two triangles a ray hits, and either is right. But where the surface goes on all
 //! around, one of them it must be: a ray that goes on is lost, and counts as missed.
 
-use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG};
-use raystep_kernels::{Renderer, Stream, StreamData, state};
-use raystep_lab::reference::{BruteForce, Candidates, Possible, Verdict, candidates_of, sample};
+use raystep_kernels::Renderer;
+use raystep_lab::judge::{self, Cracks, Traced, sample};
+use raystep_lab::reference::{Counts, Possible, Verdict};
 
 use super::table::Row;
 use super::work::{SEED, Work};
@@ -17,12 +16,7 @@ use crate::error::Error;
 
 /// Truth, worked out for the first run that is judged and kept for the others.
 #[derive(Default)]
-pub(super) struct Judge {
-    /// Those that are judged.
-    pub(super) sample: Vec<usize>,
-    rays: Vec<[[u32; 3]; 2]>,
-    candidates: Vec<Candidates>,
-}
+pub(super) struct Judge(judge::Judge);
 
 /// A hit that is right, to measure its t.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +34,8 @@ pub(super) struct Right {
 pub(super) struct Judged {
     /// One a ray of the sample; `None` where it is not decided what the ray hits.
     pub(super) verdicts: Vec<Option<Verdict>>,
+    /// The same, counted.
+    pub(super) counts: Counts,
     /// Every hit of the exact triangle.
     pub(super) right: Vec<Right>,
     /// Of all rays those that still walked when their bound was reached, or the run was given up.
@@ -56,99 +52,61 @@ impl Judge {
 
     /// Judges a run that is over, or as far as it came.
     pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
-        let read = |stream| work.chosen.wait(renderer.values(stream));
-        let (origins, directions) = (read(Stream::RayOrigin)?, read(Stream::RayDirection)?);
-        let (state, hit) = (read(Stream::State)?, read(Stream::Hit)?);
-        self.prepare(work, renderer, &origins, &directions);
-        let triangles = BruteForce::new(&renderer.data().vertices);
-        let is_decided = |ray: usize| is_decided(state.get(STATE_TAG, ray));
-        let walking = (0..renderer.plan().rays as usize).filter(|&ray| !is_decided(ray)).count() as u64;
+        let traced = work.chosen.wait(Traced::read(renderer))?;
+        self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), SEED));
+        let walking = (0..traced.rays()).filter(|&ray| !traced.is_decided(ray)).count() as u64;
         let mut judged = Judged { at_bound: renderer.unfinished().max(walking), ..Judged::default() };
-        for (place, (&ray, candidates)) in self.sample.iter().zip(&self.candidates).enumerate() {
-            if !is_decided(ray) {
+        let verdicts = self.0.of(&traced, Cracks::Missed);
+        for (place, &ray) in self.sample().iter().enumerate() {
+            if !traced.is_decided(ray) {
                 judged.verdicts.push(None);
                 continue;
             }
-            let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), state.get_f32(STATE_T, ray));
-            let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
-            let [origin, direction] = self.rays[place].map(|v| v.map(f32::from_bits));
-            let (mistake, _) = triangles.judge(ray, origin, direction, candidates, found);
-            if let (Verdict::Same, Some((triangle, t))) = (mistake.verdict, found)
-                && let Some(&exact) = candidates.of(triangle)
+            let judge::Judged { hit, candidates, mistake } = verdicts.judge(place);
+            if let (Verdict::Same, Some(hit)) = (mistake.verdict, hit)
+                && let Some(&exact) = candidates.of(hit.triangle)
             {
-                judged.right.push(Right { place, t, exact });
+                judged.right.push(Right { place, t: hit.t, exact });
             }
+            judged.counts.add(mistake.verdict);
             judged.verdicts.push(Some(mistake.verdict));
         }
         Ok(judged)
     }
 
-    /// Works out what each ray may hit, unless these are the rays of before.
-    fn prepare(&mut self, work: &Work<'_>, renderer: &Renderer, origins: &StreamData, directions: &StreamData) {
-        let sample = sample(renderer.plan().rays as usize, Self::most_rays(work), SEED);
-        let component = |s: &StreamData, ray| [0, 1, 2].map(|layer| s.get(layer, ray));
-        let rays: Vec<_> = sample.iter().map(|&ray| [component(origins, ray), component(directions, ray)]).collect();
-        if self.rays == rays && self.sample == sample {
-            return;
-        }
-        let floats: Vec<_> = rays.iter().map(|ray| ray.map(|v| v.map(f32::from_bits))).collect();
-        self.candidates = candidates_of(&renderer.data().vertices, &floats);
-        (self.sample, self.rays) = (sample, rays);
+    /// The rays that are judged.
+    pub(super) fn sample(&self) -> &[usize] {
+        self.0.sample()
     }
 
     /// The direction of a ray of the sample, in traced units per unit of t.
     pub(super) fn direction(&self, place: usize) -> [f64; 3] {
-        self.rays[place][1].map(|v| f64::from(f32::from_bits(v)))
+        self.0.ray(place)[1].map(f64::from)
     }
 }
 
 impl Judged {
-    /// Rays of the sample that are decided.
-    pub(super) fn rays(&self) -> u64 {
-        self.verdicts.iter().flatten().count() as u64
-    }
-
-    /// Rays with a verdict.
-    pub(super) fn count(&self, verdict: Verdict) -> u64 {
-        self.verdicts.iter().flatten().filter(|v| **v == verdict).count() as u64
-    }
-
     /// What to know of a run that was given up.
     pub(super) fn given_up(&self) -> String {
         format!("given up, too slow or without an end: {} rays were not decided and are not judged", self.at_bound)
     }
 
-    /// Missed, false and wrong together.
-    pub(super) fn errors(&self) -> u64 {
-        self.verdicts.iter().flatten().filter(|v| is_error(**v)).count() as u64
-    }
-
     /// Fills the columns of verdicts.
     pub(super) fn fill(&self, row: Row) -> Row {
-        let (rays, errors) = (self.rays(), self.errors());
+        let (rays, errors) = (self.counts.rays(), self.counts.errors());
         let million = |share: f64| 1e6 * share;
         let interval = raystep_lab::statistics::wilson(errors, rays);
         row.set("judged_rays", rays)
-            .set("missed", self.count(Verdict::Missed))
-            .set("false_hits", self.count(Verdict::False))
-            .set("wrong_hits", self.count(Verdict::Wrong))
-            .set("undecided", self.count(Verdict::Tie))
+            .set("missed", self.counts.missed)
+            .set("false_hits", self.counts.false_hits)
+            .set("wrong_hits", self.counts.wrong)
+            .set("undecided", self.counts.ties)
             .set("wrong_rays", errors)
             .set("wrong_per_million", (rays > 0).then(|| million(errors as f64 / rays as f64)))
             .set("wrong_per_million_low", interval.map(|i| million(i[0])))
             .set("wrong_per_million_high", interval.map(|i| million(i[1])))
             .set("at_bound", self.at_bound)
     }
-}
-
-/// Whether a ray in this state will not hit anything else any more.
-pub(super) fn is_decided(tag: u32) -> bool {
-    matches!(tag, state::SHADE | state::BACKGROUND | state::DONE)
-}
-
-/// Whether a verdict is one of an error: what f32 cannot decide is none.
-pub(super) fn is_error(verdict: Verdict) -> bool {
-    matches!(verdict, Verdict::Missed | Verdict::False | Verdict::Wrong)
 }
 
 #[cfg(test)]
@@ -184,9 +142,9 @@ mod tests {
         };
         let halfway = (1..).map(|k| judge_after(4 * k)).find(|judged| judged.at_bound < 256).expect("a decided ray");
         assert!((1..256).contains(&halfway.at_bound), "{}", halfway.at_bound);
-        assert_eq!((halfway.rays() + halfway.at_bound, halfway.errors()), (256, 0));
+        assert_eq!((halfway.counts.rays() + halfway.at_bound, halfway.counts.errors()), (256, 0));
         assert!(halfway.given_up().contains(&halfway.at_bound.to_string()));
         let all = judge_after(usize::MAX);
-        assert_eq!((all.rays(), all.at_bound, all.errors()), (256, 0, 0));
+        assert_eq!((all.counts.rays(), all.at_bound, all.counts.errors()), (256, 0, 0));
     }
 }

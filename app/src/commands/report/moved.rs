@@ -23,7 +23,6 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 use raystep_kernels::{Numerics, Options, Ray, RaySource};
 use raystep_lab::rays::{Aim, aimed};
-use raystep_lab::reference::Verdict;
 use raystep_lab::statistics::{quantile, wilson};
 use raystep_scenes::Scene;
 
@@ -252,7 +251,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
             Place::Moved(by) => row.set("offset_extents", by),
             Place::Scaled(by) => row.set("scale", by),
         };
-        let (missed, of) = (judged.count(Verdict::Missed), judged.rays());
+        let (missed, of) = (judged.counts.missed, judged.counts.rays());
         let lost = wilson(missed, of);
         let row = judged
             .fill(row)
@@ -330,7 +329,7 @@ fn rounding(
 ) -> Errors {
     let mut errors = Errors::default();
     for right in &judged.right {
-        let index = judge.sample[right.place];
+        let index = judge.sample()[right.place];
         let Some(Some((triangle, t))) = here.exact.get(index).copied() else { continue };
         if triangle != right.exact.triangle {
             continue;

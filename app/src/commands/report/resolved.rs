@@ -7,13 +7,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::state::{self, StateCounts};
+use raystep_kernels::state;
 use raystep_kernels::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind, Stream};
 use raystep_lab::reference::Verdict;
 use raystep_lab::statistics::quantile;
 
-use super::judge::{Judge, is_decided, is_error};
+use super::judge::Judge;
 use super::page::{Part, number};
 use super::table::{Row, Table};
 use super::work::{Ended, TESTS_PER_PASS, Work};
@@ -188,24 +188,19 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
             .set("schedule", schedule.name())
             .set("numerics", numerics.name())
             .set("rays", timed.plan().rays)
-            .set("judged_rays", judged.rays())
+            .set("judged_rays", judged.counts.rays())
             .set("pass_index", r.pass)
             .set("kernel", passes[r.pass].kernel.name())
             .set("time_ns", ends_ns[r.pass])
-            .set("resolved_rays", decided(&passes[r.pass].counts))
+            .set("resolved_rays", state::decided(&passes[r.pass].counts))
             .set("judged_resolved_rays", resolved.len())
-            .set("judged_wrong_rays", count(is_error))
+            .set("judged_wrong_rays", count(Verdict::is_error))
             .set("judged_undecided_rays", count(|v| v == Verdict::Tie))
             .set("is_last", i == last)
             .set("run_ns", run_ns)
             .set("clock", work.clock())
     };
     Ok(Ok(read.iter().enumerate().map(row).collect()))
-}
-
-/// Rays whose hit is decided.
-fn decided(counts: &StateCounts) -> u32 {
-    [state::SHADE, state::BACKGROUND, state::DONE].iter().map(|&tag| counts[tag as usize]).sum()
 }
 
 /// A run whose passes were timed.
@@ -283,7 +278,7 @@ fn read_back(
     let mut before = 0;
     renderer.restart();
     for (index, pass) in passes.iter().enumerate() {
-        let now = decided(&pass.counts);
+        let now = state::decided(&pass.counts);
         let is_last = index + 1 == passes.len();
         if now == before && !is_last {
             continue;
@@ -292,8 +287,8 @@ fn read_back(
         work.chosen.wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
         if now != before || is_last {
             let tags = work.chosen.wait(renderer.values(Stream::State))?;
-            let is_done = |&ray: &usize| is_decided(tags.get(STATE_TAG, ray));
-            read.push(ReadBack { pass: index, is_resolved: judge.sample.iter().map(is_done).collect() });
+            let is_done = |&ray: &usize| state::is_decided(tags.get(STATE_TAG, ray));
+            read.push(ReadBack { pass: index, is_resolved: judge.sample().iter().map(is_done).collect() });
         }
         before = now;
     }
@@ -381,7 +376,7 @@ mod tests {
             iteration: 0,
             kernel: Kernel::Setup,
             rays_in: 0,
-            counts: StateCounts::default(),
+            counts: state::StateCounts::default(),
             threads_launched: 0,
             begin_ns,
             duration_ns,

@@ -126,7 +126,7 @@ fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant
         work.progress.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
         if begin.elapsed() > LONGEST { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    match crate::device::block_on(work.chosen.gpu(), renderer.run_to_sample(samples, watch)) {
+    match raystep_lab::block_on(work.chosen.gpu(), renderer.run_to_sample(samples, watch)) {
         Ok(()) => Ok(true),
         Err(raystep_kernels::RenderError::Cancelled { .. }) => Ok(false),
         Err(error) => Err(error.into()),

@@ -8,12 +8,12 @@ use raystep_kernels::export::csv::Timer;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{GridSize, Load, Options, RaySource, RenderError, Renderer};
+use raystep_lab::Machine;
 use raystep_lab::statistics::quantile;
 
 use super::table::Row;
 use crate::args::Size;
 use crate::commands::input::Input;
-use crate::device::Chosen;
 use crate::error::Error;
 use crate::terminal::Progress;
 
@@ -40,7 +40,7 @@ const FEWEST_FOR_PERCENTILES: usize = 20;
 #[derive(Clone, Copy)]
 pub(super) struct Work<'a> {
     pub(super) input: &'a Input,
-    pub(super) chosen: &'a Chosen,
+    pub(super) chosen: &'a Machine,
     pub(super) size: Size,
     /// For what is not about the grid's resolution.
     pub(super) grid: GridSize,
@@ -195,7 +195,7 @@ impl Work<'_> {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let ended = crate::device::block_on(self.chosen.gpu(), renderer.run(watch));
+        let ended = raystep_lab::block_on(self.chosen.gpu(), renderer.run(watch));
         let wall_ns = begin.elapsed().as_nanos() as f64;
         match ended {
             Ok(()) => {}

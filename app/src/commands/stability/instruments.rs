@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use raystep_lab::stability::{Place, drift, probe};
+use raystep_lab::{Machine, block_on};
 
 use super::Report;
-use crate::device::{Chosen, block_on};
 use crate::error::Error;
 use crate::terminal::Progress;
 
@@ -15,7 +15,11 @@ const WALKING: usize = 256;
 const PROBED: usize = 16_384;
 
 /// Walks by each of the rules, where numbers are f32.
-pub(super) fn walks(quick: bool, places: &[(Place, Chosen)], progress: &Progress) -> Result<Vec<drift::Walked>, Error> {
+pub(super) fn walks(
+    quick: bool,
+    places: &[(Place, Machine)],
+    progress: &Progress,
+) -> Result<Vec<drift::Walked>, Error> {
     let mut all = Vec::new();
     for (place, chosen) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
         for rules in drift::RULES {
@@ -31,7 +35,7 @@ pub(super) fn walks(quick: bool, places: &[(Place, Chosen)], progress: &Progress
 /// pipeline is what all others with the same rays are compared with.
 pub(super) fn pipelines(
     quick: bool,
-    places: &[(Place, Chosen)],
+    places: &[(Place, Machine)],
     progress: &Progress,
 ) -> Result<Vec<probe::Row>, Error> {
     let workloads = probe::workloads(if quick { PROBED / 8 } else { PROBED })?;

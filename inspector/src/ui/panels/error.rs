@@ -250,7 +250,7 @@ fn verdicts(
 ) -> Option<([u32; 2], Option<usize>)> {
     let width = model.opened.as_ref().map_or(1, |opened| opened.plan.width.max(1)) as usize;
     let pixel_of = |ray: usize| [(ray % width) as u32, (ray / width) as u32];
-    let (wrong, judged) = (judgement.wrong.len(), judgement.judged);
+    let (wrong, judged) = (judgement.wrong.len(), judgement.counts.rays());
     let text = format!("{} of {} judged rays wrong", grouped(wrong as u64), grouped(judged));
     let mut chosen = None;
     if wrong == 0 {
@@ -261,7 +261,7 @@ fn verdicts(
             (Verdict::False, "hit where nothing is"),
             (Verdict::Wrong, "hit another triangle, or at a wrong t"),
         ];
-        let kinds = kinds.map(|(verdict, what)| format!("{} {what}", grouped(judgement.count(verdict) as u64)));
+        let kinds = kinds.map(|(verdict, what)| format!("{} {what}", grouped(judgement.counts.of(verdict))));
         let about = format!("{}\na click selects the first of them, and the next one after it", kinds.join("\n"));
         if ui.link(text).on_hover_text(about).clicked() {
             let at = judgement.wrong.iter().position(|wrong| Some(pixel_of(wrong.ray)) == selected);
@@ -269,9 +269,9 @@ fn verdicts(
             chosen = Some((pixel_of(next.ray), next.resolved_by));
         }
     }
-    let undecided = format!("{} undecided", grouped(judgement.undecided));
+    let undecided = format!("{} undecided", grouped(judgement.counts.ties));
     ui.label(undecided).on_hover_text("f32 cannot tell which of several triangles is hit, and any of them is right");
-    ui.label(format!("{} right", grouped(judgement.right)));
+    ui.label(format!("{} right", grouped(judgement.counts.same)));
     let unresolved = judgement.wrong.iter().filter(|wrong| wrong.resolved_by.is_none()).count();
     if unresolved > 0 {
         ui.label(format!("{} of the wrong ones never resolved", grouped(unresolved as u64)));

@@ -84,7 +84,7 @@ pub fn aimed(scene: &Scene, aim: Aim<'_>, count: usize, seed: u32) -> Vec<Ray> {
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let (middle, half) = ((min + max) * 0.5, (max - min) * (0.5 * INNER));
     let aimed = |i: usize| {
-        let mut random = Random::new(i as u32, seed);
+        let mut random = Random::of(i as u32, seed);
         let mut side = || 2.0 * random.unit() - 1.0;
         let origin = middle + half * DVec3::new(side(), side(), side());
         // The exact f32 origin is what the target is seen from.
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_grid_without_width_has_no_planes() {
-        let mut random = Random::new(0, 1);
+        let mut random = Random::of(0, 1);
         for width in [0.0, f64::NAN] {
             let planes = Planes { corner: [0.0; 3], width: [width; 3], cells: [4; 3] };
             assert_eq!(planes.between(0, 0.0, 0.0, &mut random), None);

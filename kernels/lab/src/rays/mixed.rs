@@ -3,44 +3,10 @@
 use raystep_kernels::Ray;
 use raystep_scenes::Scene;
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
-pub struct Random(u64);
+use super::Random;
 
-impl Random {
-    /// A sequence of its own for every seed.
-    #[must_use]
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-    /// The next 64 bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-    /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-    /// Uniform below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.unit() * n as f64) as usize
-    }
-    /// Uniform on the sphere.
-    pub fn direction(&mut self) -> [f32; 3] {
-        loop {
-            let v = [0; 3].map(|_| 2.0 * self.unit() - 1.0);
-            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (0.01..=1.0).contains(&length) {
-                return v.map(|x| (x / length) as f32);
-            }
-        }
-    }
-}
-
-/// A third each: from inside the scene's box, from outside towards it, from points on its surface.
+/// A third each: from inside the scene's box, from outside towards it, from points on its surface. Without a triangle
+/// the last third starts inside.
 #[must_use]
 pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);
@@ -57,7 +23,10 @@ pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
             Ray { origin: origin.to_array(), direction: (target - origin).to_array() }
         }
         _ => {
-            let corners = scene.triangles[random.below(scene.triangles.len())].map(|p| glam::Vec3::from(p).as_dvec3());
+            let Some(triangle) = scene.triangles.get(random.below(scene.triangles.len())) else {
+                return Ray { origin: inside(&mut random), direction: random.direction() };
+            };
+            let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
             let (a, b) = (random.unit(), random.unit());
             let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
             let origin = corners[0] + (corners[1] - corners[0]) * a + (corners[2] - corners[0]) * b;
@@ -81,13 +50,14 @@ pub fn segments(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
 }
 
 /// Rays from `origin` aimed at every corner and along every edge of the scene in turn, at points that
-/// f32 rounds to one side or the other.
+/// f32 rounds to one side or the other. None without a triangle.
 #[must_use]
 pub fn at_edges(scene: &Scene, origin: [f32; 3], count: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);
     let from = glam::Vec3::from(origin).as_dvec3();
     let ray = |i: usize| {
-        let corners = scene.triangles[random.below(scene.triangles.len())].map(|p| glam::Vec3::from(p).as_dvec3());
+        let triangle = scene.triangles.get(random.below(scene.triangles.len()))?;
+        let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
         let edge = random.below(3);
         let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
         let along = match i % 4 {
@@ -95,7 +65,7 @@ pub fn at_edges(scene: &Scene, origin: [f32; 3], count: usize, seed: u64) -> Vec
             1 => 0.5,
             _ => random.unit(),
         };
-        Ray { origin, direction: (a + (b - a) * along - from).as_vec3().to_array() }
+        Some(Ray { origin, direction: (a + (b - a) * along - from).as_vec3().to_array() })
     };
-    (0..count).map(ray).collect()
+    (0..count).map_while(ray).collect()
 }

@@ -44,7 +44,7 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
 }
 
 fn randoms(count: usize, seed: u32) -> impl Iterator<Item = (usize, Random)> {
-    (0..count).map(move |i| (i, Random::new(i as u32, SEED + seed)))
+    (0..count).map(move |i| (i, Random::of(i as u32, SEED + seed)))
 }
 
 /// A point of a cube about the origin.

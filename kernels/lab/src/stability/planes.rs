@@ -56,7 +56,7 @@ pub(super) fn on_planes(count: usize, on: On) -> Result<Workload, StabilityError
     // The grid depends on how far origins are, roughly: these are as far as those to come.
     let planes = Planes::of(&scene, make::inside(0.5, count), cells)?;
     let rays = (0..count).map(|i| {
-        let mut random = Random::new(i as u32, SEED + 1);
+        let mut random = Random::of(i as u32, SEED + 1);
         // Planes within half of the sphere's radius.
         let origin = [0, 1, 2].map(|axis| planes.plane(axis, 5 + random.below(CELLS as usize - 9) as i32));
         let free = [0; 3].map(|_| random.unit() as f32 - 0.5);

@@ -108,8 +108,8 @@ impl Row {
         let score = &run.score;
         let rays = score.verdicts.len() as u64;
         let ceiling = case.undecided.count(rays);
-        let has_errors = score.errors() > 0 || score.non_finite > 0 || run.at_bound > 0;
-        let passed = !has_errors && score.undecided <= ceiling;
+        let has_errors = score.counts.errors() > 0 || score.non_finite > 0 || run.at_bound > 0;
+        let passed = !has_errors && score.counts.ties <= ceiling;
         let expected = Expected::of(case, variant, place);
         let [t, u, v] = [&score.t, &score.u, &score.v];
         let number = |value: Option<f64>| known(value.map(|v| format!("{v:.3e}")));
@@ -125,10 +125,10 @@ impl Row {
             variant.triangle_test().into(),
             place.device.into(),
             place.adapter.clone(),
-            score.missed.to_string(),
-            score.false_hits.to_string(),
-            score.wrong.to_string(),
-            score.undecided.to_string(),
+            score.counts.missed.to_string(),
+            score.counts.false_hits.to_string(),
+            score.counts.wrong.to_string(),
+            score.counts.ties.to_string(),
             ceiling.to_string(),
             score.undecidable.to_string(),
             score.edge_on.to_string(),
@@ -199,12 +199,13 @@ mod tests {
     use raystep_kernels::options::{Accelerator, ScheduleKind};
 
     use super::*;
-    use crate::reference::Verdict;
+    use crate::reference::{Counts, Verdict};
     use crate::stability::{CASES, Score};
 
     fn row(numerics: Numerics, device: &'static str, change: impl FnOnce(&mut Run)) -> Row {
         let case = CASES.iter().find(|case| case.name == "axis-below-1e-3").expect("a case");
-        let score = Score { verdicts: vec![Verdict::Same; 1000], undecided: 2, ..Score::default() };
+        let counts = Counts { same: 998, ties: 2, ..Counts::default() };
+        let score = Score { verdicts: vec![Verdict::Same; 1000], counts, ..Score::default() };
         let mut run = Run { score, passes: 7, at_bound: 0 };
         change(&mut run);
         let variant =
@@ -217,11 +218,11 @@ mod tests {
         let robust = |change: fn(&mut Run)| row(Numerics::Robust, "gpu", change);
         assert!(robust(|_| {}).is_as_expected(), "two of 1,000 rays may be undecided, and more by chance");
         let broken: [fn(&mut Run); 6] = [
-            |run| run.score.missed = 1,
-            |run| run.score.false_hits = 1,
-            |run| run.score.wrong = 1,
+            |run| run.score.counts.missed = 1,
+            |run| run.score.counts.false_hits = 1,
+            |run| run.score.counts.wrong = 1,
             |run| run.score.non_finite = 1,
-            |run| run.score.undecided = 8,
+            |run| run.score.counts.ties = 8,
             |run| run.at_bound = 1,
         ];
         for change in broken {
@@ -232,11 +233,11 @@ mod tests {
 
     #[test]
     fn the_papers_rules_must_fail_in_f32_where_a_case_says_so() {
-        let paper = |device, missed| row(Numerics::Paper, device, |run| run.score.missed = missed);
+        let paper = |device, missed| row(Numerics::Paper, device, |run| run.score.counts.missed = missed);
         assert!(!paper("gpu", 0).is_as_expected() && paper("gpu", 1).is_as_expected());
         assert!(!paper("cpu_f32", 0).is_as_expected());
         assert!(paper("cpu_f64", 0).is_as_expected() && paper("cpu_f64", 1).is_as_expected());
-        let undecided = row(Numerics::Paper, "gpu", |run| run.score.undecided = 900);
+        let undecided = row(Numerics::Paper, "gpu", |run| run.score.counts.ties = 900);
         assert!(!undecided.passed && !undecided.is_as_expected(), "a doubt is no error");
         assert_eq!((paper("gpu", 1).field("expected"), paper("cpu_f64", 1).field("expected")), ("fail", "any"));
     }

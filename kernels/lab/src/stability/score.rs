@@ -1,11 +1,10 @@
 //! What became of every ray of a variant.
 
-use raystep_kernels::parallel::map_ranges;
 use raystep_kernels::renderer::{RenderError, Renderer};
-use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STREAMS, Stream, StreamData};
+use raystep_kernels::stream::STREAMS;
 
-use crate::reference::{BruteForce, Candidates, Possible, Verdict, is_edge_on};
+use crate::judge::{Cracks, Hit, Judge, Judged, Traced};
+use crate::reference::{Counts, Possible, Verdict, is_edge_on};
 use crate::stability::Truth;
 
 /// The largest error of a value.
@@ -38,14 +37,8 @@ impl Largest {
 pub struct Score {
     /// What became of each.
     pub verdicts: Vec<Verdict>,
-    /// Nothing was hit, and something was there.
-    pub missed: u64,
-    /// Something was hit, and nothing was there.
-    pub false_hits: u64,
-    /// Another triangle than the nearest, or its t beyond its bound.
-    pub wrong: u64,
-    /// Not the exact triangle, but f32 could not tell.
-    pub undecided: u64,
+    /// The same, counted.
+    pub counts: Counts,
     /// Rays for which the error bound leaves a choice at all.
     pub undecidable: u64,
     /// Hits of a triangle that is exactly edge-on or without an area.
@@ -63,100 +56,42 @@ pub struct Score {
 }
 
 impl Score {
-    /// Missed, false and wrong together.
-    #[must_use]
-    pub fn errors(&self) -> u64 {
-        self.missed + self.false_hits + self.wrong
-    }
-}
-
-/// A hit, as precise as the executor has it.
-#[derive(Clone, Copy)]
-struct Hit {
-    triangle: u32,
-    t: f64,
-    u: f64,
-    v: f64,
-}
-
-/// Truth of a case, worked out for its first variant and kept for the others.
-#[derive(Default)]
-pub struct Judge {
-    /// Origins and directions that the candidates belong to.
-    rays: Vec<u32>,
-    candidates: Vec<Candidates>,
-}
-
-impl Judge {
-    /// Directions of the rays that were judged last.
-    #[must_use]
-    pub fn directions(&self) -> Vec<[f32; 3]> {
-        let n = self.rays.len() / 6;
-        (0..self.candidates.len()).map(|i| [3, 4, 5].map(|c| f32::from_bits(self.rays[c * n + i]))).collect()
-    }
-
-    /// Counts what a run found.
+    /// Judges every ray of a run, given up or not. `judge` keeps what the rays may hit for the next run of the same.
     ///
     /// # Errors
     /// Where the device fails.
-    pub async fn score(&mut self, truth: Truth, renderer: &Renderer) -> Result<Score, RenderError> {
-        let rays = renderer.plan().rays as usize;
-        let origins = renderer.values(Stream::RayOrigin).await?;
-        let directions = renderer.values(Stream::RayDirection).await?;
-        self.prepare(renderer, rays, &origins, &directions);
-        let (state, hit) = (renderer.values(Stream::State).await?, renderer.values(Stream::Hit).await?);
-        let mut score = Score { non_finite: non_finite(renderer, rays).await?, ..Score::default() };
-        score.undecidable = self.candidates.iter().filter(|c| c.is_open()).count() as u64;
-        let ray_of = |i: usize| [&origins, &directions].map(|s| [0, 1, 2].map(|layer| s.get_f32(layer, i)));
-        for (ray, candidates) in self.candidates.iter().enumerate() {
-            let found = found(renderer, &state, &hit, ray);
-            let (mistake, _) = candidates.judge(ray, found.map(|h| (h.triangle, h.t)));
-            let [origin, direction] = ray_of(ray);
-            if let Some(h) = found
+    pub async fn of(judge: &mut Judge, truth: Truth, renderer: &Renderer) -> Result<Self, RenderError> {
+        let traced = Traced::read(renderer).await?;
+        judge.prepare(&traced, (0..traced.rays()).collect());
+        let mut score = Self { non_finite: non_finite(renderer, traced.rays()).await?, ..Self::default() };
+        score.undecidable = judge.candidates().iter().filter(|c| c.is_open()).count() as u64;
+        // Of a closed surface the case itself says that every ray hits it.
+        for (ray, Judged { hit, candidates, mistake }) in judge.of(&traced, Cracks::Tied).all().enumerate() {
+            let [origin, direction] = traced.ray(ray);
+            if let Some(h) = hit
                 && (mistake.exact.is_none_or(|(triangle, _)| triangle != h.triangle))
-                && is_edge_on(&renderer.data().vertices, direction, h.triangle)
+                && is_edge_on(traced.vertices(), direction, h.triangle)
             {
                 score.edge_on += 1;
             }
-            let verdict = known(truth, mistake.verdict, found.is_some());
-            if let (Verdict::Same, Some(h)) = (verdict, found)
+            let verdict = known(truth, mistake.verdict, hit.is_some());
+            if let (Verdict::Same, Some(h)) = (verdict, hit)
                 && let Some(p) = candidates.of(h.triangle)
             {
                 score.measure(h, p);
             }
             score.count(verdict);
-            if score.errors() == 1 && score.first_error.is_none() {
+            if score.counts.errors() == 1 && score.first_error.is_none() {
                 score.first_error = Some((origin, direction));
             }
         }
         Ok(score)
     }
-
-    /// Works out what each ray may hit, unless these are the rays of before.
-    fn prepare(&mut self, renderer: &Renderer, rays: usize, origins: &StreamData, directions: &StreamData) {
-        let bits = [&origins.bits[..], &directions.bits].concat();
-        if bits == self.rays && self.candidates.len() == rays {
-            return;
-        }
-        let triangles = BruteForce::new(&renderer.data().vertices);
-        let component = |s: &StreamData, ray| [0, 1, 2].map(|layer| s.get_f32(layer, ray));
-        let part = |range: std::ops::Range<usize>| {
-            range.map(|i| triangles.candidates(component(origins, i), component(directions, i))).collect::<Vec<_>>()
-        };
-        self.candidates = map_ranges(rays, 16, part).into_iter().flatten().collect();
-        self.rays = bits;
-    }
 }
 
 impl Score {
     fn count(&mut self, verdict: Verdict) {
-        match verdict {
-            Verdict::Same => {}
-            Verdict::Tie => self.undecided += 1,
-            Verdict::Missed => self.missed += 1,
-            Verdict::False => self.false_hits += 1,
-            Verdict::Wrong => self.wrong += 1,
-        }
+        self.counts.add(verdict);
         self.verdicts.push(verdict);
     }
 
@@ -174,25 +109,6 @@ fn known(truth: Truth, verdict: Verdict, is_found: bool) -> Verdict {
         (Truth::Nothing, true) => Verdict::False,
         _ => verdict,
     }
-}
-
-/// What a ray hit. The f64 twins' values are taken before they are rounded.
-fn found(renderer: &Renderer, state: &StreamData, hit: &StreamData, ray: usize) -> Option<Hit> {
-    let triangle = hit.get(HIT_TRIANGLE, ray);
-    let t = state.get_f32(STATE_T, ray);
-    if triangle == NO_TRIANGLE || t >= INF {
-        return None;
-    }
-    let exact = |stream: Stream, layer: usize, rounded: f32| {
-        let wide = renderer.cpu_f64().and_then(|e| e.component(stream, layer, ray));
-        wide.unwrap_or(f64::from(rounded))
-    };
-    Some(Hit {
-        triangle,
-        t: exact(Stream::State, STATE_T, t),
-        u: exact(Stream::Hit, 0, hit.get_f32(0, ray)),
-        v: exact(Stream::Hit, 1, hit.get_f32(1, ray)),
-    })
 }
 
 /// Rays with a float in any stream that is not finite.
@@ -230,8 +146,8 @@ mod tests {
         let mut score = Score::default();
         let verdicts = [Verdict::Same, Verdict::Tie, Verdict::Tie, Verdict::Missed, Verdict::Wrong];
         verdicts.into_iter().for_each(|v| score.count(v));
-        assert_eq!((score.undecided, score.missed, score.false_hits, score.wrong), (2, 1, 0, 1));
-        assert_eq!((score.errors(), score.verdicts.len()), (2, 5));
+        assert_eq!(score.counts, Counts { same: 1, ties: 2, missed: 1, false_hits: 0, wrong: 1 });
+        assert_eq!(score.verdicts, verdicts);
 
         let mut largest = Largest::default();
         largest.add(1.0, 0.0, 1.0);

@@ -4,6 +4,7 @@
 //! they are. A run that is not watched submits passes ahead of knowing whether they are needed; without lists of
 //! live rays each of those launches every ray, and first has them in every turn of its loop.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -17,10 +18,11 @@ use raystep_kernels::state::StateCounts;
 use raystep_kernels::{
     Accelerator, Gpu, GridSize, Kernel, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Skip, Stream,
 };
+use raystep_lab::meter::{Ended, Time, Times, Turns, Valid, in_turn};
 use raystep_scenes::Scene;
 
-use crate::machine::{Machine, Run};
-use crate::row::{Row, Times};
+use crate::machine::Machine;
+use crate::row::{Row, median_p05_p95};
 use crate::scenes::Viewed;
 use crate::sections::Deadline;
 
@@ -85,10 +87,6 @@ struct Ready {
     at: usize,
     renderer: Renderer,
     replay: Option<Replay>,
-    times: Times,
-    wall_ns: Times,
-    spent: Duration,
-    is_slow: bool,
 }
 
 /// Measures a section.
@@ -122,9 +120,7 @@ impl Meter<'_> {
             } else {
                 match self.prepare(group, way, &mut row) {
                     Ok((renderer, replay)) => {
-                        let (times, wall_ns) = Default::default();
-                        let (at, spent) = (self.rows.len(), Duration::ZERO);
-                        ready.push(Ready { at, renderer, replay, times, wall_ns, spent, is_slow: false });
+                        ready.push(Ready { at: self.rows.len(), renderer, replay });
                     }
                     Err(reason) => row.reason = reason,
                 }
@@ -134,9 +130,9 @@ impl Meter<'_> {
             }
             self.rows.push(row);
         }
-        self.measure(&mut ready);
-        for r in ready {
-            self.finish(r);
+        let times = self.measure(&mut ready);
+        for (r, times) in ready.into_iter().zip(&times) {
+            self.finish(r, times);
         }
     }
 
@@ -185,7 +181,7 @@ impl Meter<'_> {
         }
         row.bytes_per_triangle = (plan.triangles > 0).then(|| structure_bytes(&plan) as f64 / plan.triangles as f64);
         let start = Instant::now();
-        let renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device));
+        let renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device()));
         let mut renderer = renderer.map_err(|e| text(&e))?;
         machine.settle();
         row.prepare_s = Some(start.elapsed().as_secs_f64());
@@ -205,12 +201,13 @@ impl Meter<'_> {
                 replay = Some(Replay::new(machine, gpu, &renderer)?);
             }
             None => {
-                let first = machine.run(&mut renderer, most).map_err(|e| match e {
-                    RenderError::Cancelled { .. } => too_long(),
-                    e => text(&e),
-                })?;
-                if first.wall < most / 20 {
-                    machine.run(&mut renderer, most).map_err(|e| text(&e))?;
+                let Ended::Done(first) = machine.run(&mut renderer, most).map_err(|e| text(&e))? else {
+                    return Err(too_long());
+                };
+                if u128::from(first.wall_ns) < (most / 20).as_nanos()
+                    && machine.run(&mut renderer, most).map_err(|e| text(&e))? == Ended::GivenUp
+                {
+                    return Err(too_long());
                 }
             }
         }
@@ -240,44 +237,42 @@ impl Meter<'_> {
         if way.schedule == ScheduleKind::First {
             options.schedule = ScheduleKind::Second;
         }
-        let renderer = machine.wait(Renderer::new(&group.viewed.scene, &options, &machine.device));
+        let renderer = machine.wait(Renderer::new(&group.viewed.scene, &options, &machine.device()));
         let mut renderer = renderer.ok()?;
-        machine.run(&mut renderer, self.bounds().1).ok()?;
+        let Ok(Ended::Done(_)) = machine.run(&mut renderer, self.bounds().1) else { return None };
         let counters = machine.wait(renderer.values(Stream::Counters)).ok()?;
         Some((CounterSums::of(&counters, renderer.plan())?, renderer.plan().rays))
     }
 
-    fn measure(&self, ready: &mut [Ready]) {
+    fn measure(&self, ready: &mut [Ready]) -> Vec<Times> {
         let (budget, most) = self.bounds();
         self.machine.raise_clocks();
-        for repeat in 0..self.machine.repeats() {
-            for r in ready.iter_mut() {
-                // Every configuration has one run at least.
-                if r.is_slow || repeat > 0 && (r.spent > budget || self.deadline.is_over()) {
-                    continue;
-                }
-                let start = Instant::now();
-                let run = match &mut r.replay {
-                    Some(replay) => replay.run(self.machine),
-                    None => self.machine.run(&mut r.renderer, 2 * most),
-                };
-                match run {
-                    Ok(run) => {
-                        r.times.0.push(run.device_ns);
-                        r.wall_ns.0.push(run.device_ns.map(|_| run.wall.as_nanos() as u64));
-                    }
-                    Err(_) => r.is_slow = true,
-                }
-                r.spent += start.elapsed();
-            }
-        }
+        let turns = Turns {
+            warmups: 0,
+            repeats: self.machine.repeats(),
+            fewest: 1,
+            all: Some(self.deadline.left()),
+            each: Some(budget),
+        };
+        let times = in_turn(ready, turns, |r| {
+            let run = match &mut r.replay {
+                Some(replay) => replay.run(self.machine).map(Ended::Done),
+                None => self.machine.run(&mut r.renderer, 2 * most),
+            };
+            // What fails is as good as what takes too long.
+            Ok::<_, Infallible>(run.unwrap_or(Ended::GivenUp))
+        });
+        let Ok(times) = times;
+        times
     }
 
-    fn finish(&mut self, ready: Ready) {
+    fn finish(&mut self, ready: Ready, times: &Times) {
         let row = &mut self.rows[ready.at];
-        (row.n, row.invalid) = (ready.times.n(), ready.times.invalid());
-        [row.median_device_ns, row.p05_device_ns, row.p95_device_ns] = ready.times.median_p05_p95();
-        [row.median_wall_ns, ..] = ready.wall_ns.median_p05_p95();
+        let device = Valid::of(&times.device_ns());
+        (row.n, row.invalid) = (device.ns.len(), device.invalid);
+        [row.median_device_ns, row.p05_device_ns, row.p95_device_ns] = median_p05_p95(&device);
+        let wall: Vec<_> = times.runs.iter().map(|run| run.device_ns.map(|_| run.wall_ns)).collect();
+        row.median_wall_ns = Valid::of(&wall).median();
         match self.machine.wait(ready.renderer.hits()) {
             Ok(hits) => row.hits = Some(hit_count(&hits)),
             Err(error) => row.reason = error.to_string(),
@@ -329,13 +324,14 @@ impl Replay {
         Ok(Self { executor, submissions: submissions.collect() })
     }
 
-    fn run(&mut self, machine: &Machine) -> Result<Run, RenderError> {
+    fn run(&mut self, machine: &Machine) -> Result<Time, RenderError> {
         self.executor.clear();
         machine.keep_clocks();
         let start = Instant::now();
         for (kernels, counts) in &self.submissions {
             machine.wait(self.executor.run(kernels, counts))?;
         }
-        Ok(Run { wall: start.elapsed(), device_ns: self.executor.device_ns().filter(|&ns| ns > 0) })
+        let wall_ns = start.elapsed().as_nanos() as u64;
+        Ok(Time { wall_ns, device_ns: self.executor.device_ns().filter(|&ns| ns > 0) })
     }
 }

@@ -1,12 +1,15 @@
 //! The device that measures, and what is to be known of it.
 
 use std::ops::ControlFlow;
-use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Duration;
 
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::plan::Limits;
-use raystep_kernels::{AdapterChoice, Device, Gpu, Load, RenderError, Renderer};
+use raystep_kernels::{AdapterChoice, Device, Gpu, RenderError, Renderer};
+use raystep_lab::block_on;
+use raystep_lab::machine::now_ns;
+use raystep_lab::meter::{Ended, Meter};
 use serde::{Deserialize, Serialize};
 
 use crate::args::{AdapterKind, MeasureArgs};
@@ -34,22 +37,15 @@ pub(crate) struct About {
 /// The device.
 pub(crate) struct Machine {
     kind: AdapterKind,
-    pub(crate) device: Device,
     pub(crate) quick: bool,
-    load: Option<Load>,
-}
-
-/// Nanoseconds since the first call.
-fn now() -> u64 {
-    static START: OnceLock<Instant> = OnceLock::new();
-    START.get_or_init(Instant::now).elapsed().as_nanos() as u64
+    meter: Meter,
 }
 
 impl Machine {
     pub(crate) fn open(args: &MeasureArgs) -> Result<Self, String> {
-        let open = |choice| pollster::block_on(Gpu::new(&choice)).map_err(|e| e.to_string());
+        let open = |choice| block_on(None, Gpu::new(&choice)).map_err(|e| e.to_string());
         let device = match args.adapter {
-            AdapterKind::Cpu => Device::Cpu(Some(now)),
+            AdapterKind::Cpu => Device::Cpu(Some(now_ns)),
             AdapterKind::Software => Device::Gpu(open(AdapterChoice::Named("llvmpipe".into()))?),
             AdapterKind::Gpu => {
                 let gpu = open(AdapterChoice::Best)?;
@@ -60,42 +56,40 @@ impl Machine {
             }
         };
         if let Device::Gpu(gpu) = &device {
-            raystep_tests::block_on(Some(gpu), gpu.check_clock(now)).map_err(|e| e.to_string())?;
+            block_on(Some(gpu), gpu.check_clock(now_ns)).map_err(|e| e.to_string())?;
             if let Some(why) = gpu.why_no_times() {
                 return Err(format!("{}: {why}", gpu.info.name));
             }
         }
-        let load = match &device {
-            Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
-            _ => None,
-        };
-        Ok(Self { kind: args.adapter, device, quick: args.quick, load })
+        let machine = raystep_lab::Machine { device, reason: "--adapter".into() };
+        Ok(Self { kind: args.adapter, quick: args.quick, meter: Meter::new(machine) })
     }
 
     /// Gives the device work until its clocks are up; what runs next is to keep them there.
     pub(crate) fn raise_clocks(&self) {
-        let start = Instant::now();
-        while self.is_fast() && start.elapsed() < Duration::from_millis(250) {
-            self.keep_clocks();
+        if self.is_fast() {
+            self.meter.raise_clocks(Duration::from_millis(250));
         }
     }
 
-    /// A little work, over when this returns, as all that was submitted before it: neither is in the time, or in the
-    /// wall clock, of what comes next.
+    /// See [`Meter::keep_clocks`].
     pub(crate) fn keep_clocks(&self) {
-        self.load.iter().for_each(Load::submit);
-        self.settle();
+        self.meter.keep_clocks();
+    }
+
+    pub(crate) fn device(&self) -> &Device {
+        &self.meter.machine.device
     }
 
     pub(crate) fn gpu(&self) -> Option<&Arc<Gpu>> {
-        match &self.device {
+        match self.device() {
             Device::Gpu(gpu) => Some(gpu),
             _ => None,
         }
     }
 
     pub(crate) fn limits(&self) -> Limits {
-        self.gpu().map_or(Limits::CPU, |gpu| Limits::from(&**gpu))
+        self.meter.machine.limits()
     }
 
     /// Whether it has the power for large images.
@@ -114,27 +108,20 @@ impl Machine {
 
     /// Resolves a future of this device's.
     pub(crate) fn wait<T>(&self, future: impl Future<Output = T>) -> T {
-        raystep_tests::block_on(self.gpu().map(|gpu| &**gpu), future)
+        self.meter.machine.wait(future)
     }
 
     /// Until the device is idle, uploads included, so that what came before is in nobody's time.
     pub(crate) fn settle(&self) {
-        if let Some(gpu) = self.gpu() {
-            gpu.submit([]);
-            // A lost device is reported by the next run.
-            drop(gpu.device.poll(wgpu::PollType::wait_indefinitely()));
-        }
+        self.meter.machine.settle();
     }
 
     /// A run from its start. It is given up after `most`.
-    pub(crate) fn run(&self, renderer: &mut Renderer, most: Duration) -> Result<Run, RenderError> {
-        renderer.restart();
-        self.keep_clocks();
-        let start = Instant::now();
-        let progress = |_: &_| if start.elapsed() > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        self.wait(renderer.run(progress))?;
-        let wall = start.elapsed();
-        Ok(Run { wall, device_ns: renderer.device_ns().filter(|&ns| ns > 0) })
+    pub(crate) fn run(&self, renderer: &mut Renderer, most: Duration) -> Result<Ended, RenderError> {
+        self.meter.run(renderer, |_, spent| match spent > most {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        })
     }
 
     pub(crate) fn about(&self, args: &MeasureArgs) -> About {
@@ -160,11 +147,4 @@ impl Machine {
             seconds: Vec::new(),
         }
     }
-}
-
-/// One run's times.
-pub(crate) struct Run {
-    pub(crate) wall: Duration,
-    /// `None` where it is not valid.
-    pub(crate) device_ns: Option<u64>,
 }

@@ -1,11 +1,13 @@
 //! Small kernels and their times, apart from a renderer.
 
 use std::borrow::Cow;
+use std::convert::Infallible;
 
 use raystep_kernels::Gpu;
+use raystep_lab::meter::{self, Ended, Time, Turns};
 
 use crate::machine::Machine;
-use crate::row::{Probe, Times};
+use crate::row::Probe;
 
 /// Two timestamps around a submission.
 pub(crate) struct Stopwatch<'a> {
@@ -123,21 +125,11 @@ pub(crate) fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
 pub(crate) type Job<'a> = (Probe, Box<dyn FnMut() -> Option<u64> + 'a>);
 
 /// Runs jobs in turn.
-pub(crate) fn in_turn(machine: &Machine, jobs: Vec<Job<'_>>) -> Vec<Probe> {
-    const WARMUPS: usize = 2;
-    let (mut probes, mut repeated): (Vec<Probe>, Vec<_>) = jobs.into_iter().unzip();
-    let mut times = vec![Times::default(); probes.len()];
+pub(crate) fn in_turn(machine: &Machine, mut jobs: Vec<Job<'_>>) -> Vec<Probe> {
     machine.raise_clocks();
-    for repeat in 0..WARMUPS + machine.repeats() {
-        for (times, job) in times.iter_mut().zip(&mut repeated) {
-            let time = job();
-            if repeat >= WARMUPS {
-                times.0.push(time);
-            }
-        }
-    }
-    for (probe, times) in probes.iter_mut().zip(&times) {
-        *probe = std::mem::take(probe).with_times(times);
-    }
-    probes
+    let times = meter::in_turn(&mut jobs, Turns::of(2, machine.repeats()), |(_, job)| {
+        Ok::<_, Infallible>(Ended::Done(Time { wall_ns: 0, device_ns: job() }))
+    });
+    let Ok(times) = times;
+    jobs.into_iter().zip(times).map(|((probe, _), times)| probe.with_times(&times.device_ns())).collect()
 }

@@ -47,6 +47,11 @@ impl Deadline {
         Self(Instant::now() + time)
     }
 
+    /// What is left of it.
+    pub(crate) fn left(self) -> Duration {
+        self.0.saturating_duration_since(Instant::now())
+    }
+
     pub(crate) fn is_over(self) -> bool {
         Instant::now() >= self.0
     }

@@ -1,19 +1,27 @@
 //! What is traced, and by which rays.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use raystep_kernels::{Accelerator, Options, RayHit, RaySource, Renderer, ScheduleKind};
 use raystep_lab::RayKind;
 use raystep_lab::rays::{PrimaryHits, random};
-use raystep_scenes::{Camera, LoadOptions, Projection, Scene, convert, generate};
-use raystep_tests::Beside;
+use raystep_scenes::{Camera, FileError, LoadOptions, Projection, Resolver, Scene, convert, generate};
 
 use crate::args::MeshArg;
 use crate::machine::Machine;
 
 /// What random rays begin with.
 const SEED: u32 = 1;
+
+/// The files beside a mesh.
+struct Beside(PathBuf);
+
+impl Resolver for Beside {
+    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, FileError> {
+        std::fs::read(self.0.join(path)).map_err(|e| e.to_string().into())
+    }
+}
 
 /// A scene, who looks at it, and its name.
 pub(crate) struct Viewed {
@@ -26,7 +34,7 @@ impl Viewed {
     fn new(name: &str, mut scene: Scene) -> Self {
         // Nothing is shaded; ten million normals are only in the way.
         (scene.normals, scene.colors, scene.texcoords) = (None, None, None);
-        let camera = raystep_tests::camera(&scene);
+        let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()));
         Self { name: name.into(), scene, camera }
     }
 
@@ -68,7 +76,7 @@ impl Viewed {
         let mut options = Options::new(self.primary(size));
         (options.accelerator, options.schedule, options.shade) = (Accelerator::Bvh, ScheduleKind::Fused, false);
         let hits = machine.wait(async {
-            let mut renderer = Renderer::new(&self.scene, &options, &machine.device).await?;
+            let mut renderer = Renderer::new(&self.scene, &options, machine.device()).await?;
             renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
             renderer.hits().await
         });

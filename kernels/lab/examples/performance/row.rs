@@ -1,6 +1,6 @@
 //! What is written: rows of runs, and rows of small measurements.
 
-use raystep_lab::bench::Spread;
+use raystep_lab::meter::Valid;
 use serde::{Deserialize, Serialize};
 
 /// One configuration's runs. Unknown is empty, never 0.
@@ -98,33 +98,19 @@ pub(crate) struct Probe {
     pub(crate) reason: String,
 }
 
-/// Times of repeats: `None` is one that was not valid.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Times(pub(crate) Vec<Option<u64>>);
-
-impl Times {
-    pub(crate) fn n(&self) -> usize {
-        self.0.iter().flatten().count()
-    }
-
-    pub(crate) fn invalid(&self) -> usize {
-        self.0.len() - self.n()
-    }
-
-    /// `None` where no time was valid.
-    pub(crate) fn median_p05_p95(&self) -> [Option<f64>; 3] {
-        let spread = Spread::of(&self.0.iter().copied().flatten().collect::<Vec<_>>());
-        spread.map_or([None; 3], |s| [s.median, s.p05, s.p95].map(Some))
-    }
-}
-
 impl Probe {
-    pub(crate) fn with_times(mut self, times: &Times) -> Self {
-        (self.n, self.invalid) = (times.n(), times.invalid());
-        [self.median_device_ns, self.p05_device_ns, self.p95_device_ns] = times.median_p05_p95();
+    pub(crate) fn with_times(mut self, times: &[Option<u64>]) -> Self {
+        let times = Valid::of(times);
+        (self.n, self.invalid) = (times.ns.len(), times.invalid);
+        [self.median_device_ns, self.p05_device_ns, self.p95_device_ns] = median_p05_p95(&times);
         if self.n == 0 && self.reason.is_empty() {
             self.reason = "no time was valid".into();
         }
         self
     }
+}
+
+/// `None` where no time was valid.
+pub(crate) fn median_p05_p95(times: &Valid) -> [Option<f64>; 3] {
+    times.spread().map_or([None; 3], |s| [s.median, s.p05, s.p95].map(Some))
 }

@@ -63,7 +63,7 @@ impl Measured {
 
 /// Reads folders, writes plots and page.
 pub(crate) fn write(folders: &[PathBuf]) -> Result<(), String> {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let machines = folders.iter().map(|f| Measured::read(f)).collect::<Result<Vec<_>, _>>()?;
     let path = docs.join("performance.md");
     let mut page = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;

@@ -7,6 +7,7 @@ use raystep_kernels::executor::gpu::GpuExecutor;
 use raystep_kernels::shader::Variant;
 use raystep_kernels::state::StateCounts;
 use raystep_kernels::{Accelerator, Gpu, Kernel, Options, Plan, Renderer, ScheduleKind, Skip, Stream};
+use raystep_lab::meter::Ended;
 
 use super::{Deadline, two_scenes};
 use crate::machine::Machine;
@@ -162,16 +163,21 @@ fn run<'a>(
 ) -> Result<Job<'a>, String> {
     let most = Duration::from_secs(20);
     let options = options(viewed, accelerator, ScheduleKind::Compact, size);
-    let renderer = machine.wait(Renderer::new(&viewed.scene, &options, &machine.device));
+    let renderer = machine.wait(Renderer::new(&viewed.scene, &options, machine.device()));
     let mut renderer = renderer.map_err(|e| e.to_string())?;
-    machine.run(&mut renderer, most).map_err(|e| e.to_string())?;
+    if machine.run(&mut renderer, most).map_err(|e| e.to_string())? == Ended::GivenUp {
+        return Err(format!("a run takes more than {} s", most.as_secs_f64()));
+    }
     let mut bytes = 0;
     for pass in renderer.passes() {
         let variant = renderer.plan().variant(pass.kernel).ok_or("a kernel without a variant")?;
         bytes += bytes_a_ray(variant)? * u64::from(pass.rays_in);
     }
     let probe = Probe { bytes: Some(bytes), passes: renderer.pass_count() as u64, ..of_run };
-    let repeat = move || machine.run(&mut renderer, most).ok()?.device_ns;
+    let repeat = move || match machine.run(&mut renderer, most) {
+        Ok(Ended::Done(time)) => time.device_ns,
+        _ => None,
+    };
     Ok((probe, Box::new(repeat)))
 }
 
@@ -204,8 +210,9 @@ fn texels(source: &str, call: &str) -> BTreeSet<(String, String)> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use raystep_kernels::features::Features;
+
+    use super::*;
 
     #[test]
     fn texels_of_a_step_through_the_grid() {
