@@ -10,9 +10,11 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Options, RaySource, Renderer, ScheduleKind};
 use raystep_lab::Machine;
+use raystep_lab::bench::grid_text;
+use raystep_lab::ways::{MISSES_ALL, misses_all};
 use raystep_scenes::Scene;
 
-use crate::args::{RunArgs, SceneArgs, ViewArgs, grid_text};
+use crate::args::{RunArgs, SceneArgs, ViewArgs};
 use crate::device;
 use crate::error::Error;
 use crate::scene_file::{self, SceneFile};
@@ -105,20 +107,6 @@ impl Session {
         watch.lap("compile_and_upload");
         Ok(Running { run_id: run_id(), scene_path, scene, options, chosen, renderer, watch })
     }
-}
-
-/// What a user should know where the paper's rules miss everything.
-pub(crate) const MISSES_ALL: &str = "the paper's rules do not handle an eye outside of the grid: its rays miss \
-                                     everything; put the eye inside, or use --numerics robust";
-
-/// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
-pub(crate) fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
-    let RaySource::Camera { camera, .. } = &options.rays else { return false };
-    let (bounds, eye) = (scene.bounds(), camera.eye);
-    // --keep-all keeps the code for clipping where the eye is inside too.
-    let is_inside = eye.cmpgt(bounds.min.as_dvec3()).all() && eye.cmplt(bounds.max.as_dvec3()).all();
-    let features = &plan.features;
-    features.grid && features.clip && !features.robust && !(options.keep_all && is_inside)
 }
 
 /// A run between two passes.

@@ -14,16 +14,21 @@
 //! | `drift` | how far tMax is off along a walk |
 //! | `row` | a row of `stability.csv`, and whether it is as it must be |
 //!
-//! Nothing here reads a clock or writes a file.
+//! Nothing here reads a clock or writes a file; [`measure`] blocks while it waits for a device.
 
+mod beside;
 mod cases;
 mod claims;
 pub mod drift;
 mod make;
+mod page;
+mod picture;
 mod planes;
 pub mod probe;
+mod report;
 mod row;
 mod score;
+mod table;
 
 use std::ops::ControlFlow;
 
@@ -35,10 +40,12 @@ use raystep_scenes::Scene;
 use raystep_scenes::generate::GenerateError;
 
 use crate::judge::Judge;
-
+pub use beside::text as text_beside;
 pub use cases::CASES;
+pub use report::{ACCELERATORS, FILES, Outcome, Report, Wanted, measure};
 pub use row::{COLUMNS, Expected, Place, Row, SCHEMA_VERSION, write_rows};
 pub use score::{Largest, Score};
+pub use table::{list, text};
 
 /// One extreme case.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use raystep_kernels::{Accelerator, Numerics, Options, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, Numerics, Options, Plan, RaySource, ScheduleKind, Skip};
+use raystep_scenes::Scene;
 
 /// One way to trace a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,3 +111,18 @@ pub const FAST: [Way; 6] = {
 /// As the paper has it: through the grid, every ray launched in every pass, one step each. Many passes, and
 /// each kernel does one thing.
 pub const STEPPED: Way = Way::new(Accelerator::Grid, ScheduleKind::Second, 1);
+
+/// What a user should know where the paper's rules miss everything.
+pub const MISSES_ALL: &str = "the paper's rules do not handle an eye outside of the grid: its rays miss \
+                              everything; put the eye inside, or use --numerics robust";
+
+/// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
+#[must_use]
+pub fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
+    let RaySource::Camera { camera, .. } = &options.rays else { return false };
+    let (bounds, eye) = (scene.bounds(), camera.eye);
+    // --keep-all keeps the code for clipping where the eye is inside too.
+    let is_inside = eye.cmpgt(bounds.min.as_dvec3()).all() && eye.cmplt(bounds.max.as_dvec3()).all();
+    let features = &plan.features;
+    features.grid && features.clip && !features.robust && !(options.keep_all && is_inside)
+}

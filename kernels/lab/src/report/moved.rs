@@ -1,7 +1,7 @@
 //! The error of t where the scene lies far from the origin, and where its units are tiny or huge.
 //!
 //! Two errors are told apart. The *arithmetic's* is that of tracing the scene as f32 has it: it is compared with f64 from
-//! the same f32 numbers, and its prediction is the bound of `raystep_lab::reference`, ray by ray. The *rounding's* is
+//! the same f32 numbers, and its prediction is the bound of `crate::reference`, ray by ray. The *rounding's* is
 //! what moving or scaling has made of the scene before a single ray was traced: each coordinate is off by up to half a unit
 //! in the last place, h. A plane through corners c with the normal n is hit where (o + t·d − c)·n = 0, so that to first
 //! order, and with corners weighted by numbers that add up to 1,
@@ -22,16 +22,17 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 use raystep_kernels::{Numerics, Options, Ray, RaySource};
-use raystep_lab::rays::{Aim, aimed};
-use raystep_lab::statistics::{quantile, wilson};
 use raystep_scenes::Scene;
 
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};
 use super::table::{Row, Table};
-use super::work::{Ended, SEED, Work};
-use crate::commands::input::Input;
-use crate::error::Error;
+use super::work::{SEED, Work};
+use crate::Error;
+use crate::meter::Ended;
+use crate::rays::{Aim, aimed};
+use crate::statistics::{quantile, wilson};
+use crate::subject::Subject;
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",
@@ -96,7 +97,7 @@ pub(super) fn scaled(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> 
 
 fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Result<Part, Error> {
     let mut part = Part::default();
-    let scene = &work.input.scene;
+    let scene = &work.subject.scene;
     if scene.triangles.is_empty() {
         part.notes.push("there is no triangle to aim at".into());
         return Ok(part);
@@ -108,7 +109,7 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
         work.stage(&format!("error at {place:?}"));
         if let Err(error) = one(work, &here, place, table, &mut part) {
             work.can_go_on()?;
-            part.notes.push(format!("{place:?}: {}", error.message()));
+            part.notes.push(format!("{place:?}: {}", work.explain(&error)));
         }
     }
     let rows = &table.rows[first..];
@@ -171,11 +172,11 @@ struct Here {
 
 impl Here {
     fn new(work: &Work<'_>, count: usize) -> Result<Self, Error> {
-        let scene = &work.input.scene;
+        let scene = &work.subject.scene;
         let rays = aimed(scene, Aim::Anywhere, count, SEED);
         let options = Options { shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.build(&options)?.renderer;
-        work.chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
+        work.machine().wait(renderer.run(|_| ControlFlow::Continue(())))?;
         // All of them: there are no more than can be judged.
         let traced: Vec<_> = rays
             .iter()
@@ -184,7 +185,7 @@ impl Here {
                 [ray.origin, ray.direction]
             })
             .collect();
-        let candidates = raystep_lab::reference::candidates_of(&renderer.data().vertices, &traced);
+        let candidates = crate::reference::candidates_of(&renderer.data().vertices, &traced);
         let exact = candidates.iter().enumerate().map(|(i, c)| c.exact.map(|(k, t)| (k, t * renderer.t_scale(i))));
         Ok(Self { extent: extent(scene), exact: exact.collect(), rays })
     }
@@ -219,7 +220,7 @@ impl Place {
 }
 
 fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut Part) -> Result<(), Error> {
-    let mut scene = work.input.scene.clone();
+    let mut scene = work.subject.scene.clone();
     scene.triangles.iter_mut().flatten().for_each(|p| *p = place.point(*p, here.extent));
     let is_lost = |v: &f32| !v.is_finite() || (*v != 0.0 && v.abs() < f32::MIN_POSITIVE);
     if scene.triangles.iter().flatten().flatten().any(is_lost) {
@@ -230,9 +231,9 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
     let again = here.rays.iter().map(|r| Ray { origin: place.point(r.origin, here.extent), ..*r });
     let edges = aimed(&scene, Aim::Edges, here.rays.len(), SEED + 1);
     let rays: Vec<Ray> = again.chain(edges).collect();
-    let Input { path, camera, hash, .. } = work.input;
-    let input = Input { path: path.clone(), scene, camera: camera.clone(), hash: *hash, files: Vec::new() };
-    let work = Work { input: &input, ..*work };
+    let Subject { camera, hash, file, .. } = work.subject;
+    let subject = Subject { scene, camera: camera.clone(), hash: *hash, file: file.clone() };
+    let work = Work { subject: &subject, ..*work };
 
     let mut judge = Judge::default();
     for numerics in [Numerics::Robust, Numerics::Paper] {
@@ -244,8 +245,8 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
         }
         let judged = judge.judge(&work, &renderer)?;
         let unit = renderer.data().units.scene_units_per_stream_unit();
-        let measured = measure(&judged, &judge, extent(&input.scene) / unit);
-        let rounding = rounding(&judged, &judge, &renderer, here, place, &input.scene, &rays);
+        let measured = measure(&judged, &judge, extent(&subject.scene) / unit);
+        let rounding = rounding(&judged, &judge, &renderer, here, place, &subject.scene, &rays);
         let row = work.row(COLUMNS).set("numerics", numerics.name()).set("rays", rays.len());
         let row = match place {
             Place::Moved(by) => row.set("offset_extents", by),

@@ -3,9 +3,9 @@
 use std::io::Cursor;
 
 use image::{ExtendedColorType, ImageEncoder as _};
-use raystep_lab::reference::Verdict;
 
-use crate::error::Error;
+use crate::Error;
+use crate::reference::Verdict;
 
 /// Columns and rows of a map of directions: longitude and latitude.
 const MAP: [u32; 2] = [128, 64];
@@ -84,9 +84,12 @@ impl Picture {
     pub(super) fn png(&self) -> Result<Vec<u8>, Error> {
         let mut file = Cursor::new(Vec::new());
         let bytes: Vec<u8> = self.pixels.iter().flatten().copied().collect();
-        image::codecs::png::PngEncoder::new(&mut file)
-            .write_image(&bytes, self.width, self.height, ExtendedColorType::Rgb8)
-            .map_err(|e| Error::failed(format!("cannot encode a picture: {e}")))?;
+        image::codecs::png::PngEncoder::new(&mut file).write_image(
+            &bytes,
+            self.width,
+            self.height,
+            ExtendedColorType::Rgb8,
+        )?;
         Ok(file.into_inner())
     }
 }

@@ -1,7 +1,7 @@
 //! The plots of offset and scale.
 
-use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::commands::report::table::Row;
+use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::report::table::Row;
 
 fn axis_of(column: &str) -> Axis {
     let label = match column {

@@ -1,6 +1,5 @@
 //! Building configurations and running them in turn.
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -8,21 +7,16 @@ use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{
-    Accelerator, Device, Load, Numerics, Options, Pass, RaySource, RenderError, Renderer, ScheduleKind, Stream,
-};
-use raystep_lab::Hash;
-use raystep_lab::Machine;
-use raystep_lab::RayKind;
-use raystep_lab::bench::{SCHEMA_VERSION, SummaryRow, useful_steps_per_thread};
-use raystep_lab::statistics::Spread;
+use raystep_kernels::{Accelerator, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Stream};
 
-use super::{BenchArgs, Measured, tuning_text};
-use crate::args::Size;
-use crate::commands::input::Input;
-use crate::error::Error;
-use crate::session::{MISSES_ALL, misses_all, run_id};
-use crate::terminal::Progress;
+use super::{Details, Measured, SCHEMA_VERSION, SummaryRow, Wanted, tuning_text, useful_steps_per_thread};
+use crate::meter::{Meter, Time, Times, Turns, in_turn};
+use crate::rays::RayKind;
+use crate::reporter::Reporter;
+use crate::statistics::{Spread, median};
+use crate::subject::{Size, Subject};
+use crate::ways::{MISSES_ALL, misses_all};
+use crate::{Error, Hash, Machine};
 
 /// Most bytes of configurations that are measured in turn, so that they fit on most devices together. One
 /// that is larger is measured alone.
@@ -33,19 +27,9 @@ const BATCH_BYTES: u64 = 2 << 30;
 pub(super) struct Group<'a> {
     /// For people.
     pub(super) name: String,
-    pub(super) input: &'a Input,
+    pub(super) subject: &'a Subject,
     pub(super) size: Size,
     pub(super) kind: RayKind,
-}
-
-/// What a row does not hold.
-pub(super) struct Details {
-    /// The run whose passes these are.
-    pub(super) context: RunContext,
-    /// Its passes.
-    pub(super) passes: Vec<Pass>,
-    /// Hashes of the kernels' sources, by name.
-    pub(super) shaders: BTreeMap<&'static str, String>,
 }
 
 /// A configuration that is ready to run.
@@ -57,17 +41,13 @@ struct Ready {
     details: Details,
     renderer: Renderer,
     bytes: u64,
-    device_ns: Vec<f64>,
-    wall_ns: Vec<f64>,
 }
 
 /// A benchmark under way.
 pub(super) struct Bench<'a> {
-    args: &'a BenchArgs,
-    chosen: &'a Machine,
-    progress: &'a Progress,
-    /// What a GPU does between runs, which keeps its clocks up.
-    load: Option<Load>,
+    wanted: &'a Wanted,
+    meter: &'a Meter,
+    reporter: &'a dyn Reporter,
     batch: Vec<Ready>,
     configurations: usize,
     first_failure: Option<Error>,
@@ -75,13 +55,13 @@ pub(super) struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    pub(super) fn new(args: &'a BenchArgs, chosen: &'a Machine, progress: &'a Progress) -> Self {
-        let measured = Measured { run_id: run_id(), rows: Vec::new(), details: Vec::new(), notes: Vec::new() };
-        let load = match &chosen.device {
-            Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
-            Device::Cpu(_) | Device::CpuF64(_) => None,
-        };
-        Self { args, chosen, progress, load, batch: Vec::new(), configurations: 0, first_failure: None, measured }
+    pub(super) fn new(wanted: &'a Wanted, run_id: String, meter: &'a Meter, reporter: &'a dyn Reporter) -> Self {
+        let measured = Measured { run_id, rows: Vec::new(), details: Vec::new(), notes: Vec::new() };
+        Self { wanted, meter, reporter, batch: Vec::new(), configurations: 0, first_failure: None, measured }
+    }
+
+    fn machine(&self) -> &'a Machine {
+        &self.meter.machine
     }
 
     /// Something to know.
@@ -89,7 +69,7 @@ impl<'a> Bench<'a> {
         let text = text.into();
         // What is so for every configuration is said once.
         if !self.measured.notes.contains(&text) {
-            self.progress.say(format_args!("note: {text}"));
+            self.reporter.note(&text);
             self.measured.notes.push(text);
         }
     }
@@ -101,8 +81,8 @@ impl<'a> Bench<'a> {
 
     /// Something cannot be measured. The rest can, unless the device itself has failed.
     pub(super) fn failed(&mut self, what: &str, error: Error) -> Result<(), Error> {
-        self.chosen.gpu().map_or(Ok(()), |gpu| gpu.health())?;
-        self.skip(format!("{what}: {}", error.message()));
+        self.machine().gpu().map_or(Ok(()), |gpu| gpu.health())?;
+        self.skip(format!("{what}: {}", self.reporter.explain(&error)));
         self.first_failure.get_or_insert(error);
         Ok(())
     }
@@ -114,7 +94,7 @@ impl<'a> Bench<'a> {
         rays: RaySource,
         ways: &[(Accelerator, ScheduleKind)],
     ) -> Result<(), Error> {
-        let mut options = options(self.args, rays, group.kind);
+        let mut options = options(self.wanted, rays, group.kind);
         let mut of_group = Vec::new();
         for &(accelerator, schedule) in ways {
             let what = format!("{}, {accelerator} {schedule}", group.name);
@@ -144,31 +124,31 @@ impl<'a> Bench<'a> {
     /// Plans, builds, compiles and uploads, each with its time. What counters and timers of passes cost is
     /// kept out of the runs that count: each has a renderer of its own, which is gone before the next is made.
     fn build(&mut self, group: &Group<'_>, options: &mut Options, what: &str) -> Result<Ready, Error> {
-        let (input, chosen) = (group.input, self.chosen);
-        self.progress.stage(&format!("{what}: counting"));
+        let (subject, machine) = (group.subject, self.machine());
+        self.reporter.stage(&format!("{what}: counting"));
         (options.counters, options.timings, options.keep_passes) = (true, false, false);
         let counts = self.count(group, options);
-        self.progress.stage(&format!("{what}: building"));
+        self.reporter.stage(&format!("{what}: building"));
         (options.counters, options.timings, options.keep_passes) = (false, true, true);
         let start = Instant::now();
-        let (plan, data) = Plan::new(&input.scene, options, &chosen.limits())?;
+        let (plan, data) = Plan::new(&subject.scene, options, &machine.limits())?;
         let build_s = start.elapsed().as_secs_f64();
-        if misses_all(&input.scene, options, &plan) {
+        if misses_all(&subject.scene, options, &plan) {
             self.note(MISSES_ALL);
         }
         if options.accelerator == Accelerator::Auto {
             let Structure { accelerator, accelerator_because, .. } = Structure::of(options.accelerator, &plan, &data);
-            self.note(format!("{}: auto is {accelerator}: {accelerator_because}", input.scene.name));
+            self.note(format!("{}: auto is {accelerator}: {accelerator_because}", subject.scene.name));
         }
         let run_id = format!("{}-{}", self.measured.run_id, self.configurations);
         self.configurations += 1;
-        self.progress.stage(&format!("{what}: compiling kernels and timing passes"));
-        let context = chosen.run_context(run_id.clone(), &input.scene, options, &plan);
-        let context = RunContext { repeat: self.args.repeats, ..context };
-        let compiling = Renderer::from_plan(plan.clone(), data.clone(), options, &chosen.device);
+        self.reporter.stage(&format!("{what}: compiling kernels and timing passes"));
+        let context = machine.run_context(run_id.clone(), &subject.scene, options, &plan);
+        let context = RunContext { repeat: self.wanted.repeats, ..context };
+        let compiling = Renderer::from_plan(plan.clone(), data.clone(), options, &machine.device);
         let (details, compile_s) = self.time_passes(context, compiling)?;
-        (options.timings, options.keep_passes) = (times_every_pass(chosen), false);
-        let renderer = chosen.wait(Renderer::from_plan(plan, data, options, &chosen.device))?;
+        (options.timings, options.keep_passes) = (times_every_pass(machine), false);
+        let renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?;
 
         let plan = renderer.plan();
         let per_ray = |count: fn(&CounterSums) -> Option<u64>| {
@@ -177,15 +157,15 @@ impl<'a> Bench<'a> {
         let row = SummaryRow {
             schema_version: SCHEMA_VERSION,
             run_id,
-            scene: input.scene.name.clone(),
-            scene_hash: input.hash.to_string(),
+            scene: subject.scene.name.clone(),
+            scene_hash: subject.hash.to_string(),
             triangles: plan.triangles,
             accelerator: options.accelerator.to_string(),
             schedule: options.schedule.to_string(),
             numerics: options.numerics.to_string(),
-            tuning: tuning_text(&self.args.tuning, options.schedule == ScheduleKind::Compact),
+            tuning: tuning_text(&self.wanted.tuning, options.schedule == ScheduleKind::Compact),
             rays_kind: group.kind.to_string(),
-            device: chosen.name(),
+            device: machine.name(),
             width_px: group.size.width,
             height_px: group.size.height,
             rays: plan.rays,
@@ -202,8 +182,7 @@ impl<'a> Bench<'a> {
         };
         let bytes = plan.bytes();
         let is_any_hit = options.any_hit;
-        let (device_ns, wall_ns) = (Vec::new(), Vec::new());
-        Ok(Ready { group: group.name.clone(), is_any_hit, row, details, renderer, bytes, device_ns, wall_ns })
+        Ok(Ready { group: group.name.clone(), is_any_hit, row, details, renderer, bytes })
     }
 
     /// The passes of a run whose every pass is timed, after one that warms up, and the seconds until it could
@@ -214,8 +193,8 @@ impl<'a> Bench<'a> {
         compiling: impl Future<Output = Result<Renderer, RenderError>>,
     ) -> Result<(Details, f64), Error> {
         let start = Instant::now();
-        let mut renderer = self.chosen.wait(compiling)?;
-        self.chosen.settle();
+        let mut renderer = self.machine().wait(compiling)?;
+        self.machine().settle();
         let compile_s = start.elapsed().as_secs_f64();
         self.run(&mut renderer)?;
         self.run(&mut renderer)?;
@@ -227,69 +206,59 @@ impl<'a> Bench<'a> {
 
     /// What a run with counters counts; `None` where this way of tracing cannot count.
     fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
-        let (scene, chosen) = (&group.input.scene, self.chosen);
-        let (plan, data) = Plan::new(scene, options, &chosen.limits()).ok()?;
+        let (scene, machine) = (&group.subject.scene, self.machine());
+        let (plan, data) = Plan::new(scene, options, &machine.limits()).ok()?;
         if !plan.has_stream(Stream::Counters) {
             return None;
         }
-        let mut renderer = chosen.wait(Renderer::from_plan(plan, data, options, &chosen.device)).ok()?;
-        chosen.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
-        CounterSums::of(&chosen.wait(renderer.values(Stream::Counters)).ok()?, renderer.plan())
+        let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device)).ok()?;
+        machine.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
+        CounterSums::of(&machine.wait(renderer.values(Stream::Counters)).ok()?, renderer.plan())
     }
 
     /// Runs what is built, in turn, and forgets it.
     fn measure(&mut self) -> Result<(), Error> {
         let mut batch = std::mem::take(&mut self.batch);
-        let (warmups, repeats) = (self.args.warmups, self.args.repeats);
-        let of = (u64::from(warmups) + u64::from(repeats)) * batch.len() as u64;
+        let turns = Turns::of(self.wanted.warmups as usize, self.wanted.repeats as usize);
+        let of = ((turns.warmups + turns.repeats) * batch.len()) as u64;
         let mut done = 0;
-        for run in 0..warmups + repeats {
-            for ready in &mut batch {
-                self.progress.part("measuring", done, of);
-                let (wall_ns, device_ns) = self.run(&mut ready.renderer)?;
-                if run >= warmups {
-                    // Where the device has no true clock, the host's times count.
-                    if device_ns.is_some() || !self.chosen.timer().times_passes() {
-                        ready.wall_ns.push(wall_ns as f64);
-                        ready.device_ns.extend(device_ns.map(|ns| ns as f64));
-                    } else {
-                        ready.row.invalid += 1;
-                    }
-                }
-                done += 1;
-            }
-        }
-        batch.into_iter().try_for_each(|ready| self.finish_one(ready))
+        let times = in_turn(&mut batch, turns, |ready| {
+            self.reporter.part("measuring", done, of);
+            done += 1;
+            self.meter.run(&mut ready.renderer, |_, _| ControlFlow::Continue(()))
+        })?;
+        batch.into_iter().zip(times).try_for_each(|(ready, times)| self.finish_one(ready, &times))
     }
 
-    /// One run: its wall clock and device times.
-    fn run(&self, renderer: &mut Renderer) -> Result<(u64, Option<u64>), Error> {
-        renderer.restart();
-        // Until just before the run, and so not in its wall clock.
-        self.load.iter().for_each(Load::submit);
-        self.chosen.settle();
-        let start = Instant::now();
-        self.chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
-        let wall_ns = start.elapsed().as_nanos() as u64;
-        Ok((wall_ns, device_ns(renderer)))
+    /// One run that is not measured.
+    fn run(&self, renderer: &mut Renderer) -> Result<(), Error> {
+        self.meter.run(renderer, |_, _| ControlFlow::Continue(()))?;
+        Ok(())
     }
 
     /// Fills the row of a configuration whose runs are over, and compares its hits with its group's.
-    fn finish_one(&mut self, ready: Ready) -> Result<(), Error> {
-        let Ready { group, is_any_hit, mut row, details, renderer, device_ns, wall_ns, .. } = ready;
-        let hits = self.chosen.wait(renderer.hits())?;
+    fn finish_one(&mut self, ready: Ready, times: &Times) -> Result<(), Error> {
+        let Ready { group, is_any_hit, mut row, details, renderer, .. } = ready;
+        // Where the device has no true clock, the host's times count.
+        let needs_device = self.machine().timer().times_passes();
+        let is_valid = |time: &&Time| time.device_ns.is_some() || !needs_device;
+        let valid: Vec<Time> = times.runs.iter().filter(is_valid).copied().collect();
+        row.invalid = times.runs.len() - valid.len();
+        let device_ns: Vec<f64> = valid.iter().filter_map(|time| time.device_ns).map(|ns| ns as f64).collect();
+        let wall_ns: Vec<f64> = valid.iter().map(|time| time.wall_ns as f64).collect();
+        let hits = self.machine().wait(renderer.hits())?;
         row.n = wall_ns.len();
         if let Some(spread) = Spread::of(&device_ns) {
             row.median_device_ns = Some(spread.median);
             (row.p05_device_ns, row.p95_device_ns) = (Some(spread.p05), Some(spread.p95));
         }
-        row.median_wall_ns = Spread::of(&wall_ns).map(|spread| spread.median);
+        row.median_wall_ns = median(&wall_ns);
         row.rays_per_s = row.time_ns().filter(|&(ns, _)| ns > 0.0).map(|(ns, _)| row.rays as f64 / ns * 1e9);
         (row.hits, row.hits_hash) = (hit_count(&hits), Hash::of_hits(&hits, is_any_hit).to_string());
 
         let name = |row: &SummaryRow| format!("{} {}", row.accelerator, row.schedule);
         if row.invalid > 0 {
-            let (invalid, repeats) = (row.invalid, self.args.repeats);
+            let (invalid, repeats) = (row.invalid, self.wanted.repeats);
             self.note(format!(
                 "{group}, {}: {invalid} of {repeats} times were not valid, and do not count",
                 name(&row)
@@ -314,9 +283,7 @@ impl<'a> Bench<'a> {
         self.measure()?;
         match self.first_failure {
             Some(error) if self.measured.rows.is_empty() => Err(error),
-            _ if self.measured.rows.is_empty() => {
-                Err(Error::failed("there is nothing to measure: no pixel has a ray of the kinds that --rays names"))
-            }
+            _ if self.measured.rows.is_empty() => Err(Error::NoRays),
             _ => Ok(self.measured),
         }
     }
@@ -324,19 +291,14 @@ impl<'a> Bench<'a> {
 
 /// The options of a group's runs. A shadow ray is over at its first hit with t < 1, whichever it is; the paper has no
 /// such rays.
-fn options(args: &BenchArgs, rays: RaySource, kind: RayKind) -> Options {
-    let any_hit = kind == RayKind::Shadow && args.tuning.numerics == Numerics::Robust;
-    Options { shade: false, any_hit, ..args.tuning.options(rays) }
+fn options(wanted: &Wanted, rays: RaySource, kind: RayKind) -> Options {
+    let any_hit = kind == RayKind::Shadow && wanted.tuning.numerics == Numerics::Robust;
+    Options { rays, shade: false, any_hit, ..wanted.tuning.clone() }
 }
 
-/// Whether runs that count need the times of every pass: the twins' are what [`device_ns`] adds up.
-fn times_every_pass(chosen: &Machine) -> bool {
-    chosen.gpu().is_none()
-}
-
-/// Device time of the run so far; `None` where there is no valid time, or it took none.
-fn device_ns(renderer: &Renderer) -> Option<u64> {
-    renderer.device_ns().filter(|&ns| ns > 0)
+/// Whether runs that count need the times of every pass: the twins' device time is their sum.
+fn times_every_pass(machine: &Machine) -> bool {
+    machine.gpu().is_none()
 }
 
 fn bytes(batch: &[Ready]) -> u64 {

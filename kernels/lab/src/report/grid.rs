@@ -6,14 +6,14 @@ use raystep_kernels::export::json::GridSummary;
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
-use raystep_lab::statistics::quantile;
 
 use super::judge::Judge;
 use super::page::{Part, WHISKERS, number};
 use super::table::{Row, Table};
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
-use crate::commands::plot::{Axis, Bars, Plot, Scale, Series};
-use crate::error::Error;
+use crate::Error;
+use crate::plots::{Axis, Bars, Plot, Scale, Series};
+use crate::statistics::quantile;
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",
@@ -105,7 +105,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             Ok(ready) => built.push((way, ready)),
             Err(error) => {
                 work.can_go_on()?;
-                part.notes.push(format!("{}: {}", way.name(), error.message()));
+                part.notes.push(format!("{}: {}", way.name(), work.explain(&error)));
             }
         }
     }
@@ -160,7 +160,7 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
 /// The automatic grid, coarser and finer ones, the tree, and nothing.
 fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
     let options = Options { shade: false, ..Options::new(work.camera_rays()) };
-    let (_, data) = Plan::new(&work.input.scene, &options, &work.chosen.limits())?;
+    let (_, data) = Plan::new(&work.subject.scene, &options, &work.machine().limits())?;
     let automatic = data.grid.cells.map(|n| n.max(1) as u32);
     let steps = work.either(1.0, 0.5);
     let mut ways: Vec<Way> = vec![Way { options: options.clone(), factor: Some(1.0) }];
@@ -212,7 +212,7 @@ fn rays_of(rays: &RaySource) -> u64 {
 /// The view, if need be with no more pixels than can test every triangle in a while.
 fn fewer_rays(work: &Work<'_>) -> RaySource {
     let tests = work.either(1u64 << 24, 1 << 28);
-    let most = (tests / (work.input.scene.triangles.len() as u64).max(1)).max(64);
+    let most = (tests / (work.subject.scene.triangles.len() as u64).max(1)).max(64);
     let mut size = work.size;
     while u64::from(size.width) * u64::from(size.height) > most && size.width * size.height > 1 {
         size.width = (size.width / 2).max(1);
@@ -227,7 +227,7 @@ fn build(work: &Work<'_>, options: &Options) -> Result<Built, Error> {
     let mut times = vec![built.build_s];
     for _ in 0..work.either(0, 2) {
         let begin = Instant::now();
-        Plan::new(&work.input.scene, options, &work.chosen.limits())?;
+        Plan::new(&work.subject.scene, options, &work.machine().limits())?;
         times.push(begin.elapsed().as_secs_f64());
     }
     built.build_s = quantile(&times, 0.5).unwrap_or(built.build_s);

@@ -1,8 +1,7 @@
 //! What was measured, for people.
 
-use raystep_lab::bench::SummaryRow;
-
-use crate::commands::aligned;
+use super::SummaryRow;
+use crate::text::aligned;
 
 /// The columns of words.
 const NAMES: [&str; 2] = ["accelerator", "schedule"];
@@ -11,7 +10,8 @@ const NAMES: [&str; 2] = ["accelerator", "schedule"];
 const COLUMNS: [&str; 6] = ["median ms", "p05", "p95", "Mray/s", "to fastest", "to baseline"];
 
 /// A table a group, all with the same widths.
-pub(super) fn text(rows: &[SummaryRow]) -> String {
+#[must_use]
+pub fn text(rows: &[SummaryRow]) -> String {
     let has_baseline = rows.iter().any(|row| row.baseline_ratio.is_some());
     let columns = &COLUMNS[..COLUMNS.len() - usize::from(!has_baseline)];
     let names = NAMES.iter().chain(columns);

@@ -15,9 +15,8 @@ use plotters::style::{
     BLACK, Color as _, FontTransform, IntoFont as _, IntoTextStyle as _, RGBColor, ShapeStyle, WHITE,
 };
 
-pub(super) use axis::{Axis, Scale};
-
-use crate::error::Error;
+use crate::Error;
+pub use axis::{Axis, Scale};
 
 /// Okabe and Ito's colours, which people who see few colours can tell apart.
 const PALETTE: [RGBColor; 7] = [
@@ -35,18 +34,25 @@ const GRID: RGBColor = RGBColor(230, 230, 230);
 
 /// How points of a series are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mark {
+pub enum Mark {
+    /// Not at all.
     None,
+    /// As discs.
     Dot,
+    /// As triangles.
     Triangle,
+    /// As squares.
     Square,
 }
 
 /// How they are connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stroke {
+pub enum Stroke {
+    /// Not at all.
     None,
+    /// By a line.
     Solid,
+    /// By a dashed line.
     Dashed,
     /// Each value holds until the next.
     Steps,
@@ -54,53 +60,63 @@ pub(super) enum Stroke {
 
 /// Data with a name.
 #[derive(Clone, Debug)]
-pub(super) struct Series {
-    pub(super) name: String,
-    pub(super) points: Vec<(f64, f64)>,
+pub struct Series {
+    /// In the legend; series of the same name share an entry, and one without has none.
+    pub name: String,
+    /// x and y.
+    pub points: Vec<(f64, f64)>,
     /// From and to along y, one a point, or none at all.
-    pub(super) whiskers: Vec<(f64, f64)>,
+    pub whiskers: Vec<(f64, f64)>,
     /// Index into the palette.
-    pub(super) color: usize,
-    pub(super) mark: Mark,
-    pub(super) stroke: Stroke,
+    pub color: usize,
+    /// How points are drawn.
+    pub mark: Mark,
+    /// How they are connected.
+    pub stroke: Stroke,
 }
 
 impl Series {
     /// A line with a dot at each point.
-    pub(super) fn line(name: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+    pub fn line(name: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
         let name = name.into();
         Self { name, points, whiskers: Vec::new(), color, mark: Mark::Dot, stroke: Stroke::Solid }
     }
 
     /// The same by theory: dashed, without dots.
-    pub(super) fn dashed(name: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+    pub fn dashed(name: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
         Self { mark: Mark::None, stroke: Stroke::Dashed, ..Self::line(name, color, points) }
     }
 }
 
 /// A plot.
 #[derive(Clone, Debug)]
-pub(super) struct Plot {
-    pub(super) title: String,
-    pub(super) x: Axis,
-    pub(super) y: Axis,
-    pub(super) series: Vec<Series>,
+pub struct Plot {
+    /// Above it.
+    pub title: String,
+    /// From left to right.
+    pub x: Axis,
+    /// From bottom to top.
+    pub y: Axis,
+    /// In the order in which they are drawn.
+    pub series: Vec<Series>,
     /// Places along x with a name, as vertical lines.
-    pub(super) places: Vec<(f64, String)>,
+    pub places: Vec<(f64, String)>,
 }
 
 /// A part of a bar: how long, and in which colour of the palette.
-pub(super) type Part = (f64, usize);
+pub type Part = (f64, usize);
 
 /// Bars from left to right, each a name and its parts one after the other.
 #[derive(Clone, Debug)]
-pub(super) struct Bars {
-    pub(super) title: String,
+pub struct Bars {
+    /// Above them.
+    pub title: String,
     /// What lengths are.
-    pub(super) x: String,
+    pub x: String,
     /// Names of the palette's first colours.
-    pub(super) legend: Vec<String>,
-    pub(super) bars: Vec<(String, Vec<Part>)>,
+    pub legend: Vec<String>,
+    /// From top to bottom.
+    pub bars: Vec<(String, Vec<Part>)>,
 }
 
 /// A rectangle of the picture, in pixels.
@@ -121,7 +137,10 @@ const LEGEND: i32 = 622;
 
 impl Plot {
     /// As an SVG element; `None` where there is nothing to show.
-    pub(super) fn svg(&self) -> Result<Option<String>, Error> {
+    ///
+    /// # Errors
+    /// Where it cannot be drawn.
+    pub fn svg(&self) -> Result<Option<String>, Error> {
         let is_shown = |&(x, y): &(f64, f64)| self.x.scale.has(x) && self.y.scale.has(y);
         let shown = |s: &Series| s.points.iter().copied().filter(is_shown).collect::<Vec<_>>();
         let points: Vec<Vec<(f64, f64)>> = self.series.iter().map(shown).collect();
@@ -181,7 +200,10 @@ impl Plot {
 
 impl Bars {
     /// As an SVG element; `None` where there is nothing to show.
-    pub(super) fn svg(&self) -> Result<Option<String>, Error> {
+    ///
+    /// # Errors
+    /// Where it cannot be drawn.
+    pub fn svg(&self) -> Result<Option<String>, Error> {
         let length = |parts: &[Part]| parts.iter().map(|p| p.0).sum::<f64>();
         let longest = self.bars.iter().map(|b| length(&b.1)).fold(0.0, f64::max);
         if longest <= 0.0 || !longest.is_finite() {
@@ -230,7 +252,7 @@ fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<Stri
         area.present()?;
         Ok(())
     })();
-    result.map_err(|e| Error::failed(format!("cannot draw a plot: {e}")))?;
+    result.map_err(|e| Error::Plot(e.to_string()))?;
     Ok(svg)
 }
 
@@ -329,13 +351,15 @@ fn mark(area: &Area<'_>, mark: Mark, (x, y): (i32, i32), color: RGBColor) -> Dra
 }
 
 /// An SVG file as an element of a page: without the name of its namespace, and as one image to a screen reader.
-pub(super) fn inline(svg: &str) -> String {
+#[must_use]
+pub fn inline(svg: &str) -> String {
     svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1)
 }
 
 /// The style of a page with plots in it. They are drawn for the light; in the dark their colours are exchanged, those
 /// of lines for lighter ones of the same hue.
-pub(super) fn style() -> String {
+#[must_use]
+pub fn style() -> String {
     const DARK: [&str; 7] = ["#4aa8e0", "#ff8a3d", "#2fc79a", "#e59cc4", "#8fd0f5", "#d0b84a", "#dddddd"];
     let mut style = String::from(
         "figure svg{max-width:100%;height:auto}@media(prefers-color-scheme:dark){svg [fill=\"#FFFFFF\"]{fill:\

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use super::section::SECTIONS;
 use super::table::Row;
-use crate::args::Size;
-use crate::commands::html::{self, escaped};
-use crate::commands::plot;
+use crate::html::{self, escaped};
+use crate::plots;
+use crate::subject::Size;
 
 /// What a section says of a scene.
 #[derive(Clone, Debug, Default)]
@@ -88,7 +88,7 @@ pub(super) struct Scene {
 }
 
 /// What the page says of the machine and the command: names with values.
-pub(super) type About = Vec<(&'static str, String)>;
+pub type About = Vec<(&'static str, String)>;
 
 /// The page.
 pub(super) fn html(about: &About, scenes: &[Scene]) -> String {
@@ -125,7 +125,7 @@ pub(super) fn html(about: &About, scenes: &[Scene]) -> String {
             section(&mut page, i, key, part);
         }
     }
-    html::page("raystep: error against run time", &style(), &page)
+    html::page(super::KNOWN_BY, &style(), &page)
 }
 
 fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
@@ -139,7 +139,7 @@ fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
         let _ = writeln!(page, "<p>{paragraph}</p>");
     }
     for Figure { svg, caption } in &part.figures {
-        let _ = writeln!(page, "<figure>{}<figcaption>{}</figcaption></figure>", plot::inline(svg), escaped(caption));
+        let _ = writeln!(page, "<figure>{}<figcaption>{}</figcaption></figure>", plots::inline(svg), escaped(caption));
     }
     part.tables.iter().for_each(|table| *page += table);
     if !part.notes.is_empty() {
@@ -156,7 +156,7 @@ fn style() -> String {
     "h2.s{border-top:2px solid var(--head);padding-top:1rem;font-size:1.4rem}h3{font-size:1.15rem;margin:2rem 0 .3rem}\
      figure{margin:.6rem 0}td.a{white-space:normal}ul{max-width:50rem;font-size:.85rem}"
         .to_owned()
-        + &plot::style()
+        + &plots::style()
 }
 
 #[cfg(test)]

@@ -2,13 +2,13 @@
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
-use raystep_lab::statistics::quantile;
 
 use super::page::{Part, WHISKERS, number};
 use super::table::{Row, Table};
-use super::work::{Work, low_and_high};
-use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::error::Error;
+use super::work::Work;
+use crate::Error;
+use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::statistics::{low_and_high, quantile};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",
@@ -75,7 +75,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
                 Ok(row) => table.rows.push(row),
                 Err(error) => {
                     work.can_go_on()?;
-                    part.notes.push(format!("{accelerator} {schedule}: {}", error.message()));
+                    part.notes.push(format!("{accelerator} {schedule}: {}", work.explain(&error)));
                 }
             }
         }
@@ -97,7 +97,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
                 .into(),
         );
     }
-    if work.chosen.gpu().is_none() {
+    if work.machine().gpu().is_none() {
         part.notes.push("the CPU twins are compiled beforehand: there are no times of starting".into());
     }
     Ok(part)
@@ -124,15 +124,15 @@ fn one(
         }
     }
     let [Some(mut without), Some(mut with)] = last else {
-        return Err(Error::failed("nothing was built"));
+        return Err(Error::NothingBuilt);
     };
     let times = work.time_in_turn(&mut [&mut without, &mut with], work.either(5, 21))?;
     if times.iter().any(|times| times.is_given_up) {
-        return Err(Error::failed("given up: too slow, or without an end"));
+        return Err(Error::GivenUp);
     }
     let ratios = times[1].ratios(&times[0]);
     let [low, high] = low_and_high(&ratios);
-    let (hits, kept_hits) = (work.chosen.wait(without.hits())?, work.chosen.wait(with.hits())?);
+    let (hits, kept_hits) = (work.machine().wait(without.hits())?, work.machine().wait(with.hits())?);
     let differing = differing(&hits, &kept_hits);
     if !differing.is_empty() {
         part.notes.push(format!(
@@ -141,7 +141,7 @@ fn one(
             first_of(&differing)
         ));
     }
-    let is_compiled = work.chosen.gpu().is_some();
+    let is_compiled = work.machine().gpu().is_some();
     let first_start = |i: usize| starts[i].first().copied().filter(|_| is_compiled);
     let start = |i: usize| quantile(&starts[i][1..], 0.5).filter(|_| is_compiled);
     let bytes = |plan: &Plan| {

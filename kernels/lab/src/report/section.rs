@@ -4,27 +4,27 @@ use super::page::Part;
 use super::table::Table;
 use super::work::Work;
 use super::{factors, grid, left_out, moved, resolved, samples};
-use crate::error::Error;
+use crate::Error;
 
 /// A section: one CSV, and a part of the page for every scene.
-#[derive(Clone, Copy)]
-pub(super) struct Section {
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
     /// On the command line, and in the page's links.
-    pub(super) name: &'static str,
+    pub name: &'static str,
     /// Its heading.
-    pub(super) title: &'static str,
+    pub title: &'static str,
     /// What is measured, as HTML.
-    pub(super) what: &'static str,
+    pub what: &'static str,
     /// Its CSV.
-    pub(super) file: &'static str,
+    pub file: &'static str,
     /// The CSV's columns.
-    pub(super) columns: &'static [&'static str],
+    pub columns: &'static [&'static str],
     /// Measures a scene: adds rows, and says what they mean.
     pub(super) run: fn(&Work<'_>, &mut Table) -> Result<Part, Error>,
 }
 
 /// All of them.
-pub(super) const SECTIONS: &[Section] = &[
+pub const SECTIONS: &[Section] = &[
     Section {
         name: "resolved",
         title: "Resolution of rays",

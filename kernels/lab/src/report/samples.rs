@@ -8,13 +8,13 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
-use raystep_lab::statistics::{power_law, root_mean_square};
 
 use super::page::{Part, number};
 use super::table::{Row, Table};
 use super::work::{SEED, Work};
-use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::error::Error;
+use crate::Error;
+use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::statistics::{power_law, root_mean_square};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",
@@ -123,10 +123,10 @@ fn rays(work: &Work<'_>) -> RaySource {
 /// Runs until so many samples are complete; `false` where that takes too long.
 fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant) -> Result<bool, Error> {
     let watch = |progress: &raystep_kernels::Progress| {
-        work.progress.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
+        work.reporter.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
         if begin.elapsed() > LONGEST { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    match raystep_lab::block_on(work.chosen.gpu(), renderer.run_to_sample(samples, watch)) {
+    match crate::block_on(work.machine().gpu(), renderer.run_to_sample(samples, watch)) {
         Ok(()) => Ok(true),
         Err(raystep_kernels::RenderError::Cancelled { .. }) => Ok(false),
         Err(error) => Err(error.into()),
@@ -143,7 +143,7 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
         if !run_to(work, &mut renderer, each, begin)? {
             return Ok(None);
         }
-        halves.push(work.chosen.wait(renderer.image())?);
+        halves.push(work.machine().wait(renderer.image())?);
     }
     let (Some(mut image), Some(other)) = (halves.pop(), halves.pop()) else { return Ok(None) };
     let is_edge = edges(work)?;
@@ -158,8 +158,8 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
 fn edges(work: &Work<'_>) -> Result<Vec<bool>, Error> {
     let options = Options { shade: false, ..Options::new(rays(work)) };
     let mut renderer = work.build(&options)?.renderer;
-    work.chosen.wait(renderer.run(|_| ControlFlow::Continue(())))?;
-    let hits = work.chosen.wait(renderer.hits())?;
+    work.machine().wait(renderer.run(|_| ControlFlow::Continue(())))?;
+    let hits = work.machine().wait(renderer.hits())?;
     let (width, height) = (renderer.plan().width as usize, renderer.plan().height as usize);
     let seen: Vec<Option<u32>> = hits.iter().map(|hit| hit.map(|h| h.triangle)).collect();
     Ok(edges_of(&seen, width, height))
@@ -202,7 +202,7 @@ fn one(
     renderer.restart();
     let mut wall = Duration::ZERO;
     while count <= most {
-        work.chosen.settle();
+        work.machine().settle();
         let started = Instant::now();
         let is_there = run_to(work, &mut renderer, count, begin)?;
         // Of what was given up, too: its samples count below.
@@ -211,7 +211,7 @@ fn one(
             part.notes.push(format!("{sampler}: given up before {count} samples: too slow"));
             break;
         }
-        let image = work.chosen.wait(renderer.image())?;
+        let image = work.machine().wait(renderer.image())?;
         let errors = [None, Some(reference.is_edge.as_slice())].map(|of| rmse(&image, &reference.image, of));
         let plotted = |i: usize| Some(errors[i]? > 0.0 && errors[i]? > CLEARLY * reference.error[i]?);
         rows.push(
@@ -235,7 +235,7 @@ fn one(
     // Every sample traces as many rays, and passes are submitted ahead across samples: the whole run's time is shared
     // among them.
     let done = renderer.samples().max(1);
-    let has_clock = work.chosen.timer().times_passes();
+    let has_clock = work.machine().timer().times_passes();
     let total = if has_clock { renderer.device_ns() } else { Some(wall.as_nanos() as u64) };
     let per_sample = total.filter(|&ns| ns > 0).map(|ns| ns as f64 / f64::from(done));
     let timed = |row: Row| {

@@ -1,38 +1,19 @@
 //! An earlier benchmark to compare with.
 
-use std::path::{Path, PathBuf};
-
-use raystep_lab::bench::{SummaryRow, read_summary};
-
-use super::output::SUMMARY;
-use crate::error::Error;
-use crate::scene_file::read_file;
-
-/// Most bytes of a summary: some millions of configurations.
-const MOST_BYTES: u64 = 1 << 30;
+use super::SummaryRow;
 
 /// What was measured before.
-pub(super) struct Baseline {
-    folder: PathBuf,
-    rows: Vec<SummaryRow>,
+pub struct Baseline {
+    /// Its folder, for people.
+    pub folder: String,
+    /// Its summary.
+    pub rows: Vec<SummaryRow>,
 }
 
 impl Baseline {
-    /// Reads the summary in a benchmark's folder.
-    pub(super) fn read(folder: &Path) -> Result<Self, Error> {
-        let path = folder.join(SUMMARY);
-        let cannot = |reason: String| {
-            let at = path.display();
-            Error::failed(format!("--baseline: {at}: {reason}; a folder that 'raystep bench' wrote is wanted"))
-        };
-        let bytes = read_file(&path, MOST_BYTES).map_err(|e| cannot(e.to_string()))?;
-        let rows = read_summary(bytes.as_slice()).map_err(|e| cannot(e.to_string()))?;
-        Ok(Self { folder: folder.to_owned(), rows })
-    }
-
     /// Fills in the rows' ratios; what is to be said of those that have none, or not a fair one.
-    pub(super) fn compare(&self, rows: &mut [SummaryRow]) -> Vec<String> {
-        let at = self.folder.display();
+    pub fn compare(&self, rows: &mut [SummaryRow]) -> Vec<String> {
+        let at = &self.folder;
         let mut notes = Vec::new();
         let mut note = |text: String| {
             if !notes.contains(&text) {

@@ -1,7 +1,7 @@
 //! What the pages have in common that commands write: they need nothing beside them, no script and no network, and can
 //! be read in the light and in the dark.
 
-use crate::terminal::visible;
+use crate::text::visible;
 
 /// Colours by what they are for, and the few elements that every page has.
 const STYLE: &str = "\
@@ -15,7 +15,8 @@ var(--head)}.l{text-align:left}.fail{color:var(--bad)}.odd{background:var(--odd)
 .78rem;color:var(--dim)}.wide{overflow-x:auto}";
 
 /// A page. `style` is what it has beside the common one; title and body are HTML.
-pub(crate) fn page(title: &str, style: &str, body: &str) -> String {
+#[must_use]
+pub fn page(title: &str, style: &str, body: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width\"><title>{title}</title><style>{STYLE}{style}</style></head><body>\n{body}</body></html>\n"
@@ -24,7 +25,8 @@ pub(crate) fn page(title: &str, style: &str, body: &str) -> String {
 
 /// Text as HTML, in elements and in attributes. HTML has no way to write control characters, and those that turn the
 /// direction of text would turn what stands behind: they are shown as a terminal shows them.
-pub(crate) fn escaped(text: &str) -> String {
+#[must_use]
+pub fn escaped(text: &str) -> String {
     let text = visible(text);
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
 }

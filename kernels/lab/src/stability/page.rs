@@ -4,13 +4,12 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use raystep_lab::stability::{Row, drift, probe};
 
 use super::picture::{LEGEND, Picture};
-use super::{Outcome, Report, table};
-use crate::commands::html::{self, escaped};
-use crate::commands::plot::{self, Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::error::Error;
+use super::{Outcome, Report, Row, drift, probe, table};
+use crate::Error;
+use crate::html::{self, escaped};
+use crate::plots::{self, Axis, Mark, Plot, Scale, Series, Stroke};
 
 /// Columns of a case's table, with their headings.
 const SHOWN: [(&str, &str); 21] = [
@@ -80,7 +79,7 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
     }
     walks(&mut page, &report.walks)?;
     pipelines(&mut page, &report.pipelines);
-    Ok(html::page("raystep: stability", &(STYLE.to_owned() + &plot::style()), &page))
+    Ok(html::page("raystep: stability", &(STYLE.to_owned() + &plots::style()), &page))
 }
 
 /// A line a case, linked to its section.
@@ -171,7 +170,7 @@ fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
     }
     *page += "</table>\n";
     if let Some(svg) = walks_plot(walks).svg()? {
-        let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plot::inline(&svg));
+        let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plots::inline(&svg));
     }
     Ok(())
 }

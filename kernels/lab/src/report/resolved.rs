@@ -10,16 +10,17 @@ use std::time::Instant;
 use raystep_kernels::state;
 use raystep_kernels::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind, Stream};
-use raystep_lab::reference::Verdict;
-use raystep_lab::statistics::quantile;
 
 use super::judge::Judge;
 use super::page::{Part, number};
 use super::table::{Row, Table};
-use super::work::{Ended, TESTS_PER_PASS, Work};
-use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::error::Error;
-use crate::session::{MISSES_ALL, misses_all};
+use super::work::{TESTS_PER_PASS, Work};
+use crate::Error;
+use crate::meter::Ended;
+use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::reference::Verdict;
+use crate::statistics::median;
+use crate::ways::{MISSES_ALL, misses_all};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",
@@ -97,7 +98,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             Ok(Err(reason)) => part.notes.push(format!("{what}: {reason}")),
             Err(error) => {
                 work.can_go_on()?;
-                part.notes.push(format!("{what}: {}", error.message()));
+                part.notes.push(format!("{what}: {}", work.explain(&error)));
             }
         }
     }
@@ -137,7 +138,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
 /// The rows of a way, or why there are none.
 fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<Result<Vec<Row>, String>, Error> {
     let Way { accelerator, schedule, numerics } = way;
-    let (triangles, rays) = (work.input.scene.triangles.len() as u64, u64::from(work.size.width * work.size.height));
+    let (triangles, rays) = (work.subject.scene.triangles.len() as u64, u64::from(work.size.width * work.size.height));
     if accelerator == Accelerator::None && triangles.saturating_mul(rays) > MOST_TESTS {
         return Ok(Err(format!("{triangles} triangles for each of {rays} rays are too many tests")));
     }
@@ -156,7 +157,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
     };
     let planned = work.plan(&options)?;
     let mut timed = work.start(&planned, &options)?.renderer;
-    if misses_all(&work.input.scene, &options, timed.plan()) {
+    if misses_all(&work.subject.scene, &options, timed.plan()) {
         part.notes.push(MISSES_ALL.into());
     }
     let given_up = || Ok(Err("given up: too slow, or without an end".into()));
@@ -165,7 +166,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         part.notes.push(format!("{accelerator} {schedule} {numerics}: some passes have no valid time"));
     }
     // Timers of passes cost several microseconds each; the time of a whole run is of runs without them.
-    let run_ns = match work.chosen.gpu() {
+    let run_ns = match work.machine().gpu() {
         None => run_ns,
         Some(_) => {
             let mut plain = work.start(&planned, &Options { timings: false, ..options })?.renderer;
@@ -214,21 +215,21 @@ struct Timed {
 
 /// Of three runs the one whose last pass was over second; `None` where one was given up.
 fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed>, Error> {
-    let has_clock = work.chosen.timer().times_passes();
+    let has_clock = work.machine().timer().times_passes();
     let mut runs: Vec<(Vec<Pass>, Vec<Option<f64>>)> = Vec::new();
     let mut run_ns = Vec::new();
     for run in 0..4 {
-        let Ended::Done(ns) = work.run(renderer)? else { return Ok(None) };
+        let Ended::Done(time) = work.run(renderer)? else { return Ok(None) };
         let ends = if has_clock { ends_of(renderer.passes()) } else { by_wall_clock(work, renderer)? };
         // The first warms up.
         if run > 0 {
-            run_ns.extend(ns);
+            run_ns.extend(work.ns(time));
             runs.push((renderer.passes().to_vec(), ends));
         }
     }
     let last = |run: &(Vec<Pass>, Vec<Option<f64>>)| run.1.last().copied().flatten().unwrap_or(f64::INFINITY);
     runs.sort_by(|a, b| last(a).total_cmp(&last(b)));
-    let run_ns = quantile(&run_ns, 0.5);
+    let run_ns = median(&run_ns);
     Ok(runs.into_iter().nth(1).map(|(passes, ends_ns)| Timed { passes, ends_ns, run_ns }))
 }
 
@@ -249,10 +250,10 @@ fn ends_of(passes: &[Pass]) -> Vec<Option<f64>> {
 /// The same where the device has no true clock: each pass is waited for.
 fn by_wall_clock(work: &Work<'_>, renderer: &mut Renderer) -> Result<Vec<Option<f64>>, Error> {
     renderer.restart();
-    work.chosen.settle();
+    work.machine().settle();
     let mut ends = Vec::new();
     let begin = Instant::now();
-    while work.chosen.wait(renderer.step())?.is_some() {
+    while work.machine().wait(renderer.step())?.is_some() {
         ends.push(Some(begin.elapsed().as_nanos() as f64));
     }
     Ok(ends)
@@ -283,10 +284,10 @@ fn read_back(
         if now == before && !is_last {
             continue;
         }
-        work.progress.part("reading back", index as u64, passes.len() as u64);
-        work.chosen.wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
+        work.reporter.part("reading back", index as u64, passes.len() as u64);
+        work.machine().wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
         if now != before || is_last {
-            let tags = work.chosen.wait(renderer.values(Stream::State))?;
+            let tags = work.machine().wait(renderer.values(Stream::State))?;
             let is_done = |&ray: &usize| state::is_decided(tags.get(STATE_TAG, ray));
             read.push(ReadBack { pass: index, is_resolved: judge.sample().iter().map(is_done).collect() });
         }

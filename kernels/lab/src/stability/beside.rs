@@ -2,12 +2,9 @@
 
 use std::fmt::Write as _;
 
-use raystep_lab::stability::{Place, drift, probe};
-use raystep_lab::{Machine, block_on};
-
-use super::Report;
-use crate::error::Error;
-use crate::terminal::Progress;
+use super::{Place, Report, drift, probe};
+use crate::reporter::Reporter;
+use crate::{Error, Machine};
 
 /// Rays of the long walk.
 const WALKING: usize = 256;
@@ -18,14 +15,14 @@ const PROBED: usize = 16_384;
 pub(super) fn walks(
     quick: bool,
     places: &[(Place, Machine)],
-    progress: &Progress,
+    reporter: &dyn Reporter,
 ) -> Result<Vec<drift::Walked>, Error> {
     let mut all = Vec::new();
-    for (place, chosen) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
+    for (place, machine) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
         for rules in drift::RULES {
-            progress.stage(&format!("tMax along a walk, {}: {}", place.device, rules.name));
-            let walking = drift::walk(rules, if quick { WALKING / 8 } else { WALKING }, &chosen.device);
-            all.push(drift::Walked { place: place.clone(), rules, samples: block_on(chosen.gpu(), walking)? });
+            reporter.stage(&format!("tMax along a walk, {}: {}", place.device, rules.name));
+            let walking = drift::walk(rules, if quick { WALKING / 8 } else { WALKING }, &machine.device);
+            all.push(drift::Walked { place: place.clone(), rules, samples: machine.wait(walking)? });
         }
     }
     Ok(all)
@@ -36,15 +33,15 @@ pub(super) fn walks(
 pub(super) fn pipelines(
     quick: bool,
     places: &[(Place, Machine)],
-    progress: &Progress,
+    reporter: &dyn Reporter,
 ) -> Result<Vec<probe::Row>, Error> {
     let workloads = probe::workloads(if quick { PROBED / 8 } else { PROBED })?;
     let mut rows = Vec::new();
     let mut bases: [Option<(String, probe::Bits)>; 2] = [None, None];
-    for (place, chosen) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
+    for (place, machine) in places.iter().filter(|(place, _)| place.device != "cpu_f64") {
         for pipeline in probe::pipelines(&workloads) {
-            progress.stage(&format!("pipelines, {}: {}", place.device, pipeline.name));
-            let bits = block_on(chosen.gpu(), probe::run(&pipeline, &workloads, &chosen.device))?;
+            reporter.stage(&format!("pipelines, {}: {}", place.device, pipeline.name));
+            let bits = machine.wait(probe::run(&pipeline, &workloads, &machine.device))?;
             let (name, base) = bases[usize::from(pipeline.is_camera)]
                 .get_or_insert_with(|| (format!("{}: {}", place.device, pipeline.name), bits.clone()));
             rows.push(probe::Row::new(place, &pipeline, name, bits.difference(base)));
@@ -66,7 +63,8 @@ pub(super) fn told(walked: &drift::Walked) -> String {
 }
 
 /// What came of both, for people.
-pub(super) fn text(report: &Report) -> String {
+#[must_use]
+pub fn text(report: &Report) -> String {
     let mut text = String::new();
     for walked in &report.walks {
         // Writing to a string cannot fail.

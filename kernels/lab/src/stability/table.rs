@@ -1,10 +1,9 @@
 //! The results for people: a line a case, and a line for everything that is not as expected.
 
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
-use raystep_lab::stability::{Case, Row, Truth};
 
-use super::Outcome;
-use crate::commands::aligned;
+use super::{Case, Outcome, Row, Truth};
+use crate::text::aligned;
 
 /// A way to trace, in words.
 pub(super) fn way(row: &Row) -> String {
@@ -30,7 +29,8 @@ fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64
 }
 
 /// A line a case.
-pub(super) fn text(outcomes: &[Outcome]) -> String {
+#[must_use]
+pub fn text(outcomes: &[Outcome]) -> String {
     let header =
         ["case", "rays", "robust errors", "undecided", "at most", "paper errors: grid", "bvh", "none", "as expected"];
     let mut lines = vec![header.map(str::to_owned)];
@@ -72,7 +72,8 @@ pub(super) fn text(outcomes: &[Outcome]) -> String {
 }
 
 /// What there is.
-pub(super) fn list(cases: &[&'static Case]) -> String {
+#[must_use]
+pub fn list(cases: &[&'static Case]) -> String {
     let header = ["case", "rays", "undecided", "paper fails on", "what"];
     let mut lines = vec![header.map(str::to_owned)];
     for case in cases {

@@ -7,12 +7,12 @@
 //! around, one of them it must be: a ray that goes on is lost, and counts as missed.
 
 use raystep_kernels::Renderer;
-use raystep_lab::judge::{self, Cracks, Traced, sample};
-use raystep_lab::reference::{Counts, Possible, Verdict};
 
 use super::table::Row;
 use super::work::{SEED, Work};
-use crate::error::Error;
+use crate::Error;
+use crate::judge::{self, Cracks, Traced, sample};
+use crate::reference::{Counts, Possible, Verdict};
 
 /// Truth, worked out for the first run that is judged and kept for the others.
 #[derive(Default)]
@@ -47,12 +47,12 @@ impl Judge {
     pub(super) fn most_rays(work: &Work<'_>) -> usize {
         // Some nanoseconds each: a second or two on a few cores.
         let tests: usize = work.either(1 << 24, 1 << 28);
-        (tests / work.input.scene.triangles.len().max(1)).max(64)
+        (tests / work.subject.scene.triangles.len().max(1)).max(64)
     }
 
     /// Judges a run that is over, or as far as it came.
     pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
-        let traced = work.chosen.wait(Traced::read(renderer))?;
+        let traced = work.machine().wait(Traced::read(renderer))?;
         self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), SEED));
         let walking = (0..traced.rays()).filter(|&ray| !traced.is_decided(ray)).count() as u64;
         let mut judged = Judged { at_bound: renderer.unfinished().max(walking), ..Judged::default() };
@@ -95,7 +95,7 @@ impl Judged {
     pub(super) fn fill(&self, row: Row) -> Row {
         let (rays, errors) = (self.counts.rays(), self.counts.errors());
         let million = |share: f64| 1e6 * share;
-        let interval = raystep_lab::statistics::wilson(errors, rays);
+        let interval = crate::statistics::wilson(errors, rays);
         row.set("judged_rays", rays)
             .set("missed", self.counts.missed)
             .set("false_hits", self.counts.false_hits)
@@ -112,32 +112,29 @@ impl Judged {
 #[cfg(test)]
 mod tests {
     use std::ops::ControlFlow;
-    use std::path::Path;
 
-    use raystep_kernels::{GridSize, Options};
+    use raystep_kernels::{Device, GridSize, Options};
+    use raystep_scenes::generate;
 
     use super::*;
-    use crate::args::{CameraArgs, DeviceArgs, DeviceKind, Size};
-    use crate::commands::input::Input;
-    use crate::terminal::Progress;
+    use crate::machine::now_ns;
+    use crate::meter::Meter;
+    use crate::reporter::Silent;
+    use crate::subject::{Size, Subject};
+    use crate::{Hash, Machine};
 
     #[test]
     fn a_run_that_was_given_up_has_verdicts_of_decided_rays_only() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell-box.gltf");
-        let camera = CameraArgs { camera: None, eye: None, look_at: None, up: None, fov: None };
-        let progress = Progress::new(true);
-        let file = crate::args::SceneArgs { scene: path, scene_index: None, read: Default::default() };
-        let input = Input::read(file, &camera, &progress).expect("a scene");
-        let arguments = DeviceArgs { device: DeviceKind::Cpu, adapter: None };
-        let chosen = crate::device::choose(&arguments).expect("the twins");
-        let size = Size { width: 16, height: 16 };
-        let (input, chosen, progress) = (&input, &chosen, &progress);
-        let work = Work { input, chosen, size, grid: GridSize::Auto, is_quick: true, progress, load: None };
+        let scene = generate::cornell_box();
+        let subject = Subject { camera: scene.cameras[0].clone(), scene, hash: Hash::default(), file: String::new() };
+        let meter = Meter::new(Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() });
+        let (subject, meter, size) = (&subject, &meter, Size { width: 16, height: 16 });
+        let work = Work { subject, meter, size, grid: GridSize::Auto, is_quick: true, reporter: &Silent };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.build(&options).expect("a plan").renderer;
         let mut judge = Judge::default();
         let mut judge_after = |passes: usize| {
-            work.chosen.wait(renderer.run_to(passes, |_| ControlFlow::Continue(()))).expect("passes");
+            work.machine().wait(renderer.run_to(passes, |_| ControlFlow::Continue(()))).expect("passes");
             judge.judge(&work, &renderer).expect("streams")
         };
         let halfway = (1..).map(|k| judge_after(4 * k)).find(|judged| judged.at_bound < 256).expect("a decided ray");

@@ -2,7 +2,8 @@
 
 /// Where values lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::commands) enum Scale {
+pub enum Scale {
+    /// Evenly.
     Linear,
     /// Each decade is as long as the others; what is not above 0 is not shown.
     Log,
@@ -14,7 +15,7 @@ pub(in crate::commands) enum Scale {
 
 impl Scale {
     /// Whether the axis has a place for a value.
-    pub(super) fn has(self, value: f64) -> bool {
+    pub fn has(self, value: f64) -> bool {
         value.is_finite()
             && match self {
                 Self::Linear | Self::Names(_) => true,
@@ -26,15 +27,16 @@ impl Scale {
 
 /// What an axis shows.
 #[derive(Clone, Debug)]
-pub(in crate::commands) struct Axis {
+pub struct Axis {
     /// With the unit.
-    pub(in crate::commands) label: String,
-    pub(in crate::commands) scale: Scale,
+    pub label: String,
+    /// Where values lie.
+    pub scale: Scale,
 }
 
 /// An axis with its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ranged {
+pub struct Ranged {
     scale: Scale,
     /// Ends, as logarithms where the scale is one.
     low: f64,
@@ -46,7 +48,7 @@ const MOST: usize = 9;
 
 impl Axis {
     /// From the smallest to the largest of the values that it has a place for.
-    pub(super) fn over(&self, values: impl Iterator<Item = f64>) -> Ranged {
+    pub fn over(&self, values: impl Iterator<Item = f64>) -> Ranged {
         let scale = self.scale;
         let values: Vec<f64> = values.filter(|&v| scale.has(v)).collect();
         let span = |values: &mut dyn Iterator<Item = f64>| {
@@ -76,7 +78,7 @@ impl Axis {
 
 impl Ranged {
     /// Where a value lies, from 0 to 1.
-    pub(super) fn part(&self, value: f64) -> f64 {
+    pub fn part(&self, value: f64) -> f64 {
         let value = match self.scale {
             Scale::Linear | Scale::Names(_) => value,
             Scale::LogWithZero if value <= 0.0 => self.low,
@@ -86,7 +88,7 @@ impl Ranged {
     }
 
     /// Values with their labels.
-    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
+    pub fn ticks(&self) -> Vec<(f64, String)> {
         let mut values = match self.scale {
             Scale::Names(names) => return (1..).map(f64::from).zip(names.iter().map(|&n| n.to_owned())).collect(),
             Scale::Linear => self.even(),

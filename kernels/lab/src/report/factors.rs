@@ -5,15 +5,15 @@
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, Skip};
-use raystep_lab::rays::{Aim, Planes, aimed};
-use raystep_lab::statistics::quantile;
 
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};
 use super::table::{Row, Table};
 use super::work::{Built, SEED, Work};
-use crate::commands::plot::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::error::Error;
+use crate::Error;
+use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::rays::{Aim, Planes, aimed};
+use crate::statistics::quantile;
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",
@@ -117,7 +117,7 @@ fn cells(work: &Work<'_>, automatic: [i32; 3]) -> [u32; 3] {
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
-    let scene = &work.input.scene;
+    let scene = &work.subject.scene;
     if scene.triangles.is_empty() {
         part.notes.push("there is no triangle to aim at".into());
         return Ok(part);
@@ -125,10 +125,10 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let first = table.rows.len();
     // Where origins are decides a little of the grid: these are as those to come.
     let nowhere = Options { shade: false, ..Options::new(RaySource::Given(vec![some_ray(work)])) };
-    let (_, data) = Plan::new(scene, &nowhere, &work.chosen.limits())?;
+    let (_, data) = Plan::new(scene, &nowhere, &work.machine().limits())?;
     let cells = cells(work, data.grid.cells);
     let gridded = Options { grid: GridSize::Cells(cells), ..nowhere };
-    let (_, data) = Plan::new(scene, &gridded, &work.chosen.limits())?;
+    let (_, data) = Plan::new(scene, &gridded, &work.machine().limits())?;
     let planes = Planes::of(&data);
     let count = work.either(2048, 1 << 15).min(Judge::most_rays(work));
     let aims = [Aim::Edges, Aim::Faces(&planes), Aim::Anywhere];
@@ -137,7 +137,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         let rays = RaySource::Given(aimed(scene, aim, count, SEED));
         if let Err(error) = one_aim(work, aim, &ways(&rays, GridSize::Cells(cells)), table, &mut part) {
             work.can_go_on()?;
-            part.notes.push(format!("rays at {}: {}", aim.name(), error.message()));
+            part.notes.push(format!("rays at {}: {}", aim.name(), work.explain(&error)));
         }
     }
     let rows = &table.rows[first..];
@@ -160,7 +160,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
 
 /// From the middle of the scene.
 fn some_ray(work: &Work<'_>) -> Ray {
-    let bounds = work.input.scene.bounds();
+    let bounds = work.subject.scene.bounds();
     let middle = (bounds.min * 0.5 + bounds.max * 0.5).to_array();
     Ray { origin: middle, direction: [1.0, 0.0, 0.0] }
 }
@@ -177,7 +177,7 @@ fn one_aim(work: &Work<'_>, aim: Aim<'_>, ways: &[Way], table: &mut Table, part:
                     aim.name(),
                     way.accelerator,
                     way.factor,
-                    error.message()
+                    work.explain(&error)
                 ));
             }
         }
