@@ -63,7 +63,6 @@ pub mod stream;
 pub mod traverse_bvh;
 pub mod traverse_grid;
 pub mod units;
-mod vec64;
 pub mod walk;
 
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, Load, Loops, adapters};
