@@ -34,43 +34,34 @@
 //! # }).unwrap();
 //! ```
 
-pub mod accumulate;
-pub mod buffer;
-pub mod bvh;
+pub mod compose;
 pub mod executor;
 pub mod export;
-pub mod features;
-pub mod fused;
-pub mod generate;
-pub mod grid;
-pub mod image;
-pub mod intersect;
-pub mod kernel;
+pub mod history;
+pub mod numbers;
 pub mod options;
-pub mod parallel;
 pub mod plan;
-pub mod real;
+pub mod programs;
 pub mod renderer;
-pub mod samples;
 pub mod scene_data;
-pub mod schedule;
-pub mod setup;
-pub mod shade;
 pub mod shader;
 pub mod shared;
-pub mod state;
-pub mod stream;
-pub mod traverse_bvh;
-pub mod traverse_grid;
-pub mod units;
-pub mod walk;
+pub mod structures;
+pub mod tables;
 
-pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, Load, Loops, adapters};
-pub use grid::GridSize;
-pub use image::Image;
-pub use kernel::Kernel;
-pub use options::{Accelerator, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
-pub use plan::{Limits, Plan, PlanError};
+pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, Load, adapters};
+pub use options::samples::Samples;
+pub use options::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
+pub use plan::{Limits, Loops, Plan, PlanError};
+pub use programs::closest_hit::kernels::Kernel;
+pub use renderer::image::Image;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
-pub use samples::{Sampler, Samples};
-pub use stream::{Region, Stream, StreamData};
+pub use shared::samples::Sampler;
+pub use tables::stream::{Region, Stream, StreamData};
+
+// Where modules were before they had floors, until those who name them there are moved.
+pub use numbers::{real, units};
+pub use options::features;
+pub use programs::closest_hit::{kernels as kernel, schedule};
+pub use structures::{bvh, grid};
+pub use tables::{buffer, state, stream};

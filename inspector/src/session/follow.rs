@@ -34,7 +34,7 @@ impl Session {
             self.go(self.place() + 1, guide).await?;
             let place = self.place();
             let Some(pass) = self.passes().last().copied() else { break };
-            let is_worked_on = pass.kernel.info().active.contains(&before.tag);
+            let is_worked_on = pass.kernel.info().takes.contains(&before.tag);
             // A kernel leaves alone every ray that is not in its states: nothing to read back then.
             if is_worked_on || self.edits.iter().any(|e| (e.place, e.x, e.y) == (place, x, y)) {
                 let after = ray_state(&self.renderer, x, y).await?;

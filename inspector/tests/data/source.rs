@@ -76,7 +76,7 @@ fn follow(scene: &Scene, options: &Options, mut look: impl FnMut(&Renderer, Kern
     while let Some(pass) = pollster::block_on(renderer.step()).expect("a pass") {
         let after = states(&renderer);
         for (before, after) in before.iter().zip(&after) {
-            if pass.kernel.info().active.contains(&before.tag) {
+            if pass.kernel.info().takes.contains(&before.tag) {
                 look(&renderer, pass.kernel, before, after);
             }
         }

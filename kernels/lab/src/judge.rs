@@ -9,10 +9,10 @@ mod report;
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::parallel::map_ranges;
+use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::renderer::{RenderError, Renderer, found};
-use raystep_kernels::state::is_decided;
-use raystep_kernels::stream::{STATE_T, STATE_TAG, Stream, StreamData};
+use raystep_kernels::tables::state::is_decided;
+use raystep_kernels::tables::stream::{STATE_T, STATE_TAG, Stream, StreamData};
 
 use crate::rays::Random;
 use crate::reference::{BruteForce, Candidates, Mistake, candidates_of};

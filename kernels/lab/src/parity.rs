@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
-use raystep_kernels::state::{self, StateCounts, Tag};
+use raystep_kernels::tables::state::{self, StateCounts, Tag};
 use raystep_kernels::{
     Device, Gpu, Kernel, Limits, Options, Pass, Plan, PlanError, RenderError, Renderer, Stream, StreamData,
 };
@@ -161,7 +161,7 @@ fn record(
     let active = if rules.data.features.eye_rays && pass.kernel == Kernel::Fused {
         &unwritten[..]
     } else {
-        pass.kernel.info().active
+        pass.kernel.info().takes
     };
     let tags = after.iter().find(|(s, _)| s.stream == Stream::State).map(|(s, _)| s.layer(0)).unwrap_or_default();
     let tags_before = rules.before.iter().find(|s| s.stream == Stream::State).map(|s| s.layer(0)).unwrap_or_default();

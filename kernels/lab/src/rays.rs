@@ -22,8 +22,8 @@ mod random;
 
 use glam::DVec3;
 use raystep_kernels::named;
+use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::options::Ray;
-use raystep_kernels::parallel::map_ranges;
 use raystep_kernels::plan::given_width;
 use raystep_kernels::renderer::RayHit;
 use raystep_kernels::shared::constants::WORKGROUP;

@@ -21,7 +21,7 @@ mod exact;
 mod verdict;
 
 use glam::DVec3;
-use raystep_kernels::parallel::map_ranges;
+use raystep_kernels::numbers::parallel::map_ranges;
 
 pub use verdict::{Counts, Mistake, Verdict};
 

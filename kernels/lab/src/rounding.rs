@@ -6,16 +6,16 @@
 mod judge;
 mod nudge;
 
-use raystep_kernels::generate::eye_ray;
-use raystep_kernels::kernel::Kernel;
+use raystep_kernels::Kernel;
+use raystep_kernels::numbers::real::{Vec3, ulps};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::real::{Vec3, ulps};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::finite_inverse;
+use raystep_kernels::shared::camera::eye_ray;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::shared::grid_walk::smallest_axis;
 use raystep_kernels::shared::vector::smallest3;
-use raystep_kernels::stream::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
+use raystep_kernels::tables::stream::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
 
 use crate::reference::{Possible, possible};
 pub use judge::{Component, Judged, Verdict, judging_bytes};
@@ -50,7 +50,7 @@ impl Rounding<'_> {
     fn ray(&self, ray: usize) -> [[f32; 3]; 2] {
         if self.data.features.eye_rays {
             let (x, y) = (ray as u32 % self.plan.width, ray as u32 / self.plan.width);
-            let (origin, direction) = eye_ray::<f32>(self.data, x, y);
+            let (origin, direction) = eye_ray::<f32>(&self.data.camera, self.data.features.perspective, x, y);
             return [origin.to_array(), direction.to_array()];
         }
         let [direction, origin] = RAY.map(|s| self.floats(s, ray));

@@ -32,7 +32,7 @@ mod table;
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::grid::GridSize;
+use raystep_kernels::GridSize;
 use raystep_kernels::options::{Accelerator, Numerics, Options, RaySource, ScheduleKind};
 use raystep_kernels::plan::PlanError;
 use raystep_kernels::renderer::{Device, RenderError, Renderer};

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::stream::HIT_TRIANGLE;
+use raystep_kernels::tables::stream::HIT_TRIANGLE;
 use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Renderer, Stream};
 use raystep_scenes::Scene;
 use raystep_scenes::generate::{self, GenerateError};

@@ -1,68 +1,14 @@
 //! The twins, on all cores: the same streams as the GPU executor, one row of texels a ray.
 
 use crate::executor::PassResult;
-use crate::kernel::Kernel;
-use crate::parallel::for_chunks;
+use crate::numbers::parallel::for_chunks;
+use crate::numbers::real::Real;
 use crate::plan::{Bytes, Plan};
-use crate::real::{Real, Vec3};
+use crate::programs::closest_hit::kernels::Kernel;
 use crate::scene_data::SceneData;
-use crate::state::{self, StateCounts};
-use crate::stream::{Region, STATE_TAG, STREAMS, Stream, StreamData};
-
-/// A kernel's twin: one ray's work.
-pub type Twin<R> = fn(&mut Texels<'_, R>, &SceneData);
-
-/// Where each stream's components lie in a ray's row.
-#[derive(Clone, Copy, Debug)]
-struct Layout {
-    first: [Option<usize>; STREAMS.len()],
-    stride: usize,
-}
-
-/// The texels of one ray in every stream.
-pub struct Texels<'a, R: Real> {
-    row: &'a mut [R::Bits],
-    layout: &'a Layout,
-    /// Column of the ray's pixel.
-    pub x: u32,
-    /// Row of the ray's pixel, 0 at the top.
-    pub y: u32,
-}
-
-impl<R: Real> Texels<'_, R> {
-    fn index(&self, stream: Stream, layer: usize) -> usize {
-        // A stream that the plan left out is never asked for: the twins branch on the same options.
-        self.layout.first[stream as usize].map_or(usize::MAX, |first| first + layer)
-    }
-    /// A float component.
-    pub fn load(&self, stream: Stream, layer: usize) -> R {
-        R::from_bits(self.row[self.index(stream, layer)])
-    }
-    /// An integer component.
-    pub fn load_u32(&self, stream: Stream, layer: usize) -> u32 {
-        R::bits_to_u32(self.row[self.index(stream, layer)])
-    }
-    /// Three float components.
-    pub fn load_vec3(&self, stream: Stream) -> Vec3<R> {
-        Vec3::new(self.load(stream, 0), self.load(stream, 1), self.load(stream, 2))
-    }
-    /// Stores a float component.
-    pub fn store(&mut self, stream: Stream, layer: usize, value: R) {
-        let i = self.index(stream, layer);
-        self.row[i] = value.to_bits();
-    }
-    /// Stores an integer component.
-    pub fn store_u32(&mut self, stream: Stream, layer: usize, value: u32) {
-        let i = self.index(stream, layer);
-        self.row[i] = R::bits_from_u32(value);
-    }
-    /// Stores three float components.
-    pub fn store_vec3(&mut self, stream: Stream, value: Vec3<R>) {
-        self.store(stream, 0, value.x);
-        self.store(stream, 1, value.y);
-        self.store(stream, 2, value.z);
-    }
-}
+use crate::tables::state::{self, StateCounts};
+use crate::tables::stream::{Region, STATE_TAG, STREAMS, Stream, StreamData};
+use crate::tables::texels::{Layout, Texels};
 
 /// Runs twins over the rays of a plan.
 #[derive(Clone, Debug)]
@@ -93,11 +39,7 @@ impl<R: Real> CpuExecutor<R> {
     /// # Errors
     /// Where the system has not that much memory.
     pub fn new(plan: &Plan, clock: Option<fn() -> u64>) -> Result<Self, OutOfMemory> {
-        let mut layout = Layout { first: [None; STREAMS.len()], stride: 0 };
-        for stream in &plan.streams {
-            layout.first[stream.what as usize] = Some(layout.stride);
-            layout.stride += stream.what.layers();
-        }
+        let layout = Layout::of(plan.streams.iter().map(|stream| stream.what));
         let rays = plan.width as usize * plan.height as usize;
         let (count, mut texels) = (rays * layout.stride, Vec::new());
         let bytes = (count * size_of::<R::Bits>()) as u64;
@@ -155,7 +97,7 @@ impl<R: Real> CpuExecutor<R> {
                 for (i, row) in texels.chunks_exact_mut(stride).enumerate() {
                     let ray = *first + i;
                     let (x, y) = ((ray % width) as u32, (ray / width) as u32);
-                    twin(&mut Texels { row, layout: &layout, x, y }, scene);
+                    twin(&mut Texels::new(row, &layout, x, y), scene);
                     if let Some(tag) = tag {
                         counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
                     }

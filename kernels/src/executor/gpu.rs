@@ -2,7 +2,11 @@
 
 mod batch;
 mod books;
+mod clock;
+mod clock_check;
+mod compiled;
 mod device;
+mod error;
 mod fill;
 mod gate;
 mod load;
@@ -10,6 +14,7 @@ mod picture;
 mod pipelines;
 mod probe;
 mod read;
+pub mod readback;
 mod snapshot;
 mod timers;
 
@@ -18,23 +23,23 @@ use std::sync::Arc;
 use wgpu::util::DeviceExt as _;
 
 use books::Books;
-pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuError, GpuSource, adapters};
+pub use clock_check::ClockCheck;
+pub use device::{AdapterChoice, AdapterSummary, Gpu, GpuSource, adapters};
+pub use error::GpuError;
 use fill::Fill;
-pub(crate) use fill::{fill_bytes, given_bytes};
 pub use gate::Held;
 pub use load::Load;
 use pipelines::{Counting, Pipelines};
-pub use probe::Loops;
-pub use probe::clock::ClockCheck;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;
 
 use crate::options::Accelerator;
-use crate::plan::{COUNT_SLOTS, Plan};
+use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shared::constants::TURNS_A_TEST;
-use crate::stream::{STATE_TAG, Stream, StreamData, Texel};
+use crate::tables::sizes::COUNT_SLOTS;
+use crate::tables::stream::{STATE_TAG, Stream, StreamData, Texel};
 
 /// Runs kernels over the rays of a plan.
 pub struct GpuExecutor {
@@ -74,14 +79,14 @@ impl GpuExecutor {
         let mut buffers = Vec::new();
         for planned in &plan.buffers {
             let Some(contents) = data.bytes(planned.what) else { continue };
-            let is_uniform = crate::buffer::info(planned.what).is_some_and(|b| b.is_uniform);
+            let is_uniform = crate::tables::buffer::info(planned.what).is_some_and(|b| b.is_uniform);
             let kind = if is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
             let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
             let descriptor = wgpu::util::BufferInitDescriptor { label: Some(planned.what), contents, usage };
             buffers.push((planned.what, device.create_buffer_init(&descriptor)));
         }
         let books = Books::new(device, plan);
-        let pipelines = Pipelines::new(device, plan, &streams, &buffers, &books, data)?;
+        let pipelines = Pipelines::new(&gpu, plan, &streams, &buffers, &books, data)?;
         let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
         let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?, &books);
         let fill = Fill::new(device, &gpu.queue, plan);
@@ -105,7 +110,10 @@ impl GpuExecutor {
             resumes_light: plan.features.resumes_light,
         };
         executor.clear();
-        executor.gpu.pop_scopes(scopes).await?;
+        if let Err(error) = executor.gpu.pop_scopes(scopes).await {
+            executor.gpu.compiled.clear();
+            return Err(error);
+        }
         Ok(executor)
     }
 

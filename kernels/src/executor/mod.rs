@@ -2,10 +2,9 @@
 
 pub mod cpu;
 pub mod gpu;
-pub mod readback;
 
-use crate::kernel::Kernel;
-use crate::state::StateCounts;
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::tables::state::StateCounts;
 
 /// What one pass did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -271,8 +271,8 @@ impl<W: Write> PassesCsv<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::Kernel;
-    use crate::state::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+    use crate::programs::closest_hit::kernels::Kernel;
+    use crate::tables::state::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 
     fn run(timer: Option<Timer>) -> RunContext {
         RunContext {
@@ -292,7 +292,7 @@ mod tests {
     }
 
     fn pass(duration_ns: Option<u64>) -> Pass {
-        let mut counts = [0; crate::state::COUNT];
+        let mut counts = [0; crate::tables::state::COUNT];
         (counts[ISECT_NO_HIT as usize], counts[ISECT_HIT as usize]) = (3, 4);
         (counts[TRAV as usize], counts[SHADE as usize]) = (60, 5);
         Pass {

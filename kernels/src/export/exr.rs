@@ -23,10 +23,10 @@ use ::exr::prelude::{
     LineOrder, WritableImage as _,
 };
 
-use crate::image::Image;
 use crate::renderer::RayHit;
+use crate::renderer::image::Image;
 use crate::shared::constants::NO_TRIANGLE;
-use crate::stream::StreamData;
+use crate::tables::stream::StreamData;
 
 /// An EXR file was not written.
 #[derive(Debug, thiserror::Error)]
@@ -159,7 +159,7 @@ mod tests {
     use ::exr::prelude::{ReadChannels as _, ReadLayers as _};
 
     use super::*;
-    use crate::stream::Stream;
+    use crate::tables::stream::Stream;
 
     fn read(file: Vec<u8>) -> Vec<(String, FlatSamples)> {
         let image = ::exr::prelude::read()

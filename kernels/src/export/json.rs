@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::structure::{Structure, structure_bytes};
-use crate::executor::gpu::{AdapterSummary, Gpu, Loops};
-use crate::kernel::Kernel;
-use crate::plan::Plan;
+use crate::executor::gpu::{AdapterSummary, Gpu};
+pub use crate::plan::GridSummary;
+use crate::plan::{Loops, Plan, Structure};
+use crate::programs::closest_hit::kernels::Kernel;
+pub use crate::renderer::KernelSummary;
 use crate::renderer::RayHit;
-use crate::scene_data::SceneData;
-use crate::state::{self, StateCounts};
-use crate::stream::{Stream, Texel};
+use crate::tables::state::{self, StateCounts};
+use crate::tables::stream::{Stream, Texel};
 
 /// Version of the JSON objects here.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -149,56 +149,6 @@ pub struct RunOptions {
     pub seed: Option<u32>,
 }
 
-/// A grid in numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct GridSummary {
-    /// Cells along x, y and z.
-    pub cells: [i32; 3],
-    /// Cells with an empty list.
-    pub empty_cells: u64,
-    /// Entries of all lists.
-    pub references: u64,
-    /// Longest list.
-    pub longest_list: u32,
-    /// Whether rays leap over empty cells.
-    pub leaps: bool,
-    /// Bytes of the buffers that the run binds for it.
-    pub bytes: u64,
-    /// What cells were grown by, in traced units.
-    pub growth: f32,
-}
-
-impl GridSummary {
-    /// Of a run that has a grid.
-    #[must_use]
-    pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
-        if data.grid_cells.len() < 2 {
-            return None;
-        }
-        let lengths = || data.grid_cells.windows(2).map(|w| w[1] - w[0]);
-        Some(Self {
-            cells: data.grid.cells,
-            empty_cells: lengths().filter(|&n| n == 0).count() as u64,
-            references: data.grid_items.len() as u64,
-            longest_list: lengths().max().unwrap_or(0),
-            leaps: plan.features.skip,
-            bytes: structure_bytes(plan),
-            growth: data.growth,
-        })
-    }
-}
-
-/// A kernel's share of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct KernelSummary {
-    /// Passes.
-    pub passes: usize,
-    /// Rays worked on, summed over its passes.
-    pub rays_in: u64,
-    /// Device time; `null` unless every pass was timed.
-    pub duration_ns: Option<u64>,
-}
-
 /// How many rays hit something.
 #[must_use]
 pub fn hit_count(hits: &[Option<RayHit>]) -> u64 {
@@ -220,7 +170,7 @@ pub struct CounterSums {
 impl CounterSums {
     /// Of the values of the `counters` stream after a run of this plan; `None` for another stream.
     #[must_use]
-    pub fn of(data: &crate::stream::StreamData, plan: &Plan) -> Option<Self> {
+    pub fn of(data: &crate::tables::stream::StreamData, plan: &Plan) -> Option<Self> {
         let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
         (data.stream == Stream::Counters).then(|| Self {
             cells_visited: sum(0),

@@ -6,7 +6,7 @@
 
 use std::io::{self, Write};
 
-use crate::stream::{StreamData, Texel};
+use crate::tables::stream::{StreamData, Texel};
 
 /// Bytes before the data: magic, version, length and header, padded so that the data is aligned.
 pub const HEADER_BYTES: u64 = 128;
@@ -47,7 +47,7 @@ pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stream::Stream;
+    use crate::tables::stream::Stream;
 
     #[test]
     fn the_header_is_padded_and_the_bits_are_kept() {

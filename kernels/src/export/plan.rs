@@ -3,14 +3,13 @@
 use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
-use super::structure::Structure;
-use crate::kernel::Kernel;
 use crate::options::Accelerator;
-use crate::plan::{Because, Plan, Planned, element};
+use crate::plan::{Because, Plan, Planned, Structure, element};
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::programs::closest_hit::schedule::Step;
 use crate::scene_data::SceneData;
-use crate::schedule::Step;
 use crate::shader::{Resource, Variant};
-use crate::state;
+use crate::tables::state;
 
 /// A plan, for `raystep plan --json`.
 #[derive(Clone, Debug, Serialize)]
@@ -128,7 +127,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
         PlannedKernel {
             name: info.name,
             summary: info.summary,
-            rays_in: info.active.iter().map(|&tag| state::name(tag)).collect(),
+            rays_in: info.takes.iter().map(|&tag| state::name(tag)).collect(),
             bindings: bindings.collect(),
         }
     };

@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use super::csv::{RunContext, rays_out};
 use crate::renderer::Pass;
-use crate::state::{self, COUNT, StateCounts};
+use crate::tables::state::{self, COUNT, StateCounts};
 
 /// One run is one process.
 const PROCESS: u32 = 1;
@@ -192,7 +192,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
-    use crate::kernel::Kernel;
+    use crate::programs::closest_hit::kernels::Kernel;
 
     fn pass(index: usize, time: Option<(u64, u64)>, shaded: u32) -> Pass {
         let mut counts = [0; COUNT];

@@ -2,14 +2,15 @@
 
 use raystep_scenes::{Projection, Scene};
 
-use super::{Bytes, Limits};
-use crate::bvh::BvhError;
-use crate::grid::GridError;
+use super::limits::Limits;
+use crate::numbers::bytes::Bytes;
+use crate::numbers::units::Units;
+use crate::options::samples::Samples;
 use crate::options::{Options, RaySource};
-use crate::samples::Samples;
-use crate::scene_data::traced_camera;
+use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
-use crate::units::Units;
+use crate::structures::bvh::BvhError;
+use crate::structures::grid::GridError;
 
 /// A run that cannot be planned.
 #[derive(Debug, thiserror::Error)]
@@ -106,6 +107,16 @@ pub enum PlanError {
     /// A kernel of ours is wrong.
     #[error(transparent)]
     Shader(#[from] ShaderError),
+}
+
+impl From<SceneDataError> for PlanError {
+    fn from(error: SceneDataError) -> Self {
+        match error {
+            SceneDataError::OutOfMemory { name, bytes } => Self::OutOfMemory { name, bytes },
+            SceneDataError::Grid(error) => Self::Grid(error),
+            SceneDataError::Bvh(error) => Self::Bvh(error),
+        }
+    }
 }
 
 /// Most texels of all textures: two words each must have a 32-bit index, and a row's product a sign.
@@ -220,14 +231,6 @@ const TEXEL_BYTES: u64 = 8;
 pub(super) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanError> {
     let texels: u64 = scene.textures.iter().map(|t| t.texels.len() as u64).sum();
     check_buffer("texels", texels * TEXEL_BYTES, limits)
-}
-
-/// An empty list with room for as many elements as the scene has of them.
-pub(crate) fn reserve<T>(name: &'static str, count: usize) -> Result<Vec<T>, PlanError> {
-    let mut list = Vec::new();
-    let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
-    list.try_reserve_exact(count).map_err(|_| PlanError::OutOfMemory { name, bytes })?;
-    Ok(list)
 }
 
 pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {

@@ -3,14 +3,14 @@
 use raystep_scenes::{Light, Projection, Scene};
 
 use super::{Because, LeftOut, Plan};
-use crate::buffer::BUFFERS;
-use crate::features::Features;
-use crate::kernel::{KERNELS, Kernel};
+use crate::numbers::units::Units;
+use crate::options::features::Features;
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
-use crate::samples::Sampler;
+use crate::programs::closest_hit::kernels::{KERNELS, Kernel};
 use crate::scene_data::traced_camera;
-use crate::stream::{STREAMS, Stream};
-use crate::units::Units;
+use crate::shared::samples::Sampler;
+use crate::tables::buffer::BUFFERS;
+use crate::tables::stream::{STREAMS, Stream};
 
 /// Decides every option of the kernels.
 pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerator, units: Units) -> Features {

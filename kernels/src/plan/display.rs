@@ -2,25 +2,12 @@
 
 use std::fmt;
 
+use super::structure::Structure;
 use super::{Because, Plan};
-use crate::buffer;
-use crate::export::structure::Structure;
+use crate::numbers::bytes::Bytes;
 use crate::shader::Resource;
-use crate::state;
-
-/// A byte count as people read it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bytes(pub u64);
-
-impl fmt::Display for Bytes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let units = [(1u64 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB")];
-        match units.iter().find(|(size, _)| self.0 >= *size) {
-            Some((size, name)) => write!(f, "{:.1} {name}", self.0 as f64 / *size as f64),
-            None => write!(f, "{} bytes", self.0),
-        }
-    }
-}
+use crate::tables::buffer;
+use crate::tables::state;
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -62,7 +49,7 @@ impl Plan {
         writeln!(f, "\nkernels")?;
         for variant in &self.variants {
             let info = variant.kernel.info();
-            let states: Vec<_> = info.active.iter().map(|&t| state::name(t)).collect();
+            let states: Vec<_> = info.takes.iter().map(|&t| state::name(t)).collect();
             writeln!(f, "  {:<14} {} (rays in {})", info.name, info.summary, states.join(", "))?;
             for binding in &variant.bindings {
                 let access = match (binding.reads, binding.writes) {

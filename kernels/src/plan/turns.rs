@@ -5,8 +5,8 @@
 //! that lasts too long. So no thread takes more turns than [`Limits::turns`] and a step. Where the bounds here say that
 //! none can need as many, nothing of this is compiled.
 
-use super::{Limits, TURNS_WITHOUT_LIMIT};
-use crate::features::Features;
+use super::limits::{Limits, TURNS_WITHOUT_LIMIT};
+use crate::options::features::Features;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
 

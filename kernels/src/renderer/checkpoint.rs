@@ -8,8 +8,8 @@ use super::{Executor, RenderError, Renderer};
 use crate::executor::cpu::CpuExecutor;
 use crate::executor::gpu::Snapshot;
 use crate::plan::Plan;
-use crate::schedule::Cursor;
-use crate::state::StateCounts;
+use crate::programs::closest_hit::schedule::Cursor;
+use crate::tables::state::StateCounts;
 
 /// Everything that the passes to come depend on, after some pass of a run. What runs on a GPU is kept on the GPU.
 pub struct Checkpoint {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{Executor, RenderError, Renderer};
-use crate::state::{self, StateCounts};
-use crate::stream::{Region, STATE_TAG, Stream, StreamData};
+use crate::tables::state::{self, StateCounts};
+use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 
 impl Renderer {
     /// Replaces a stream's values; the next pass works on them. False where the plan left it out or the

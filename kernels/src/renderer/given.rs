@@ -1,15 +1,12 @@
 //! Rays from outside: what `generate` would have written.
 
+use crate::numbers::units::exp2;
 use crate::options::Ray;
 use crate::plan::Plan;
 use crate::scene_data::{SceneData, traced_ray};
 use crate::shared::constants::INF;
-use crate::state;
-use crate::stream::{STATE_T, Stream, StreamData};
-use crate::units::exp2;
-
-/// The streams that rays from outside begin with.
-pub(crate) const GIVEN: [Stream; 3] = [Stream::RayOrigin, Stream::RayDirection, Stream::State];
+use crate::tables::state;
+use crate::tables::stream::{INPUTS, STATE_T, Stream, StreamData};
 
 /// Rays from outside, as streams, and the exponent of each one's t.
 pub(super) struct GivenRays {
@@ -26,7 +23,7 @@ impl GivenRays {
             height: plan.height,
             bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
         };
-        let mut streams = GIVEN.map(unwritten);
+        let mut streams = INPUTS.map(unwritten);
         let any_hit = data.features.any_hit;
         let mut exponents = Vec::with_capacity(rays.len());
         for (i, ray) in rays.iter().take(texels).enumerate() {

@@ -1,10 +1,10 @@
 //! A run of one ray alone: the same plan, the same kernels and the same texel, with every other ray left out.
 
 use super::{RenderError, Renderer};
-use crate::kernel::Kernel;
-use crate::schedule::Step;
-use crate::state;
-use crate::stream::{Region, STATE_TAG, Stream, StreamData};
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::programs::closest_hit::schedule::Step;
+use crate::tables::state;
+use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 
 impl Renderer {
     /// Whether a ray alone goes through the same passes, by the same numbers, as it does beside all others: so it is

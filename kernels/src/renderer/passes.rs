@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 use super::{Executor, Pass, Progress, RenderError, Renderer};
 use crate::executor::PassResult;
 use crate::executor::gpu::MOST_PASSES;
-use crate::kernel::Kernel;
-use crate::state;
-use crate::stream::{STATE_TAG, Stream};
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::tables::state;
+use crate::tables::stream::{STATE_TAG, Stream};
 
 /// Rays times passes of one submission at most, or two passes.
 const RAYS_A_BATCH: u64 = 1 << 26;

@@ -2,9 +2,21 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use super::Pass;
-use crate::export::json::KernelSummary;
-use crate::kernel::Kernel;
+use crate::programs::closest_hit::kernels::Kernel;
+
+/// A kernel's share of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct KernelSummary {
+    /// Passes.
+    pub passes: usize,
+    /// Rays worked on, summed over its passes.
+    pub rays_in: u64,
+    /// Device time; `null` unless every pass was timed.
+    pub duration_ns: Option<u64>,
+}
 
 /// What some passes sum up to. It takes the same memory however many there are.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! What a run has found so far: streams as they are, and the image and hits that are in them.
 
 use super::{Executor, RenderError, Renderer};
-use crate::image::Image;
+use crate::numbers::units::exp2;
+use crate::renderer::image::Image;
 use crate::shared::constants::{INF, NO_TRIANGLE};
-use crate::stream::{HIT_TRIANGLE, Region, STATE_T, Stream, StreamData};
-use crate::units::exp2;
+use crate::tables::stream::{HIT_TRIANGLE, Region, STATE_T, Stream, StreamData};
 
 /// What one ray hit, in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,9 +6,9 @@
 //! is a byte a node, and where it fails the proof does.
 
 use super::SceneData;
-use crate::bvh::WideNode;
-use crate::features::Features;
+use crate::options::features::Features;
 use crate::shared::constants::wide_stack;
+use crate::shared::wide_node::WideNode;
 
 /// Words or vectors of a buffer are counted in u32 by the shader, as `stride * index + rest`.
 fn is_counted_in_u32(entries: usize, stride: usize) -> bool {

@@ -2,11 +2,12 @@
 
 use raystep_scenes::{Light as SceneLight, Scene, Texture as SceneTexture, Wrap};
 
+use super::error::{SceneDataError, reserve};
+use crate::numbers::srgb::srgb_to_linear;
+use crate::numbers::units::Units;
 use crate::options::{Options, RaySource};
-use crate::plan::{PlanError, reserve};
-use crate::shade::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
+use crate::shared::shading::{DIRECTIONAL, Light, Material, NO_TEXTURE, POINT, SPOT};
 use crate::shared::texture::Texture;
-use crate::units::Units;
 
 /// Linear colour of rays that hit nothing.
 pub const BACKGROUND: [f32; 3] = [0.015, 0.018, 0.024];
@@ -54,7 +55,7 @@ pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Ligh
 }
 
 /// All texels in one buffer, linear, 16 bits a channel: fine enough for 8-bit sRGB's darkest steps.
-pub(super) fn textures(textures: &[SceneTexture]) -> Result<(Vec<Texture>, Vec<u32>), PlanError> {
+pub(super) fn textures(textures: &[SceneTexture]) -> Result<(Vec<Texture>, Vec<u32>), SceneDataError> {
     let white = [SceneTexture {
         width: 1,
         height: 1,
@@ -86,16 +87,4 @@ pub(super) fn textures(textures: &[SceneTexture]) -> Result<(Vec<Texture>, Vec<u
         );
     }
     Ok((infos, words))
-}
-
-/// IEC 61966-2-1.
-#[must_use]
-pub fn srgb_to_linear(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-}
-
-/// IEC 61966-2-1.
-#[must_use]
-pub fn linear_to_srgb(v: f32) -> f32 {
-    if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }

@@ -2,10 +2,10 @@
 
 use raystep_scenes::{Camera as SceneCamera, Projection, Scene};
 
-use crate::generate::Camera;
-use crate::grid;
+use crate::numbers::units::{Units, exp2, floor_log2};
 use crate::options::{Options, Ray, RaySource};
-use crate::units::{Units, exp2, floor_log2};
+use crate::shared::camera::Camera;
+use crate::structures::grid;
 
 /// What boxes of a tree are grown by, in traced units: as much as the grid's cells, and 24 roundings for the
 /// slab test. Its planes lie at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's
@@ -20,7 +20,7 @@ pub(super) fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Ve
     // The tree of an empty scene has a leaf that nothing enters.
     let items = items.filter(|_| !vertices.is_empty());
     let mut packed = vec![[0; 12]; items.map_or(vertices.len() / 9, Vec::len)];
-    crate::parallel::for_chunks(&mut packed, 1 << 14, |first, piece| {
+    crate::numbers::parallel::for_chunks(&mut packed, 1 << 14, |first, piece| {
         for (i, to) in piece.iter_mut().enumerate() {
             let id = items.map_or((first + i) as u32, |items| items[first + i]);
             let from = &vertices[9 * id as usize..9 * id as usize + 9];
@@ -35,7 +35,7 @@ pub(super) fn traced_vertices(scene: &Scene, units: Units) -> Vec<f32> {
     let mut vertices = scene.triangles.as_flattened().as_flattened().to_vec();
     let scale = units.scale();
     if scale != 1.0 {
-        crate::parallel::for_chunks(&mut vertices, 1 << 16, |_, piece| {
+        crate::numbers::parallel::for_chunks(&mut vertices, 1 << 16, |_, piece| {
             for v in piece {
                 *v = (f64::from(*v) * scale) as f32;
             }
@@ -80,7 +80,7 @@ pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
 /// power of two, so that a small move of the camera does not change the grid.
 pub(super) fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
     let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |m, v| m.max(v.abs()));
-    let scene = crate::parallel::map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range]));
+    let scene = crate::numbers::parallel::map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range]));
     let scene = largest_of(&scene);
     let origins = match &options.rays {
         RaySource::Camera { camera, width, height } => {

@@ -1,8 +1,52 @@
 //! Twin of `bvh_walk.wgsl`: one step through the binary tree, without a stack.
 
+use bytemuck::{Pod, Zeroable};
+
 use super::constants::{NO_NODE, PARALLEL};
-use crate::bvh::BvhNode;
-use crate::real::{Real, Vec3};
+use crate::numbers::real::{Real, Vec3};
+
+/// A node: its box, and what is in it.
+///
+/// `link` has the number of triangles in bits 0 to 29. Where it is 0, the node's children are nodes `first` and
+/// `first + 1`, ordered by their centres along the axis in bits 30 and 31 (0 to 2), the one along which they
+/// differ most: a ray that does not go down that axis enters `first` first. Otherwise the node is a leaf with
+/// items `first .. first + count`, [`MAX_LEAF`](crate::structures::bvh::MAX_LEAF) at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BvhNode {
+    /// Lower corner, traced units.
+    pub min: [f32; 3],
+    /// First child or first item.
+    pub first: u32,
+    /// Upper corner, traced units.
+    pub max: [f32; 3],
+    /// Axis and count.
+    pub link: u32,
+}
+
+/// `link` of the root of a tree without triangles: axis 3, count 0. Its box is the one point (`f32::MAX`,
+/// `f32::MAX`, `f32::MAX`), which a ray whose direction is shorter than 2^27 reaches at no t up to 2^100.
+pub const EMPTY: u32 = 3 << 30;
+
+impl BvhNode {
+    /// Triangles of a leaf; 0 for an inner node and for the root of an empty tree.
+    #[must_use]
+    pub fn count(&self) -> u32 {
+        self.link & 0x3fff_ffff
+    }
+
+    /// Axis that the children of an inner node are ordered along.
+    #[must_use]
+    pub fn axis(&self) -> usize {
+        (self.link >> 30) as usize
+    }
+
+    /// Whether it has children.
+    #[must_use]
+    pub fn is_inner(&self) -> bool {
+        self.count() == 0 && self.link != EMPTY
+    }
+}
 
 /// A ray's place in the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

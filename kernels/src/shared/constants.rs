@@ -1,14 +1,12 @@
 //! Numbers that kernels and twins share. They become the WGSL module `package::constants`.
 
-use crate::bvh::WIDE_MAX_DEPTH;
-
 /// Farther than any t: the value of t without a hit and of `tmax` along an axis that is never crossed.
 /// 2¹⁰⁰ and not infinity, because WGSL may assume that infinities do not occur.
 pub const INF: f32 = 1.267_650_6e30;
 
 /// A direction component below this (2⁻⁶⁴) cannot carry the ray across one cell's width of rounding
 /// error inside the grid: with t at most 2²⁸ in traced units, it moves by less than 2⁻³⁶, far less than
-/// what every cell is grown by (see [`crate::grid`]). Dividing by anything larger stays below [`INF`].
+/// what every cell is grown by (see [`crate::structures::grid`]). Dividing by anything larger stays below [`INF`].
 pub const PARALLEL: f32 = 5.421_011e-20;
 
 /// The paper's threshold for the same question (§4.2.3), absolute.
@@ -39,7 +37,10 @@ pub const LIST_GROUPS: u32 = 8;
 pub const NOBODY: u32 = 0xffff_ffff;
 
 /// The parent of a tree's root, and where a ray is that has finished its walk through a tree.
-pub const NO_NODE: u32 = crate::bvh::NO_NODE;
+pub const NO_NODE: u32 = 0xffff_ffff;
+
+/// Most levels of a wide tree: what a walk with an entry of its stack a level needs.
+pub const WIDE_MAX_DEPTH: u32 = 32;
 
 /// The cell of a search that has not begun.
 pub const NO_CELL: u32 = 0xffff_ffff;

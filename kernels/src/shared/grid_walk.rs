@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::constants::{INF, PAPER_PARALLEL, PARALLEL};
 use super::vector::smallest3;
-use crate::real::{Real, Vec3};
+use crate::numbers::real::{Real, Vec3};
 
 /// The uniform `grid`.
 #[repr(C)]

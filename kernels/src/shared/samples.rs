@@ -11,7 +11,28 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::samples::Sampler;
+use crate::numbers::named::named;
+
+/// How samples are spread over a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sampler {
+    /// Evenly: each pixel has a scrambled Sobol' sequence of its own, any 2ᵏ of which from a multiple of 2ᵏ on have
+    /// one point in each of 2ᵏ equal boxes, however these are cut. The error falls about as N^-0.75 at an edge.
+    #[default]
+    Sobol,
+    /// Independently, as measure of the other. The error falls as N^-0.5.
+    Random,
+}
+
+named!(Sampler, "sobol, random", Sobol "sobol", Random "random");
+
+impl Sampler {
+    /// Where in its pixel, from 0 to below 1 rightwards and downwards, a sample lies. The same bits as in kernels.
+    #[must_use]
+    pub fn place(self, pixel: [u32; 2], sample: u32, seed: u32) -> [f32; 2] {
+        jitter(self, pixel, sample, seed)
+    }
+}
 
 /// The uniform `sampling`.
 #[repr(C)]

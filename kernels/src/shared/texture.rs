@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::real::{Real, Vec3};
+use crate::numbers::real::{Real, Vec3};
 
 /// An entry of the buffer `textures`.
 #[repr(C)]

@@ -2,7 +2,7 @@
 
 use super::constants::{INF, PAPER_EPSILON};
 use super::vector::{cross3, dot3};
-use crate::real::{Real, Vec3};
+use crate::numbers::real::{Real, Vec3};
 
 /// The result of one test.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Twin of `vector.wgsl`.
 
-use crate::real::{Real, Vec3};
+use crate::numbers::real::{Real, Vec3};
 
 /// Dot product, summed from x to z.
 pub fn dot3<R: Real>(a: Vec3<R>, b: Vec3<R>) -> R {

@@ -1,8 +1,8 @@
 //! Twin of `wide_walk.wgsl`: one node of the compressed eight-wide tree.
 
 use super::bvh_walk::finite_inverse;
-use crate::bvh::WideNode;
-use crate::real::{Real, Vec3};
+use super::wide_node::WideNode;
+use crate::numbers::real::{Real, Vec3};
 
 /// Words of a restart trail, eight levels each.
 pub const TRAIL_WORDS: usize = 4;

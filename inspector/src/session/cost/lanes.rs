@@ -68,7 +68,7 @@ impl Lanes {
         }
         let is_active = |tag: &Tag| match kernel {
             Kernel::Fused if plan.features.eye_rays => *tag == state::UNWRITTEN || *tag == state::TRAV_SETUP,
-            _ => kernel.info().active.contains(tag),
+            _ => kernel.info().takes.contains(tag),
         };
         let side = kernel.workgroup();
         let columns = width.next_multiple_of(side) / TILE[0];

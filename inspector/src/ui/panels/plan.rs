@@ -113,7 +113,7 @@ fn kernels(ui: &mut Ui, plan: &Plan) {
                 let bound = variant.bindings.iter().filter(|b| wanted(b.reads, b.writes));
                 bound.map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
             };
-            let states: Vec<_> = info.active.iter().map(|&tag| state::name(tag)).collect();
+            let states: Vec<_> = info.takes.iter().map(|&tag| state::name(tag)).collect();
             ui.monospace(info.name).on_hover_text(format!("{}\nworks on rays in {}", info.summary, states.join(", ")));
             ui.label(format!("{} bindings", variant.bindings.len())).on_hover_text(format!(
                 "reads: {}\nwrites: {}\nupdates in place: {}",

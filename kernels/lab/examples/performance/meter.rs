@@ -14,7 +14,7 @@ use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shader::Variant;
-use raystep_kernels::state::StateCounts;
+use raystep_kernels::tables::state::StateCounts;
 use raystep_kernels::{
     Accelerator, Gpu, GridSize, Kernel, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Skip, Stream,
 };

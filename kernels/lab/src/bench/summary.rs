@@ -156,8 +156,8 @@ pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::kernel::Kernel;
-    use raystep_kernels::state::StateCounts;
+    use raystep_kernels::Kernel;
+    use raystep_kernels::tables::state::StateCounts;
 
     use super::*;
 

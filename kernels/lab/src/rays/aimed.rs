@@ -154,7 +154,7 @@ fn in_face(scene: &Scene, planes: &Planes, i: usize, random: &mut Random) -> DVe
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::grid::GridSize;
+    use raystep_kernels::GridSize;
     use raystep_kernels::options::{Options, RaySource};
     use raystep_kernels::plan::{Limits, Plan};
     use raystep_scenes::generate;

@@ -7,8 +7,8 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::state;
-use raystep_kernels::stream::STATE_TAG;
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind, Stream};
 
 use super::judge::Judge;

@@ -1,10 +1,10 @@
 //! Two outcomes of one pass, ray by ray.
 
+use raystep_kernels::Kernel;
 use raystep_kernels::executor::cpu::OutOfMemory;
-use raystep_kernels::kernel::Kernel;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::stream::{HIT_TRIANGLE, Stream, StreamData};
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, Stream, StreamData};
 
 use super::Rounding;
 

@@ -5,7 +5,7 @@ use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::stream::{HIT_TRIANGLE, Stream, StreamData};
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, Stream, StreamData};
 
 use super::{RAY, Rounding};
 

@@ -7,8 +7,8 @@ use raystep_kernels::export::csv;
 use raystep_kernels::options::{Accelerator, Numerics, Options, Rule, ScheduleKind, Skip};
 use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
-use raystep_kernels::stream::{STATE_CELL, STATE_TAG, Stream, StreamData};
+use raystep_kernels::tables::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
+use raystep_kernels::tables::stream::{STATE_CELL, STATE_TAG, Stream, StreamData};
 
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, make};

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use raystep_kernels::grid::GridSize;
+use raystep_kernels::GridSize;
 use raystep_kernels::options::{Ray, RaySource};
 use raystep_scenes::{Camera, Material, Projection, Scene, generate};
 

@@ -1,6 +1,6 @@
 //! Rays in the faces, along the edges and through the corners of a grid's cells.
 
-use raystep_kernels::grid::GridSize;
+use raystep_kernels::GridSize;
 use raystep_kernels::options::{Options, Ray, RaySource};
 use raystep_kernels::plan::{Limits, Plan};
 use raystep_kernels::shared::grid_walk::Grid;

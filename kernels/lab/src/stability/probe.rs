@@ -5,11 +5,11 @@
 //! on a device only as far as this probe finds no difference there.
 
 use raystep_kernels::export::csv;
+use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
-use raystep_kernels::real::ulps;
 use raystep_kernels::renderer::{Device, Renderer};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, Stream};
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T, Stream};
 
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, Workload, make};

@@ -4,11 +4,11 @@ use super::books::{Place, counts_after, read_sent};
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
-use crate::executor::readback::Readback;
-use crate::kernel::Kernel;
-use crate::plan::COUNT_SLOT_BYTES;
+use crate::executor::gpu::readback::Readback;
+use crate::programs::closest_hit::kernels::Kernel;
 use crate::shared::constants::WORKGROUP;
-use crate::state::StateCounts;
+use crate::tables::sizes::COUNT_SLOT_BYTES;
+use crate::tables::state::StateCounts;
 
 /// Where `first_row` lies in the uniform `scene`, in bytes.
 const FIRST_ROW: u64 = 12;

@@ -1,9 +1,10 @@
 //! The passes' books: how many rays each pass sent where, and the lists of live rays.
 
-use crate::kernel::Kernel;
-use crate::plan::{COUNT_SLOT_BYTES, COUNT_SLOTS, Plan};
+use crate::plan::Plan;
+use crate::programs::closest_hit::kernels::Kernel;
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
-use crate::state::{COUNT, StateCounts, Tag};
+use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS};
+use crate::tables::state::{COUNT, StateCounts, Tag};
 
 /// Rays of one row of an indirect dispatch.
 const RAYS_A_ROW: u32 = LIST_SIDE * LIST_SIDE * LIST_GROUPS;
@@ -213,7 +214,7 @@ impl Books {
             let kernel = self.kernels[index];
             let ids: Vec<u32> = (0u32..)
                 .zip(tags)
-                .filter(|(_, tag)| kernel.info().active.contains(tag))
+                .filter(|(_, tag)| kernel.info().takes.contains(tag))
                 .map(|(i, _)| (i % width) | ((i / width) << 16))
                 .collect();
             if !ids.is_empty() {
@@ -271,7 +272,7 @@ pub(super) fn is_dynamic(name: &str) -> bool {
 /// Counts after a pass, from those before it and what it sent.
 pub(super) fn counts_after(kernel: Kernel, before: &StateCounts, sent: &StateCounts) -> StateCounts {
     let mut after = *before;
-    let active = kernel.info().active;
+    let active = kernel.info().takes;
     active.iter().for_each(|&tag| after[tag as usize] = 0);
     match kernel.sends_all_to() {
         Some(to) => after[to as usize] += kernel.live(before),

@@ -2,9 +2,12 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::gate::Gate;
-use super::probe::clock::{self, ClockCheck};
-use super::probe::{Loops, loops};
+use super::clock_check::ClockCheck;
+use super::compiled::Pipelines;
+use super::error::{GpuError, first_line};
+use super::gate::{Gate, Held};
+use super::probe::loops;
+use crate::plan::{Limits, Loops};
 
 /// A device, its queue, and what became of it.
 pub struct Gpu {
@@ -22,14 +25,15 @@ pub struct Gpu {
     /// Where the device comes from: what a window needs to show what is drawn on it.
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
-    pub(super) gate: Gate,
-    clock: OnceLock<Clock>,
+    pub(super) gate: Arc<Gate>,
+    pub(super) compiled: Pipelines,
+    pub(super) clock: OnceLock<Clock>,
 }
 
 /// The host's clock, and what the device's said beside it.
-struct Clock {
-    now: fn() -> u64,
-    check: Option<ClockCheck>,
+pub(super) struct Clock {
+    pub(super) now: fn() -> u64,
+    pub(super) check: Option<ClockCheck>,
 }
 
 /// Where a device comes from.
@@ -64,51 +68,6 @@ pub struct AdapterSummary {
     pub is_usable: bool,
     /// What it makes of long loops; `None` where it gives no device.
     pub loops: Option<Loops>,
-}
-
-/// Something is wrong with the device.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum GpuError {
-    /// No adapter, or none by that name.
-    #[error("no GPU adapter {0}")]
-    NoAdapter(String),
-    /// The adapter gives no device.
-    #[error("the adapter {adapter:?} gives no device: {message}")]
-    NoDevice {
-        /// The adapter.
-        adapter: String,
-        /// What it says.
-        message: String,
-    },
-    /// The device was lost.
-    #[error("the GPU device was lost ({0}): what was on it is gone; run again, or with --device cpu")]
-    Lost(String),
-    /// Not enough memory.
-    #[error("the GPU has not enough memory: {0}")]
-    OutOfMemory(String),
-    /// The device refused a call. This is a defect of raystep or of the driver.
-    #[error("the GPU device refused a call: {0}")]
-    Refused(String),
-    /// A read-back failed.
-    #[error("reading back from the GPU failed: {0}")]
-    Readback(String),
-    /// Something was asked for that the plan left out.
-    #[error("{0:?} is not part of this run's plan")]
-    Missing(&'static str),
-}
-
-impl From<wgpu::Error> for GpuError {
-    fn from(error: wgpu::Error) -> Self {
-        match &error {
-            wgpu::Error::OutOfMemory { .. } => Self::OutOfMemory(first_line(&error.to_string())),
-            _ => Self::Refused(first_line(&error.to_string())),
-        }
-    }
-}
-
-/// A message for one line: wgpu's chain of causes, joined.
-fn first_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// An instance without debug layers, and without validation of indirect dispatches: it costs a pass of
@@ -168,6 +127,12 @@ fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
         wgpu::DeviceType::Cpu => 4,
     };
     (kind, u8::from(info.backend == wgpu::Backend::Gl))
+}
+
+impl From<&Gpu> for Limits {
+    fn from(gpu: &Gpu) -> Self {
+        Self::of_adapter(&gpu.device.limits(), gpu.loops)
+    }
 }
 
 impl Gpu {
@@ -252,26 +217,10 @@ impl Gpu {
             loops,
             source,
             trouble,
-            gate: Gate::default(),
+            gate: Arc::default(),
+            compiled: Pipelines::default(),
             clock,
         }))
-    }
-
-    /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. Only once, before anything
-    /// that is to be timed is made; without it, no pass on this device has a time.
-    ///
-    /// # Errors
-    /// Where the device is lost or refuses.
-    pub async fn check_clock(self: &Arc<Self>, now: fn() -> u64) -> Result<(), GpuError> {
-        if self.clock.get().is_none() {
-            let check = match self.timestamp_period_ns {
-                Some(period_ns) => Some(clock::check(self, period_ns, now).await?),
-                None => None,
-            };
-            // Another's that was quicker is as good.
-            let _ = self.clock.set(Clock { now, check });
-        }
-        Ok(())
     }
 
     /// What the device's clock said beside the host's, where it has one and they were compared.
@@ -345,5 +294,20 @@ impl Gpu {
             }
             caught.map_or(Ok(()), |error| Err(error.into()))
         }
+    }
+
+    /// Hands work to the queue. Waits only while somebody [holds it back](Self::hold_back), never for the GPU.
+    /// All work goes this way but that of the thread that draws a window.
+    pub fn submit(&self, work: impl IntoIterator<Item = wgpu::CommandBuffer>) {
+        #[expect(clippy::disallowed_methods, reason = "the one place where it is called")]
+        self.gate.pass(|| {
+            self.queue.submit(work);
+        });
+    }
+
+    /// Holds back everything that other threads submit, until the answer is dropped. The thread that asks for this
+    /// must not submit while it has it.
+    pub fn hold_back(self: &Arc<Self>) -> Held {
+        self.gate.hold_back()
     }
 }

@@ -1,7 +1,8 @@
 //! What every stream begins with, kept on the GPU: a restart copies it and uploads nothing.
 
-use crate::plan::{FILL_TEXELS, Plan};
-use crate::stream::{STREAMS, Stream, StreamData};
+use crate::plan::Plan;
+use crate::tables::sizes::{fill_bytes, fill_rows, fill_values, given_bytes, pitch};
+use crate::tables::stream::{Stream, StreamData};
 
 /// Constant texels, and the streams that were given.
 pub(super) struct Fill {
@@ -13,37 +14,9 @@ pub(super) struct Fill {
     height: u32,
 }
 
-/// Texels between two rows in a buffer: a copy wants them 256 bytes apart.
-pub(super) fn pitch(width: u32) -> u32 {
-    width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4)
-}
-
-/// The values that streams begin with.
-fn values() -> Vec<u32> {
-    let mut values: Vec<u32> = STREAMS.iter().flat_map(|s| s.unwritten).copied().collect();
-    values.sort_unstable();
-    values.dedup();
-    values
-}
-
-/// Rows that one copy of a constant fills.
-fn rows(width: u32, height: u32) -> u32 {
-    (FILL_TEXELS / pitch(width)).clamp(1, height)
-}
-
-/// Bytes of the constants.
-pub(crate) fn fill_bytes(width: u32, height: u32) -> u64 {
-    4 * u64::from(pitch(width)) * u64::from(rows(width, height)) * values().len() as u64
-}
-
-/// Bytes of the copy of a given stream.
-pub(crate) fn given_bytes(stream: Stream, width: u32, height: u32) -> u64 {
-    4 * u64::from(pitch(width)) * u64::from(height) * stream.layers() as u64
-}
-
 impl Fill {
     pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> Self {
-        let (values, part) = (values(), (rows(plan.width, plan.height) * pitch(plan.width)) as usize);
+        let (values, part) = (fill_values(), (fill_rows(plan.width, plan.height) * pitch(plan.width)) as usize);
         let constants = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("fill"),
             size: fill_bytes(plan.width, plan.height),
@@ -88,7 +61,7 @@ impl Fill {
     /// Every stream to what it begins with.
     pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, streams: &[(Stream, wgpu::Texture)]) {
         let (width, height, pitch) = (self.width, self.height, pitch(self.width));
-        let band = rows(width, height);
+        let band = fill_rows(width, height);
         let part = 4 * u64::from(band) * u64::from(pitch);
         let mut copy = |buffer: &wgpu::Buffer, offset, texture: &wgpu::Texture, first, rows, layer| {
             encoder.copy_buffer_to_texture(

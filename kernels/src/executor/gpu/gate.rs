@@ -5,8 +5,6 @@
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use super::Gpu;
-
 #[derive(Debug, Default)]
 pub(super) struct Gate {
     /// How many hold it shut.
@@ -18,37 +16,31 @@ impl Gate {
     fn holders(&self) -> MutexGuard<'_, usize> {
         self.holders.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    /// Does `work` as soon as nobody holds it back. The lock is kept meanwhile, so that nobody holds back what is
+    /// halfway there.
+    pub(super) fn pass(&self, work: impl FnOnce()) {
+        let mut holders = self.holders();
+        while *holders > 0 {
+            holders = self.opened.wait(holders).unwrap_or_else(PoisonError::into_inner);
+        }
+        work();
+    }
+
+    /// Holds work back until the answer is dropped.
+    pub(super) fn hold_back(self: &Arc<Self>) -> Held {
+        *self.holders() += 1;
+        Held(self.clone())
+    }
 }
 
-/// While it lives, [`Gpu::submit`] waits.
+/// While it lives, [`Gpu::submit`](super::Gpu::submit) waits.
 #[must_use = "work is held back only while this lives"]
-pub struct Held(Arc<Gpu>);
+pub struct Held(Arc<Gate>);
 
 impl Drop for Held {
     fn drop(&mut self) {
-        let gate = &self.0.gate;
-        *gate.holders() -= 1;
-        gate.opened.notify_all();
-    }
-}
-
-impl Gpu {
-    /// Hands work to the queue. Waits only while somebody [holds it back](Self::hold_back), never for the GPU.
-    /// All work goes this way but that of the thread that draws a window.
-    pub fn submit(&self, work: impl IntoIterator<Item = wgpu::CommandBuffer>) {
-        let mut holders = self.gate.holders();
-        while *holders > 0 {
-            holders = self.gate.opened.wait(holders).unwrap_or_else(PoisonError::into_inner);
-        }
-        // The lock is kept, so that nobody holds back what is halfway there.
-        #[expect(clippy::disallowed_methods, reason = "the one place where it is called")]
-        self.queue.submit(work);
-    }
-
-    /// Holds back everything that other threads submit, until the answer is dropped. The thread that asks for this
-    /// must not submit while it has it.
-    pub fn hold_back(self: &Arc<Self>) -> Held {
-        *self.gate.holders() += 1;
-        Held(self.clone())
+        *self.0.holders() -= 1;
+        self.0.opened.notify_all();
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Gpu, GpuError};
-use crate::executor::readback::Readback;
+use crate::executor::gpu::readback::Readback;
 
 impl Gpu {
     /// The texels of a texture of four bytes each, row by row from the top, once the GPU has drawn it.

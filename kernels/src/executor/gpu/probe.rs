@@ -1,7 +1,4 @@
-//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened; and, when
-//! somebody gives a clock, whether its own is one.
-
-pub(super) mod clock;
+//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened.
 
 use std::future::poll_fn;
 use std::task::Poll;
@@ -9,28 +6,8 @@ use std::task::Poll;
 use futures_channel::oneshot;
 use wgpu::util::DeviceExt as _;
 
-use super::GpuError;
-
-/// What an adapter makes of a loop that takes many turns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Loops {
-    /// It took as many turns as it was told to, more than four times what any adapter is known to end a loop after.
-    Unlimited,
-    /// It ended after so many turns, without an error. Mesa's software Vulkan does after 65,535, of all loops of a
-    /// thread together.
-    EndAfter(u32),
-}
-
-impl Loops {
-    /// Turns after which a loop ends; `None` where it does when it is told to.
-    #[must_use]
-    pub fn end(self) -> Option<u32> {
-        match self {
-            Self::Unlimited => None,
-            Self::EndAfter(turns) => Some(turns),
-        }
-    }
-}
+use super::error::GpuError;
+use crate::plan::Loops;
 
 /// Turns that the loop is told to take.
 const TURNS: u32 = 1 << 18;

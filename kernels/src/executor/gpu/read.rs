@@ -1,8 +1,8 @@
 //! Streams from the GPU to the host: whole, a part, or one ray's texels of many streams at once.
 
 use super::{GpuError, GpuExecutor};
-use crate::executor::readback::Readback;
-use crate::stream::{Region, Stream, StreamData};
+use crate::executor::gpu::readback::Readback;
+use crate::tables::stream::{Region, Stream, StreamData};
 
 /// Bytes of one trip to the host, or one layer: a stream may be larger than the largest buffer.
 const TRIP_BYTES: u64 = 1 << 26;

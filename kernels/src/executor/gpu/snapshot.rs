@@ -5,9 +5,9 @@ use std::sync::{Arc, Weak};
 
 use super::books::KeptLists;
 use super::{GpuError, GpuExecutor, stream_format};
-use crate::kernel::Kernel;
-use crate::state::StateCounts;
-use crate::stream::Stream;
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::tables::state::StateCounts;
+use crate::tables::stream::Stream;
 
 /// Streams and lists after some pass.
 pub(crate) struct Snapshot {

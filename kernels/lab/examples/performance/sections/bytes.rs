@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use raystep_kernels::executor::gpu::GpuExecutor;
 use raystep_kernels::shader::Variant;
-use raystep_kernels::state::StateCounts;
+use raystep_kernels::tables::state::StateCounts;
 use raystep_kernels::{Accelerator, Gpu, Kernel, Options, Plan, Renderer, ScheduleKind, Skip, Stream};
 use raystep_lab::meter::Ended;
 

@@ -222,7 +222,7 @@ impl Rays {
         }
         let middle = CELLS / 2;
         let cell = (middle + CELLS * (middle + CELLS * middle)) as u32;
-        for word in [raystep_kernels::state::TRAV, 100f32.exp2().to_bits(), cell, 0] {
+        for word in [raystep_kernels::tables::state::TRAV, 100f32.exp2().to_bits(), cell, 0] {
             rays.state.extend(std::iter::repeat_n(word, (width * height) as usize));
         }
         rays

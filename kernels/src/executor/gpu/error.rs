@@ -1,0 +1,46 @@
+//! What can go wrong with a device.
+
+/// Something is wrong with the device.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GpuError {
+    /// No adapter, or none by that name.
+    #[error("no GPU adapter {0}")]
+    NoAdapter(String),
+    /// The adapter gives no device.
+    #[error("the adapter {adapter:?} gives no device: {message}")]
+    NoDevice {
+        /// The adapter.
+        adapter: String,
+        /// What it says.
+        message: String,
+    },
+    /// The device was lost.
+    #[error("the GPU device was lost ({0}): what was on it is gone; run again, or with --device cpu")]
+    Lost(String),
+    /// Not enough memory.
+    #[error("the GPU has not enough memory: {0}")]
+    OutOfMemory(String),
+    /// The device refused a call. This is a defect of raystep or of the driver.
+    #[error("the GPU device refused a call: {0}")]
+    Refused(String),
+    /// A read-back failed.
+    #[error("reading back from the GPU failed: {0}")]
+    Readback(String),
+    /// Something was asked for that the plan left out.
+    #[error("{0:?} is not part of this run's plan")]
+    Missing(&'static str),
+}
+
+impl From<wgpu::Error> for GpuError {
+    fn from(error: wgpu::Error) -> Self {
+        match &error {
+            wgpu::Error::OutOfMemory { .. } => Self::OutOfMemory(first_line(&error.to_string())),
+            _ => Self::Refused(first_line(&error.to_string())),
+        }
+    }
+}
+
+/// A message for one line: wgpu's chain of causes, joined.
+pub(super) fn first_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,77 @@
+//! From the GPU to the host without blocking: a future that is ready once the device has been polled
+//! often enough, or, in a browser, by itself.
+
+use std::sync::Arc;
+
+use futures_channel::oneshot;
+
+use super::{Gpu, GpuError};
+
+/// Bytes on their way. Dropped before they arrive, it gives the buffer back.
+pub(crate) struct Readback {
+    gpu: Arc<Gpu>,
+    buffer: wgpu::Buffer,
+    mapped: oneshot::Receiver<Result<(), wgpu::BufferAsyncError>>,
+}
+
+/// How often bytes are asked for that a healthy device forgot.
+const TRIES: usize = 8;
+
+impl Readback {
+    /// Starts mapping `bytes` of `buffer`, after everything submitted so far.
+    pub(crate) fn start(gpu: &Arc<Gpu>, buffer: wgpu::Buffer, bytes: u64) -> Self {
+        let mapped = map(&buffer, bytes);
+        Self { gpu: gpu.clone(), buffer, mapped }
+    }
+
+    /// Waits for the bytes, hands them to `read` and unmaps the buffer.
+    pub(crate) async fn finish<T>(mut self, bytes: u64, read: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
+        let mut tries = TRIES;
+        let problem = loop {
+            let problem = match (&mut self.mapped).await {
+                Ok(Ok(())) => break None,
+                Ok(Err(e)) => Some(e.to_string()),
+                Err(_) => None,
+            };
+            // A lost device fails the mapping first and reports its loss at the next poll.
+            drop(self.gpu.device.poll(wgpu::PollType::Poll));
+            self.gpu.health()?;
+            if problem.is_some() {
+                break problem;
+            }
+            // wgpu forgets the request where it cannot configure a window's surface at that moment. The bytes are there.
+            if tries == 0 {
+                break Some("the device dropped the request".into());
+            }
+            tries -= 1;
+            self.buffer.unmap();
+            self.mapped = map(&self.buffer, bytes);
+        };
+        self.gpu.health()?;
+        if let Some(problem) = problem {
+            return Err(GpuError::Readback(problem));
+        }
+        let value = {
+            let view = self.buffer.get_mapped_range(0..bytes).map_err(|e| GpuError::Readback(e.to_string()))?;
+            read(&view)
+        };
+        Ok(value)
+    }
+}
+
+/// Asks for the bytes.
+fn map(buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result<(), wgpu::BufferAsyncError>> {
+    let (sender, mapped) = oneshot::channel();
+    buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
+        // The receiver is gone where the caller lost interest.
+        let _ = sender.send(result);
+    });
+    mapped
+}
+
+impl Drop for Readback {
+    fn drop(&mut self) {
+        // Ends the mapping, or cancels it where it is still pending: the buffer can be copied to again.
+        self.buffer.unmap();
+    }
+}

@@ -1,0 +1,25 @@
+//! A run's results as files: needed by window and command line alike, so they live below both.
+//!
+//! Everything here writes to an [`std::io::Write`] or returns values; paths, clocks and threads are the
+//! caller's.
+//!
+//! | module | format | holds |
+//! |---|---|---|
+//! | [`npy`] | NumPy `.npy` | one stream, bit for bit, (layer, row, column) |
+//! | [`exr`] | OpenEXR | the image with what each ray hit beside it; or one stream, a channel a layer |
+//! | [`csv`] | `passes.csv` | one row a pass |
+//! | [`json`] | JSON | the run's summary |
+//! | [`plan`] | JSON | what a run needs and leaves out |
+//! | [`structure`] | text, JSON | the grid or tree of a run |
+//! | [`trace`] | table, CSV, JSON | the history of one ray, pass by pass |
+//! | [`trace_events`] | JSON | a run as Chrome trace events, for Perfetto |
+
+pub mod csv;
+pub mod exr;
+pub mod json;
+pub mod npy;
+pub mod plan;
+pub mod trace;
+pub mod trace_events;
+
+pub use crate::plan::structure;

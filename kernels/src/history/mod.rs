@@ -1,0 +1,222 @@
+//! The history of one ray: a row for every pass that worked on it, read from the executor's own streams, and
+//! why it did what it did, in words and numbers.
+
+mod explain;
+
+use std::ops::ControlFlow;
+
+use serde::Serialize;
+
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::renderer::{Pass, RenderError, Renderer};
+use crate::scene_data::SceneData;
+use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::tables::state::{self, Tag};
+use crate::tables::stream::{ACCUMULATED_SAMPLES, Stream};
+use explain::explain;
+
+/// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RayState {
+    /// Where the ray starts.
+    pub origin: [f32; 3],
+    /// Where it goes.
+    pub direction: [f32; 3],
+    /// The tag's name.
+    pub state: &'static str,
+    /// Tag of the state stream.
+    #[serde(skip)]
+    pub tag: Tag,
+    /// Nearest t so far.
+    pub t: Option<f32>,
+    /// 1-D index of the cell, or index of the tree's node.
+    pub cell_index: u32,
+    /// The tree's node before this one; `None` without a tree.
+    pub previous: Option<u32>,
+    /// Offset into the cell's list.
+    pub item: u32,
+    /// t at which the ray leaves its cell, per axis; `None` for an axis that it never crosses.
+    pub tmax: [Option<f32>; 3],
+    /// Triangle hit so far.
+    pub triangle: Option<u32>,
+    /// Weights of vertices 1 and 2 at the hit.
+    pub barycentric: Option<[f32; 2]>,
+    /// Linear colour.
+    pub color: Option<[f32; 3]>,
+    /// Samples in the pixel's mean; absent where a pixel has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u32>,
+}
+
+/// What one pass did to the ray.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TraceRow {
+    /// The pass's place in the run of all rays; `None` for a pass that waits for the last ray's walk, where only this
+    /// ray was traced.
+    pub pass: Option<usize>,
+    /// Name of its kernel.
+    pub kernel: &'static str,
+    /// The ray's state before it.
+    pub state_before: &'static str,
+    /// Cell (x, y, z) that it works in, before the pass.
+    pub cell: Option<[i32; 3]>,
+    /// Triangle that was tested.
+    pub tested: Option<u32>,
+    /// The ray after the pass.
+    pub after: RayState,
+    /// Why, in words.
+    pub why: String,
+}
+
+/// The history of one ray.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Trace {
+    /// Pixel (x, y); of the row of given rays where rays were given.
+    pub pixel: [u32; 2],
+    /// Scene units per traced unit: multiply lengths by this.
+    pub scene_units_per_stream_unit: f64,
+    /// Multiply t by this to get the t of the ray as it was asked for.
+    pub t_scale: f64,
+    /// Rays that were traced: this one alone, or all of the run.
+    pub rays: u64,
+    /// Passes of the run of all rays, where all were traced; the ray waited in those that have no row.
+    pub passes: Option<usize>,
+    /// The rows.
+    pub rows: Vec<TraceRow>,
+}
+
+/// Which rays are traced for the history of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rays {
+    /// The ray alone, where [it can go alone](Renderer::can_go_alone), else all. Its rows are those of the run of all
+    /// rays, bit for bit, but for what depends on the other rays: how many passes there are, and the numbers of those
+    /// that wait for the last ray's walk.
+    One,
+    /// All of the run.
+    All,
+}
+
+/// Steps `renderer` from its first pass to its last and records one ray. `progress` is called after every
+/// pass and may stop.
+///
+/// # Errors
+/// Where the image has no such pixel, or the device fails, or `progress` said so.
+pub async fn trace(
+    renderer: &mut Renderer,
+    x: u32,
+    y: u32,
+    rays: Rays,
+    mut progress: impl FnMut(&Pass) -> ControlFlow<()>,
+) -> Result<Trace, RenderError> {
+    // A run of one given ray is the whole run.
+    let is_alone = rays == Rays::One && renderer.plan().rays > 1 && renderer.restart_alone(x, y)?;
+    if !is_alone {
+        renderer.restart();
+    }
+    let mut before = ray_state(renderer, x, y).await?;
+    let kernels = renderer.plan().schedule.kernels();
+    let end_of_walk = kernels.iter().rposition(|kernel| kernel.is_walk());
+    let waits_for_all = |kernel: Kernel| kernels.iter().position(|&k| k == kernel) > end_of_walk;
+    let mut rows = Vec::new();
+    while let Some(pass) = renderer.step().await? {
+        // A kernel leaves alone every ray that is not in its states: nothing to read back then.
+        if pass.kernel.info().takes.contains(&before.tag) {
+            let after = ray_state(renderer, x, y).await?;
+            let mut row = TraceRow::new(&pass, renderer.data(), &before, &after);
+            row.pass = row.pass.filter(|_| !(is_alone && waits_for_all(pass.kernel)));
+            rows.push(row);
+            before = after;
+        }
+        if progress(&pass).is_break() {
+            return Err(RenderError::Cancelled { passes: renderer.pass_count() });
+        }
+    }
+    let whole = Trace::new(renderer, [x, y], rows);
+    Ok(if is_alone { Trace { rays: 1, passes: None, ..whole } } else { whole })
+}
+
+/// Decodes a ray's texels as they are now.
+///
+/// # Errors
+/// Where the image has no such pixel, or the device fails.
+pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, RenderError> {
+    use Stream::{Accumulated, Color, Hit, Previous, RayDirection, RayOrigin, State, TMax};
+    let plan = renderer.plan();
+    let optional = [RayOrigin, RayDirection, TMax, Previous, Color, Accumulated];
+    let streams: Vec<Stream> =
+        [State, Hit].into_iter().chain(optional.into_iter().filter(|&s| plan.has_stream(s))).collect();
+    let texels = renderer.texels(&streams, x, y).await?;
+    let texel = |stream: Stream| streams.iter().position(|&s| s == stream).map(|i| &texels[i]);
+    let floats = |stream: Stream| texel(stream).map(|t| [t[0], t[1], t[2]].map(f32::from_bits));
+    let (state, hit) = (&texels[0], &texels[1]);
+    let origin = floats(RayOrigin).unwrap_or_default();
+    let direction = floats(RayDirection).unwrap_or_default();
+    let tmax = floats(TMax);
+    let previous = texel(Previous).map(|texel| texel[0]);
+    let tag = state[0];
+    let color = if tag == state::DONE { floats(Color) } else { None };
+    let t = f32::from_bits(state[1]);
+    let is_hit = hit[2] != NO_TRIANGLE;
+    Ok(RayState {
+        origin,
+        direction,
+        state: state::name(tag),
+        tag,
+        t: (t < INF).then_some(t),
+        cell_index: state[2],
+        item: state[3],
+        previous,
+        tmax: tmax.map_or([None; 3], |v| v.map(|t| (t < INF).then_some(t))),
+        triangle: is_hit.then_some(hit[2]),
+        barycentric: is_hit.then(|| [f32::from_bits(hit[0]), f32::from_bits(hit[1])]),
+        color,
+        samples: texel(Accumulated).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
+    })
+}
+
+impl TraceRow {
+    /// What a pass did to a ray that it worked on.
+    #[must_use]
+    pub fn new(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> Self {
+        let walks = pass.kernel.is_walk();
+        let (tested, why) = explain(pass.kernel, data, before, after);
+        Self {
+            pass: Some(pass.index),
+            kernel: pass.kernel.name(),
+            state_before: before.state,
+            cell: (data.features.grid && walks).then(|| data.grid.cell_of_index(before.cell_index)),
+            tested,
+            after: *after,
+            why,
+        }
+    }
+
+    /// Whether the pass is known to be one of the run's first so many.
+    #[must_use]
+    pub fn is_within(&self, passes: usize) -> bool {
+        self.pass.is_some_and(|pass| pass < passes)
+    }
+
+    /// How many passes of the run there are up to this one, where that is known.
+    #[must_use]
+    pub fn place(&self) -> Option<usize> {
+        self.pass.map(|pass| pass + 1)
+    }
+
+    /// The pass's number; without one it is the run's last.
+    #[must_use]
+    pub fn number(&self) -> String {
+        self.pass.map_or_else(|| "last".into(), |pass| pass.to_string())
+    }
+}
+
+impl Trace {
+    /// The rows of a ray of a run that is at its end.
+    #[must_use]
+    pub fn new(renderer: &Renderer, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
+        let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();
+        let t_scale = renderer.t_scale(y as usize * renderer.plan().width as usize + x as usize);
+        let (rays, passes) = (renderer.plan().rays, Some(renderer.pass_count()));
+        Self { pixel: [x, y], scene_units_per_stream_unit, t_scale, rays, passes, rows }
+    }
+}

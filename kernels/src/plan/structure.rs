@@ -1,0 +1,269 @@
+//! What keeps a run's rays from testing every triangle, in numbers: for the terminal and for JSON.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::Plan;
+use crate::numbers::bytes::Bytes;
+use crate::options::{Accelerator, LEAST_FOR_GRID, MOST_WITHOUT};
+use crate::scene_data::SceneData;
+use crate::structures::bvh::WideContent;
+
+/// The buffers that make up grids and trees.
+const OF_STRUCTURES: [&str; 7] =
+    ["grid_cells", "grid_items", "grid_distances", "bvh_nodes", "bvh_parents", "bvh_items", "wide_nodes"];
+
+/// What was chosen, why, and what it came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Structure {
+    /// `grid`, `bvh` or `none`.
+    pub accelerator: &'static str,
+    /// The option that asked for it, or why `auto` chose it.
+    pub accelerator_because: String,
+    /// The grid; `null` without one.
+    pub grid: Option<GridSummary>,
+    /// The tree; `null` without one.
+    pub bvh: Option<BvhSummary>,
+}
+
+/// A grid in numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GridSummary {
+    /// Cells along x, y and z.
+    pub cells: [i32; 3],
+    /// Cells with an empty list.
+    pub empty_cells: u64,
+    /// Entries of all lists.
+    pub references: u64,
+    /// Longest list.
+    pub longest_list: u32,
+    /// Whether rays leap over empty cells.
+    pub leaps: bool,
+    /// Bytes of the buffers that the run binds for it.
+    pub bytes: u64,
+    /// What cells were grown by, in traced units.
+    pub growth: f32,
+}
+
+/// A tree in numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BvhSummary {
+    /// Children of an inner node, at most: 2 where rays are stepped, 8 in the fused kernel.
+    pub width: u32,
+    /// Nodes, leaves of a binary tree included; a wide node holds its leaves itself.
+    pub nodes: u64,
+    /// Nodes on the longest way down, both ends counted.
+    pub depth: u32,
+    /// Triangles in all leaves; large ones are in several.
+    pub references: u64,
+    /// Bytes of the buffers that the run binds for it, corners of triangles apart.
+    pub bytes: u64,
+    /// What boxes were grown by, in traced units.
+    pub growth: f32,
+}
+
+impl Structure {
+    /// Of a plan that was asked for with `--accelerator asked`.
+    #[must_use]
+    pub fn of(asked: Accelerator, plan: &Plan, data: &SceneData) -> Self {
+        let because = match (asked, plan.accelerator) {
+            (Accelerator::Auto, Accelerator::None) => {
+                format!("{MOST_WITHOUT} triangles or fewer are tested faster than they are looked up")
+            }
+            (Accelerator::Auto, Accelerator::Grid) => "triangles in most cells".into(),
+            (Accelerator::Auto, _) if plan.triangles >= LEAST_FOR_GRID as u64 => {
+                "most cells of a grid are empty".into()
+            }
+            (Accelerator::Auto, _) => format!("more than {MOST_WITHOUT} triangles"),
+            _ => format!("--accelerator {asked}"),
+        };
+        Self {
+            accelerator: plan.accelerator.name(),
+            accelerator_because: because,
+            grid: GridSummary::of(plan, data),
+            bvh: BvhSummary::of(plan, data),
+        }
+    }
+}
+
+/// Bytes of the grid or tree, as far as the run binds it.
+#[must_use]
+pub fn structure_bytes(plan: &Plan) -> u64 {
+    plan.buffers.iter().filter(|b| OF_STRUCTURES.contains(&b.what)).map(|b| b.bytes).sum()
+}
+
+impl GridSummary {
+    /// Of a run that has a grid.
+    #[must_use]
+    pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
+        if data.grid_cells.len() < 2 {
+            return None;
+        }
+        let lengths = || data.grid_cells.windows(2).map(|w| w[1] - w[0]);
+        Some(Self {
+            cells: data.grid.cells,
+            empty_cells: lengths().filter(|&n| n == 0).count() as u64,
+            references: data.grid_items.len() as u64,
+            longest_list: lengths().max().unwrap_or(0),
+            leaps: plan.features.skip,
+            bytes: structure_bytes(plan),
+            growth: data.growth,
+        })
+    }
+}
+
+impl BvhSummary {
+    /// Of a run that has a tree.
+    #[must_use]
+    pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
+        if plan.accelerator != Accelerator::Bvh {
+            return None;
+        }
+        let is_wide = !data.wide_nodes.is_empty();
+        let references = if is_wide { data.packed_triangles.len() } else { data.bvh_items.len() };
+        Some(Self {
+            width: if is_wide { 8 } else { 2 },
+            nodes: if is_wide { data.wide_nodes.len() } else { data.bvh_nodes.len() } as u64,
+            depth: if is_wide { wide_depth(data) } else { binary_depth(data) },
+            // An empty tree has an entry that no leaf lists.
+            references: if plan.triangles == 0 { 0 } else { references as u64 },
+            bytes: structure_bytes(plan),
+            growth: data.growth,
+        })
+    }
+}
+
+fn binary_depth(data: &SceneData) -> u32 {
+    depth(|node, below| {
+        let node = &data.bvh_nodes[node as usize];
+        if node.is_inner() {
+            below.extend([node.first, node.first + 1]);
+        }
+    })
+}
+
+fn wide_depth(data: &SceneData) -> u32 {
+    depth(|node, below| {
+        let node = &data.wide_nodes[node as usize];
+        below.extend((0..8).filter_map(|slot| match node.content(slot)? {
+            WideContent::Inner(child) => Some(child),
+            WideContent::Leaf { .. } => None,
+        }));
+    })
+}
+
+/// Levels of a tree whose root is node 0; `children` adds those of a node.
+fn depth(children: impl Fn(u32, &mut Vec<u32>)) -> u32 {
+    let (mut level, mut below, mut depth) = (vec![0], Vec::new(), 0);
+    while !level.is_empty() {
+        depth += 1;
+        below.clear();
+        level.iter().for_each(|&node| children(node, &mut below));
+        std::mem::swap(&mut level, &mut below);
+    }
+    depth
+}
+
+impl fmt::Display for Structure {
+    /// One line; it begins with the accelerator's name, in a column of nine.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:<9} ", self.accelerator)?;
+        match (&self.grid, &self.bvh) {
+            (Some(g), _) => {
+                let [x, y, z] = g.cells;
+                let leaps = match (g.empty_cells, g.leaps) {
+                    (0, _) => "",
+                    (_, true) => " and leapt over",
+                    (_, false) => " and walked through",
+                };
+                write!(
+                    f,
+                    "{x} x {y} x {z} cells, {} empty{leaps}; {} references, longest list {}; {}",
+                    g.empty_cells,
+                    g.references,
+                    g.longest_list,
+                    Bytes(g.bytes)
+                )?;
+            }
+            (None, Some(b)) => {
+                let kind = if b.width == 2 { "binary" } else { "eight-wide" };
+                let (nodes, depth, references) = (b.nodes, b.depth, b.references);
+                write!(f, "{kind} tree: nodes {nodes}, depth {depth}, references {references}; {}", Bytes(b.bytes))?;
+            }
+            (None, None) => write!(f, "every ray tests every triangle")?,
+        }
+        let because = &self.accelerator_because;
+        if because.starts_with("--") { Ok(()) } else { write!(f, " (auto: {because})") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::{Scene, generate};
+
+    use super::*;
+    use crate::options::{Options, RaySource, ScheduleKind};
+    use crate::plan::Limits;
+
+    fn of(scene: &Scene, asked: Accelerator, schedule: ScheduleKind) -> Structure {
+        let rays = RaySource::Given(Vec::new());
+        let options = Options { accelerator: asked, schedule, shade: false, ..Options::new(rays) };
+        let (plan, data) = Plan::new(scene, &options, &Limits::CPU).expect("a small scene");
+        Structure::of(asked, &plan, &data)
+    }
+
+    #[test]
+    fn a_tree_is_as_deep_as_its_builder_says() {
+        let scene = generate::cornell_box();
+        let (binary, wide) = (ScheduleKind::Second, ScheduleKind::Fused);
+        let options = Options { accelerator: Accelerator::Bvh, ..Options::new(RaySource::Given(Vec::new())) };
+        let (_, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene");
+        let how = crate::structures::bvh::BvhOptions::default();
+        let built = crate::structures::bvh::build(&data.vertices, data.growth, &how).expect("a tree");
+        let two = of(&scene, Accelerator::Bvh, binary).bvh.expect("a tree");
+        assert_eq!((two.width, two.depth, two.nodes), (2, built.depth, built.nodes.len() as u64));
+        assert_eq!((two.references, two.bytes), (built.items.len() as u64, two.nodes * 36 + two.references * 4));
+        let built = crate::structures::bvh::build_wide(&data.vertices, data.growth, &how).expect("a tree");
+        let eight = of(&scene, Accelerator::Bvh, wide).bvh.expect("a tree");
+        assert_eq!((eight.width, eight.depth, eight.nodes), (8, built.depth, built.nodes.len() as u64));
+        assert_eq!((eight.references, eight.bytes), (built.triangles.len() as u64, eight.nodes * 80));
+
+        for schedule in [binary, wide] {
+            let empty =
+                of(&Scene { materials: scene.materials.clone(), ..Scene::default() }, Accelerator::Bvh, schedule);
+            assert_eq!(empty.bvh.map(|b| (b.depth, b.nodes, b.references)), Some((1, 1, 0)));
+        }
+    }
+
+    #[test]
+    fn auto_says_what_it_chose_and_why() {
+        let scene = generate::cornell_box();
+        let many = of(&scene, Accelerator::Auto, ScheduleKind::Compact);
+        assert_eq!((many.accelerator, many.bvh.is_some(), many.grid), ("bvh", true, None));
+        assert!(many.to_string().ends_with("(auto: more than 6 triangles)"), "{many}");
+        let few = Scene {
+            triangles: scene.triangles[..6].to_vec(),
+            triangle_materials: vec![0; 6],
+            normals: None,
+            texcoords: None,
+            colors: None,
+            ..scene.clone()
+        };
+        let few = of(&few, Accelerator::Auto, ScheduleKind::Compact);
+        assert_eq!((few.accelerator, few.bvh, few.grid), ("none", None, None));
+        assert!(few.to_string().starts_with("none      every ray tests every triangle (auto: 6 "), "{few}");
+        let cloud = generate::soup(2000, 1).expect("a scene");
+        let even = of(&cloud, Accelerator::Auto, ScheduleKind::Compact);
+        assert_eq!((even.accelerator, even.accelerator_because.as_str()), ("grid", "triangles in most cells"));
+        let surface = generate::terrain(2000, 1).expect("a scene");
+        let uneven = of(&surface, Accelerator::Auto, ScheduleKind::Compact);
+        assert_eq!(
+            (uneven.accelerator, uneven.accelerator_because.as_str()),
+            ("bvh", "most cells of a grid are empty")
+        );
+        let asked = of(&scene, Accelerator::Grid, ScheduleKind::Compact);
+        assert_eq!(asked.accelerator_because, "--accelerator grid");
+        assert!(asked.to_string().starts_with("grid      ") && !asked.to_string().contains("auto"), "{asked}");
+    }
+}

@@ -1,0 +1,38 @@
+//! Twin of `generate.wgsl`: makes a ray for every pixel.
+
+use crate::numbers::real::Real;
+use crate::scene_data::SceneData;
+use crate::shared::camera::{eye_ray, eye_ray_at};
+use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::shared::samples::jitter;
+use crate::tables::state::{TRAV_SETUP, UNWRITTEN};
+use crate::tables::stream::ACCUMULATED_SAMPLES;
+use crate::tables::stream::Stream::{Accumulated, Hit, RayDirection, RayOrigin, State};
+use crate::tables::texels::Texels;
+
+/// One ray's work.
+pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
+    if ray.load_u32(State, 0) != UNWRITTEN {
+        return;
+    }
+    let (camera, is_perspective) = (&scene.camera, scene.features.perspective);
+    let (origin, direction) = if scene.features.samples {
+        // The next sample's number is how many there are.
+        let sample = ray.load(Accumulated, ACCUMULATED_SAMPLES).to_i32() as u32;
+        let place = jitter(scene.features.sampler(), [ray.x, ray.y], sample, scene.sampling.seed).map(R::from_f32);
+        let place = [R::from_i32(ray.x as i32) + place[0], R::from_i32(ray.y as i32) + place[1]];
+        eye_ray_at(camera, is_perspective, place)
+    } else {
+        eye_ray(camera, is_perspective, ray.x, ray.y)
+    };
+
+    ray.store_vec3(RayOrigin, origin);
+    ray.store_vec3(RayDirection, direction);
+    ray.store(Hit, 0, R::zero());
+    ray.store(Hit, 1, R::zero());
+    ray.store_u32(Hit, 2, NO_TRIANGLE);
+    ray.store_u32(State, 0, TRAV_SETUP);
+    ray.store(State, 1, R::from_f32(INF));
+    ray.store_u32(State, 2, 0);
+    ray.store_u32(State, 3, 0);
+}

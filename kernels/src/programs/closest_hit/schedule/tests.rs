@@ -1,0 +1,156 @@
+//! Orders of kernels, without a GPU.
+
+use super::*;
+use crate::tables::state::{DONE, ISECT_NO_HIT, SHADE, TRAV};
+
+fn counts(isect: u32, trav: u32, shade: u32) -> StateCounts {
+    let mut c = StateCounts::default();
+    (c[ISECT_NO_HIT as usize], c[TRAV as usize], c[SHADE as usize]) = (isect, trav, shade);
+    c
+}
+
+fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[StateCounts]) -> Vec<&'static str> {
+    let schedule = Schedule::new(kind, accelerator, false, true, false, false);
+    let mut cursor = Cursor::start();
+    let mut now = counts(0, 0, 0);
+    let mut names = Vec::new();
+    for after in script {
+        names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
+        now = *after;
+    }
+    names.push(cursor.next(&schedule, &now).map_or("end", Kernel::name));
+    names
+}
+
+#[test]
+fn second_takes_turns_until_both_are_idle() {
+    let (c, mut done) = (counts, StateCounts::default());
+    done[DONE as usize] = 9;
+    let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(9, 0, 0), c(0, 4, 5), c(0, 0, 9), done];
+    let names = run(ScheduleKind::Second, Accelerator::Grid, &script);
+    let expected = ["generate", "setup", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn first_empties_intersect_before_it_traverses() {
+    let c = counts;
+    let script = [c(0, 0, 0), c(9, 0, 0), c(4, 5, 0), c(0, 9, 0), c(2, 0, 7), c(0, 0, 9), c(0, 0, 9), c(0, 0, 0)];
+    let names = run(ScheduleKind::First, Accelerator::Grid, &script);
+    let expected =
+        ["generate", "setup", "intersect", "intersect", "traverse_grid", "intersect", "traverse_grid", "shade", "end"];
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn without_a_grid_there_is_nothing_to_traverse() {
+    let c = counts;
+    let script = [c(0, 0, 0), c(9, 0, 0), c(3, 0, 6), c(0, 0, 9), c(0, 0, 0)];
+    let names = run(ScheduleKind::Second, Accelerator::None, &script);
+    assert_eq!(names, ["generate", "setup", "intersect", "intersect", "shade", "end"]);
+}
+
+fn sampled(kind: ScheduleKind, accelerator: Accelerator, many_steps: bool) -> Schedule {
+    Schedule::new(kind, accelerator, false, true, false, many_steps).for_samples()
+}
+
+#[test]
+fn all_steps_come_again_as_long_as_a_pixel_wants_a_sample() {
+    let schedule = sampled(ScheduleKind::Second, Accelerator::Grid, false);
+    let (c, all) = (counts, |tag: u32| std::array::from_fn(|i| if i == tag as usize { 9 } else { 0 }));
+    let (unwritten, done) = (all(0), all(DONE));
+    let mut cursor = Cursor::start();
+    let once = [unwritten, c(0, 0, 0), c(9, 0, 0), c(0, 9, 0), c(0, 0, 9), done];
+    let names = ["generate", "setup", "intersect", "traverse_grid", "shade", "accumulate"];
+    for turn in 0..3 {
+        for ((now, name), iteration) in once.iter().zip(names).zip([0, 0, 1, 1, 1, 1]) {
+            assert_eq!(cursor.next(&schedule, now).map(Kernel::name), Some(name), "sample {turn}");
+            assert_eq!(cursor.iteration, iteration, "{name}");
+            assert_eq!(cursor.samples, turn + u32::from(name == "accumulate"));
+        }
+    }
+    assert_eq!(cursor.next(&schedule, &done), None);
+    assert_eq!(cursor.samples, 3);
+}
+
+#[test]
+fn a_walk_that_is_left_goes_on_with_its_own_sample() {
+    for (kind, accelerator, many_steps) in [
+        (ScheduleKind::Second, Accelerator::Grid, false),
+        (ScheduleKind::First, Accelerator::Grid, false),
+        (ScheduleKind::First, Accelerator::Bvh, false),
+        (ScheduleKind::Compact, Accelerator::Grid, true),
+        (ScheduleKind::Second, Accelerator::None, false),
+    ] {
+        for schedule in
+            [Schedule::new(kind, accelerator, false, true, false, many_steps), sampled(kind, accelerator, many_steps)]
+        {
+            let mut cursor = Cursor::start();
+            let mut unwritten = counts(5, 5, 0);
+            unwritten[state::UNWRITTEN as usize] = 1;
+            while !cursor.next(&schedule, &unwritten).expect("a walk").is_walk() {
+                let mut outside = cursor.clone();
+                outside.leave_walk(&schedule);
+                assert!(outside == cursor || outside.next(&schedule, &unwritten) == Some(Kernel::Shade));
+            }
+            cursor.next(&schedule, &unwritten);
+            cursor.leave_walk(&schedule);
+            assert_eq!(cursor.next(&schedule, &unwritten), Some(Kernel::Shade), "{kind} {accelerator}");
+            let again = cursor.clone();
+            cursor.leave_walk(&schedule);
+            assert_eq!(cursor, again, "there is nothing to leave");
+        }
+    }
+}
+
+#[test]
+fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
+    use Kernel::{Accumulate, Generate, Intersect, Setup, Shade, TraverseBvh, Walk};
+    let guesses = |schedule: &Schedule, most: usize| {
+        let mut cursor = Cursor::start();
+        let mut unwritten = StateCounts::default();
+        unwritten[state::UNWRITTEN as usize] = 9;
+        let first = cursor.guess(schedule, &unwritten, most);
+        while cursor.next(schedule, &unwritten) != Some(Shade) {}
+        // Right before it, as far as counts go.
+        let mut before = Cursor { path: cursor.path.clone(), ..cursor };
+        if let Some(last) = before.path.last_mut() {
+            *last -= 1;
+        }
+        (first, before.guess(schedule, &counts(0, 0, 9), most))
+    };
+    let compact = sampled(ScheduleKind::Compact, Accelerator::Grid, true);
+    let (first, next) = guesses(&compact, 7);
+    assert_eq!(first, [Generate, Setup, Walk, Walk, Walk, Walk, Walk]);
+    assert_eq!(next, [Shade, Accumulate, Generate, Setup, Walk, Walk, Walk]);
+    assert_eq!(guesses(&compact, 3).1, [Shade, Accumulate, Generate]);
+    let (first, next) = guesses(&sampled(ScheduleKind::Fused, Accelerator::Grid, false), 8);
+    assert_eq!((first, next), (vec![Generate], vec![Shade, Accumulate, Generate]));
+    let (first, _) = guesses(&sampled(ScheduleKind::First, Accelerator::Bvh, false), 8);
+    assert_eq!(first, [Generate, Setup, TraverseBvh], "others may come before the next step");
+    let (first, _) = guesses(&sampled(ScheduleKind::Second, Accelerator::None, false), 4);
+    assert_eq!(first, [Generate, Setup, Intersect, Intersect]);
+}
+
+#[test]
+fn a_guess_never_leaves_the_loop() {
+    let schedule = Schedule::new(ScheduleKind::First, Accelerator::Grid, false, true, false, false);
+    let mut cursor = Cursor::start();
+    assert_eq!(cursor.guess(&schedule, &counts(0, 0, 0), 8), [Kernel::Generate]);
+    cursor.next(&schedule, &counts(0, 0, 0));
+    cursor.next(&schedule, &counts(0, 0, 0));
+    assert_eq!(cursor.guess(&schedule, &counts(5, 0, 0), 4), [Kernel::Intersect; 4]);
+}
+
+#[test]
+fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
+    let schedule = Schedule::new(ScheduleKind::First, Accelerator::Bvh, false, true, false, false);
+    let mut cursor = Cursor::start();
+    for _ in 0..2 {
+        cursor.next(&schedule, &counts(0, 0, 0));
+    }
+    // Rays that this step takes to a leaf are tested before the next one.
+    assert_eq!(cursor.guess(&schedule, &counts(0, 9, 0), 8), [Kernel::TraverseBvh]);
+    cursor.next(&schedule, &counts(0, 9, 0));
+    assert_eq!(cursor.guess(&schedule, &counts(4, 5, 0), 3), [Kernel::Intersect; 3]);
+}

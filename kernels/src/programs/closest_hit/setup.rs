@@ -1,0 +1,53 @@
+//! Twin of `setup.wgsl`: finds where the ray's walk begins.
+
+use crate::numbers::real::Real;
+use crate::scene_data::SceneData;
+use crate::shared::constants::NO_NODE;
+use crate::tables::state::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
+use crate::tables::stream::Stream::{Counters, Previous, RayDirection, RayOrigin, State, TMax};
+use crate::tables::texels::Texels;
+
+/// One ray's work.
+pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
+    if ray.load_u32(State, 0) != TRAV_SETUP {
+        return;
+    }
+    let features = &scene.features;
+
+    if features.counters {
+        ray.store_u32(Counters, 0, 0);
+        ray.store_u32(Counters, 1, 0);
+        ray.store_u32(Counters, 2, 0);
+    }
+    if features.grid {
+        let walk = {
+            let rules = features.walk_rules();
+            scene.grid.enter(rules, &scene.grid.ray(rules, ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection)))
+        };
+        if !walk.inside {
+            ray.store_u32(State, 0, BACKGROUND);
+            return;
+        }
+        if !(features.many_steps && features.keeps_no_tmax()) {
+            ray.store_vec3(TMax, walk.tmax);
+        }
+        ray.store_u32(State, 2, scene.grid.cell_index(walk.cell));
+        if features.counters {
+            ray.store_u32(Counters, 0, 1);
+        }
+    }
+    if features.bvh {
+        ray.store_u32(Previous, 0, NO_NODE);
+        ray.store_u32(State, 2, 0);
+    }
+    ray.store_u32(State, 3, 0);
+    ray.store_u32(
+        State,
+        0,
+        match features.bvh {
+            true if scene.info.triangles == 0 => BACKGROUND,
+            true => TRAV,
+            false => ISECT_NO_HIT,
+        },
+    );
+}

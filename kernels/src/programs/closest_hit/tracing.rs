@@ -1,0 +1,82 @@
+//! Twin of `tracing.wgsl`: what a kernel that takes several steps keeps of a ray, and its test of one triangle.
+
+use crate::numbers::real::{Real, Vec3};
+use crate::scene_data::SceneData;
+use crate::shared::constants::{NO_TRIANGLE, TURNS_A_TEST};
+use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
+use crate::tables::state::{BACKGROUND, SHADE, Tag};
+
+/// The ray, what it has hit so far, and what that took.
+pub(crate) struct Trace<R> {
+    pub(crate) origin: Vec3<R>,
+    pub(crate) direction: Vec3<R>,
+    shear: Shear<R>,
+    pub(crate) t: R,
+    pub(crate) u: R,
+    pub(crate) v: R,
+    pub(crate) triangle: u32,
+    pub(crate) cells: u32,
+    pub(crate) tests: u32,
+    /// Any hit was asked for and found.
+    pub(crate) ended: bool,
+    /// Loop turns of this dispatch so far.
+    pub(crate) turns: u32,
+}
+
+impl<R: Real> Trace<R> {
+    /// Nothing hit so far; what lies at `t` or behind does not count.
+    pub(crate) fn new(origin: Vec3<R>, direction: Vec3<R>, t: R) -> Self {
+        Self {
+            origin,
+            direction,
+            shear: Shear::of(direction),
+            t,
+            u: R::zero(),
+            v: R::zero(),
+            triangle: NO_TRIANGLE,
+            cells: 0,
+            tests: 0,
+            ended: false,
+            turns: 0,
+        }
+    }
+
+    /// The state of a ray whose walk is over.
+    pub(crate) fn ended_as(&self) -> Tag {
+        if self.triangle == NO_TRIANGLE { BACKGROUND } else { SHADE }
+    }
+
+    /// Whether the rest is left to the next dispatch.
+    pub(crate) fn is_spent(&self, scene: &SceneData) -> bool {
+        scene.features.resumes && self.turns >= scene.features.turns
+    }
+
+    /// Tests one triangle; the cell is used where hits must lie in it.
+    #[inline]
+    pub(crate) fn test(&mut self, scene: &SceneData, entry: u32, cell: [i32; 3]) {
+        let features = &scene.features;
+        let packed = &scene.packed_triangles[entry as usize];
+        let id = packed[3];
+        let corner = |c: usize| {
+            Vec3::from_f32([f32::from_bits(packed[c]), f32::from_bits(packed[c + 1]), f32::from_bits(packed[c + 2])])
+        };
+        let corners = [corner(0), corner(4), corner(8)];
+        let candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
+        self.tests += 1;
+        self.turns += TURNS_A_TEST;
+        if !candidate.is_hit {
+            return;
+        }
+        let accepted = if features.in_cell {
+            candidate.t < self.t && scene.grid.is_in_cell(self.origin + self.direction * candidate.t, cell)
+        } else if features.robust && !features.any_hit {
+            is_nearer(candidate.t, id, self.t, self.triangle)
+        } else {
+            candidate.t < self.t
+        };
+        if accepted {
+            (self.t, self.u, self.v, self.triangle) = (candidate.t, candidate.u, candidate.v, id);
+            self.ended = features.any_hit;
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Twin of `traverse_bvh.wgsl`: moves the ray to its next node of the tree.
+
+use crate::numbers::real::Real;
+use crate::scene_data::SceneData;
+use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
+use crate::shared::constants::{INF, NO_NODE};
+use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use crate::tables::stream::Stream::{Counters, Previous, RayDirection, RayOrigin, State};
+use crate::tables::texels::Texels;
+
+/// One ray's work.
+pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
+    if ray.load_u32(State, 0) != TRAV {
+        return;
+    }
+    let features = &scene.features;
+
+    let (origin, direction) = (ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection));
+    let inverse = finite_inverse(direction);
+    let nearest_t: R = ray.load(State, 1);
+    let has_hit = !features.any_hit && nearest_t < R::from_f32(INF);
+    let here = Visit { node: ray.load_u32(State, 2), previous: ray.load_u32(Previous, 0), in_leaf: false };
+    let at = next_node(&scene.bvh_nodes, &scene.bvh_parents, here, origin, direction, inverse, nearest_t);
+
+    if features.counters {
+        ray.store_u32(Counters, 0, ray.load_u32(Counters, 0) + 1);
+    }
+    if at.node == NO_NODE {
+        ray.store_u32(State, 0, if has_hit { SHADE } else { BACKGROUND });
+        return;
+    }
+    let tag = match (at.in_leaf, has_hit) {
+        (false, _) => TRAV,
+        (true, false) => ISECT_NO_HIT,
+        (true, true) => ISECT_HIT,
+    };
+    ray.store_u32(State, 0, tag);
+    ray.store_u32(State, 2, at.node);
+    ray.store_u32(State, 3, 0);
+    ray.store_u32(Previous, 0, at.previous);
+}

@@ -1,0 +1,3 @@
+//! Programs: the kernels of each, with their rows, streams and schedules.
+
+pub mod closest_hit;

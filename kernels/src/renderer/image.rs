@@ -1,0 +1,43 @@
+//! The picture: linear light in memory and EXR, sRGB in PNG.
+
+use crate::numbers::srgb::linear_to_srgb;
+use crate::shared::constants::NO_TRIANGLE;
+use crate::tables::stream::{HIT_TRIANGLE, StreamData};
+
+/// A linear image, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// R G B linear light; A 1 where a ray hit something and 0 where it did not, of several samples the share
+    /// that did.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+impl Image {
+    pub(crate) fn from_streams(color: &StreamData, hit: &StreamData) -> Self {
+        let pixels = (0..color.width as usize * color.height as usize)
+            .map(|i| {
+                let alpha = if hit.get(HIT_TRIANGLE, i) == NO_TRIANGLE { 0.0 } else { 1.0 };
+                [color.get_f32(0, i), color.get_f32(1, i), color.get_f32(2, i), alpha]
+            })
+            .collect();
+        Self { width: color.width, height: color.height, pixels }
+    }
+
+    /// Of the stream `accumulated`.
+    pub(crate) fn from_mean(mean: &StreamData) -> Self {
+        let pixel = |i| [0, 1, 2, 3].map(|layer| mean.get_f32(layer, i));
+        let pixels = (0..mean.width as usize * mean.height as usize).map(pixel).collect();
+        Self { width: mean.width, height: mean.height, pixels }
+    }
+
+    /// R G B, 8 bits each, sRGB-encoded and clamped.
+    #[must_use]
+    pub fn to_srgb8(&self) -> Vec<u8> {
+        let encode = |v: f32| (linear_to_srgb(v.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+        self.pixels.iter().flat_map(|p| [encode(p[0]), encode(p[1]), encode(p[2])]).collect()
+    }
+}

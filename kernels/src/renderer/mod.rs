@@ -1,0 +1,367 @@
+//! A run that a program drives: one pass at a time or to the end, with every stream in the open.
+
+mod checkpoint;
+mod edit;
+mod given;
+pub mod image;
+mod one_ray;
+mod passes;
+mod records;
+mod results;
+
+use std::sync::Arc;
+
+use raystep_scenes::Scene;
+
+use crate::executor::cpu::{CpuExecutor, OutOfMemory};
+use crate::executor::gpu::{Gpu, GpuError, GpuExecutor};
+use crate::options::{Options, RaySource};
+use crate::plan::{Limits, Plan, PlanError};
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::programs::closest_hit::schedule::Cursor;
+use crate::scene_data::SceneData;
+use crate::tables::state::{self, StateCounts};
+use crate::tables::stream::Region;
+pub use checkpoint::Checkpoint;
+use given::GivenRays;
+use records::Records;
+pub use records::{KernelSummary, PassTotals};
+pub use results::{RayHit, found};
+
+/// Where passes run.
+#[derive(Clone)]
+pub enum Device {
+    /// A wgpu device.
+    Gpu(Arc<Gpu>),
+    /// The twins in f32. The clock, in nanoseconds from any start, times passes if there is one.
+    Cpu(Option<fn() -> u64>),
+    /// The twins in f64, from the same f32 scene and camera.
+    CpuF64(Option<fn() -> u64>),
+}
+
+impl Device {
+    /// What to take where nobody chose, and this is the best adapter: it, unless it is software. The twins are faster
+    /// then; `clock` is theirs.
+    #[must_use]
+    pub fn auto(gpu: Arc<Gpu>, clock: Option<fn() -> u64>) -> Self {
+        if gpu.is_software() { Self::Cpu(clock) } else { Self::Gpu(gpu) }
+    }
+
+    /// Whether it is a wgpu device.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        matches!(self, Self::Gpu(_))
+    }
+}
+
+enum Executor {
+    Gpu(Box<GpuExecutor>),
+    Cpu(CpuExecutor<f32>),
+    CpuF64(CpuExecutor<f64>),
+}
+
+/// A run that failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// It does not fit.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The GPU failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The system has not enough memory for the twins' streams.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
+    /// The caller's progress function asked to stop.
+    #[error("cancelled after {passes} passes")]
+    Cancelled {
+        /// Passes that were complete.
+        passes: usize,
+    },
+    /// The stream is not part of the plan.
+    #[error("stream {0:?} is left out of this run's plan")]
+    NoStream(&'static str),
+    /// The image has no such pixels.
+    #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]
+    NoPixel {
+        /// What was asked for.
+        region: Region,
+        /// Columns of the image.
+        width: u32,
+        /// Its rows.
+        height: u32,
+    },
+    /// The stream has no such layer.
+    #[error("stream {stream:?} has no layer {layer}")]
+    NoLayer {
+        /// The stream's name.
+        stream: &'static str,
+        /// What was asked for.
+        layer: usize,
+    },
+    /// The streams to take over are another plan's, or another device's.
+    #[error("streams of another run do not fit this one")]
+    OtherRun,
+    /// A pass that was submitted ahead changed something. This is a defect of raystep.
+    #[error("pass {0}, submitted ahead of its turn, was not idle")]
+    Overshoot(usize),
+}
+
+/// One pass that has run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Its place in the run, from 0.
+    pub index: usize,
+    /// Turn of the walk's loop that it belongs to, from 1; 0 before the loop.
+    pub iteration: u32,
+    /// Its kernel.
+    pub kernel: Kernel,
+    /// Rays that it worked on.
+    pub rays_in: u32,
+    /// Rays in each state after it.
+    pub counts: StateCounts,
+    /// Threads that it launched, with or without a ray to work on.
+    ///
+    /// On a GPU whole workgroups: of a kernel that works from a list of live rays as many full rows of
+    /// workgroups as hold them, of any other as many workgroups as cover the image. On the CPU calls of the
+    /// twin: for all rays of every chunk of 512 that has a ray in one of the kernel's states. What a GPU
+    /// launches to count rays, or in passes submitted ahead that turn out not to be needed, is not part of it.
+    pub threads_launched: u64,
+    /// When it began, on the device's own clock.
+    pub begin_ns: Option<u64>,
+    /// How long it took on the device.
+    pub duration_ns: Option<u64>,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Passes so far.
+    pub passes: usize,
+    /// Rays whose hit is decided.
+    pub rays_decided: u64,
+    /// All rays.
+    pub rays: u64,
+    /// Samples of every pixel that are complete; rays are those of the next one.
+    pub samples: u32,
+    /// All samples of a pixel.
+    pub samples_wanted: u32,
+}
+
+/// A scene, its options and a device, between two passes.
+pub struct Renderer {
+    plan: Arc<Plan>,
+    data: Arc<SceneData>,
+    executor: Executor,
+    given: Option<GivenRays>,
+    cursor: Cursor,
+    counts: StateCounts,
+    records: Records,
+    pass_bound: u64,
+    unfinished: u64,
+    /// The one ray of a run that leaves out all others.
+    alone: Option<[u32; 2]>,
+    /// Passes were submitted whose results are not recorded: a caller dropped the future that waited.
+    is_ahead: bool,
+}
+
+impl Renderer {
+    /// Plans the run, prepares the scene, allocates. No pass has run yet.
+    ///
+    /// # Errors
+    /// Where the scene or options do not fit the device, or the device fails.
+    pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
+        let limits = match device {
+            Device::Gpu(gpu) => Limits::from(&**gpu),
+            Device::Cpu(_) | Device::CpuF64(_) => Limits::CPU,
+        };
+        let (plan, data) = Plan::new(scene, options, &limits)?;
+        Self::from_plan(plan, data, options, device).await
+    }
+
+    /// The same from a plan that was made before. Runs of one scene can share what they only read.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub async fn from_plan(
+        plan: impl Into<Arc<Plan>>,
+        data: impl Into<Arc<SceneData>>,
+        options: &Options,
+        device: &Device,
+    ) -> Result<Self, RenderError> {
+        let (plan, data) = (plan.into(), data.into());
+        let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| options.timings);
+        let executor = match device {
+            Device::Gpu(gpu) => {
+                Executor::Gpu(Box::new(GpuExecutor::new(gpu.clone(), &plan, &data, options.timings).await?))
+            }
+            Device::Cpu(clock) => Executor::Cpu(CpuExecutor::new(&plan, timer(clock))?),
+            Device::CpuF64(clock) => Executor::CpuF64(CpuExecutor::new(&plan, timer(clock))?),
+        };
+        let given = match &options.rays {
+            RaySource::Given(rays) => Some(GivenRays::new(rays, &plan, &data)),
+            RaySource::Camera { .. } => None,
+        };
+        let mut executor = executor;
+        if let (Executor::Gpu(e), Some(given)) = (&mut executor, &given) {
+            e.give(&given.streams);
+        }
+        let pass_bound = plan.pass_bound(&data);
+        let mut renderer = Self {
+            plan,
+            data,
+            executor,
+            given,
+            cursor: Cursor::start(),
+            counts: StateCounts::default(),
+            records: Records::new(options.keep_passes),
+            pass_bound,
+            unfinished: 0,
+            alone: None,
+            is_ahead: false,
+        };
+        renderer.restart();
+        Ok(renderer)
+    }
+
+    /// Back to before the first pass, with all rays. Kernels are deterministic, so the same passes follow.
+    pub fn restart(&mut self) {
+        self.alone = None;
+        self.begin();
+    }
+
+    /// The same, with one ray where it goes alone.
+    fn begin(&mut self) {
+        match &mut self.executor {
+            Executor::Gpu(e) => e.clear(),
+            Executor::Cpu(e) => e.clear(),
+            Executor::CpuF64(e) => e.clear(),
+        }
+        self.cursor = Cursor::start();
+        self.records.clear();
+        self.unfinished = 0;
+        self.is_ahead = false;
+        self.counts = StateCounts::default();
+        let texels = self.plan.width * self.plan.height;
+        match &self.given {
+            Some(given) => {
+                for data in &given.streams {
+                    // A plan for given rays has these streams; a GPU keeps them, and copies them in `clear`.
+                    let _: bool = match &mut self.executor {
+                        Executor::Gpu(_) => true,
+                        Executor::Cpu(e) => e.write(data),
+                        Executor::CpuF64(e) => e.write(data),
+                    };
+                }
+                let rays = given.exponents.len() as u32;
+                self.counts[state::TRAV_SETUP as usize] = rays;
+                self.counts[state::UNWRITTEN as usize] = texels - rays;
+            }
+            // The fused kernel's rays wait for nobody to make them.
+            None if self.plan.features.eye_rays => self.counts[state::TRAV_SETUP as usize] = texels,
+            None => self.counts[state::UNWRITTEN as usize] = texels,
+        }
+        if let Some(ray) = self.alone {
+            self.leave_out_others(ray);
+        }
+    }
+
+    /// The plan.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The plan, for another run of the same scene and options.
+    #[must_use]
+    pub fn shared_plan(&self) -> Arc<Plan> {
+        self.plan.clone()
+    }
+
+    /// The scene as the kernels read it.
+    #[must_use]
+    pub fn data(&self) -> &SceneData {
+        &self.data
+    }
+
+    /// The scene as the kernels read it, for another run.
+    #[must_use]
+    pub fn shared_data(&self) -> Arc<SceneData> {
+        self.data.clone()
+    }
+
+    /// Every pass so far, where [`Options::keep_passes`] asks for that; else none.
+    #[must_use]
+    pub fn passes(&self) -> &[Pass] {
+        self.records.kept()
+    }
+
+    /// How many passes have run so far.
+    #[must_use]
+    pub fn pass_count(&self) -> usize {
+        self.records.len()
+    }
+
+    /// What all passes so far sum up to.
+    #[must_use]
+    pub fn totals(&self) -> &PassTotals {
+        self.records.totals()
+    }
+
+    /// The pass that ran last.
+    #[must_use]
+    pub fn last_pass(&self) -> Option<Pass> {
+        self.records.last()
+    }
+
+    /// Rays in each state now.
+    #[must_use]
+    pub fn live(&self) -> StateCounts {
+        self.counts
+    }
+
+    /// Rays that were still walking when the bound on passes was reached, of all samples together. 0 with robust
+    /// numerics.
+    #[must_use]
+    pub fn unfinished(&self) -> u64 {
+        self.unfinished
+    }
+
+    /// Time of all passes so far on the device's own clock, in nanoseconds: on a GPU from the first begin to
+    /// the last end of each submission, summed; of the twins, the sum of their passes, where they are timed.
+    #[must_use]
+    pub fn device_ns(&self) -> Option<u64> {
+        match &self.executor {
+            Executor::Gpu(e) => e.device_ns(),
+            _ => self.records.totals().duration_ns,
+        }
+    }
+
+    /// Time of all passes so far on the host's clock, waiting for a GPU included, in nanoseconds: what is known where the
+    /// device's own clock is none. `None` where there is no such clock; see [`Gpu::check_clock`].
+    #[must_use]
+    pub fn host_ns(&self) -> Option<u64> {
+        match &self.executor {
+            Executor::Gpu(e) => e.host_ns(),
+            _ => self.device_ns(),
+        }
+    }
+
+    /// The GPU executor, where passes run on one.
+    #[must_use]
+    pub fn gpu(&self) -> Option<&GpuExecutor> {
+        match &self.executor {
+            Executor::Gpu(e) => Some(e),
+            _ => None,
+        }
+    }
+
+    /// The f64 twins, where passes run on them.
+    #[must_use]
+    pub fn cpu_f64(&self) -> Option<&CpuExecutor<f64>> {
+        match &self.executor {
+            Executor::CpuF64(e) => Some(e),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! A scene as kernels read it: the bytes of every uniform and storage buffer that a run binds.
+
+mod error;
+mod indices;
+mod shading;
+mod traced;
+
+use bytemuck::cast_slice;
+use raystep_scenes::Scene;
+
+use crate::numbers::real::{Real, Vec3};
+pub use crate::numbers::srgb::{linear_to_srgb, srgb_to_linear};
+use crate::numbers::units::Units;
+use crate::options::features::Features;
+use crate::options::{Options, RaySource, Rule, ScheduleKind};
+use crate::shared::bvh_walk::link_above;
+use crate::shared::camera::Camera;
+use crate::shared::grid_walk::Grid;
+use crate::shared::samples::Sampling;
+use crate::shared::scene::SceneInfo;
+use crate::shared::shading::{Light, Material, Shading};
+use crate::shared::texture::Texture;
+use crate::structures::bvh::{self, BvhNode, BvhOptions, BvhQuality, WideNode};
+use crate::structures::grid::{self, GridData, GridSize};
+pub use error::SceneDataError;
+use error::reserve;
+pub use shading::BACKGROUND;
+use shading::{flat_normal, lights, material, textures};
+use traced::{bvh_growth, packed_triangles, reach, traced_vertices};
+pub use traced::{traced_camera, traced_ray};
+
+/// Host side of everything that is bound. What a run does not bind stays empty.
+#[derive(Clone, Default)]
+pub struct SceneData {
+    /// The options decided.
+    pub features: Features,
+    /// Scene units and traced units.
+    pub units: Units,
+    /// Uniform `camera`.
+    pub camera: Camera,
+    /// Uniform `grid`.
+    pub grid: Grid,
+    /// Uniform `scene`.
+    pub info: SceneInfo,
+    /// Uniform `sampling`.
+    pub sampling: Sampling,
+    /// Uniform `shading`.
+    pub shading: Shading,
+    /// Nine a triangle, traced units.
+    pub vertices: Vec<f32>,
+    /// One a cell and one more.
+    pub grid_cells: Vec<u32>,
+    /// Triangle ids.
+    pub grid_items: Vec<u32>,
+    /// Four cells a word, a byte each: see [`crate::structures::grid::distances`].
+    pub grid_distances: Vec<u32>,
+    /// What cells and boxes were grown by, traced units.
+    pub growth: f32,
+    /// The binary tree.
+    pub bvh_nodes: Vec<BvhNode>,
+    /// One a node.
+    pub bvh_parents: Vec<u32>,
+    /// Triangle ids.
+    pub bvh_items: Vec<u32>,
+    /// The wide tree.
+    pub wide_nodes: Vec<WideNode>,
+    /// Nodes on the longest way through it.
+    pub wide_depth: u32,
+    /// Corners and ids as the fused kernel reads them.
+    pub packed_triangles: Vec<[u32; 12]>,
+    /// Nine a triangle.
+    pub normals: Vec<f32>,
+    /// Six a triangle.
+    pub texcoords: Vec<f32>,
+    /// Nine a triangle.
+    pub vertex_colors: Vec<f32>,
+    /// One a triangle.
+    pub triangle_materials: Vec<u32>,
+    /// At least one.
+    pub materials: Vec<Material>,
+    /// At least one.
+    pub lights: Vec<Light>,
+    /// As many as materials refer to.
+    pub textures: Vec<Texture>,
+    /// Two words a texel.
+    pub texels: Vec<u32>,
+}
+
+impl std::fmt::Debug for SceneData {
+    /// Sizes only: the contents of a scene fill no log.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut sizes = f.debug_struct("SceneData");
+        for info in crate::tables::buffer::BUFFERS {
+            sizes.field(info.name, &self.bytes(info.name).map_or(0, <[u8]>::len));
+        }
+        sizes.finish()
+    }
+}
+
+impl SceneData {
+    /// The corners of a triangle.
+    #[must_use]
+    pub fn corners<R: Real>(&self, triangle: u32) -> [Vec3<R>; 3] {
+        let first = 9 * triangle as usize;
+        let v = &self.vertices[first..first + 9];
+        [0, 3, 6].map(|c| Vec3::from_f32([v[c], v[c + 1], v[c + 2]]))
+    }
+
+    /// Where the list of a cell or leaf begins, and how many triangles it has; all triangles where there is
+    /// neither grid nor tree.
+    #[must_use]
+    pub fn list(&self, cell: u32) -> (u32, u32) {
+        if self.features.grid {
+            let first = self.grid_cells[cell as usize];
+            (first, self.grid_cells[cell as usize + 1] - first)
+        } else if self.features.bvh {
+            let node = &self.bvh_nodes[cell as usize];
+            (node.first, node.count())
+        } else {
+            (0, self.info.triangles)
+        }
+    }
+
+    /// The triangle at a place of the lists.
+    #[must_use]
+    pub fn listed(&self, place: u32) -> u32 {
+        if self.features.grid {
+            self.grid_items[place as usize]
+        } else if self.features.bvh {
+            self.bvh_items[place as usize]
+        } else {
+            place
+        }
+    }
+
+    /// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list.
+    #[must_use]
+    pub fn empty_distance(&self, cell: u32) -> i32 {
+        (self.grid_distances[cell as usize / 4] >> (8 * (cell % 4)) & 0xff) as i32
+    }
+
+    /// The bytes of a buffer, by name; a storage buffer that would be empty gets 16 zero bytes, since
+    /// nothing can be bound to nothing. `None` for a name that the table does not have.
+    #[must_use]
+    pub fn bytes(&self, name: &str) -> Option<&[u8]> {
+        const EMPTY: &[u8] = &[0; 80];
+        let bytes: &[u8] = match name {
+            "camera" => bytemuck::bytes_of(&self.camera),
+            "grid" => bytemuck::bytes_of(&self.grid),
+            "scene" => bytemuck::bytes_of(&self.info),
+            "shading" => bytemuck::bytes_of(&self.shading),
+            "sampling" => bytemuck::bytes_of(&self.sampling),
+            "vertices" => cast_slice(&self.vertices),
+            "grid_cells" => cast_slice(&self.grid_cells),
+            "grid_items" => cast_slice(&self.grid_items),
+            "grid_distances" => cast_slice(&self.grid_distances),
+            "bvh_nodes" => cast_slice(&self.bvh_nodes),
+            "bvh_parents" => cast_slice(&self.bvh_parents),
+            "bvh_items" => cast_slice(&self.bvh_items),
+            "wide_nodes" => cast_slice(&self.wide_nodes),
+            "packed_triangles" => cast_slice(&self.packed_triangles),
+            "normals" => cast_slice(&self.normals),
+            "texcoords" => cast_slice(&self.texcoords),
+            "vertex_colors" => cast_slice(&self.vertex_colors),
+            "triangle_materials" => cast_slice(&self.triangle_materials),
+            "materials" => cast_slice(&self.materials),
+            "lights" => cast_slice(&self.lights),
+            "textures" => cast_slice(&self.textures),
+            "texels" => cast_slice(&self.texels),
+            _ => return None,
+        };
+        Some(if bytes.is_empty() { EMPTY } else { bytes })
+    }
+
+    /// The triangles in traced units, and the structure that `features` name: what the rest of the plan
+    /// depends on.
+    ///
+    /// # Errors
+    /// Where it cannot be built.
+    pub(crate) fn accelerate(
+        scene: &Scene,
+        options: &Options,
+        features: &Features,
+        units: Units,
+        storage_bytes: u64,
+    ) -> Result<Self, SceneDataError> {
+        let mut data = Self { units, ..Self::default() };
+        data.info.triangles = scene.triangles.len() as u32;
+        data.info.steps = options.steps_per_pass;
+        data.vertices = traced_vertices(scene, units);
+        let most_words = storage_bytes / 4;
+        if features.grid {
+            let reach = reach(&data.vertices, options, units);
+            let build = if options.without == Some(Rule::CellGrowth) { grid::build_not_grown } else { grid::build };
+            data.set_grid(build(&data.vertices, options.grid, reach, most_words)?);
+        }
+        if features.bvh {
+            let is_grown = options.without != Some(Rule::BoxPadding);
+            data.growth = if is_grown { bvh_growth(reach(&data.vertices, options, units)) } else { 0.0 };
+            let how = BvhOptions { most_words, quality: BvhQuality::for_triangles(scene.triangles.len() as u64) };
+            if options.schedule == ScheduleKind::Fused {
+                let built = bvh::build_wide(&data.vertices, data.growth, &how)?;
+                (data.wide_nodes, data.packed_triangles) = (built.nodes, built.triangles);
+                data.wide_depth = built.depth;
+            } else {
+                let built = bvh::build(&data.vertices, data.growth, &how)?;
+                data.bvh_parents = built.parents.iter().map(|&p| link_above(&built.nodes, p)).collect();
+                (data.bvh_nodes, data.bvh_items) = (built.nodes, built.items);
+            }
+        }
+        Ok(data)
+    }
+
+    /// Prepares leaps: a finer grid where its resolution was left to us, and how far each empty cell is from the
+    /// next list; see [`crate::structures::grid::distances`].
+    ///
+    /// # Errors
+    /// Where the grid cannot be built.
+    pub(crate) fn prepare_leaps(&mut self, options: &Options, storage_bytes: u64) -> Result<(), SceneDataError> {
+        if options.grid == GridSize::Auto {
+            let reach = reach(&self.vertices, options, self.units);
+            self.set_grid(grid::build_for_leaps(&self.vertices, reach, storage_bytes / 4)?);
+        }
+        self.grid_distances = grid::distances(&self.grid, &self.grid_cells);
+        Ok(())
+    }
+
+    fn set_grid(&mut self, built: GridData) {
+        (self.grid, self.grid_cells, self.grid_items, self.growth) =
+            (built.grid, built.cells, built.items, built.growth);
+    }
+
+    /// Fills what `wanted` names. `scene` must have as many entries per attribute as triangles.
+    ///
+    /// # Errors
+    /// Where the memory for it is not there.
+    pub(crate) fn fill(
+        &mut self,
+        scene: &Scene,
+        options: &Options,
+        features: Features,
+        units: Units,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<(), SceneDataError> {
+        let (data, triangles) = (self, scene.triangles.len());
+        data.features = features;
+        if wanted("camera")
+            && let RaySource::Camera { camera, width, height } = &options.rays
+        {
+            data.camera = traced_camera(camera, units, *width, *height);
+        }
+        if wanted("sampling") {
+            data.sampling = Sampling { samples: options.samples.count, seed: options.samples.seed };
+        }
+        if wanted("packed_triangles") && data.packed_triangles.is_empty() {
+            data.packed_triangles = packed_triangles(&data.vertices, features.bvh.then_some(&data.bvh_items));
+        }
+        if wanted("normals") {
+            data.normals = reserve("normals", 9 * triangles)?;
+            match &scene.normals {
+                Some(normals) => data.normals.extend_from_slice(normals.as_flattened().as_flattened()),
+                None => data.normals.extend(scene.triangles.iter().flat_map(|t| [flat_normal(t); 3]).flatten()),
+            }
+        }
+        if wanted("texcoords") {
+            data.texcoords = reserve("texcoords", 6 * triangles)?;
+            match &scene.texcoords {
+                Some(uv) => data.texcoords.extend_from_slice(uv.as_flattened().as_flattened()),
+                None => data.texcoords.resize(6 * triangles, 0.0),
+            }
+        }
+        if wanted("vertex_colors") {
+            data.vertex_colors = reserve("vertex_colors", 9 * triangles)?;
+            match &scene.colors {
+                Some(colors) => data.vertex_colors.extend_from_slice(colors.as_flattened().as_flattened()),
+                None => data.vertex_colors.resize(9 * triangles, 1.0),
+            }
+        }
+        if wanted("triangle_materials") {
+            data.triangle_materials.clone_from(&scene.triangle_materials);
+        }
+        if wanted("materials") {
+            data.materials = scene.materials.iter().map(material).collect();
+        }
+        if wanted("lights") {
+            data.lights = lights(scene, options, units);
+            data.shading = Shading { background: BACKGROUND, lights: data.lights.len() as u32 };
+        }
+        if wanted("texels") {
+            (data.textures, data.texels) = textures(&scene.textures)?;
+        }
+        Ok(())
+    }
+}

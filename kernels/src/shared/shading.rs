@@ -1,0 +1,55 @@
+//! Materials and lights as `shade.wgsl` reads them.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `texture` of a material that has none.
+pub const NO_TEXTURE: u32 = 0xffff_ffff;
+
+/// An entry of the buffer `materials`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    /// Diffuse colour, linear.
+    pub base_color: [f32; 3],
+    /// Index into `textures`, [`NO_TEXTURE`] for none.
+    pub texture: u32,
+    /// Added to the shaded colour, linear.
+    pub emissive: [f32; 3],
+    /// Not 0: the normal faces the viewer.
+    pub double_sided: u32,
+}
+
+/// `kind` of a [`Light`].
+pub const POINT: u32 = 0;
+/// `kind` of a [`Light`].
+pub const DIRECTIONAL: u32 = 1;
+/// `kind` of a [`Light`].
+pub const SPOT: u32 = 2;
+
+/// An entry of the buffer `lights`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Light {
+    /// Traced units.
+    pub position: [f32; 3],
+    /// [`POINT`], [`DIRECTIONAL`] or [`SPOT`].
+    pub kind: u32,
+    /// In which the light travels; length 1.
+    pub direction: [f32; 3],
+    /// Cosine of the half angle at which a spot ends.
+    pub cos_outer: f32,
+    /// Linear colour.
+    pub color: [f32; 3],
+    /// 1 / (cosine of the inner half angle − `cos_outer`).
+    pub cone_scale: f32,
+}
+
+/// The uniform `shading`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Shading {
+    /// Colour of a ray that hits nothing, linear.
+    pub background: [f32; 3],
+    /// Number of lights.
+    pub lights: u32,
+}

@@ -1,0 +1,183 @@
+//! The bounding volume hierarchy: a binary tree for the stepped walk, or an eight-wide compressed one.
+//!
+//! ```text
+//! bvh_nodes     8 words    a node, see [`BvhNode`]; the root is node 0, two children lie side by side
+//! bvh_parents   u32        one a node: the node whose child it is
+//! bvh_items     u32        triangle ids, in the order of the leaves
+//! wide_nodes    20 words   a node, see [`WideNode`]; the root is node 0
+//! packed_triangles 12 words  a corner and the triangle's id, a corner and 0, a corner and 0, in the order of the leaves
+//! ```
+//!
+//! **Boxes are conservative.** Every box contains the exact boxes of what is below it, grown by the distance
+//! that the caller gives, as the grid's cells are (see [`crate::structures::grid`]): binary boxes are rounded outwards to
+//! f32, wide ones to their 8-bit planes, both decided in f64. `check` holds the whole tree against that.
+//!
+//! **A triangle may be listed more than once.** Large oblique triangles are cut into pieces first, each with a
+//! box of its own ([`BvhQuality`] says how many); a ray may then test such a triangle again.
+//!
+//! **Any scene builds, in about n log n.** Clustering that stalls (nested or identical boxes) is forced
+//! on, the search of the optimiser is bounded where boxes overlap so much that it would go through the whole tree,
+//! and what is deeper than [`MAX_DEPTH`] or [`WIDE_MAX_DEPTH`] is replaced by a tree that halves at medians.
+//! A scene without triangles has one node that no ray hits: see [`EMPTY`] and [`WideNode`].
+
+mod binary;
+mod check;
+mod cluster;
+mod median;
+mod polygon;
+mod references;
+mod split;
+mod tree;
+mod wide;
+
+pub use crate::shared::bvh_walk::{BvhNode, EMPTY};
+pub use crate::shared::constants::{NO_NODE, WIDE_MAX_DEPTH};
+pub use crate::shared::wide_node::{WideChild, WideContent, WideNode};
+pub use binary::{BvhData, MAX_LEAF};
+pub use check::BvhFault;
+pub use tree::{MAX_DEPTH, TreeShape};
+pub use wide::{MAX_WIDE_LEAF, WideBvhData};
+
+use references::References;
+
+/// How much work goes into the tree. Each traces faster than the one before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BvhQuality {
+    /// Clusters among close neighbours, and no more.
+    Fast,
+    /// Cuts large triangles, at most three further references for ten triangles, clusters among more neighbours,
+    /// and moves subtrees to better places.
+    #[default]
+    Balanced,
+    /// Moves five times as many.
+    High,
+}
+
+impl BvhQuality {
+    /// All of them, fastest to build first.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::High];
+
+    /// The best one that builds a tree over so many triangles within about a second on two cores, or `Balanced`.
+    #[must_use]
+    pub fn for_triangles(triangles: u64) -> Self {
+        if triangles <= 1 << 18 { Self::High } else { Self::Balanced }
+    }
+
+    fn effort(self) -> Effort {
+        match self {
+            Self::Fast => Effort { pieces: 0.0, search: 8, reinsertion: 0.0, budget: 0.0 },
+            Self::Balanced => Effort { pieces: 0.3, search: 14, reinsertion: 0.2, budget: 200.0 },
+            Self::High => Effort { pieces: 0.3, search: 14, reinsertion: 1.0, budget: 1000.0 },
+        }
+    }
+}
+
+/// What a quality means.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Most further references that cutting may make, for each triangle.
+    pieces: f64,
+    /// Neighbours on either side among which a cluster looks for its best partner.
+    search: usize,
+    /// Share of the nodes that the first round of reinsertion considers; 15 smaller rounds follow.
+    reinsertion: f32,
+    /// Nodes that all rounds together may look at, for each node of the tree: a bound on the time where boxes
+    /// overlap so much that every search goes through most of them. Scenes of separate objects need about 20.
+    budget: f64,
+}
+
+/// How a tree is built, and what it has to fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BvhOptions {
+    /// How much work goes into it.
+    pub quality: BvhQuality,
+    /// Most 32-bit words that one buffer of the executor holds.
+    pub most_words: u64,
+}
+
+impl Default for BvhOptions {
+    fn default() -> Self {
+        Self { quality: BvhQuality::default(), most_words: u64::from(u32::MAX) }
+    }
+}
+
+/// The tree cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BvhError {
+    /// More triangles than a reference can name.
+    #[error("{triangles} triangles are more than the {MAX_TRIANGLES} that a bounding volume hierarchy can hold")]
+    TooManyTriangles {
+        /// How many there are.
+        triangles: u64,
+    },
+    /// A corner whose boxes would have no finite area.
+    #[error("triangle {triangle} has a corner that is not a number or farther away than 2^40 traced units")]
+    Corner {
+        /// The first such triangle.
+        triangle: u32,
+    },
+    /// Boxes cannot be grown by that.
+    #[error("boxes cannot be grown by {0}: it must be 0 to 2^40 traced units")]
+    Growth(f32),
+    /// A buffer would be larger than the executor can hold.
+    #[error("{buffer} would take {words} words, more than the {limit} that fit one buffer here")]
+    TooLarge {
+        /// Its name.
+        buffer: &'static str,
+        /// What it would take.
+        words: u64,
+        /// What there is.
+        limit: u64,
+    },
+}
+
+/// Most triangles: with their pieces, and with two nodes for each, still counted by 30 bits.
+pub const MAX_TRIANGLES: u64 = 1 << 28;
+
+/// Largest coordinate and growth, traced units: areas and their sums stay finite in f32.
+pub(crate) const MAX_COORDINATE: f32 = (1u64 << 40) as f32;
+
+/// Builds the binary tree over `vertices` (nine floats a triangle, traced units), every box grown by `growth`.
+///
+/// # Errors
+/// Where a corner is not finite or much too far away, and where it does not fit the buffers.
+pub fn build(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<BvhData, BvhError> {
+    let references = gather(vertices, growth, options)?;
+    binary::build(vertices, growth, &references, options)
+}
+
+/// Builds the wide tree over `vertices` (nine floats a triangle, traced units), every box grown by `growth`.
+///
+/// # Errors
+/// Where a corner is not finite or much too far away, and where it does not fit the buffers.
+pub fn build_wide(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<WideBvhData, BvhError> {
+    // Known before anything is reserved: each triangle takes 12 words at least.
+    fits("packed_triangles", 12 * (vertices.len() / 9) as u64, options)?;
+    let references = gather(vertices, growth, options)?;
+    wide::build(vertices, growth, &references, options)
+}
+
+fn gather(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<References, BvhError> {
+    if !(0.0..=MAX_COORDINATE).contains(&growth) {
+        return Err(BvhError::Growth(growth));
+    }
+    let mut references = References::of(vertices)?;
+    split::split(vertices, &mut references, options.quality.effort().pieces);
+    Ok(references)
+}
+
+fn fits(buffer: &'static str, words: u64, options: &BvhOptions) -> Result<(), BvhError> {
+    let limit = options.most_words.min(u64::from(u32::MAX));
+    if words > limit { Err(BvhError::TooLarge { buffer, words, limit }) } else { Ok(()) }
+}
+
+/// The largest f32 that is not above `value`.
+fn down(value: f64) -> f32 {
+    let rounded = value as f32;
+    if f64::from(rounded) > value { rounded.next_down() } else { rounded }
+}
+
+/// The smallest f32 that is not below `value`.
+fn up(value: f64) -> f32 {
+    -down(-value)
+}
