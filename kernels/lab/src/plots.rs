@@ -209,7 +209,7 @@ impl Bars {
         if longest <= 0.0 || !longest.is_finite() {
             return Ok(None);
         }
-        let axis = Axis { label: self.x.clone(), scale: Scale::Linear };
+        let axis = Axis::new(self.x.clone(), Scale::Linear);
         let x = axis.over([0.0, longest].into_iter());
         drawn(SIZE, |area| {
             frame(area, &self.title, &self.x, "")?;
@@ -377,7 +377,7 @@ mod tests {
     use super::*;
 
     fn plot(points: Vec<(f64, f64)>, scale: Scale) -> Plot {
-        let axis = |label: &str| Axis { label: label.into(), scale };
+        let axis = |label: &str| Axis::new(label, scale);
         let series = vec![Series::line("a & b", 0, points)];
         Plot { title: "t < 1".into(), x: axis("time, ms"), y: axis("rays"), series, places: Vec::new() }
     }

@@ -15,7 +15,7 @@ pub enum Scale {
 
 impl Scale {
     /// Whether the axis has a place for a value.
-    pub fn has(self, value: f64) -> bool {
+    pub(super) fn has(self, value: f64) -> bool {
         value.is_finite()
             && match self {
                 Self::Linear | Self::Names(_) => true,
@@ -32,12 +32,15 @@ pub struct Axis {
     pub label: String,
     /// Where values lie.
     pub scale: Scale,
+    /// How values are written.
+    pub text: fn(f64) -> String,
 }
 
 /// An axis with its ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ranged {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ranged {
     scale: Scale,
+    text: fn(f64) -> String,
     /// Ends, as logarithms where the scale is one.
     low: f64,
     high: f64,
@@ -47,15 +50,21 @@ pub struct Ranged {
 const MOST: usize = 9;
 
 impl Axis {
+    /// With numbers as short as they can be.
+    #[must_use]
+    pub fn new(label: impl Into<String>, scale: Scale) -> Self {
+        Self { label: label.into(), scale, text: short }
+    }
+
     /// From the smallest to the largest of the values that it has a place for.
-    pub fn over(&self, values: impl Iterator<Item = f64>) -> Ranged {
-        let scale = self.scale;
+    pub(super) fn over(&self, values: impl Iterator<Item = f64>) -> Ranged {
+        let (scale, text) = (self.scale, self.text);
         let values: Vec<f64> = values.filter(|&v| scale.has(v)).collect();
         let span = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (f64::min(l, v), f64::max(h, v)))
         };
         if let Scale::Names(names) = scale {
-            return Ranged { scale, low: 0.5, high: names.len() as f64 + 0.5 };
+            return Ranged { scale, text, low: 0.5, high: names.len() as f64 + 0.5 };
         }
         if scale == Scale::Linear {
             let (low, high) = span(&mut values.into_iter());
@@ -63,22 +72,22 @@ impl Axis {
             let low = if low > 0.0 && (low < 0.6 * high || low == high) { 0.0 } else { low };
             let room = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
             let low = if low == 0.0 { 0.0 } else { low - room };
-            return Ranged { scale, low, high: high + room };
+            return Ranged { scale, text, low, high: high + room };
         }
         let (low, high) = span(&mut values.into_iter().filter(|&v| v > 0.0).map(f64::log10));
         if scale == Scale::LogWithZero {
             // Nothing but zeros: any decade will do.
             let (low, high) = if low.is_finite() { (low, high) } else { (0.0, 0.0) };
-            return Ranged { scale, low: (low + 1e-9).floor() - 1.0, high: high + 0.15 };
+            return Ranged { scale, text, low: (low + 1e-9).floor() - 1.0, high: high + 0.15 };
         }
         let room = (0.04 * (high - low)).max(0.06);
-        Ranged { scale, low: low - room, high: high + room }
+        Ranged { scale, text, low: low - room, high: high + room }
     }
 }
 
 impl Ranged {
     /// Where a value lies, from 0 to 1.
-    pub fn part(&self, value: f64) -> f64 {
+    pub(super) fn part(&self, value: f64) -> f64 {
         let value = match self.scale {
             Scale::Linear | Scale::Names(_) => value,
             Scale::LogWithZero if value <= 0.0 => self.low,
@@ -88,7 +97,7 @@ impl Ranged {
     }
 
     /// Values with their labels.
-    pub fn ticks(&self) -> Vec<(f64, String)> {
+    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let mut values = match self.scale {
             Scale::Names(names) => return (1..).map(f64::from).zip(names.iter().map(|&n| n.to_owned())).collect(),
             Scale::Linear => self.even(),
@@ -97,7 +106,7 @@ impl Ranged {
         if self.scale == Scale::LogWithZero {
             values.insert(0, 0.0);
         }
-        values.into_iter().map(|v| (v, label(v))).collect()
+        values.into_iter().map(|v| (v, (self.text)(v))).collect()
     }
 
     /// Multiples of 1, 2 or 5 times a power of ten.
@@ -133,7 +142,7 @@ impl Ranged {
 }
 
 /// A number as short as it can be.
-fn label(value: f64) -> String {
+fn short(value: f64) -> String {
     let magnitude = value.abs();
     // Steps of a tenth are not quite one in binary.
     let rounded = format!("{value:.3e}").parse().unwrap_or(value);
@@ -150,7 +159,7 @@ mod tests {
     use super::*;
 
     fn labels(scale: Scale, values: &[f64]) -> Vec<String> {
-        let axis = Axis { label: String::new(), scale };
+        let axis = Axis::new("", scale);
         axis.over(values.iter().copied()).ticks().into_iter().map(|t| t.1).collect()
     }
 
@@ -172,9 +181,9 @@ mod tests {
 
     #[test]
     fn values_lie_where_they_should() {
-        let log = Axis { label: String::new(), scale: Scale::Log }.over([1.0, 100.0].into_iter());
+        let log = Axis::new("", Scale::Log).over([1.0, 100.0].into_iter());
         assert!((log.part(10.0) - 0.5).abs() < 1e-12);
-        let zero = Axis { label: String::new(), scale: Scale::LogWithZero }.over([0.0, 100.0].into_iter());
+        let zero = Axis::new("", Scale::LogWithZero).over([0.0, 100.0].into_iter());
         assert_eq!(zero.part(0.0), 0.0);
         assert!(zero.part(100.0) > zero.part(0.0));
         assert!(!Scale::Log.has(0.0) && Scale::LogWithZero.has(0.0) && !Scale::Linear.has(f64::NAN));

@@ -254,8 +254,8 @@ fn plot(aim: Aim<'_>, rows: &[Row]) -> Plot {
     };
     Plot {
         title: at.into(),
-        x: Axis { label: "time of all rays, ms".into(), scale: Scale::Log },
-        y: Axis { label: "wrong rays per million".into(), scale: Scale::LogWithZero },
+        x: Axis::new("time of all rays, ms", Scale::Log),
+        y: Axis::new("wrong rays per million", Scale::LogWithZero),
         series,
         places: Vec::new(),
     }

@@ -291,7 +291,7 @@ fn automatic_place(rows: &[Row]) -> Vec<(f64, String)> {
 }
 
 fn cells_axis() -> Axis {
-    Axis { label: "cells of the grid".into(), scale: Scale::Log }
+    Axis::new("cells of the grid", Scale::Log)
 }
 
 fn time_plot(rows: &[Row]) -> Plot {
@@ -302,7 +302,7 @@ fn time_plot(rows: &[Row]) -> Plot {
     Plot {
         title: "Time over resolution".into(),
         x: cells_axis(),
-        y: Axis { label: "time, ms".into(), scale: Scale::Log },
+        y: Axis::new("time, ms", Scale::Log),
         series: vec![trace, Series::line("plan and build", 1, over_cells(&grid, |r| Some(r.number("build_s")? * 1e3)))],
         places: automatic_place(rows),
     }
@@ -313,7 +313,7 @@ fn bytes_plot(rows: &[Row]) -> Plot {
     Plot {
         title: "Memory over resolution".into(),
         x: cells_axis(),
-        y: Axis { label: "memory, KiB".into(), scale: Scale::Log },
+        y: Axis::new("memory, KiB", Scale::Log),
         series: vec![line],
         places: automatic_place(rows),
     }

@@ -211,8 +211,8 @@ fn plot(rows: &[Row]) -> Plot {
     series.push(Series::dashed("no difference", 6, vec![(0.5, 1.0), (3.5, 1.0)]));
     Plot {
         title: "Time with everything put back, by time without".into(),
-        x: Axis { label: "schedule".into(), scale: Scale::Names(&["second", "compact", "fused"]) },
-        y: Axis { label: "ratio of times".into(), scale: Scale::Linear },
+        x: Axis::new("schedule", Scale::Names(&["second", "compact", "fused"])),
+        y: Axis::new("ratio of times", Scale::Linear),
         series,
         places: Vec::new(),
     }

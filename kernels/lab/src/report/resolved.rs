@@ -328,8 +328,8 @@ fn resolved_plot(accelerator: &str, rows: &[Row]) -> Plot {
     });
     Plot {
         title: format!("Resolved rays, {accelerator}"),
-        x: Axis { label: "time since the run began, ms".into(), scale: Scale::Log },
-        y: Axis { label: "resolved rays, %".into(), scale: Scale::Linear },
+        x: Axis::new("time since the run began, ms", Scale::Log),
+        y: Axis::new("resolved rays, %", Scale::Linear),
         series: series.collect(),
         places: Vec::new(),
     }
@@ -357,8 +357,8 @@ fn wrong_plot(rows: &[Row]) -> Plot {
     }
     Plot {
         title: "Rays resolved wrongly".into(),
-        x: Axis { label: "time since the run began, ms".into(), scale: Scale::Log },
-        y: Axis { label: "wrong per million judged".into(), scale: Scale::LogWithZero },
+        x: Axis::new("time since the run began, ms", Scale::Log),
+        y: Axis::new("wrong per million judged", Scale::LogWithZero),
         series,
         places: Vec::new(),
     }

@@ -328,8 +328,8 @@ fn plot(of: Of, rows: &[Row]) -> Plot {
     };
     Plot {
         title: title.into(),
-        x: Axis { label: "time, ms".into(), scale: Scale::Log },
-        y: Axis { label: "root mean square error, linear light".into(), scale: Scale::Log },
+        x: Axis::new("time, ms", Scale::Log),
+        y: Axis::new("root mean square error, linear light", Scale::Log),
         series,
         places: Vec::new(),
     }

@@ -191,8 +191,8 @@ fn walks_plot(walks: &[drift::Walked]) -> Plot {
     series.push(Series::dashed("bound of the robust rules", 6, ends.iter().map(|p| (p.0, drift::BOUND)).collect()));
     Plot {
         title: "Largest error of tMax over the cells of a walk".into(),
-        x: Axis { label: "cells visited".into(), scale: Scale::Linear },
-        y: Axis { label: "error, units of 2⁻²⁴ of the larger of plane and origin".into(), scale: Scale::Log },
+        x: Axis::new("cells visited", Scale::Linear),
+        y: Axis::new("error, units of 2⁻²⁴ of the larger of plane and origin", Scale::Log),
         series,
         places: Vec::new(),
     }

@@ -5,10 +5,10 @@ use crate::report::table::Row;
 
 fn axis_of(column: &str) -> Axis {
     let label = match column {
-        "scale" => "scale of the scene".into(),
-        _ => "distance from where it was, in extents of the scene".into(),
+        "scale" => "scale of the scene",
+        _ => "distance from where it was, in extents of the scene",
     };
-    Axis { label, scale: Scale::Log }
+    Axis::new(label, Scale::Log)
 }
 
 /// Of robust rules, one column over the other.
@@ -32,7 +32,7 @@ pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
     Plot {
         title: "Largest error of t by the same ray's bound, robust rules".into(),
         x: axis_of(column),
-        y: Axis { label: "error by bound".into(), scale: Scale::Log },
+        y: Axis::new("error by bound", Scale::Log),
         series,
         places: Vec::new(),
     }
@@ -59,7 +59,7 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
     Plot {
         title: "Error of t along the ray, robust rules".into(),
         x: axis_of(column),
-        y: Axis { label: "error, in extents of the scene".into(), scale: Scale::Log },
+        y: Axis::new("error, in extents of the scene", Scale::Log),
         series,
         places: Vec::new(),
     }
@@ -82,7 +82,7 @@ pub(super) fn lost(column: &str, rows: &[Row]) -> Plot {
     Plot {
         title: "Rays that are wrong, and those of them that are lost".into(),
         x: axis_of(column),
-        y: Axis { label: "rays per million".into(), scale: Scale::LogWithZero },
+        y: Axis::new("rays per million", Scale::LogWithZero),
         series,
         places: Vec::new(),
     }
