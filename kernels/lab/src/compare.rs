@@ -1,6 +1,6 @@
 //! Two runs' values of a stream, one against the other: in numbers, ray by ray, and as a signed picture.
 
-use raystep_kernels::real::ulps;
+use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::{Stream, StreamData};
 

@@ -2,17 +2,17 @@
 //!
 //! Both questions are asked one pass at a time. The twins start from the device's own streams before the pass, so
 //! that a pass is not blamed for what an earlier one did, and what a ray did in a pass is judged by what f32 can
-//! decide, see [`raystep_lab::rounding`].
+//! decide, see [`crate::rounding`].
 
 mod map;
 
 use std::ops::ControlFlow;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
-use raystep_lab::rounding::{Rounding, judging_bytes};
 
+use crate::rounding::{Rounding, judging_bytes};
 pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
 
 /// How far the comparison is, after a pass.
@@ -121,10 +121,10 @@ fn replace(before: &mut [StreamData], values: StreamData) {
 #[cfg(test)]
 mod tests {
     use raystep_kernels::{Accelerator, Device, Options, RaySource};
-    use raystep_lab::stability::{CASES, Variant};
     use raystep_scenes::generate;
 
     use super::*;
+    use crate::stability::{CASES, Variant};
 
     fn compared(scene: &raystep_scenes::Scene, options: &Options, device: &Device) -> DivergenceMap {
         pollster::block_on(async {

@@ -5,6 +5,7 @@
 //! for many runs of the same rays: a [`Judge`] works truth out for a [`sample`] of them, and keeps it for the runs that
 //! follow.
 
+mod passes;
 mod report;
 
 use std::ops::ControlFlow;
@@ -16,6 +17,7 @@ use raystep_kernels::tables::stream::{STATE_T, STATE_TAG, Stream, StreamData};
 
 use crate::rays::Random;
 use crate::reference::{BruteForce, Candidates, Mistake, candidates_of};
+pub use passes::{Judgement, WrongRay, judge_passes, why_not};
 pub use report::Report;
 
 /// Tests of a triangle against a ray from one look at progress to the next.

@@ -149,8 +149,9 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T};
+
     use super::*;
-    use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
 
     #[test]
     fn floats_without_a_place_on_the_scale_are_counted_apart() {

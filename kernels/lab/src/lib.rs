@@ -3,10 +3,13 @@
 //! inspector, the docs' measurements and the tests use the same functions.
 
 pub mod bench;
+pub mod compare;
+pub mod divergence;
 mod error;
 pub mod hash;
 pub mod html;
 pub mod judge;
+pub mod layer_stats;
 pub mod machine;
 pub mod meter;
 pub mod parity;
@@ -18,11 +21,13 @@ pub mod reporter;
 pub mod rounding;
 pub mod stability;
 pub mod statistics;
+pub mod structure_stats;
 pub mod subject;
 pub mod text;
 mod wait;
 pub mod watertight;
 pub mod ways;
+pub mod work;
 
 pub use error::Error;
 pub use hash::Hash;

@@ -3,6 +3,7 @@
 mod tree;
 
 use raystep_kernels::scene_data::SceneData;
+
 pub use tree::TreeStats;
 
 /// Entries of a histogram of lengths: one each for 0, 1, …, and the last one for all that are as long or longer.

@@ -2,7 +2,7 @@
 
 mod lanes;
 
-use raystep_kernels::state::Tag;
+use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Stream, StreamData};
 
 pub use lanes::{LANES, Lanes, Launch};

@@ -7,17 +7,18 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use egui::{Button, Color32, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
+use plot::{Curve, Plot};
 use raystep_kernels::{Options, Plan, Renderer};
+use raystep_lab::judge::{Judgement, judge_passes};
 use raystep_lab::reference::Verdict;
 use raystep_lab::statistics::wilson;
+use scales::grouped;
 
-use crate::session::judged::{Judgement, judge, why_not};
+use crate::session::judged::why_not;
 use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::session::{Model, Target};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
-use plot::{Curve, Plot};
-use scales::grouped;
 
 /// What the engine is asked for, and what goes on meanwhile.
 const JUDGING: &str = "judging what rays hit";
@@ -63,7 +64,7 @@ fn job(of: Of) -> Job {
             let options = Options { timings: false, ..session.options().clone() };
             let fail = |e: raystep_kernels::RenderError| e.to_string();
             let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
-            let judgement = judge(&mut renderer, |done, all| {
+            let judgement = judge_passes(&mut renderer, |done, all| {
                 if progress(done, all) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             });
             let judgement = judgement.await.map_err(fail)?;

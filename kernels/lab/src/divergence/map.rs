@@ -1,10 +1,11 @@
 //! Which rays parted, where, and what that means: an array each, one entry a ray, to be drawn over the image.
 
 use raystep_kernels::executor::cpu::OutOfMemory;
-use raystep_kernels::real::ulps;
-use raystep_kernels::stream::STREAMS;
+use raystep_kernels::numbers::real::ulps;
+use raystep_kernels::tables::stream::STREAMS;
 use raystep_kernels::{Kernel, Plan, Stream};
-use raystep_lab::rounding::{Component, Judged, Verdict};
+
+use crate::rounding::{Component, Judged, Verdict};
 
 /// The pass of a ray that never parted.
 pub const NEVER: u32 = u32::MAX;

@@ -7,13 +7,12 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::state;
-use raystep_kernels::stream::STATE_TAG;
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Pass, Plan, RenderError, Renderer, Stream};
-use raystep_lab::judge::{Cracks, Judge, Judged, Traced, rays_a_batch, sample};
-use raystep_lab::reference::{Counts, Mistake, Verdict};
 
-use super::Edit;
+use super::{Cracks, Judge, Judged, Traced, rays_a_batch, sample};
+use crate::reference::{Counts, Mistake, Verdict};
 
 /// Most tests of a triangle against a ray: some seconds on a few cores.
 const MOST_TESTS: u64 = 1 << 31;
@@ -71,13 +70,9 @@ impl Judgement {
 
 /// Why the rays of a run cannot be judged, in a line; `None` where they can.
 #[must_use]
-pub fn why_not(plan: &Plan, edits: &[Edit], twins: Option<usize>) -> Option<&'static str> {
+pub fn why_not(plan: &Plan) -> Option<&'static str> {
     let needed = [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit];
-    if !edits.is_empty() {
-        Some("not judged: the run was changed by hand, and is judged once the changes are taken back")
-    } else if twins.is_some() {
-        Some("not judged: the first passes are the twins', and what is judged is a run of the device alone")
-    } else if plan.features.any_hit {
+    if plan.features.any_hit {
         Some("not judged: a ray ends at the first hit that is found, whether or not it is the nearest")
     } else if plan.features.samples {
         Some("not judged: with several samples a pixel, all rays but the last one's are gone; trace with one sample")
@@ -95,7 +90,7 @@ pub fn why_not(plan: &Plan, edits: &[Edit], twins: Option<usize>) -> Option<&'st
 ///
 /// # Errors
 /// Where the device fails, the plan left a stream out that is needed, or `progress` said so.
-pub async fn judge(
+pub async fn judge_passes(
     renderer: &mut Renderer,
     mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,
 ) -> Result<Judgement, RenderError> {
@@ -196,7 +191,7 @@ mod tests {
         pollster::block_on(renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
         let passes = renderer.passes().to_vec();
         let judgement =
-            pollster::block_on(judge(&mut renderer, |_, _| ControlFlow::Continue(()))).expect("a judgement");
+            pollster::block_on(judge_passes(&mut renderer, |_, _| ControlFlow::Continue(()))).expect("a judgement");
         (judgement, passes)
     }
 
@@ -256,7 +251,7 @@ mod tests {
     fn judging_says_how_far_it_is_and_stops() {
         let mut renderer = renderer(&options(Numerics::Paper, 64));
         let mut parts = Vec::new();
-        pollster::block_on(judge(&mut renderer, |done, of| {
+        pollster::block_on(judge_passes(&mut renderer, |done, of| {
             parts.push((done, of));
             ControlFlow::Continue(())
         }))
@@ -264,7 +259,7 @@ mod tests {
         assert!(parts.iter().all(|&(done, of)| done <= of && of == 1000) && parts.is_sorted(), "{parts:?}");
         // Stopped in each of its three parts.
         for at in [0, 100, 800] {
-            let stopped = pollster::block_on(judge(&mut renderer, |done, _| {
+            let stopped = pollster::block_on(judge_passes(&mut renderer, |done, _| {
                 if done >= at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             }));
             assert!(matches!(stopped, Err(RenderError::Cancelled { .. })), "{at}");
@@ -274,14 +269,11 @@ mod tests {
     #[test]
     fn what_cannot_be_judged_says_why() {
         let plain = options(Numerics::Robust, 64);
-        let why = |options: &Options, edits: &[Edit], twins| why_not(renderer(options).plan(), edits, twins);
-        assert_eq!(why(&plain, &[], None), None);
-        let edit = Edit { place: 3, stream: Stream::Hit, layer: 0, x: 1, y: 1, bits: 0 };
-        assert!(why(&plain, &[edit], None).is_some_and(|why| why.contains("by hand")));
-        assert!(why(&plain, &[], Some(3)).is_some_and(|why| why.contains("twins")));
+        let why = |options: &Options| why_not(renderer(options).plan());
+        assert_eq!(why(&plain), None);
         let any_hit = Options { any_hit: true, ..plain.clone() };
-        assert!(why(&any_hit, &[], None).is_some_and(|why| why.contains("first hit")));
+        assert!(why(&any_hit).is_some_and(|why| why.contains("first hit")));
         let fused = Options { schedule: ScheduleKind::Fused, shade: false, ..plain };
-        assert!(why(&fused, &[], None).is_some_and(|why| why.contains("no stream")));
+        assert!(why(&fused).is_some_and(|why| why.contains("no stream")));
     }
 }

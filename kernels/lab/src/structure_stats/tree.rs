@@ -1,7 +1,7 @@
 //! The nodes of a tree in numbers, binary or eight-wide.
 
-use raystep_kernels::bvh::{MAX_LEAF, MAX_WIDE_LEAF, WideContent};
 use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::structures::bvh::{MAX_LEAF, MAX_WIDE_LEAF, WideContent};
 
 /// Entries of the histogram of leaf sizes: 0 (only the tree of an empty scene has such a leaf) to the most that any
 /// leaf has.

@@ -1,7 +1,7 @@
 //! Useful lanes: of the threads that a GPU launches together, how many have a ray to work on.
 
-use raystep_kernels::features::Features;
-use raystep_kernels::state::{self, Tag};
+use raystep_kernels::options::features::Features;
+use raystep_kernels::tables::state::{self, Tag};
 use raystep_kernels::{Kernel, Pass, Plan};
 
 /// Threads that run in step. 32 on most GPUs; where a device takes 64, two neighbours of these groups are one.
@@ -116,7 +116,7 @@ impl Lanes {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
+    use raystep_kernels::tables::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
     use raystep_kernels::{Limits, Options, RaySource, ScheduleKind};
     use raystep_scenes::generate;
 

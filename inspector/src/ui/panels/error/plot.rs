@@ -2,9 +2,9 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 use raystep_kernels::{Pass, state};
+use raystep_lab::judge::Judgement;
 
 use super::scales::{Shares, Unit, grouped, percent};
-use crate::session::judged::Judgement;
 
 /// Points left of the field, for shares.
 const LEFT: f32 = 46.0;
