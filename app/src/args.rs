@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip};
-
+use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
@@ -46,7 +46,7 @@ impl Default for ReadArgs {
 #[command(next_help_heading = "Scene and view")]
 pub(crate) struct ViewArgs {
     /// Pixels a row and rows
-    #[arg(long, value_name = "WxH", default_value = "512x512", allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size, allow_hyphen_values = true)]
     pub(crate) size: Size,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -301,30 +301,12 @@ fn whole_number(text: &str, most: u32, of: &str) -> Option<Result<u32, String>> 
     Some(number.ok_or_else(|| format!("1 to {most} {of} are wanted")))
 }
 
-impl std::fmt::Display for Size {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}x{}", self.width, self.height)
-    }
-}
-
-/// `--size`
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Size {
-    /// Pixels a row.
-    pub(crate) width: u32,
-    /// Rows.
-    pub(crate) height: u32,
-}
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(value: &str) -> Result<Self, String> {
-        let wrong = || "two whole numbers with an x between them are wanted, such as 640x480".to_owned();
-        let (width, height) = value.split_once(['x', 'X']).ok_or_else(wrong)?;
-        let side = |text| whole_number(text, MOST_PIXELS, "pixels each way").unwrap_or_else(|| Err(wrong()));
-        Ok(Self { width: side(width)?, height: side(height)? })
-    }
+/// Reads `--size`.
+pub(crate) fn parse_size(value: &str) -> Result<Size, String> {
+    let wrong = || "two whole numbers with an x between them are wanted, such as 640x480".to_owned();
+    let (width, height) = value.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let side = |text| whole_number(text, MOST_PIXELS, "pixels each way").unwrap_or_else(|| Err(wrong()));
+    Ok(Size { width: side(width)?, height: side(height)? })
 }
 
 /// Three numbers.
@@ -341,14 +323,6 @@ impl FromStr for Vector {
             .map(|part| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong))
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Self(numbers.try_into().map_err(|_| wrong())?))
-    }
-}
-
-/// As `--grid` reads it.
-pub(crate) fn grid_text(size: GridSize) -> String {
-    match size {
-        GridSize::Auto => "auto".into(),
-        GridSize::Cells([x, y, z]) => format!("{x},{y},{z}"),
     }
 }
 

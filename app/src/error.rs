@@ -5,6 +5,7 @@ use std::fmt;
 use raystep_kernels::grid::GridError;
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::{GpuError, Limits, PlanError, RenderError};
+use raystep_lab::stability::StabilityError;
 
 /// The work failed.
 pub(crate) const FAILED: u8 = 1;
@@ -50,12 +51,20 @@ impl fmt::Display for Error {
 
 impl From<PlanError> for Error {
     fn from(error: PlanError) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&PlanError> for Error {
+    fn from(error: &PlanError) -> Self {
         match error {
             PlanError::Grid(GridError::Size(_)) => Self::usage(format!("--grid: {error}")),
             PlanError::Samples { .. } => Self::usage(format!("--spp: {error}")),
             PlanError::Ray { .. } => Self::usage(format!("--ray: {error}")),
-            PlanError::ImageSize { width, height, side, rays } => Self::usage(too_large([width, height], side, rays)),
-            PlanError::BufferSize { limit, .. } if limit < Limits::CPU.storage_bytes => {
+            PlanError::ImageSize { width, height, side, rays } => {
+                Self::usage(too_large([*width, *height], *side, *rays))
+            }
+            PlanError::BufferSize { limit, .. } if *limit < Limits::CPU.storage_bytes => {
                 let most = Bytes(Limits::CPU.storage_bytes);
                 Self::failed(format!("{error}; --device cpu takes up to {most}"))
             }
@@ -83,8 +92,35 @@ impl From<GpuError> for Error {
 
 impl From<RenderError> for Error {
     fn from(error: RenderError) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&RenderError> for Error {
+    fn from(error: &RenderError) -> Self {
         match error {
             RenderError::Plan(error) => error.into(),
+            _ => Self::failed(error),
+        }
+    }
+}
+
+impl From<raystep_lab::Error> for Error {
+    fn from(error: raystep_lab::Error) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&raystep_lab::Error> for Error {
+    fn from(error: &raystep_lab::Error) -> Self {
+        use raystep_lab::Error::{Case, NoRays, Plan, Render, Stability};
+        match error {
+            Plan(error) => error.into(),
+            Render(error) => error.into(),
+            Stability(StabilityError::Plan(error)) => error.into(),
+            Stability(StabilityError::Render(error)) => error.into(),
+            Case { name, error } => Self::failed(format!("{name}: {}", Self::from(&**error).message)),
+            NoRays => Self::failed("there is nothing to measure: no pixel has a ray of the kinds that --rays names"),
             _ => Self::failed(error),
         }
     }

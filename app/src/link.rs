@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use raystep_inspector::link::{Link, LinkCamera, LinkDevice, LinkRay};
+use raystep_lab::Size;
 
 use crate::args::{
-    CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, Size, TuningArgs, Vector, ViewArgs,
-    counted,
+    CameraArgs, DeviceArgs, DeviceKind, ReadArgs, RunArgs, SampleArgs, SceneArgs, TuningArgs, Vector, ViewArgs, counted,
 };
 use crate::error::Error;
 

@@ -6,16 +6,16 @@ use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use beside::Beside;
 use glam::DVec3;
 use raystep_kernels::plan::Bytes;
+use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
 use crate::args::{CameraArgs, SceneArgs, Vector, WRONG_FOV};
 use crate::commands::extension;
 use crate::error::Error;
 use crate::output::reason;
-use crate::terminal::visible;
-use beside::Beside;
 
 /// Vertical angle of view of `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;

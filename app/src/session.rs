@@ -9,10 +9,13 @@ use raystep_kernels::export::structure::Structure;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Options, RaySource, Renderer, ScheduleKind};
+use raystep_lab::Machine;
+use raystep_lab::bench::grid_text;
+use raystep_lab::ways::{MISSES_ALL, misses_all};
 use raystep_scenes::Scene;
 
-use crate::args::{RunArgs, SceneArgs, ViewArgs, grid_text};
-use crate::device::{self, Chosen};
+use crate::args::{RunArgs, SceneArgs, ViewArgs};
+use crate::device;
 use crate::error::Error;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::Progress;
@@ -48,7 +51,7 @@ pub(crate) struct Session {
     /// What was asked for.
     pub(crate) options: Options,
     /// Where it runs.
-    pub(crate) chosen: Chosen,
+    pub(crate) chosen: Machine,
     /// What it needs.
     pub(crate) plan: Plan,
     /// The scene as kernels read it.
@@ -106,20 +109,6 @@ impl Session {
     }
 }
 
-/// What a user should know where the paper's rules miss everything.
-pub(crate) const MISSES_ALL: &str = "the paper's rules do not handle an eye outside of the grid: its rays miss \
-                                     everything; put the eye inside, or use --numerics robust";
-
-/// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
-pub(crate) fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
-    let RaySource::Camera { camera, .. } = &options.rays else { return false };
-    let (bounds, eye) = (scene.bounds(), camera.eye);
-    // --keep-all keeps the code for clipping where the eye is inside too.
-    let is_inside = eye.cmpgt(bounds.min.as_dvec3()).all() && eye.cmplt(bounds.max.as_dvec3()).all();
-    let features = &plan.features;
-    features.grid && features.clip && !features.robust && !(options.keep_all && is_inside)
-}
-
 /// A run between two passes.
 pub(crate) struct Running {
     /// Differs from every other run's.
@@ -131,7 +120,7 @@ pub(crate) struct Running {
     /// What was asked for.
     pub(crate) options: Options,
     /// Where it runs.
-    pub(crate) chosen: Chosen,
+    pub(crate) chosen: Machine,
     /// The run.
     pub(crate) renderer: Renderer,
     /// How long each stage took.
@@ -171,32 +160,8 @@ impl Running {
 
     /// What all rows of `passes.csv` have in common.
     pub(crate) fn run_context(&self) -> RunContext {
-        let context = run_context(self.run_id.clone(), &self.scene, &self.options, &self.chosen, self.renderer.plan());
+        let context = self.chosen.run_context(self.run_id.clone(), &self.scene, &self.options, self.renderer.plan());
         RunContext { host_run_ns: self.renderer.host_ns(), ..context }
-    }
-}
-
-/// What all rows of a run in `passes.csv` have in common, but what it took.
-pub(crate) fn run_context(
-    run_id: String,
-    scene: &Scene,
-    options: &Options,
-    chosen: &Chosen,
-    plan: &Plan,
-) -> RunContext {
-    RunContext {
-        run_id,
-        scene: scene.name.clone(),
-        accelerator: options.accelerator.name(),
-        schedule: options.schedule.name(),
-        numerics: options.numerics.name(),
-        device: chosen.name(),
-        width_px: plan.width,
-        height_px: plan.height,
-        repeat: 0,
-        is_warmup: false,
-        timer: options.timings.then(|| chosen.timer()),
-        host_run_ns: None,
     }
 }
 

@@ -1,47 +1,14 @@
 //! What is shown: results on stdout, everything else on stderr. Neither panics when the reader has gone, and neither
 //! hands characters to a terminal that it would obey: names from scenes, paths and arguments may hold any.
 
-use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write as _};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use raystep_lab::reporter::Reporter;
+use raystep_lab::text::{visible, visible_lines};
 
 use crate::error::Error;
-
-/// Whether a terminal, a browser or an editor would obey a character instead of showing it: control characters (C0,
-/// DEL, C1), separators of lines and paragraphs, and those that turn the direction of what follows.
-pub(crate) fn is_obeyed(c: char) -> bool {
-    c.is_control()
-        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
-
-/// One line in which every character can be seen: those that would be obeyed are escaped as Rust escapes them.
-pub(crate) fn visible(line: &str) -> Cow<'_, str> {
-    escaped(line, |_, _| false)
-}
-
-/// The same of lines with tabs in them; their ends stay.
-fn visible_lines(text: &str) -> Cow<'_, str> {
-    escaped(text, |c, next| matches!(c, '\n' | '\t') || c == '\r' && next == Some('\n'))
-}
-
-/// Escapes all but those that may stay, which is told by the character and the next one.
-fn escaped(text: &str, may_stay: fn(char, Option<char>) -> bool) -> Cow<'_, str> {
-    if !text.contains(is_obeyed) {
-        return Cow::Borrowed(text);
-    }
-    let mut escaped = String::with_capacity(text.len() + 16);
-    let mut rest = text.chars().peekable();
-    while let Some(c) = rest.next() {
-        if is_obeyed(c) && !may_stay(c, rest.peek().copied()) {
-            escaped.extend(c.escape_default());
-        } else {
-            escaped.push(c);
-        }
-    }
-    Cow::Owned(escaped)
-}
 
 /// Writes a result to stdout. A reader that has had enough, as `head` does, is no error.
 pub(crate) fn print(text: &str) -> Result<(), Error> {
@@ -145,25 +112,20 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ")
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_a_terminal_would_obey_is_shown_instead() {
-        assert_eq!(visible("\u{1b}[31mred\u{7}"), "\\u{1b}[31mred\\u{7}");
-        assert_eq!(visible("a\nb\tc\r"), "a\\nb\\tc\\r");
-        // DEL, CSI as one character, overrides and isolates of direction, separators.
-        for c in ['\0', '\u{7f}', '\u{9b}', '\u{202e}', '\u{2066}', '\u{2069}', '\u{200f}', '\u{61c}', '\u{2028}'] {
-            let shown = visible(&format!("a{c}b")).into_owned();
-            assert_eq!(shown, format!("a\\u{{{:x}}}b", u32::from(c)));
-        }
-        assert!(matches!(visible("schach brett ü – данные 日本 👩‍🚀.png"), Cow::Borrowed(_)), "nothing to escape");
+impl Reporter for Progress {
+    fn stage(&self, name: &str) {
+        Self::stage(self, name);
     }
 
-    #[test]
-    fn lines_keep_their_ends_and_nothing_else() {
-        assert_eq!(visible_lines("a\tb\r\nc\n"), "a\tb\r\nc\n");
-        assert_eq!(visible_lines("over\rwritten\u{1b}[2J\n"), "over\\rwritten\\u{1b}[2J\n");
+    fn part(&self, what: &str, done: u64, of: u64) {
+        Self::part(self, what, done, of);
+    }
+
+    fn note(&self, text: &str) {
+        self.say(format_args!("note: {text}"));
+    }
+
+    fn explain(&self, error: &raystep_lab::Error) -> String {
+        Error::from(error).message().to_owned()
     }
 }

@@ -5,7 +5,6 @@ mod host;
 mod last_error;
 mod screenshot;
 mod surface;
-mod thread;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -17,14 +16,14 @@ use raystep_inspector::session::engine::Devices;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::Gpu;
+use raystep_lab::machine::now_ns;
+use surface::{Application, Surface};
 use winit::event_loop::EventLoop;
 
 use crate::args::ReadArgs;
-use crate::device::now_ns;
 use crate::error::Error;
 pub(crate) use host::SceneChoice;
 pub(crate) use screenshot::screenshot;
-use surface::{Application, Surface};
 
 /// What to show first.
 #[derive(Clone, Debug, Default)]

@@ -6,9 +6,7 @@
 //! On Linux it prints the thread's own time on the CPU, else wall-clock time, which is the same where nothing else runs:
 //! software Vulkan, for one, traces on the same cores.
 
-use std::pin::pin;
 use std::sync::Arc;
-use std::task::{Context, Waker};
 use std::time::{Duration, Instant};
 
 use egui::mutex::RwLock;
@@ -20,6 +18,8 @@ use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::{AdapterChoice, Gpu};
+use raystep_lab::block_on_shared;
+use raystep_lab::statistics::quantile;
 
 /// The frame's budget.
 const MOST: Duration = Duration::from_millis(8);
@@ -44,15 +44,7 @@ struct Threads {
 impl Host for Threads {
     fn spawn(&mut self, task: EngineTask) {
         let gpu = self.gpu.clone();
-        std::thread::spawn(move || {
-            let mut task = pin!(task);
-            let mut context = Context::from_waker(Waker::noop());
-            while task.as_mut().poll(&mut context).is_pending() {
-                // A lost device is said by the task itself.
-                let _ = gpu.device.poll(wgpu::PollType::Poll);
-                std::thread::sleep(Duration::from_micros(200));
-            }
-        });
+        std::thread::spawn(move || block_on_shared(&gpu, task));
     }
 
     fn scene_of(&self, path: &str) -> (String, Option<usize>) {
@@ -130,9 +122,9 @@ impl Window {
     }
 }
 
-fn percentiles(name: &str, times: &mut [Duration]) -> Duration {
-    times.sort();
-    let at = |part: f64| times[((times.len() - 1) as f64 * part).round() as usize];
+fn percentiles(name: &str, times: impl Iterator<Item = Duration>) -> Duration {
+    let seconds: Vec<f64> = times.map(|time| time.as_secs_f64()).collect();
+    let at = |share: f64| Duration::from_secs_f64(quantile(&seconds, share).unwrap_or(0.0));
     println!("{name:>14}: p50 {:>8.3?}, p90 {:>8.3?}, p99 {:>8.3?}, max {:>8.3?}", at(0.5), at(0.9), at(0.99), at(1.0));
     at(0.99)
 }
@@ -168,9 +160,9 @@ fn main() -> Result<(), String> {
         window.inspector.perform(Command::Play);
         let times: Vec<[Duration; 2]> = (0..frames).map(|_| window.frame()).collect();
         println!("{name}: {frames} frames, {} passes played", window.inspector.model().place);
-        percentiles("ui", &mut times.iter().map(|t| t[0]).collect::<Vec<_>>());
-        percentiles("tessellation", &mut times.iter().map(|t| t[1]).collect::<Vec<_>>());
-        let p99 = percentiles("both", &mut times.iter().map(|t| t[0] + t[1]).collect::<Vec<_>>());
+        percentiles("ui", times.iter().map(|t| t[0]));
+        percentiles("tessellation", times.iter().map(|t| t[1]));
+        let p99 = percentiles("both", times.iter().map(|t| t[0] + t[1]));
         println!("{:>14}: {} {MOST:?}", "p99", if p99 <= MOST { "within" } else { "over" });
         window.inspector.perform(Command::Cancel);
         window.settle();

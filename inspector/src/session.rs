@@ -4,19 +4,14 @@
 //! or from a checkpoint where that alone would take too long. What is shown after going back is bit for bit what was
 //! there.
 
-pub mod compare;
 mod copies;
-pub mod cost;
-pub mod divergence;
 mod edit;
 pub mod engine;
 mod follow;
-pub mod grid_stats;
 mod history;
 pub mod judged;
 mod model;
 pub mod request;
-pub mod stats;
 mod target;
 mod travel;
 mod twins;
@@ -24,16 +19,16 @@ mod watch;
 
 use std::ops::ControlFlow;
 
+use history::History;
 use raystep_kernels::export::trace::{RayState, ray_state};
 use raystep_kernels::{Device, Options, Pass, Progress, Region, RenderError, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
+use twins::Twins;
 
 pub use edit::Edit;
 pub use history::DEFAULT_BUDGET;
-use history::History;
 pub use model::{Model, Pinned, Work};
 pub use target::Target;
-use twins::Twins;
 pub use watch::{Fired, Watch, Way};
 
 /// Is told how far a run is, and may stop it. It is called between batches of passes.

@@ -191,7 +191,7 @@ impl WalkGeometry {
             tested: Vec::new(),
             hit: None,
             t: 0.0,
-            is_over: ray.is_some_and(|ray| matches!(ray.tag, state::SHADE | state::BACKGROUND | state::DONE)),
+            is_over: ray.is_some_and(|ray| state::is_decided(ray.tag)),
         }
     }
 

@@ -42,31 +42,24 @@ pub mod numbers;
 pub mod options;
 pub mod plan;
 pub mod programs;
-pub mod ray_kinds;
-pub mod reference;
 pub mod renderer;
 pub mod scene_data;
 pub mod shader;
 pub mod shared;
-pub mod stability;
-pub mod statistics;
 pub mod structures;
 pub mod tables;
-mod vec64;
 
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, Load, adapters};
 pub use options::samples::Samples;
 pub use options::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
 pub use plan::{Limits, Loops, Plan, PlanError};
 pub use programs::closest_hit::kernels::Kernel;
-pub use ray_kinds::RayKind;
 pub use renderer::image::Image;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
 pub use shared::samples::Sampler;
 pub use tables::stream::{Region, Stream, StreamData};
 
 // Where modules were before they had floors, until those who name them there are moved.
-pub(crate) use numbers::parallel;
 pub use numbers::{real, units};
 pub use options::features;
 pub use programs::closest_hit::{kernels as kernel, schedule};

@@ -3,12 +3,14 @@
 //! different kinds, by `second` without leaps. The runs of one scene are interleaved; the median counts.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use raystep_kernels::grid::automatic_cells;
 use raystep_kernels::{AdapterChoice, Device, Gpu, GridSize, Renderer, ScheduleKind, Skip};
+use raystep_lab::Machine;
+use raystep_lab::meter::{Meter, Turns, in_turn};
+use raystep_lab::statistics::median;
 use raystep_scenes::{Scene, generate};
-use raystep_tests::{block_on, options, scene};
+use raystep_tests::{options, scene};
 
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -21,6 +23,7 @@ fn main() {
         Device::Gpu(gpu) => gpu.info.name.clone(),
         _ => "twins".into(),
     };
+    let meter = Meter::new(Machine { device, reason: "as asked for".into() });
     let (size, repeats) = (number(1, 512), number(2, 5));
     println!("{adapter}, {size}x{size}, {repeats} repeats, primary rays");
     let scenes: Vec<(&str, Scene)> = vec![
@@ -32,18 +35,14 @@ fn main() {
         ("hair, 2,000 strands", generate::hair(2_000, 1).expect("hair")),
     ];
     for (name, scene) in &scenes {
-        sweep(&device, name, scene, size, repeats);
+        sweep(&meter, name, scene, size, repeats as usize);
     }
 }
 
-fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
+fn sweep(meter: &Meter, name: &str, scene: &Scene, size: u32, repeats: usize) {
     let extent = (scene.bounds().max - scene.bounds().min).as_dvec3().to_array();
     let automatic = automatic_cells(scene.triangles.len() as u64, extent);
-    let mut runs: Vec<(f64, GridSize, Renderer, Vec<f64>)> = Vec::new();
-    let gpu = match device {
-        Device::Gpu(gpu) => Some(&**gpu),
-        _ => None,
-    };
+    let mut runs: Vec<(f64, GridSize, Renderer)> = Vec::new();
     for step in -6..=6 {
         let factor = 1.26f64.powi(step);
         // Step 0 is what a user gets without asking.
@@ -53,30 +52,15 @@ fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
         let mut options = options(scene, size, size);
         (options.grid, options.shade) = (grid, false);
         (options.schedule, options.skip) = (ScheduleKind::Second, Skip::Off);
-        let renderer = block_on(gpu, Renderer::new(scene, &options, device)).expect("a renderer");
-        runs.push((factor, grid, renderer, Vec::new()));
+        let renderer = meter.machine.wait(Renderer::new(scene, &options, &meter.machine.device)).expect("a renderer");
+        runs.push((factor, grid, renderer));
     }
-    for _ in 0..=repeats {
-        for (_, _, renderer, times) in &mut runs {
-            renderer.restart();
-            // Uploads of the restart are not part of the trace.
-            if let Some(gpu) = gpu {
-                gpu.submit([]);
-                drop(gpu.device.poll(wgpu::PollType::wait_indefinitely()));
-            }
-            let start = Instant::now();
-            block_on(gpu, renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
-            times.push(start.elapsed().as_secs_f64());
-        }
-    }
+    let run = |(_, _, renderer): &mut (f64, GridSize, Renderer)| meter.run(renderer, |_, _| ControlFlow::Continue(()));
+    let times = in_turn(&mut runs, Turns::of(1, repeats), run).expect("runs");
     println!("\n{name}: {} triangles", scene.triangles.len());
-    let median = |times: &[f64]| {
-        let mut warm = times[1..].to_vec();
-        warm.sort_by(f64::total_cmp);
-        warm[warm.len() / 2]
-    };
-    let best = runs.iter().map(|r| median(&r.3)).fold(f64::INFINITY, f64::min);
-    for (factor, grid, renderer, times) in &runs {
+    let medians: Vec<f64> = times.iter().map(|times| median(&times.wall_ns()).unwrap_or(f64::NAN)).collect();
+    let best = medians.iter().copied().fold(f64::INFINITY, f64::min);
+    for ((factor, grid, renderer), median_ns) in runs.iter().zip(medians) {
         let cells = renderer.data().grid.cells;
         let references = renderer.data().grid_items.len();
         let mark = if *grid == GridSize::Auto { "  automatic" } else { "" };
@@ -86,8 +70,8 @@ fn sweep(device: &Device, name: &str, scene: &Scene, size: u32, repeats: u32) {
             cells[1],
             cells[2],
             renderer.pass_count(),
-            1e3 * median(times),
-            median(times) / best,
+            median_ns / 1e6,
+            median_ns / best,
         );
     }
 }

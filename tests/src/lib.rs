@@ -2,17 +2,16 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::pin::pin;
 use std::sync::{Arc, OnceLock};
-use std::task::{Context, Poll, Waker};
-use std::time::Instant;
 
-use raystep_kernels::reference::{BruteForce, Candidates, Mistake, Report, Verdict, candidates_of, check_rays};
-use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, ScheduleKind, Stream, StreamData};
+use raystep_lab::judge::{Cracks, Judge, Report, Traced, check_rays};
+use raystep_lab::reference::Mistake;
 use raystep_scenes::{Camera, LoadOptions, Resolver, Scene};
 use ways::Way;
+
+pub use raystep_lab::block_on;
+pub use raystep_lab::machine::now_ns;
 
 pub mod parity;
 pub mod rays;
@@ -90,29 +89,6 @@ pub fn gpu() -> Arc<Gpu> {
     GPU.get_or_init(open).clone()
 }
 
-/// Nanoseconds since the first call: a host's clock.
-#[must_use]
-pub fn now_ns() -> u64 {
-    static START: OnceLock<Instant> = OnceLock::new();
-    START.get_or_init(Instant::now).elapsed().as_nanos() as u64
-}
-
-/// Runs a future to its end, polling the device that it waits for.
-pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
-    let mut future = pin!(future);
-    let mut context = Context::from_waker(Waker::noop());
-    loop {
-        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return value;
-        }
-        match gpu {
-            // An error here is a lost device, which the future reports itself.
-            Some(gpu) => drop(gpu.device.poll(wgpu::PollType::wait_indefinitely())),
-            None => panic!("nothing to wait for"),
-        }
-    }
-}
-
 /// Every component of two streams that differs: (layer, ray, left, right).
 pub fn differences<'a>(
     left: &'a StreamData,
@@ -170,35 +146,20 @@ pub fn hits(renderer: &Renderer) -> [Vec<u32>; 4] {
 /// Compares a run's hits with f64 brute force.
 #[must_use]
 pub fn check(renderer: &Renderer) -> Report {
-    check_streams(renderer, &judged(renderer))
+    check_rays(&read(renderer), |_, _| ControlFlow::Continue(()))
 }
 
-/// What brute force needs of a run.
-fn judged(renderer: &Renderer) -> [StreamData; 4] {
-    [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit].map(|s| values(renderer, s))
+fn read(renderer: &Renderer) -> Traced<'_> {
+    block_on(renderer.gpu().map(|g| &**g.gpu()), Traced::read(renderer)).expect("streams")
 }
 
 /// What some of a run's rays got wrong, against f64 brute force; ties are not wrong.
 #[must_use]
 pub fn mistakes_among(renderer: &Renderer, rays: &[usize]) -> Vec<Mistake> {
-    let [origins, directions, state, hit] = judged(renderer);
-    let vertices = &renderer.data().vertices;
-    let component = |s: &StreamData, ray: usize| [0, 1, 2].map(|layer| s.get_f32(layer, ray));
-    let cast: Vec<_> = rays.iter().map(|&ray| [component(&origins, ray), component(&directions, ray)]).collect();
-    let triangles = BruteForce::new(vertices);
-    let verdict = |(&ray, ([origin, direction], candidates)): (&usize, (&[[f32; 3]; 2], &Candidates))| {
-        let triangle = hit.get(HIT_TRIANGLE, ray);
-        let found = (triangle != NO_TRIANGLE).then(|| (triangle, f64::from(state.get_f32(STATE_T, ray))));
-        triangles.judge(ray, *origin, *direction, candidates, found).0
-    };
-    let candidates = candidates_of(vertices, &cast);
-    let all = rays.iter().zip(cast.iter().zip(&candidates)).map(verdict);
-    all.filter(|mistake| !matches!(mistake.verdict, Verdict::Same | Verdict::Tie)).collect()
-}
-
-fn check_streams(renderer: &Renderer, [origins, directions, state, hit]: &[StreamData; 4]) -> Report {
-    let streams = [origins, directions, state, hit];
-    check_rays(renderer.data(), renderer.plan().rays, streams, |_, _| ControlFlow::Continue(()))
+    let (traced, mut judge) = (read(renderer), Judge::default());
+    judge.prepare(&traced, rays.to_vec());
+    let mistakes = judge.of(&traced, Cracks::Missed);
+    mistakes.all().map(|judged| judged.mistake).filter(|mistake| mistake.verdict.is_error()).collect()
 }
 
 /// What a way of tracing found.
@@ -221,14 +182,14 @@ pub fn check_ways(scene: &Scene, options: &Options, ways: &[Way], device: &Devic
         let shade = way.schedule == ScheduleKind::Fused && matches!(options.rays, RaySource::Camera { .. });
         let renderer = traced(scene, &Options { shade, ..way.of(options) }, device);
         assert_eq!(renderer.unfinished(), 0, "{way}");
-        let streams = judged(&renderer);
+        let traced = read(&renderer);
         // The same rays with the same hits need no second look: on one device most ways agree.
-        let [origins, directions, state, hit] = &streams;
+        let [origins, directions, state, hit] = &traced.streams;
         let same = [[&origins.bits[..], &directions.bits].concat(), state.layer(1).to_vec(), hit.bits.clone()];
         let report = match seen.iter().find(|(streams, _)| *streams == same) {
             Some((_, report)) => report.clone(),
             None => {
-                let report = check_streams(&renderer, &streams);
+                let report = check_rays(&traced, |_, _| ControlFlow::Continue(()));
                 seen.push((same, report.clone()));
                 report
             }

@@ -1,69 +1,13 @@
-//! One-step parity: the twin starts from the GPU's streams before a pass, and both must agree after it.
+//! One-step parity on the tests' GPU; see [`raystep_lab::parity`].
 
-use std::collections::BTreeSet;
-use std::fmt;
 use std::sync::Arc;
 
-use raystep_kernels::executor::cpu::CpuExecutor;
-use raystep_kernels::reference::rounding::{Rounding, Verdict};
-use raystep_kernels::state::{self, StateCounts, Tag};
-use raystep_kernels::{Device, Gpu, Kernel, Limits, Options, Pass, Plan, Renderer, Stream, StreamData};
+use raystep_kernels::{Gpu, Limits, Options, Plan};
+use raystep_lab::parity::compare as compare_each;
+pub use raystep_lab::parity::{Breach, Parity};
 use raystep_scenes::Scene;
 
-use crate::{block_on, streams_of};
-
-/// A component that differs by more than it may.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Breach {
-    /// The kernel after which it differs.
-    pub kernel: Kernel,
-    /// Pass of the run.
-    pub pass: usize,
-    /// Stream and layer.
-    pub component: (Stream, usize),
-    /// The ray's place, y * width + x.
-    pub ray: usize,
-    /// The GPU's bits.
-    pub gpu: u32,
-    /// The twin's bits.
-    pub twin: u32,
-}
-
-impl fmt::Display for Breach {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (stream, layer) = self.component;
-        write!(f, "{} (pass {}): ", self.kernel.name(), self.pass)?;
-        write!(f, "ray {} {}.{}: ", self.ray, stream.name(), stream.info().layers[layer])?;
-        if stream.is_float_layer(layer) {
-            write!(f, "gpu {:e}, twin {:e}", f32::from_bits(self.gpu), f32::from_bits(self.twin))
-        } else {
-            write!(f, "gpu {}, twin {}", self.gpu, self.twin)
-        }
-    }
-}
-
-/// What a comparison found.
-#[derive(Clone, Debug, Default)]
-pub struct Parity {
-    /// Passes compared.
-    pub passes: usize,
-    /// Components compared.
-    pub components: u64,
-    /// Components that differ, but by no more than they may.
-    pub tolerated: u64,
-    /// Rays that went another way where f32 cannot decide.
-    pub undecided: u64,
-    /// Kernels that were compared on at least one ray.
-    pub kernels: Vec<Kernel>,
-    /// Rays that passes worked on, summed.
-    pub rays: u64,
-    /// Every way from a state to the next that a ray was seen to take.
-    pub transitions: BTreeSet<(Tag, Kernel, Tag)>,
-    /// What differs by more, at most 20 a kernel.
-    pub breaches: Vec<Breach>,
-    /// Passes after which the books do not say how many rays are in each state.
-    pub miscounts: Vec<String>,
-}
+use crate::block_on;
 
 /// Runs a scene on the GPU and compares every pass with the twin.
 #[must_use]
@@ -86,7 +30,7 @@ pub fn compare_changed(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change:
 /// The same, up to the first pass that differs: a comparison that cannot fail proves nothing.
 #[must_use]
 pub fn compare_broken(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
-    run(gpu, scene, options, &Limits::from(&**gpu), change, is_broken)
+    run(gpu, scene, options, &Limits::from(&**gpu), change, Parity::is_broken)
 }
 
 /// The same with few loop turns a dispatch.
@@ -98,11 +42,7 @@ pub fn compare_broken_in_turns(
     turns: u32,
     change: impl FnOnce(&mut Plan),
 ) -> Parity {
-    run(gpu, scene, options, &Limits { turns, ..Limits::from(&**gpu) }, change, is_broken)
-}
-
-fn is_broken(found: &Parity) -> bool {
-    !found.breaches.is_empty() || !found.miscounts.is_empty()
+    run(gpu, scene, options, &Limits { turns, ..Limits::from(&**gpu) }, change, Parity::is_broken)
 }
 
 fn run(
@@ -113,90 +53,5 @@ fn run(
     change: impl FnOnce(&mut Plan),
     is_enough: impl Fn(&Parity) -> bool,
 ) -> Parity {
-    block_on(Some(gpu), async {
-        let device = Device::Gpu(gpu.clone());
-        let (mut plan, data) = Plan::new(scene, options, limits).expect("a plan");
-        change(&mut plan);
-        let mut renderer = Renderer::from_plan(plan, data, options, &device).await.expect("a renderer");
-        let streams = streams_of(renderer.plan());
-        let mut twin = CpuExecutor::<f32>::new(renderer.plan(), None).expect("memory");
-        let mut found = Parity::default();
-
-        // What no kernel writes keeps the poison on both sides and shows where it should not.
-        let makes_rays = renderer.next_kernel() == Some(Kernel::Generate) || renderer.plan().features.eye_rays;
-        let mut before = Vec::new();
-        for &stream in &streams {
-            let mut values = renderer.values(stream).await.expect("values");
-            // Some streams begin with what they are cleared to: which kernel is next, how many samples there are, and that
-            // no search has begun.
-            if makes_rays && ![Stream::State, Stream::Accumulated, Stream::Scan].contains(&stream) {
-                values.bits.fill(0x7fc0_dead);
-                assert!(renderer.write(&values));
-            }
-            before.push(values);
-        }
-        while !is_enough(&found) {
-            before.iter().for_each(|values| assert!(twin.write(values)));
-            let Some(pass) = renderer.step().await.expect("a pass") else { break };
-            twin.run(pass.kernel, renderer.data());
-            found.passes += 1;
-            if pass.rays_in > 0 && !found.kernels.contains(&pass.kernel) {
-                found.kernels.push(pass.kernel);
-            }
-            let mut after = Vec::new();
-            for &stream in &streams {
-                after.push((renderer.values(stream).await.expect("values"), twin.read(stream).expect("the same plan")));
-            }
-            let (plan, data, kernel) = (renderer.plan(), renderer.data(), pass.kernel);
-            record(&mut found, &pass, &Rounding { plan, data, kernel, before: &before }, &after);
-            before = after.into_iter().map(|(on_gpu, _)| on_gpu).collect();
-        }
-        found
-    })
-}
-
-fn record(found: &mut Parity, pass: &Pass, rules: &Rounding<'_>, after: &[(StreamData, StreamData)]) {
-    found.rays += u64::from(pass.rays_in);
-    // A kernel that makes its rays itself finds them unwritten.
-    let unwritten = [state::UNWRITTEN, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT];
-    let active = if rules.data.features.eye_rays && pass.kernel == Kernel::Fused {
-        &unwritten[..]
-    } else {
-        pass.kernel.info().takes
-    };
-    let tags = after.iter().find(|(s, _)| s.stream == Stream::State).map(|(s, _)| s.layer(0)).unwrap_or_default();
-    let tags_before = rules.before.iter().find(|s| s.stream == Stream::State).map(|s| s.layer(0)).unwrap_or_default();
-    let mut counts = StateCounts::default();
-    for (ray, &tag) in tags.iter().enumerate() {
-        counts[tag as usize % state::COUNT] += 1;
-        let before = tags_before.get(ray).copied().unwrap_or_default();
-        if active.contains(&before) {
-            found.transitions.insert((before, pass.kernel, tag));
-        }
-    }
-    if counts != pass.counts {
-        let kernel = pass.kernel.name();
-        found.miscounts.push(format!("{kernel} (pass {}): {:?} booked, {counts:?} there", pass.index, pass.counts));
-    }
-    found.components += after.iter().map(|(on_gpu, _)| on_gpu.bits.len() as u64).sum::<u64>();
-    let pairs: Vec<_> = after.iter().map(|(on_gpu, on_cpu)| [on_gpu, on_cpu]).collect();
-    let judged = rules.judge(
-        &pairs,
-        |_, _| true,
-        |judged| {
-            found.tolerated += judged.components.iter().filter(|c| c.is_allowed).count() as u64;
-            found.undecided += u64::from(judged.verdict == Verdict::Tie);
-            if judged.verdict != Verdict::Breach {
-                return;
-            }
-            for c in judged.components.iter().filter(|c| !c.is_allowed) {
-                let component = (c.stream, c.layer);
-                let (kernel, pass, ray) = (pass.kernel, pass.index, judged.ray);
-                if found.breaches.iter().filter(|b| b.kernel == kernel).count() < 20 {
-                    found.breaches.push(Breach { kernel, pass, component, ray, gpu: c.ours, twin: c.twin });
-                }
-            }
-        },
-    );
-    judged.expect("memory");
+    block_on(Some(gpu), compare_each(gpu, scene, options, limits, change, is_enough)).expect("a comparison")
 }

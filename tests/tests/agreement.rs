@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use raystep_kernels::real::ulps;
-use raystep_kernels::reference::sample;
 use raystep_kernels::{Accelerator, Renderer, ScheduleKind, Skip};
+use raystep_lab::judge::sample;
 use raystep_tests::ways::EVERY;
 use raystep_tests::{devices, hits, mistakes_among, options, scene, scene_files, thorough, traced};
 

@@ -1,9 +1,9 @@
 //! Rays with an end, as shadow rays are: whether anything lies before it, and nothing else, is what counts.
 
-use raystep_kernels::ray_kinds::PrimaryHits;
-use raystep_kernels::reference::{Possible, possible};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, Renderer, Stream};
+use raystep_lab::rays::PrimaryHits;
+use raystep_lab::reference::{Possible, possible};
 use raystep_scenes::Scene;
 use raystep_tests::ways::EVERY;
 use raystep_tests::{block_on, camera, devices, options, rays, scene, traced, values};

@@ -32,7 +32,7 @@ fn expect_no_errors(name: &str, scene: &Scene, options: &Options, ways: &[Way], 
         for Checked { way, report, triangles } in check_ways(scene, options, ways, &device) {
             let label = format!("{name}, {device_name} {way}: {report}");
             assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
-            assert!(report.ties as f64 <= ties * report.rays as f64, "{label}");
+            assert!(report.counts.ties as f64 <= ties * report.counts.rays() as f64, "{label}");
             found.push(triangles);
         }
     }

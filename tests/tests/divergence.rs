@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use raystep_inspector::session::divergence::{Against, Class, DivergenceMap, divergence};
 use raystep_kernels::stream::STATE_T;
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, Renderer, ScheduleKind, Stream};
+use raystep_lab::divergence::{Against, Class, DivergenceMap, divergence};
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, gpu, options, scene};
 

@@ -1,30 +1,26 @@
 //! `raystep bench`
 
-mod baseline;
-mod input;
-mod measure;
 mod output;
-mod table;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use raystep_kernels::export::bench::SummaryRow;
-use raystep_kernels::options::STEPS_PER_PASS;
-use raystep_kernels::{Accelerator, RayKind, ScheduleKind};
+use raystep_kernels::{Accelerator, RaySource, ScheduleKind};
+use raystep_lab::bench::{self, Baseline};
+use raystep_lab::meter::Meter;
+use raystep_lab::{RayKind, Size, Subject};
 
 use crate::args::{
-    CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, TuningArgs, counted, grid_text, named, whole,
+    CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, TuningArgs, counted, named, parse_size, whole,
 };
 use crate::commands::distinct;
-use crate::commands::input::Input;
+use crate::commands::input::{self, Input};
 use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
+use crate::scene_file::read_file;
+use crate::session::run_id;
 use crate::terminal::{Progress, print};
-use baseline::Baseline;
-use input::Viewed;
-use measure::{Bench, Group};
 
 /// Measure how fast rays are traced
 ///
@@ -63,6 +59,7 @@ pub(crate) struct BenchArgs {
         value_name = "WxH…",
         value_delimiter = ',',
         default_value = "512x512",
+        value_parser = parse_size,
         allow_hyphen_values = true,
         help_heading = "What is measured"
     )]
@@ -108,6 +105,18 @@ impl BenchArgs {
     fn file(&self, path: &Path) -> SceneArgs {
         SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
     }
+
+    fn wanted(&self) -> bench::Wanted {
+        bench::Wanted {
+            accelerators: distinct(&self.accelerators),
+            schedules: distinct(&self.schedules),
+            sizes: distinct(&self.sizes),
+            rays: distinct(&self.rays),
+            repeats: self.repeats,
+            warmups: self.warmups,
+            tuning: self.tuning.options(RaySource::Given(Vec::new())),
+        }
+    }
 }
 
 /// Most runs of a configuration.
@@ -124,32 +133,13 @@ fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
     output::refuse_others(&args.output)?;
     let progress = Progress::new(args.quiet.quiet);
     // What can be wrong is looked at before anything takes its time.
-    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
+    let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
     progress.stage("reading scenes");
-    let inputs = read_scenes(args, folder, &progress)?;
+    let (inputs, subjects) = read_scenes(args, folder, &progress)?;
     progress.stage("looking for a device");
-    let chosen = device::choose(&args.device)?;
-
-    let mut bench = Bench::new(args, &chosen, &progress);
-    if let Some(note) = chosen.note_on_times() {
-        bench.note(note);
-    }
-    let ways = ways(args, &mut bench);
-    for input in &inputs {
-        for &size in &distinct(&args.sizes) {
-            let mut viewed = Viewed::new(input, size, &args.tuning);
-            for &kind in &distinct(&args.rays) {
-                let name = format!("{} {size} {kind}", input.scene.name);
-                progress.stage(&format!("{name}: making rays"));
-                match viewed.rays(kind, &chosen) {
-                    Ok(Some(rays)) => bench.group(Group { name, input, size, kind }, rays, &ways)?,
-                    Ok(None) => bench.skip(format!("{name}: no pixel has such a ray")),
-                    Err(error) => bench.failed(&name, error)?,
-                }
-            }
-        }
-    }
-    let mut measured = bench.finish()?;
+    let meter = Meter::new(device::choose(&args.device)?);
+    let wanted = args.wanted();
+    let mut measured = bench::measure(&wanted, &subjects, run_id(), &meter, &progress)?;
     if let Some(baseline) = &baseline {
         for note in baseline.compare(&mut measured.rows) {
             progress.say(format_args!("note: {note}"));
@@ -157,60 +147,38 @@ fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
         }
     }
     progress.stage("writing");
-    output::write(args, folder, &chosen, &inputs, &measured)?;
+    output::write(folder, args, &wanted, &meter.machine, &inputs, &subjects, &measured)?;
     progress.finish();
     progress.say(format_args!("wrote {} to {}", output::NAMES.join(", "), args.output.display()));
-    Ok(table::text(&measured.rows))
+    Ok(bench::text(&measured.rows))
 }
 
 /// Reads every scene once, and refuses to write over any.
-fn read_scenes(args: &BenchArgs, folder: &TargetFolder, progress: &Progress) -> Result<Vec<Input>, Error> {
-    let mut inputs = Vec::new();
+fn read_scenes(
+    args: &BenchArgs,
+    folder: &TargetFolder,
+    progress: &Progress,
+) -> Result<(Vec<Input>, Vec<Subject>), Error> {
+    let mut all = Vec::new();
     for path in &distinct(&args.scenes) {
-        let input = Input::read(args.file(path), &args.camera, progress)?;
+        let (input, subject) = input::read(args.file(path), &args.camera, progress)?;
         folder.refuse_inputs(&input.files, |name| output::NAMES.contains(&name))?;
-        inputs.push(input);
+        all.push((input, subject));
     }
-    Ok(inputs)
+    Ok(all.into_iter().unzip())
 }
 
-/// Accelerators with schedules; a note for each that would measure nothing new.
-fn ways(args: &BenchArgs, bench: &mut Bench) -> Vec<(Accelerator, ScheduleKind)> {
-    let (accelerators, schedules) = (distinct(&args.accelerators), distinct(&args.schedules));
-    let mut ways = Vec::new();
-    for &accelerator in &accelerators {
-        for &schedule in &schedules {
-            // Without cells to walk through there are no turns to take.
-            let is_first_again = accelerator == Accelerator::None && schedule == ScheduleKind::Second;
-            if is_first_again && schedules.contains(&ScheduleKind::First) {
-                bench.skip(format!(
-                    "accelerator {accelerator} with schedule {schedule}: it runs the same passes as with first"
-                ));
-            } else {
-                ways.push((accelerator, schedule));
-            }
-        }
-    }
-    ways
-}
+/// Most bytes of an earlier summary: some millions of configurations.
+const MOST_BYTES: u64 = 1 << 30;
 
-/// What sets two runs with the same accelerator, schedule and numerics apart.
-fn tuning_text(tuning: &TuningArgs, has_steps: bool) -> String {
-    let mut text = format!("grid={} skip={}", grid_text(tuning.grid), tuning.skip);
-    if has_steps {
-        text += &format!(" steps_per_pass={}", tuning.steps_per_pass.unwrap_or(STEPS_PER_PASS));
-    }
-    text + if tuning.keep_all { " keep_all" } else { "" }
-}
-
-/// What was measured, with what is worth saying of it.
-struct Measured {
-    /// Tells this benchmark from others.
-    run_id: String,
-    /// One a configuration, those of a group together.
-    rows: Vec<SummaryRow>,
-    /// The passes and the kernels of each row's configuration.
-    details: Vec<measure::Details>,
-    /// Everything that was said.
-    notes: Vec<String>,
+/// Reads the summary in the folder of an earlier benchmark.
+fn read_baseline(folder: &Path) -> Result<Baseline, Error> {
+    let path = folder.join(output::SUMMARY);
+    let cannot = |reason: String| {
+        let at = path.display();
+        Error::failed(format!("--baseline: {at}: {reason}; a folder that 'raystep bench' wrote is wanted"))
+    };
+    let bytes = read_file(&path, MOST_BYTES).map_err(|e| cannot(e.to_string()))?;
+    let rows = bench::read_summary(bytes.as_slice()).map_err(|e| cannot(e.to_string()))?;
+    Ok(Baseline { folder: folder.display().to_string(), rows })
 }

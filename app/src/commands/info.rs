@@ -7,14 +7,16 @@ use clap::Args;
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::plan::Bytes;
 use raystep_kernels::{AdapterChoice, AdapterSummary, Loops};
+use raystep_lab::block_on;
+use raystep_lab::text::visible;
 use raystep_scenes::{Light, Projection, Scene};
 use serde::Serialize;
 
 use crate::args::{DeviceArgs, DeviceKind, ReadArgs, SceneArgs, counted};
-use crate::device::{AboutClock, block_on, choose, open};
+use crate::device::{AboutClock, choose, open};
 use crate::error::Error;
 use crate::scene_file;
-use crate::terminal::{print, visible};
+use crate::terminal::print;
 
 /// List the GPU adapters and which one would be used; or what a scene holds
 #[derive(Args, Debug)]

@@ -9,6 +9,7 @@ use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::{COMMANDS, Command};
 use raystep_inspector::ui::{Arrival, Shown};
 use raystep_kernels::AdapterChoice;
+use raystep_lab::text::visible;
 
 use super::trace::Pixel;
 use crate::args::{DeviceArgs, RunArgs, SceneArgs, ViewArgs, whole};
@@ -17,7 +18,7 @@ use crate::error::Error;
 use crate::link::{LinkArgs, Wanted, link_of};
 use crate::output::{Target, ending, write};
 use crate::scene_file;
-use crate::terminal::{print, visible};
+use crate::terminal::print;
 use crate::usage::did_you_mean;
 use crate::window::{self, SceneChoice, Start};
 

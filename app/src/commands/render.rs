@@ -10,8 +10,8 @@ use raystep_kernels::export::csv::{PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
-use raystep_kernels::reference::{Report, check_rays};
 use raystep_kernels::{Image, Kernel, Numerics, RayHit, Stream};
+use raystep_lab::judge::{Report, Traced, check_rays};
 
 use super::summary;
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -166,15 +166,12 @@ fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<O
 /// Compares with f64 brute force.
 fn check(running: &mut Running, progress: &Progress) -> Result<Report, Error> {
     let Running { chosen, renderer, watch, .. } = running;
-    let read = |stream| chosen.wait(renderer.values(stream));
-    let [origins, directions] = [read(Stream::RayOrigin)?, read(Stream::RayDirection)?];
-    let [state, hit] = [read(Stream::State)?, read(Stream::Hit)?];
+    let traced = chosen.wait(Traced::read(renderer))?;
     let show = |done, of| {
         progress.part("comparing with f64", done, of);
         ControlFlow::Continue(())
     };
-    let streams = [&origins, &directions, &state, &hit];
-    let report = check_rays(renderer.data(), renderer.plan().rays, streams, show);
+    let report = check_rays(&traced, show);
     watch.lap("check");
     Ok(report)
 }
@@ -191,7 +188,7 @@ fn judge(report: &Report, running: &Running) -> Result<(), Error> {
     }
     print(&text)?;
     if report.errors() > 0 && running.options.numerics == Numerics::Robust {
-        return Err(Error::failed(format!("{} of {} rays have the wrong hit", report.errors(), report.rays)));
+        return Err(Error::failed(format!("{} of {} rays have the wrong hit", report.errors(), report.counts.rays())));
     }
     Ok(())
 }

@@ -1,34 +1,22 @@
 //! `raystep report`
 
-mod factors;
-mod grid;
-mod judge;
-mod left_out;
-mod moved;
-mod output;
-mod page;
-mod resolved;
-mod samples;
-mod section;
-mod table;
-mod work;
-
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use raystep_kernels::{Device, GridSize, Load};
+use raystep_kernels::GridSize;
+use raystep_lab::meter::Meter;
+use raystep_lab::report::{self, About, SECTIONS, Section, Wanted};
+use raystep_lab::text::visible;
+use raystep_lab::{Machine, Size};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, Size, counted, parse_grid};
-use crate::commands::distinct;
-use crate::commands::input::Input;
-use crate::device::{self, Chosen};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, parse_grid, parse_size};
+use crate::commands::{distinct, input};
+use crate::device;
 use crate::error::Error;
-use crate::output::TargetFolder;
-use crate::terminal::{Progress, visible};
-use section::{SECTIONS, Section};
-use table::Table;
-use work::Work;
+use crate::output::{self, TargetFolder};
+use crate::terminal::Progress;
 
 /// Measure error against run time: CSVs, plots and a page
 ///
@@ -68,7 +56,8 @@ pub(crate) struct ReportArgs {
     #[command(flatten)]
     read: ReadArgs,
     /// Pixels a row and rows of views [default: 192x192; with --quick 64x64]
-    #[arg(long, value_name = "WxH", help_heading = "Scene and view", allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, help_heading = "Scene and view",
+          allow_hyphen_values = true)]
     size: Option<Size>,
     /// Cells of the grid in the section factors [default: auto, finer than elsewhere]
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
@@ -104,84 +93,50 @@ impl ReportArgs {
 
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
     let progress = Progress::new(args.quiet.quiet);
-    let stale = output::plots_in(&args.output);
+    let stale = report_files(&args.output);
     TargetFolder::new(&args.output, args.force)?.fill(&stale, |folder| fill(args, folder, &progress))?;
     progress.finish();
-    progress.say(format_args!("wrote {} with its CSVs and plots", args.output.join(output::PAGE).display()));
+    progress.say(format_args!("wrote {} with its CSVs and plots", args.output.join(report::PAGE).display()));
     Ok(())
 }
 
 /// Measures and writes every file.
 fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result<(), Error> {
-    output::refuse_others(&args.output)?;
+    let names = report_files(&args.output);
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    output::refuse_others(&args.output, &names, "such report's", report::PAGE, report::is_report)?;
     progress.stage("reading scenes");
-    let mut inputs = Vec::new();
+    let mut subjects = Vec::new();
     for path in &distinct(&args.scenes) {
-        let input = Input::read(args.file(path), &args.camera, progress)?;
-        folder.refuse_inputs(&input.files, output::is_ours)?;
-        inputs.push(input);
+        let (input, subject) = input::read(args.file(path), &args.camera, progress)?;
+        folder.refuse_inputs(&input.files, report::is_ours)?;
+        subjects.push(subject);
     }
     progress.stage("looking for a device");
-    let chosen = device::choose(&args.device)?;
-    let load = match &chosen.device {
-        Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
-        Device::Cpu(_) | Device::CpuF64(_) => None,
-    };
-
-    let sections = args.sections();
-    let mut tables: Vec<(&Section, Table)> = sections.iter().map(|s| (*s, Table::new(s.columns))).collect();
-    let mut scenes = Vec::new();
-    let (mut failed, mut has_worked) = (None, false);
-    for input in &inputs {
-        let (size, grid, is_quick) = (args.size(), args.grid, args.quick);
-        let work = Work { input, chosen: &chosen, size, grid, is_quick, progress, load: load.as_ref() };
-        let mut parts = Vec::new();
-        for (section, table) in &mut tables {
-            let before = table.rows.len();
-            let part = match (section.run)(&work, table) {
-                Ok(part) => {
-                    has_worked = true;
-                    part
-                }
-                Err(error) => {
-                    // The other sections are worth having, unless the device has failed.
-                    work.can_go_on()?;
-                    table.rows.truncate(before);
-                    let mut part = page::Part::default();
-                    part.notes.push(error.message().to_owned());
-                    failed = Some(error);
-                    part
-                }
-            };
-            for note in &part.notes {
-                progress.say(format_args!("note: {}, {}: {note}", input.scene.name, section.name));
-            }
-            parts.push((section.name, part));
-        }
-        scenes.push(page::Scene {
-            name: input.scene.name.clone(),
-            file: input.path.display().to_string(),
-            triangles: input.scene.triangles.len(),
-            size: work.size,
-            parts,
-        });
-    }
-    if let Some(error) = failed.filter(|_| !has_worked) {
-        return Err(error);
-    }
+    let meter = Meter::new(device::choose(&args.device)?);
+    let wanted = Wanted { sections: args.sections(), size: args.size(), grid: args.grid, is_quick: args.quick };
+    let report = report::measure(&wanted, &subjects, &meter, progress)?;
     progress.stage("writing");
-    output::write(folder, &about(&chosen), &tables, &scenes)
+    let files = report.files(&about(&meter.machine)).map_err(Error::failed)?;
+    files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))
+}
+
+/// The files in a folder that a report may have. They go with it: another one may have fewer sections, and fewer plots.
+fn report_files(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    names.filter(|name| report::is_ours(name)).collect()
 }
 
 /// On what, by which command.
-fn about(chosen: &Chosen) -> page::About {
+fn about(machine: &Machine) -> About {
     let command_line = std::env::args_os().skip(1).map(|argument| visible(&argument.to_string_lossy()).into_owned());
     let mut about = vec![
         ("command", std::iter::once("raystep".to_owned()).chain(command_line).collect::<Vec<_>>().join(" ")),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("device", format!("{} ({})", chosen.kind(), chosen.reason)),
+        ("device", format!("{} ({})", machine.kind(), machine.reason)),
     ];
-    match chosen.gpu() {
+    match machine.gpu() {
         Some(gpu) => {
             let info = raystep_kernels::export::json::AdapterInfo::from(gpu);
             about.extend([

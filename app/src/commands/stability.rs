@@ -1,27 +1,19 @@
 //! `raystep stability`
 
-mod instruments;
-mod output;
-mod page;
-mod picture;
-mod table;
-
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use raystep_kernels::reference::Verdict;
-use raystep_kernels::stability::{
-    self, CASES, Case, Judge, Place, Row, StabilityError, Variant, Workload, drift, probe,
-};
-use raystep_kernels::{Accelerator, Device, Numerics, RaySource, ScheduleKind};
+use raystep_kernels::{Accelerator, Device};
+use raystep_lab::Machine;
+use raystep_lab::stability::{self, ACCELERATORS, CASES, COLUMNS, Case, FILES, Place, Report, Wanted};
 
 use crate::args::{DeviceArgs, DeviceKind, QuietArgs, named};
-use crate::device::{self, Chosen, block_on};
+use crate::device;
 use crate::error::Error;
-use crate::output::TargetFolder;
+use crate::output::{self, TargetFolder};
 use crate::terminal::{Progress, print};
 use crate::usage::did_you_mean;
-use picture::Picture;
 
 /// Trace extreme cases, and compare every ray with f64 brute force
 ///
@@ -72,9 +64,6 @@ pub(crate) struct StabilityArgs {
     adapter: Option<String>,
 }
 
-/// Those that are built as asked for.
-const ACCELERATORS: &[Accelerator] = &[Accelerator::Grid, Accelerator::Bvh, Accelerator::None];
-
 /// `--device`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Devices {
@@ -86,50 +75,34 @@ enum Devices {
     Cpu,
 }
 
-/// What came of a case.
-struct Outcome {
-    case: &'static Case,
-    /// One a way.
-    rows: Vec<Row>,
-    /// Where its errors are.
-    pictures: Vec<Picture>,
-    /// The first ray with an error by robust rules, in words: one is enough to look for the cause with.
-    first_wrong_ray: Option<String>,
-}
-
-/// All that came of it.
-struct Report {
-    outcomes: Vec<Outcome>,
-    /// Of the long walk, where that case was asked for.
-    walks: Vec<drift::Walked>,
-    /// Where all cases were asked for.
-    pipelines: Vec<probe::Row>,
-}
-
 pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
     let cases = chosen_cases(&args.cases)?;
     if args.list {
-        return print(&table::list(&cases));
+        return print(&stability::list(&cases));
     }
     let progress = Progress::new(args.quiet.quiet);
     let report = match &args.output {
-        None => all(args, &cases, &progress)?,
+        None => all(args, cases, &progress)?,
         Some(path) => {
-            output::refuse_others(path)?;
+            let [csv, ..] = FILES;
+            let is_ours = |bytes: &[u8]| bytes.starts_with(COLUMNS.join(",").as_bytes());
+            output::refuse_others(path, &FILES, "such report", csv, is_ours)?;
             let report = TargetFolder::new(path, args.force)?.fill(&[], |folder| {
-                let report = all(args, &cases, &progress)?;
-                output::write(folder, &report)?;
+                let report = all(args, cases, &progress)?;
+                let files = report.files()?;
+                files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
                 Ok(report)
             })?;
-            progress.say(format_args!("wrote {} to {}", output::NAMES.join(", "), path.display()));
+            progress.say(format_args!("wrote {} to {}", FILES.join(", "), path.display()));
             report
         }
     };
     progress.finish();
     if !args.quiet.quiet {
-        print(&(table::text(&report.outcomes) + &instruments::text(&report)))?;
+        print(&(stability::text(&report.outcomes) + &stability::text_beside(&report)))?;
     }
-    judge(&report)
+    // A gate: what is not as it must be fails the command.
+    report.unexpected().map_or(Ok(()), |line| Err(Error::failed(line)))
 }
 
 /// Those whose names have one of the texts in them.
@@ -146,7 +119,7 @@ fn chosen_cases(names: &[String]) -> Result<Vec<&'static Case>, Error> {
 }
 
 /// Where to trace, and how it is called in the report.
-fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Chosen)>, Error> {
+fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Machine)>, Error> {
     if args.device == Devices::Cpu && args.adapter.is_some() {
         return Err(Error::usage("--adapter names a GPU adapter, and --device cpu uses none: leave one of them out"));
     }
@@ -163,123 +136,15 @@ fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Chose
         let twins = [("cpu_f32", Device::Cpu(None)), ("cpu_f64", Device::CpuF64(None))];
         places.extend(twins.map(|(name, device)| {
             let reason = "the CPU twins".to_owned();
-            (Place { device: name, adapter: String::new() }, Chosen { device, reason })
+            (Place { device: name, adapter: String::new() }, Machine { device, reason })
         }));
     }
     Ok(places)
 }
 
-fn all(args: &StabilityArgs, cases: &[&'static Case], progress: &Progress) -> Result<Report, Error> {
+fn all(args: &StabilityArgs, cases: Vec<&'static Case>, progress: &Progress) -> Result<Report, Error> {
     let places = places(args, progress)?;
-    let mut outcomes = Vec::new();
-    for (i, case) in cases.iter().enumerate() {
-        progress.stage(&format!("case {} of {}: {}", i + 1, cases.len(), case.name));
-        outcomes.push(one(args, case, &places).map_err(|e| Error::failed(format!("{}: {}", case.name, e.message())))?);
-    }
-    let has_walk = cases.iter().any(|case| case.name == "long-walk") && args.accelerator.contains(&Accelerator::Grid);
-    let walks = if has_walk { instruments::walks(args.quick, &places, progress)? } else { Vec::new() };
-    let pipelines =
-        if args.cases.is_empty() { instruments::pipelines(args.quick, &places, progress)? } else { Vec::new() };
-    Ok(Report { outcomes, walks, pipelines })
-}
-
-/// Traces a case in every way that was asked for.
-fn one(args: &StabilityArgs, case: &'static Case, places: &[(Place, Chosen)]) -> Result<Outcome, Error> {
-    let rays = if args.quick { (case.rays / 8).max(1) } else { case.rays };
-    let workload = (case.make)(rays)?;
-    let mut outcome = Outcome { case, rows: Vec::new(), pictures: Vec::new(), first_wrong_ray: None };
-    let mut judge = Judge::default();
-    for (place, chosen) in places {
-        for &accelerator in ACCELERATORS.iter().filter(|a| args.accelerator.contains(a)) {
-            for variant in Variant::of(accelerator) {
-                // In f64 one kernel, or a contracted one, has nothing to add to the steps.
-                if (variant.schedule == ScheduleKind::Fused || variant.contracted) && place.device == "cpu_f64" {
-                    continue;
-                }
-                let running = stability::run(case, &workload, variant, &chosen.device, &mut judge);
-                let run = block_on(chosen.gpu(), running)?;
-                let row = Row::new(case, workload.scene.triangles.len(), variant, place, &run);
-                if let Some(([ox, oy, oz], [dx, dy, dz])) = run.score.first_error
-                    && variant.numerics == Numerics::Robust
-                {
-                    outcome.first_wrong_ray.get_or_insert_with(|| {
-                        let name = table::name(&row);
-                        format!("{name}: first wrong ray, in traced units: {ox:?},{oy:?},{oz:?},{dx:?},{dy:?},{dz:?}")
-                    });
-                }
-                add_picture(&mut outcome.pictures, &row, &workload, &run.score.verdicts, &judge);
-                outcome.rows.push(row);
-            }
-        }
-    }
-    Ok(outcome)
-}
-
-/// Keeps a picture of what went wrong; ways with the same errors share one.
-fn add_picture(pictures: &mut Vec<Picture>, row: &Row, workload: &Workload, verdicts: &[Verdict], judge: &Judge) {
-    let size = match &workload.rays {
-        RaySource::Camera { width, height, .. } => Some([*width, *height]),
-        RaySource::Given(_) => None,
-    };
-    let Some(mut picture) = Picture::of(verdicts, size, || judge.directions()) else { return };
-    match pictures.iter_mut().find(|p| p.is_same(&picture)) {
-        Some(same) => same.ways.push(table::way(row)),
-        None => {
-            picture.ways.push(table::way(row));
-            pictures.push(picture);
-        }
-    }
-}
-
-/// Fails where anything is not as it must be.
-fn judge(report: &Report) -> Result<(), Error> {
-    let rows = || report.outcomes.iter().flat_map(|o| &o.rows);
-    let wrong: Vec<&Row> = rows().filter(|row| !row.is_as_expected()).collect();
-    match wrong.first() {
-        None => report.walks.iter().find(|walked| !walked.is_as_expected()).map_or(Ok(()), |walked| {
-            Err(Error::failed(format!("tMax along a walk is not as expected: {}", instruments::told(walked))))
-        }),
-        Some(first) => Err(Error::failed(format!(
-            "{} of {} runs are not as expected, the first of them {}: expected to {}",
-            wrong.len(),
-            rows().count(),
-            table::name(first),
-            first.field("expected")
-        ))),
-    }
-}
-
-impl From<StabilityError> for Error {
-    fn from(error: StabilityError) -> Self {
-        match error {
-            StabilityError::Render(error) => error.into(),
-            StabilityError::Plan(error) => error.into(),
-            _ => Self::failed(error),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use raystep_kernels::stability::Expected;
-
-    use super::*;
-
-    #[test]
-    fn the_command_fails_where_a_row_is_not_as_expected_and_only_there() {
-        let row = |expected: Expected, has_errors: bool| {
-            let variant = Variant::of(Accelerator::Grid)[0];
-            let case = CASES[0].name;
-            Row { case, variant, device: "gpu", expected, passed: !has_errors, has_errors, fields: Default::default() }
-        };
-        let code = |rows: Vec<Row>| {
-            let outcome = Outcome { case: &CASES[0], rows, pictures: Vec::new(), first_wrong_ray: None };
-            judge(&Report { outcomes: vec![outcome], walks: Vec::new(), pipelines: Vec::new() }).map_err(|e| e.code)
-        };
-        let right = [row(Expected::Pass, false), row(Expected::Fail, true), row(Expected::Any, true)];
-        assert_eq!(code(right.to_vec()), Ok(()));
-        for wrong in [row(Expected::Pass, true), row(Expected::Fail, false)] {
-            assert_eq!(code([&right[..], &[wrong]].concat()), Err(1));
-        }
-    }
+    let accelerators = args.accelerator.clone();
+    let wanted = Wanted { cases, accelerators, is_quick: args.quick, pipelines: args.cases.is_empty() };
+    Ok(stability::measure(&wanted, &places, progress)?)
 }

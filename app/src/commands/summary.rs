@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use raystep_kernels::export::json::{self, AdapterInfo, CheckSummary, CounterSums, Summary};
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::reference::Report;
+use raystep_lab::judge::Report;
 
 use crate::session::Running;
 

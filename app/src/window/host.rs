@@ -10,8 +10,9 @@ use raystep_inspector::session::engine::EngineTask;
 use raystep_inspector::session::request::Loader;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
+use raystep_lab::block_on_shared;
 
-use super::{files, last_error, thread};
+use super::{files, last_error};
 use crate::args::{ReadArgs, SceneArgs};
 use crate::output::{Target, write};
 use crate::scene_file;
@@ -79,7 +80,7 @@ impl Desktop {
 impl Host for Desktop {
     fn spawn(&mut self, task: EngineTask) {
         let gpu = self.gpu.clone();
-        std::thread::spawn(move || thread::run(&gpu, task));
+        std::thread::spawn(move || block_on_shared(&gpu, task));
     }
 
     fn scene_of(&self, path: &str) -> (String, Option<usize>) {

@@ -9,9 +9,9 @@ use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::{Inspector, offscreen};
 use raystep_kernels::Gpu;
+use raystep_lab::block_on;
 
 use super::{Start, inspector};
-use crate::device::block_on;
 use crate::error::Error;
 
 /// How long work may go on before the picture is taken of what there is.

@@ -12,12 +12,11 @@ use eframe::egui;
 use eframe::egui_wgpu::{SurfaceConfig, SurfaceErrorAction, WgpuConfiguration};
 use eframe::{EframeWinitApplication, UserEvent};
 use raystep_kernels::{Gpu, Held};
+use raystep_lab::block_on;
 use winit::application::ApplicationHandler;
 use winit::event::{DeviceEvent, StartCause, WindowEvent};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::WindowId;
-
-use crate::device::block_on;
 
 /// Frames that may fail one after the other.
 const MOST_FAILURES: usize = 8;

@@ -9,12 +9,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
 use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Stream, StreamData};
+use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::Session;
 use super::copies::{fill, stream_copy};
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
-use super::stats::LayerStats;
 use crate::settings::{DeviceKind, Settings};
 
 /// What opening a scene is called where it fails.

@@ -1,314 +1,36 @@
-//! Rays resolved, and rays resolved wrongly, over the passes of a run.
-//!
-//! How many rays are resolved is in every pass's counts. Which of them are resolved wrongly is work: every triangle
-//! against a random sample of the rays in f64, as `raystep report` judges them. A resolved ray's hit does not change
-//! any more, so each ray is judged once, at the end; only for those that are wrong is it looked up when they were
-//! resolved, by running the same passes again.
+//! Whether the rays of a session's run can be judged.
 
-use std::ops::ControlFlow;
-
-use raystep_kernels::reference::{BruteForce, Verdict, candidates_of, sample};
-use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::state::{self, StateCounts, Tag};
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_T, STATE_TAG};
-use raystep_kernels::{Pass, Plan, RenderError, Renderer, Stream};
+use raystep_kernels::Plan;
 
 use super::Edit;
 
-/// Most tests of a triangle against a ray: some seconds on a few cores.
-const MOST_TESTS: u64 = 1 << 31;
-
-/// Most places at which it is looked which of the wrong rays are resolved.
-const MOST_PLACES: usize = 64;
-
-/// The same rays in every run.
-const SEED: u32 = 1;
-
-/// Rays whose hit is decided: in no state that a walking kernel changes.
-#[must_use]
-pub fn resolved(counts: &StateCounts) -> u64 {
-    (0..).zip(counts).filter(|(tag, _)| is_resolved(*tag)).map(|(_, &rays)| u64::from(rays)).sum()
-}
-
-fn is_resolved(tag: Tag) -> bool {
-    matches!(tag, state::SHADE | state::BACKGROUND | state::DONE)
-}
-
-/// A ray that did not hit what it should.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WrongRay {
-    /// Its place, y * width + x.
-    pub ray: usize,
-    /// What is wrong.
-    pub verdict: Verdict,
-    /// After so many passes it was resolved; `None` where it was not when the run ended.
-    pub resolved_by: Option<usize>,
-}
-
-/// What became of the rays of a run.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Judgement {
-    /// Rays of the run.
-    pub rays: u64,
-    /// Rays that were judged: all, or a random sample.
-    pub judged: u64,
-    /// Those that hit the exact triangle, or rightly none.
-    pub right: u64,
-    /// Those where f32 could not tell.
-    pub undecided: u64,
-    /// Those that are wrong, in the order in which they were resolved.
-    pub wrong: Vec<WrongRay>,
-    /// Wrong rays are known to be resolved by a place, but may have been so many passes before.
-    pub passes_between: usize,
-}
-
-impl Judgement {
-    /// How many wrong rays have one of these verdicts.
-    #[must_use]
-    pub fn count(&self, verdict: Verdict) -> usize {
-        self.wrong.iter().filter(|wrong| wrong.verdict == verdict).count()
-    }
-
-    /// How many rays were resolved wrongly by the first `place` passes.
-    #[must_use]
-    pub fn wrong_by(&self, place: usize) -> usize {
-        self.wrong.partition_point(|wrong| wrong.resolved_by.is_some_and(|by| by <= place))
-    }
-
-    /// Every place at which wrong rays are resolved, and how many are by then.
-    #[must_use]
-    pub fn steps(&self) -> Vec<(usize, usize)> {
-        let mut steps: Vec<(usize, usize)> = Vec::new();
-        for (place, rays) in self.wrong.iter().filter_map(|wrong| wrong.resolved_by).zip(1..) {
-            match steps.last_mut() {
-                Some(last) if last.0 == place => last.1 = rays,
-                _ => steps.push((place, rays)),
-            }
-        }
-        steps
-    }
-}
-
-/// Why the rays of a run cannot be judged, in a line; `None` where they can.
+/// Why they cannot be, in a line; `None` where they can.
 #[must_use]
 pub fn why_not(plan: &Plan, edits: &[Edit], twins: Option<usize>) -> Option<&'static str> {
-    let needed = [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit];
     if !edits.is_empty() {
         Some("not judged: the run was changed by hand, and is judged once the changes are taken back")
     } else if twins.is_some() {
         Some("not judged: the first passes are the twins', and what is judged is a run of the device alone")
-    } else if plan.features.any_hit {
-        Some("not judged: a ray ends at the first hit that is found, whether or not it is the nearest")
-    } else if plan.features.samples {
-        Some("not judged: with several samples a pixel, all rays but the last one's are gone; trace with one sample")
-    } else if !needed.into_iter().all(|stream| plan.has_stream(stream)) {
-        Some("not judged: the rays are made within a kernel, and are in no stream")
     } else {
-        None
+        raystep_lab::judge::why_not(plan)
     }
-}
-
-/// Runs `renderer` from its start to its end and judges what its rays hit. It is best a run of its own: it is
-/// restarted, and left somewhere. [`why_not`] says whether it can be judged.
-///
-/// `progress` gets what is done and of how much, and may stop.
-///
-/// # Errors
-/// Where the device fails, the plan left a stream out that is needed, or `progress` said so.
-pub async fn judge(
-    renderer: &mut Renderer,
-    mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,
-) -> Result<Judgement, RenderError> {
-    // Parts of the work in thousandths: the run, the judging, the same run again.
-    const WHOLE: u64 = 1000;
-    const RUN: u64 = 100;
-    const AGAIN: u64 = 800;
-    renderer.restart();
-    renderer.run(|now| progress(RUN * now.rays_decided / now.rays.max(1), WHOLE)).await?;
-    let passes = renderer.passes().to_vec();
-    let (origins, directions) =
-        (renderer.values(Stream::RayOrigin).await?, renderer.values(Stream::RayDirection).await?);
-    let (end, hit) = (renderer.values(Stream::State).await?, renderer.values(Stream::Hit).await?);
-
-    let vertices = &renderer.data().vertices;
-    let triangles = BruteForce::new(vertices);
-    let count = most_rays(triangles.triangles());
-    let sample = sample(renderer.plan().rays as usize, count, SEED);
-    let mut judgement = Judgement { rays: renderer.plan().rays, judged: sample.len() as u64, ..Judgement::default() };
-    let batch = (1usize << 24).div_ceil(triangles.triangles().max(1)).clamp(64, 1 << 16);
-    for (i, rays) in sample.chunks(batch).enumerate() {
-        let part = RUN + (AGAIN - RUN) * (i * batch) as u64 / sample.len() as u64;
-        if progress(part, WHOLE).is_break() {
-            return Err(RenderError::Cancelled { passes: passes.len() });
-        }
-        let as_made = |&ray: &usize| [&origins, &directions].map(|s| [0, 1, 2].map(|layer| s.get_f32(layer, ray)));
-        let made: Vec<_> = rays.iter().map(as_made).collect();
-        for ((&ray, [origin, direction]), candidates) in rays.iter().zip(&made).zip(candidates_of(vertices, &made)) {
-            let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), end.get_f32(STATE_T, ray));
-            let found = (triangle != NO_TRIANGLE && t < INF).then_some((triangle, f64::from(t)));
-            match triangles.judge(ray, *origin, *direction, &candidates, found).0.verdict {
-                Verdict::Same => judgement.right += 1,
-                Verdict::Tie => judgement.undecided += 1,
-                verdict => judgement.wrong.push(WrongRay { ray, verdict, resolved_by: None }),
-            }
-        }
-    }
-
-    let places = places(&passes, MOST_PLACES);
-    judgement.passes_between = places.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
-    if !judgement.wrong.is_empty() {
-        renderer.restart();
-    }
-    for (i, &place) in places.iter().enumerate() {
-        if judgement.wrong.iter().all(|wrong| wrong.resolved_by.is_some()) {
-            break;
-        }
-        let part = AGAIN + (WHOLE - AGAIN) * i as u64 / places.len() as u64;
-        renderer.run_to(place, |_| progress(part, WHOLE)).await?;
-        let now = renderer.values(Stream::State).await?;
-        for wrong in judgement.wrong.iter_mut().filter(|wrong| wrong.resolved_by.is_none()) {
-            wrong.resolved_by = is_resolved(now.get(STATE_TAG, wrong.ray)).then_some(place);
-        }
-    }
-    judgement.wrong.sort_by_key(|wrong| (wrong.resolved_by.unwrap_or(usize::MAX), wrong.ray));
-    Ok(judgement)
-}
-
-/// How many rays are judged against so many triangles, at most.
-fn most_rays(triangles: usize) -> usize {
-    (MOST_TESTS / triangles.max(1) as u64).max(64) as usize
-}
-
-/// The places after passes that resolved rays, the last of them included; at most `most`, evenly chosen.
-fn places(passes: &[Pass], most: usize) -> Vec<usize> {
-    let mut before = 0;
-    let mut all = Vec::new();
-    for (pass, place) in passes.iter().zip(1..) {
-        let now = resolved(&pass.counts);
-        if now != before {
-            all.push(place);
-        }
-        before = now;
-    }
-    let count = all.len().min(most);
-    (1..=count).map(|i| all[i * all.len() / count - 1]).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, ScheduleKind};
+    use raystep_kernels::{Limits, Options, RaySource, Stream};
     use raystep_scenes::generate;
 
     use super::*;
 
-    fn options(numerics: Numerics, side: u32) -> Options {
-        let camera = generate::cornell_box().cameras[0].clone();
-        Options {
-            accelerator: Accelerator::Grid,
-            schedule: ScheduleKind::Second,
-            numerics,
-            grid: GridSize::Cells([20; 3]),
-            ..Options::new(RaySource::Camera { camera, width: side, height: side })
-        }
-    }
-
-    fn renderer(options: &Options) -> Renderer {
-        pollster::block_on(Renderer::new(&generate::cornell_box(), options, &Device::Cpu(None))).expect("a renderer")
-    }
-
-    fn judged(numerics: Numerics, side: u32) -> (Judgement, Vec<Pass>) {
-        let mut renderer = renderer(&options(numerics, side));
-        pollster::block_on(renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
-        let passes = renderer.passes().to_vec();
-        let judgement =
-            pollster::block_on(judge(&mut renderer, |_, _| ControlFlow::Continue(()))).expect("a judgement");
-        (judgement, passes)
-    }
-
     #[test]
-    fn by_robust_rules_none_is_wrong_and_by_the_papers_some_are() {
-        let (robust, passes) = judged(Numerics::Robust, 64);
-        assert_eq!((robust.rays, robust.judged, robust.wrong.len()), (64 * 64, 64 * 64, 0));
-        assert_eq!(robust.right + robust.undecided, robust.judged);
-        assert!(robust.right > 4000, "{robust:?}");
-        let counts: Vec<u64> = passes.iter().map(|pass| resolved(&pass.counts)).collect();
-        assert!(counts.is_sorted() && counts[0] == 0, "{counts:?}");
-        assert_eq!(counts.last(), Some(&(64 * 64)));
-
-        // Through cracks where f32 cannot tell which side is hit, and past surfaces at cells' faces.
-        let (paper, passes) = judged(Numerics::Paper, 512);
-        assert!(paper.wrong.len() > 500, "{} of {}", paper.wrong.len(), paper.judged);
-        assert_eq!(paper.right + paper.undecided + paper.wrong.len() as u64, paper.judged);
-        let verdicts = [Verdict::Missed, Verdict::False, Verdict::Wrong];
-        assert_eq!(verdicts.map(|v| paper.count(v)).iter().sum::<usize>(), paper.wrong.len());
-        assert!(paper.wrong.iter().all(|wrong| wrong.resolved_by.is_some_and(|by| by <= passes.len())));
-        assert_eq!((paper.wrong_by(0), paper.wrong_by(passes.len())), (0, paper.wrong.len()));
-        let steps = paper.steps();
-        assert!(steps.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 < w[1].1), "{steps:?}");
-        assert_eq!(steps.last().map(|step| step.1), Some(paper.wrong.len()));
-        assert!(steps.iter().all(|&(place, rays)| paper.wrong_by(place) == rays && paper.wrong_by(place - 1) < rays));
-    }
-
-    #[test]
-    fn a_wrong_ray_is_resolved_by_its_place_and_not_before_the_one_looked_at_before() {
-        let (judgement, passes) = judged(Numerics::Paper, 256);
-        let places = places(&passes, MOST_PLACES);
-        let mut run = renderer(&options(Numerics::Paper, 256));
-        for wrong in judgement.wrong.iter().take(8) {
-            let by = wrong.resolved_by.expect("resolved");
-            let index = places.binary_search(&by).expect("a place that was looked at");
-            let before = index.checked_sub(1).map_or(0, |i| places[i]);
-            for (place, is_so) in [(before, false), (by, true)] {
-                run.restart();
-                pollster::block_on(run.run_to(place, |_| ControlFlow::Continue(()))).expect("a run");
-                let now = pollster::block_on(run.values(Stream::State)).expect("its states");
-                assert_eq!(is_resolved(now.get(STATE_TAG, wrong.ray)), is_so, "{wrong:?} after {place}");
-            }
-        }
-    }
-
-    #[test]
-    fn places_are_those_that_resolve_rays_and_no_more_than_asked_for() {
-        let (_, passes) = judged(Numerics::Robust, 64);
-        let all = places(&passes, usize::MAX);
-        assert!(all.len() > 10 && all.len() < passes.len(), "{} of {}", all.len(), passes.len());
-        let few = places(&passes, 5);
-        assert_eq!((few.len(), few.last()), (5, all.last()));
-        assert!(few.iter().all(|place| all.contains(place)) && few.is_sorted());
-        assert!(places(&[], 5).is_empty());
-        assert_eq!((most_rays(1 << 20), most_rays(usize::MAX)), (2048, 64));
-    }
-
-    #[test]
-    fn judging_says_how_far_it_is_and_stops() {
-        let mut renderer = renderer(&options(Numerics::Paper, 64));
-        let mut parts = Vec::new();
-        pollster::block_on(judge(&mut renderer, |done, of| {
-            parts.push((done, of));
-            ControlFlow::Continue(())
-        }))
-        .expect("a judgement");
-        assert!(parts.iter().all(|&(done, of)| done <= of && of == 1000) && parts.is_sorted(), "{parts:?}");
-        // Stopped in each of its three parts.
-        for at in [0, 100, 800] {
-            let stopped = pollster::block_on(judge(&mut renderer, |done, _| {
-                if done >= at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            }));
-            assert!(matches!(stopped, Err(RenderError::Cancelled { .. })), "{at}");
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_judged_says_why() {
-        let plain = options(Numerics::Robust, 64);
-        let why = |options: &Options, edits: &[Edit], twins| why_not(renderer(options).plan(), edits, twins);
-        assert_eq!(why(&plain, &[], None), None);
+    fn a_run_that_is_not_the_devices_alone_is_not_judged() {
+        let scene = generate::cornell_box();
+        let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 16, height: 16 };
+        let (plan, _) = Plan::new(&scene, &Options::new(rays), &Limits::CPU).expect("a plan");
+        assert_eq!(why_not(&plan, &[], None), None);
         let edit = Edit { place: 3, stream: Stream::Hit, layer: 0, x: 1, y: 1, bits: 0 };
-        assert!(why(&plain, &[edit], None).is_some_and(|why| why.contains("by hand")));
-        assert!(why(&plain, &[], Some(3)).is_some_and(|why| why.contains("twins")));
-        let any_hit = Options { any_hit: true, ..plain.clone() };
-        assert!(why(&any_hit, &[], None).is_some_and(|why| why.contains("first hit")));
-        let fused = Options { schedule: ScheduleKind::Fused, shade: false, ..plain };
-        assert!(why(&fused, &[], None).is_some_and(|why| why.contains("no stream")));
+        assert!(why_not(&plan, &[edit], None).is_some_and(|why| why.contains("by hand")));
+        assert!(why_not(&plan, &[], Some(3)).is_some_and(|why| why.contains("twins")));
     }
 }

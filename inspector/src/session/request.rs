@@ -6,10 +6,10 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Kernel, Pass, Stream};
+use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::{Edit, Fired, Target, Watch, Way};
-use crate::session::stats::LayerStats;
 use crate::settings::Settings;
 
 /// Reads a scene, or says in one line why it cannot.

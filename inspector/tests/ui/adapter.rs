@@ -1,12 +1,10 @@
 //! One adapter for all tests of this binary, and waiting for it.
 
-use std::pin::{Pin, pin};
 use std::sync::{Arc, OnceLock};
-use std::task::{Context, Poll, Wake, Waker};
-use std::thread::Thread;
-use std::time::{Duration, Instant};
 
 use raystep_kernels::{AdapterChoice, Gpu};
+use raystep_lab::block_on_shared;
+use raystep_lab::machine::now_ns;
 
 /// The adapter that everything is traced and drawn with.
 pub(crate) fn gpu() -> Arc<Gpu> {
@@ -29,31 +27,7 @@ pub(crate) fn own_gpu() -> Arc<Gpu> {
     gpu
 }
 
-/// Nanoseconds since the first call.
-fn now_ns() -> u64 {
-    static START: OnceLock<Instant> = OnceLock::new();
-    START.get_or_init(Instant::now).elapsed().as_nanos() as u64
-}
-
-struct Unpark(Thread);
-
-impl Wake for Unpark {
-    fn wake(self: Arc<Self>) {
-        self.0.unpark();
-    }
-}
-
 /// Waits for a future; those of the library become ready only while the device is polled.
 pub(crate) fn block_on<T>(gpu: &Gpu, future: impl Future<Output = T>) -> T {
-    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
-    let mut context = Context::from_waker(&waker);
-    let mut future: Pin<&mut _> = pin!(future);
-    loop {
-        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return value;
-        }
-        // A lost device is said by the future itself.
-        let is_idle = gpu.device.poll(wgpu::PollType::Poll).is_ok_and(|status| status.is_queue_empty());
-        std::thread::park_timeout(if is_idle { Duration::from_millis(5) } else { Duration::from_micros(200) });
-    }
+    block_on_shared(gpu, future)
 }

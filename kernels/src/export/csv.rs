@@ -171,7 +171,7 @@ pub fn writer<W: Write>(out: W) -> ::csv::Writer<W> {
 ///
 /// # Errors
 /// Where `out` fails.
-pub(crate) fn write_file<'a>(
+pub fn write_file<'a>(
     out: impl Write,
     columns: &[&str],
     rows: impl IntoIterator<Item = &'a [String]>,
@@ -185,7 +185,8 @@ pub(crate) fn write_file<'a>(
 }
 
 /// A field; what is not known is empty.
-pub(crate) fn known(value: Option<impl ToString>) -> String {
+#[must_use]
+pub fn known(value: Option<impl ToString>) -> String {
     value.map(|v| v.to_string()).unwrap_or_default()
 }
 

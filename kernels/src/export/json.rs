@@ -8,7 +8,6 @@ use crate::executor::gpu::{AdapterSummary, Gpu};
 pub use crate::plan::GridSummary;
 use crate::plan::{Loops, Plan, Structure};
 use crate::programs::closest_hit::kernels::Kernel;
-use crate::reference::Report;
 pub use crate::renderer::KernelSummary;
 use crate::renderer::RayHit;
 use crate::tables::state::{self, StateCounts};
@@ -198,13 +197,6 @@ pub struct CheckSummary {
     pub wrong: u64,
     /// Largest error of t among right hits, in units in the last place.
     pub largest_t_ulp: f64,
-}
-
-impl From<&Report> for CheckSummary {
-    fn from(report: &Report) -> Self {
-        let Report { rays, same, ties, missed, false_hits, wrong, largest_t_ulp, .. } = *report;
-        Self { rays, same, ties, missed, false_hits, wrong, largest_t_ulp }
-    }
 }
 
 /// Rays in each state, by the state's name.

@@ -8,14 +8,12 @@
 //! | [`npy`] | NumPy `.npy` | one stream, bit for bit, (layer, row, column) |
 //! | [`exr`] | OpenEXR | the image with what each ray hit beside it; or one stream, a channel a layer |
 //! | [`csv`] | `passes.csv` | one row a pass |
-//! | [`mod@bench`] | `summary.csv` | one row a configuration of a benchmark |
 //! | [`json`] | JSON | the run's summary |
 //! | [`plan`] | JSON | what a run needs and leaves out |
 //! | [`structure`] | text, JSON | the grid or tree of a run |
 //! | [`trace`] | table, CSV, JSON | the history of one ray, pass by pass |
 //! | [`trace_events`] | JSON | a run as Chrome trace events, for Perfetto |
 
-pub mod bench;
 pub mod csv;
 pub mod exr;
 pub mod json;

@@ -2,7 +2,7 @@
 
 pub mod bytes;
 pub mod named;
-pub(crate) mod parallel;
+pub mod parallel;
 pub mod real;
 pub mod srgb;
 pub mod units;

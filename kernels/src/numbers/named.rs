@@ -9,12 +9,16 @@ pub struct ParseOptionError {
 }
 
 impl ParseOptionError {
-    pub(crate) fn new(value: &str, expected: &'static str) -> Self {
+    /// `expected` names what it could be, as a list.
+    #[must_use]
+    pub fn new(value: &str, expected: &'static str) -> Self {
         Self { value: value.into(), expected }
     }
 }
 
 /// The names of an enum's values, to write and to read, for people and for serde.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! named {
     ($type:ident, $expected:literal, $($variant:ident $name:literal),*) => {
         impl $type {

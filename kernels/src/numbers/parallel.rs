@@ -29,7 +29,7 @@ pub(crate) fn for_chunks<T: Send>(items: &mut [T], chunk: usize, f: impl Fn(usiz
 }
 
 /// `map` over consecutive ranges that cover `0..len`, the results in order.
-pub(crate) fn map_ranges<T: Send>(len: usize, chunk: usize, f: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
+pub fn map_ranges<T: Send>(len: usize, chunk: usize, f: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
     let chunk = chunk.max(1);
     let range = |i: usize| i * chunk..((i + 1) * chunk).min(len);
     #[cfg(feature = "parallel")]

@@ -250,10 +250,10 @@ mod tests {
     /// Products that f32 cannot tell apart differ by what f64, in which they are exact, says.
     #[test]
     fn what_rounding_took_from_two_equal_products_is_known() {
-        let mut random = crate::ray_kinds::Random::new(1, 2);
+        let mut random = fastrand::Rng::with_seed(1);
         let mut seen = [0; 3];
         for i in 0..200_000 {
-            let mut number = || ((random.unit() - 0.5) * 2f64.powi(i % 80 - 40)) as f32;
+            let mut number = || ((random.f64() - 0.5) * 2f64.powi(i % 80 - 40)) as f32;
             let (a, b) = (number(), number());
             // The same product made of others, and moved by a unit of the last place or two.
             let c = f32::from_bits(a.to_bits() ^ (1 << (i % 5))) * if i % 2 == 0 { 1.0 } else { -1.0 };

@@ -26,7 +26,7 @@ pub use checkpoint::Checkpoint;
 use given::GivenRays;
 use records::Records;
 pub use records::{KernelSummary, PassTotals};
-pub use results::RayHit;
+pub use results::{RayHit, found};
 
 /// Where passes run.
 #[derive(Clone)]

@@ -191,8 +191,8 @@ impl Renderer {
         }
         let mut state = self.values(Stream::State).await?;
         let rays = state.layer(STATE_TAG).len();
-        let walks = [state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT];
-        for tag in state.bits[STATE_TAG * rays..(STATE_TAG + 1) * rays].iter_mut().filter(|tag| walks.contains(tag)) {
+        let tags = &mut state.bits[STATE_TAG * rays..(STATE_TAG + 1) * rays];
+        for tag in tags.iter_mut().filter(|tag| state::WALKING.contains(tag)) {
             *tag = state::BACKGROUND;
             self.unfinished += 1;
         }
@@ -201,20 +201,15 @@ impl Renderer {
     }
 
     fn undecided(&self) -> u64 {
-        [state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT]
-            .iter()
-            .map(|&tag| u64::from(self.counts[tag as usize]))
-            .sum()
+        state::walking(&self.counts)
     }
 
     /// How far the run is.
     #[must_use]
     pub fn progress(&self) -> Progress {
-        let decided = [state::SHADE, state::BACKGROUND, state::DONE];
-        let rays_decided = decided.iter().map(|&tag| u64::from(self.counts[tag as usize])).sum();
         Progress {
             passes: self.pass_count(),
-            rays_decided,
+            rays_decided: state::decided(&self.counts),
             rays: self.plan.rays,
             samples: self.samples(),
             samples_wanted: self.samples_wanted(),

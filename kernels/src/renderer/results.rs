@@ -19,6 +19,13 @@ pub struct RayHit {
     pub triangle: u32,
 }
 
+/// The triangle that a ray (y * width + x) hit and t in traced units, from the streams `state` and `hit`.
+#[must_use]
+pub fn found(state: &StreamData, hit: &StreamData, ray: usize) -> Option<(u32, f32)> {
+    let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), state.get_f32(STATE_T, ray));
+    (triangle != NO_TRIANGLE && t < INF).then_some((triangle, t))
+}
+
 impl Renderer {
     /// A stream's own texture, where passes run on a GPU.
     #[must_use]
@@ -116,14 +123,8 @@ impl Renderer {
         let hit = self.values(Stream::Hit).await?;
         let state = self.values(Stream::State).await?;
         let hit_of = |i: usize| {
-            let (t, triangle) = (state.get_f32(STATE_T, i), hit.get(HIT_TRIANGLE, i));
-            let scale = self.t_scale(i);
-            (triangle != NO_TRIANGLE && t < INF).then(|| RayHit {
-                t: f64::from(t) * scale,
-                u: hit.get_f32(0, i),
-                v: hit.get_f32(1, i),
-                triangle,
-            })
+            let (triangle, t) = found(&state, &hit, i)?;
+            Some(RayHit { t: f64::from(t) * self.t_scale(i), u: hit.get_f32(0, i), v: hit.get_f32(1, i), triangle })
         };
         Ok((0..self.plan.rays as usize).map(hit_of).collect())
     }

@@ -49,6 +49,34 @@ pub fn name(tag: Tag) -> &'static str {
 /// How many rays are in each state, indexed by tag.
 pub type StateCounts = [u32; COUNT];
 
+/// States in which a walking kernel may still change what a ray hits.
+pub const WALKING: [Tag; 4] = [TRAV_SETUP, TRAV, ISECT_NO_HIT, ISECT_HIT];
+
+/// States in which it is decided what a ray hits.
+pub const DECIDED: [Tag; 3] = [SHADE, BACKGROUND, DONE];
+
+/// Whether a ray in this state will hit nothing else any more.
+#[must_use]
+pub fn is_decided(tag: Tag) -> bool {
+    DECIDED.contains(&tag)
+}
+
+/// Rays whose hit is decided.
+#[must_use]
+pub fn decided(counts: &StateCounts) -> u64 {
+    sum(counts, &DECIDED)
+}
+
+/// Rays that still walk.
+#[must_use]
+pub fn walking(counts: &StateCounts) -> u64 {
+    sum(counts, &WALKING)
+}
+
+fn sum(counts: &StateCounts, tags: &[Tag]) -> u64 {
+    tags.iter().map(|&tag| u64::from(counts[tag as usize])).sum()
+}
+
 /// The WGSL module `package::state`.
 #[must_use]
 pub fn wgsl_module() -> String {

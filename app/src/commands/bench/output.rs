@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
-use raystep_kernels::export::bench::{PERCENTILES, SCHEMA_VERSION, write_summary};
 use raystep_kernels::export::csv::PassesCsv;
 use raystep_kernels::export::json::AdapterInfo;
 use raystep_kernels::{Gpu, ScheduleKind};
+use raystep_lab::bench::{Measured, SCHEMA_VERSION, SEED, Wanted, grid_text, tuning_text, write_summary};
+use raystep_lab::statistics::PERCENTILES;
+use raystep_lab::{Machine, Subject};
 use serde::Serialize;
 
-use super::input::SEED;
-use super::{BenchArgs, Measured, tuning_text};
-use crate::args::grid_text;
+use super::BenchArgs;
 use crate::commands::input::Input;
-use crate::device::{AboutClock, Chosen};
+use crate::device::AboutClock;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
 
@@ -94,10 +94,12 @@ pub(super) fn refuse_others(folder: &Path) -> Result<(), Error> {
 
 /// Writes every file.
 pub(super) fn write(
-    args: &BenchArgs,
     folder: &TargetFolder,
-    chosen: &Chosen,
+    args: &BenchArgs,
+    wanted: &Wanted,
+    machine: &Machine,
     inputs: &[Input],
+    subjects: &[Subject],
     measured: &Measured,
 ) -> Result<(), Error> {
     folder.write(PASSES, |out| {
@@ -108,19 +110,25 @@ pub(super) fn write(
         csv.finish()
     })?;
     folder.write(SUMMARY, |out| write_summary(out, &measured.rows))?;
-    let text = crate::commands::json_text(&about(args, chosen, inputs, measured))?;
+    let scenes = inputs.iter().zip(subjects).map(|(input, subject)| AboutScene {
+        name: subject.scene.name.clone(),
+        path: input.path.to_string_lossy().into_owned(),
+        files: input.files.len(),
+        hash: subject.hash.to_string(),
+        triangles: subject.scene.triangles.len(),
+    });
+    let text = crate::commands::json_text(&about(args, wanted, machine, scenes.collect(), measured))?;
     folder.write(RUN, |out| out.write_all(text.as_bytes()))
 }
 
-fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &'a Measured) -> About<'a> {
+fn about<'a>(
+    args: &BenchArgs,
+    wanted: &Wanted,
+    machine: &'a Machine,
+    scenes: Vec<AboutScene>,
+    measured: &'a Measured,
+) -> About<'a> {
     let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-    let scene = |input: &Input| AboutScene {
-        name: input.scene.name.clone(),
-        path: input.path.to_string_lossy().into_owned(),
-        files: input.files.len(),
-        hash: input.hash.to_string(),
-        triangles: input.scene.triangles.len(),
-    };
     let configurations = measured.details.iter();
     About {
         kind: KIND,
@@ -128,12 +136,12 @@ fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &
         raystep_version: env!("CARGO_PKG_VERSION"),
         run_id: &measured.run_id,
         command_line: std::iter::once("raystep".to_owned()).chain(command_line).collect(),
-        device: chosen.kind(),
-        device_reason: &chosen.reason,
-        adapter: chosen.gpu().map(AdapterInfo::from),
-        timer_source: chosen.timer().name(),
-        timestamp_period_ns: chosen.gpu().and_then(Gpu::clock_period_ns),
-        clock_check: chosen.gpu().and_then(Gpu::clock_check).map(AboutClock::from),
+        device: machine.kind(),
+        device_reason: &machine.reason,
+        adapter: machine.gpu().map(AdapterInfo::from),
+        timer_source: machine.timer().name(),
+        timestamp_period_ns: machine.gpu().and_then(Gpu::clock_period_ns),
+        clock_check: machine.gpu().and_then(Gpu::clock_check).map(AboutClock::from),
         options: AboutOptions {
             accelerators: args.accelerators.iter().map(|a| a.name()).collect(),
             schedules: args.schedules.iter().map(|s| s.name()).collect(),
@@ -144,12 +152,12 @@ fn about<'a>(args: &BenchArgs, chosen: &'a Chosen, inputs: &[Input], measured: &
             warmups: args.warmups,
             grid: grid_text(args.tuning.grid),
             keep_all: args.tuning.keep_all,
-            tuning: tuning_text(&args.tuning, args.schedules.contains(&ScheduleKind::Compact)),
+            tuning: tuning_text(&wanted.tuning, args.schedules.contains(&ScheduleKind::Compact)),
             seed: SEED,
             baseline: args.baseline.as_ref().map(|path| path.to_string_lossy().into_owned()),
         },
         percentiles: PERCENTILES,
-        scenes: inputs.iter().map(scene).collect(),
+        scenes,
         configurations: configurations
             .map(|run| AboutConfiguration { run_id: &run.context.run_id, shaders: &run.shaders })
             .collect(),

@@ -3,18 +3,18 @@
 mod curve;
 mod lanes;
 
+use curve::Curve;
 use egui::{RichText, ScrollArea, Ui};
 use egui_extras::{Column, TableBuilder};
+use lanes::LanesView;
 use raystep_kernels::Stream;
+use raystep_lab::work::{CostOrder, Measure, costs};
 use serde::{Deserialize, Serialize};
 
 use crate::session::Edit;
-use crate::session::cost::{CostOrder, Measure, costs};
 use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, PaneKind, Panel};
-use curve::Curve;
-use lanes::LanesView;
 
 /// What the engine is asked for, and what goes on meanwhile.
 const SORTING: &str = "sorting rays by cost";

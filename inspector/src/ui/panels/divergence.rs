@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, pos2, vec2};
 use raystep_kernels::Renderer;
 use raystep_kernels::plan::Bytes;
+use raystep_lab::divergence::{Class, DivergenceMap, divergence, divergence_bytes};
 
-use crate::session::divergence::{Class, DivergenceMap, divergence, divergence_bytes};
 use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};

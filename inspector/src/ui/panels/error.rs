@@ -7,17 +7,18 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use egui::{Button, Color32, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
-use raystep_kernels::reference::Verdict;
-use raystep_kernels::statistics::wilson;
+use plot::{Curve, Plot};
 use raystep_kernels::{Options, Plan, Renderer};
+use raystep_lab::judge::{Judgement, judge_passes};
+use raystep_lab::reference::Verdict;
+use raystep_lab::statistics::wilson;
+use scales::grouped;
 
-use crate::session::judged::{Judgement, judge, why_not};
+use crate::session::judged::why_not;
 use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::session::{Model, Target};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
-use plot::{Curve, Plot};
-use scales::grouped;
 
 /// What the engine is asked for, and what goes on meanwhile.
 const JUDGING: &str = "judging what rays hit";
@@ -63,7 +64,7 @@ fn job(of: Of) -> Job {
             let options = Options { timings: false, ..session.options().clone() };
             let fail = |e: raystep_kernels::RenderError| e.to_string();
             let mut renderer = Renderer::from_plan(plan, data, &options, &device).await.map_err(fail)?;
-            let judgement = judge(&mut renderer, |done, all| {
+            let judgement = judge_passes(&mut renderer, |done, all| {
                 if progress(done, all) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             });
             let judgement = judgement.await.map_err(fail)?;
@@ -250,7 +251,7 @@ fn verdicts(
 ) -> Option<([u32; 2], Option<usize>)> {
     let width = model.opened.as_ref().map_or(1, |opened| opened.plan.width.max(1)) as usize;
     let pixel_of = |ray: usize| [(ray % width) as u32, (ray / width) as u32];
-    let (wrong, judged) = (judgement.wrong.len(), judgement.judged);
+    let (wrong, judged) = (judgement.wrong.len(), judgement.counts.rays());
     let text = format!("{} of {} judged rays wrong", grouped(wrong as u64), grouped(judged));
     let mut chosen = None;
     if wrong == 0 {
@@ -261,7 +262,7 @@ fn verdicts(
             (Verdict::False, "hit where nothing is"),
             (Verdict::Wrong, "hit another triangle, or at a wrong t"),
         ];
-        let kinds = kinds.map(|(verdict, what)| format!("{} {what}", grouped(judgement.count(verdict) as u64)));
+        let kinds = kinds.map(|(verdict, what)| format!("{} {what}", grouped(judgement.counts.of(verdict))));
         let about = format!("{}\na click selects the first of them, and the next one after it", kinds.join("\n"));
         if ui.link(text).on_hover_text(about).clicked() {
             let at = judgement.wrong.iter().position(|wrong| Some(pixel_of(wrong.ray)) == selected);
@@ -269,9 +270,9 @@ fn verdicts(
             chosen = Some((pixel_of(next.ray), next.resolved_by));
         }
     }
-    let undecided = format!("{} undecided", grouped(judgement.undecided));
+    let undecided = format!("{} undecided", grouped(judgement.counts.ties));
     ui.label(undecided).on_hover_text("f32 cannot tell which of several triangles is hit, and any of them is right");
-    ui.label(format!("{} right", grouped(judgement.right)));
+    ui.label(format!("{} right", grouped(judgement.counts.same)));
     let unresolved = judgement.wrong.iter().filter(|wrong| wrong.resolved_by.is_none()).count();
     if unresolved > 0 {
         ui.label(format!("{} of the wrong ones never resolved", grouped(unresolved as u64)));

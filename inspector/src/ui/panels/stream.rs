@@ -5,20 +5,20 @@ mod numbers;
 mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
+use look::Look;
 use raystep_kernels::stream::STATE_T;
 use raystep_kernels::{Kernel, Stream};
+use raystep_lab::layer_stats::{LayerStats, Others};
 
 use crate::draw::stream::{self, Colors, Meaning};
 use crate::link::LinkStream;
 use crate::session::Pinned;
 use crate::session::request::Request;
-use crate::session::stats::{LayerStats, Others};
 use crate::ui::Shown;
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::take::{EXPORTING, png};
-use look::Look;
 
 /// What the picture was drawn from: where all of it is the same, it need not be drawn again.
 #[derive(Clone, Copy, PartialEq)]

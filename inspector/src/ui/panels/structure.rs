@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use egui::{RichText, ScrollArea, Ui};
 use raystep_kernels::scene_data::SceneData;
+use raystep_lab::structure_stats::{GridStats, LENGTHS, TreeStats, triangles_in};
+use slice::SliceView;
 
 use super::chart::Histogram;
-use crate::session::grid_stats::{GridStats, LENGTHS, TreeStats, triangles_in};
 use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::pane::{Context, Panel};
-use slice::SliceView;
 
 /// What the engine is asked for, and what goes on meanwhile.
 const MEASURING: &str = "measuring the grid or tree";

@@ -1,8 +1,9 @@
 //! Which cells a triangle overlaps: the separating axes of Schwarz and Seidel (2010), whose per-triangle
 //! part is worked out once. In f64, whose rounding is far below what the cells are grown by.
 
+use glam::DVec3;
+
 use crate::shared::grid_walk::Grid;
-use crate::vec64::{cross, dot, sub};
 
 /// A triangle prepared against boxes of one size.
 pub(super) struct Overlap {
@@ -11,7 +12,7 @@ pub(super) struct Overlap {
     high: [i32; 3],
     corner: [f64; 3],
     width: [f64; 3],
-    normal: [f64; 3],
+    normal: DVec3,
     plane: f64,
     plane_reach: f64,
     edges: [[[f64; 3]; 3]; 3],
@@ -23,7 +24,7 @@ const OTHER: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 impl Overlap {
     /// Prepares `triangle` (traced units) against the cells of `grid`, each grown by `growth` on all sides.
     pub(super) fn new(grid: &Grid, growth: f64, triangle: &[f32]) -> Self {
-        let p: [[f64; 3]; 3] = [0, 3, 6].map(|c| [0, 1, 2].map(|a| f64::from(triangle[c + a])));
+        let p = [0, 3, 6].map(|c| DVec3::from([0, 1, 2].map(|a| f64::from(triangle[c + a]))));
         let corner = grid.corner.map(f64::from);
         let width = grid.width.map(f64::from);
         let (mut low, mut high) = ([0; 3], [0; 3]);
@@ -36,8 +37,8 @@ impl Overlap {
             high[a] = (((max - corner[a]) / width[a]) as i32).clamp(0, grid.cells[a] - 1);
         }
         let half = width.map(|w| w * 0.5 + growth);
-        let edge = [sub(p[1], p[0]), sub(p[2], p[1]), sub(p[0], p[2])];
-        let normal = cross(edge[0], edge[1]);
+        let edge = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
+        let normal = edge[0].cross(edge[1]);
         let mut edges = [[[0.0; 3]; 3]; 3];
         for axis in 0..3 {
             let [i, j] = OTHER[axis];
@@ -50,7 +51,7 @@ impl Overlap {
             }
         }
         let plane_reach = (0..3).map(|a| normal[a].abs() * half[a]).sum();
-        Self { low, high, corner, width, normal, plane: -dot(normal, p[0]), plane_reach, edges }
+        Self { low, high, corner, width, normal, plane: -normal.dot(p[0]), plane_reach, edges }
     }
 
     /// Calls `f` with every cell that the triangle overlaps.
@@ -67,10 +68,10 @@ impl Overlap {
                 if !self.covers(0, cy, cz) {
                     continue;
                 }
-                let row = self.normal[1] * cy + self.normal[2] * cz + self.plane;
+                let row = self.normal.y * cy + self.normal.z * cz + self.plane;
                 for x in self.low[0]..=self.high[0] {
                     let cx = center(0, x);
-                    let is_near = (self.normal[0] * cx + row).abs() <= self.plane_reach;
+                    let is_near = (self.normal.x * cx + row).abs() <= self.plane_reach;
                     if is_near && self.covers(1, cz, cx) && self.covers(2, cx, cy) {
                         f([x, y, z]);
                     }

@@ -3,10 +3,10 @@
 use std::any::Any;
 
 use raystep_kernels::{Stream, StreamData};
+use raystep_lab::compare::Comparison;
+use raystep_lab::layer_stats::LayerStats;
 
-use crate::session::compare::Comparison;
 use crate::session::request::{Job, JobContext, JobFuture};
-use crate::session::stats::LayerStats;
 use crate::ui::canvas::Moment;
 
 /// The job's name.
@@ -45,14 +45,13 @@ pub(super) fn job(question: Question, right: StreamData) -> Job {
 
 fn lines(stream: Stream, comparison: &Comparison<'_>) -> Vec<String> {
     let layers = comparison.layers();
-    let line =
-        |(found, name): (&crate::session::compare::LayerDifference, &&str)| match (&found.floats, found.differing) {
-            (_, 0) => format!("{name}: the same bits for all rays"),
-            (Some(floats), rays) => format!(
-                "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:.3e} in value",
-                floats.median_ulps, floats.max_ulps, floats.largest
-            ),
-            (None, rays) => format!("{name}: {rays} rays differ"),
-        };
+    let line = |(found, name): (&raystep_lab::compare::LayerDifference, &&str)| match (&found.floats, found.differing) {
+        (_, 0) => format!("{name}: the same bits for all rays"),
+        (Some(floats), rays) => format!(
+            "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:.3e} in value",
+            floats.median_ulps, floats.max_ulps, floats.largest
+        ),
+        (None, rays) => format!("{name}: {rays} rays differ"),
+    };
     layers.iter().zip(stream.info().layers).map(line).collect()
 }

@@ -1,8 +1,7 @@
 //! Cost over rank, both by logarithm.
 
 use egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
-
-use crate::session::cost::CostOrder;
+use raystep_lab::work::CostOrder;
 
 /// Points of the curve at most.
 const POINTS: usize = 240;

@@ -3,9 +3,9 @@
 use egui::Ui;
 use raystep_kernels::stream::STATE_TAG;
 use raystep_kernels::{Kernel, Pass, Plan, Stream};
+use raystep_lab::work::{LANES, Lanes, Launch};
 
 use crate::session::Edit;
-use crate::session::cost::{LANES, Lanes, Launch};
 use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::Histogram;

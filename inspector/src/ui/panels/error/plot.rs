@@ -1,10 +1,10 @@
 //! Curves of shares over the device's time, on axes with round marks.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
-use raystep_kernels::Pass;
+use raystep_kernels::{Pass, state};
+use raystep_lab::judge::Judgement;
 
 use super::scales::{Shares, Unit, grouped, percent};
-use crate::session::judged::{Judgement, resolved};
 
 /// Points left of the field, for shares.
 const LEFT: f32 = 46.0;
@@ -43,7 +43,7 @@ impl<'a> Curve<'a> {
     }
 
     fn resolved(&self, place: usize) -> u64 {
-        place.checked_sub(1).map_or(0, |last| resolved(&self.passes[last].counts)).min(self.rays)
+        place.checked_sub(1).map_or(0, |last| state::decided(&self.passes[last].counts)).min(self.rays)
     }
 
     fn unresolved_share(&self, place: usize) -> f64 {
@@ -167,7 +167,7 @@ impl<'a> Plot<'a> {
         painter.add(Shape::line(self.stairs(field, &steps), Stroke::new(1.5, curve.color)));
         if let Some(judgement) = curve.judgement.filter(|judgement| !judgement.wrong.is_empty()) {
             let last = curve.ends.len() - 1;
-            let share = |wrong: usize| wrong as f64 / judgement.judged.max(1) as f64;
+            let share = |wrong: usize| wrong as f64 / judgement.counts.rays().max(1) as f64;
             let known = judgement.steps().into_iter().filter(|&(place, _)| place <= last);
             let mut steps = vec![(0.0, 0.0)];
             steps.extend(known.map(|(place, wrong)| (curve.ends[place], share(wrong))));
@@ -234,7 +234,7 @@ impl<'a> Plot<'a> {
             ui.label(format!("{} of {} rays resolved, {share} are not", grouped(done), grouped(rays)));
             if let Some(judgement) = curve.judgement {
                 let wrong = grouped(judgement.wrong_by(place) as u64);
-                ui.label(format!("{wrong} of {} judged rays resolved wrongly", grouped(judgement.judged)));
+                ui.label(format!("{wrong} of {} judged rays resolved wrongly", grouped(judgement.counts.rays())));
                 if judgement.passes_between > 1 && !judgement.wrong.is_empty() {
                     ui.weak(format!("looked at every {} passes at most", judgement.passes_between));
                 }

@@ -2,11 +2,11 @@
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
 use raystep_kernels::{Stream, state};
+use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
 use super::super::legend::entry;
 use super::StreamView;
 use crate::draw::stream::{Colors, Meaning, STATE_COLORS};
-use crate::session::stats::{LayerStats, Others, Span};
 
 impl StreamView {
     pub(super) fn tools(

@@ -1,9 +1,9 @@
 //! The colours of a layer of cells: by the length of their lists.
 
 use egui::{Color32, ColorImage, Rect, Sense, Ui, vec2};
+use raystep_lab::structure_stats::Slice;
 
 use crate::draw::stream::Colors;
-use crate::session::grid_stats::Slice;
 
 /// The colour of cells that list nothing.
 const EMPTY: Color32 = Color32::from_rgb(22, 22, 28);

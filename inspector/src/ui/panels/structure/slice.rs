@@ -5,9 +5,9 @@ use egui::{TextureOptions, Ui, Vec2, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::state;
+use raystep_lab::structure_stats::{Slice, triangles_in};
 
 use super::picture::{legend, picture};
-use crate::session::grid_stats::{Slice, triangles_in};
 use crate::ui::pane::Context;
 use crate::ui::panels::ray::current_row;
 

@@ -1,0 +1,56 @@
+//! Plots as SVG files, both axes logarithmic.
+
+use std::path::Path;
+
+use raystep_lab::plots::{self, Axis, Mark, Plot, Scale, Stroke};
+
+use super::text;
+
+/// A line with a name.
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) points: Vec<(f64, f64)>,
+    /// Index into [`COLORS`].
+    pub(super) color: usize,
+    pub(super) is_dashed: bool,
+}
+
+/// What the axes mean.
+pub(super) struct Axes {
+    pub(super) title: String,
+    pub(super) x: &'static str,
+    pub(super) y: &'static str,
+    /// How values of y are written; those of x are counts.
+    pub(super) y_text: fn(f64) -> String,
+}
+
+/// Indices into the palette of plots: blue, vermilion, black, green, purple, light blue, olive.
+const COLORS: [usize; 7] = [0, 1, 6, 2, 3, 4, 5];
+
+/// Writes a plot; none where there is nothing to show.
+pub(super) fn write(path: &Path, axes: &Axes, series: &[Series]) -> Result<(), String> {
+    let points = || series.iter().flat_map(|s| &s.points).filter(|p| p.0 > 0.0 && p.1 > 0.0);
+    if points().count() < 2 {
+        return Ok(());
+    }
+    let wrong = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+    let drawn = |s: &Series| plots::Series {
+        name: s.name.clone(),
+        points: s.points.clone(),
+        whiskers: Vec::new(),
+        color: COLORS[s.color % COLORS.len()],
+        mark: Mark::Dot,
+        stroke: if s.is_dashed { Stroke::Dashed } else { Stroke::Solid },
+    };
+    let plot = Plot {
+        title: axes.title.clone(),
+        x: Axis { text: text::count, ..Axis::new(axes.x, Scale::Log) },
+        y: Axis { text: axes.y_text, ..Axis::new(axes.y, Scale::Log) },
+        series: series.iter().map(drawn).collect(),
+        places: Vec::new(),
+    };
+    match plot.svg().map_err(|e| wrong(&e))? {
+        Some(svg) => std::fs::write(path, svg).map_err(|e| wrong(&e)),
+        None => Ok(()),
+    }
+}

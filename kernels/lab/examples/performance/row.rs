@@ -1,0 +1,116 @@
+//! What is written: rows of runs, and rows of small measurements.
+
+use raystep_lab::meter::Valid;
+use serde::{Deserialize, Serialize};
+
+/// One configuration's runs. Unknown is empty, never 0.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Row {
+    pub(crate) section: String,
+    pub(crate) scene: String,
+    pub(crate) triangles: u64,
+    pub(crate) rays_kind: String,
+    pub(crate) width_px: u32,
+    pub(crate) height_px: u32,
+    pub(crate) rays: u64,
+    pub(crate) accelerator: String,
+    pub(crate) schedule: String,
+    pub(crate) numerics: String,
+    /// Whether rays are to leap over empty cells, as `--skip` has it; empty without a grid.
+    pub(crate) skip: String,
+    /// Whether they do.
+    pub(crate) leaps: Option<bool>,
+    /// `auto`, or the cells asked for.
+    pub(crate) grid: String,
+    /// Cells along x, y and z of the grid that was built.
+    pub(crate) cells: String,
+    pub(crate) steps_per_pass: u32,
+    /// Building grid or tree, and packing triangles.
+    pub(crate) build_s: Option<f64>,
+    /// Compiling, allocating, uploading.
+    pub(crate) prepare_s: Option<f64>,
+    /// Its passes were submitted without any that were not needed.
+    pub(crate) is_replay: bool,
+    pub(crate) n: usize,
+    pub(crate) invalid: usize,
+    pub(crate) median_device_ns: Option<f64>,
+    pub(crate) p05_device_ns: Option<f64>,
+    pub(crate) p95_device_ns: Option<f64>,
+    pub(crate) median_wall_ns: Option<f64>,
+    pub(crate) passes: Option<usize>,
+    pub(crate) threads_launched: Option<u64>,
+    /// Threads that had a ray to work on.
+    pub(crate) threads_with_ray: Option<u64>,
+    pub(crate) cells_per_ray: Option<f64>,
+    pub(crate) tests_per_ray: Option<f64>,
+    pub(crate) repeated_per_ray: Option<f64>,
+    /// Rays by whose runs the three above were counted.
+    pub(crate) counted_rays: Option<u64>,
+    /// Cells or nodes visited and triangles tested, by threads launched.
+    pub(crate) useful_steps_per_thread: Option<f64>,
+    pub(crate) bytes_per_triangle: Option<f64>,
+    pub(crate) hits: Option<u64>,
+    /// Why there is no time.
+    pub(crate) reason: String,
+}
+
+impl Row {
+    pub(crate) fn mray_per_s(&self) -> Option<f64> {
+        self.median_device_ns.filter(|&ns| ns > 0.0).map(|ns| self.rays as f64 / ns * 1e3)
+    }
+
+    /// Of the threads launched, those that had a ray to work on.
+    pub(crate) fn share_with_ray(&self) -> Option<f64> {
+        self.threads_with_ray.zip(self.threads_launched).map(|(with, all)| with as f64 / all as f64)
+    }
+
+    /// How it was traced, for people: `grid with leaps, compact K=8`.
+    pub(crate) fn way(&self) -> String {
+        let steps = match (self.schedule.as_str(), self.steps_per_pass) {
+            ("compact", steps) => format!(" K={steps}"),
+            _ => String::new(),
+        };
+        let skip = if self.skip == "on" { " with leaps" } else { "" };
+        format!("{}{skip}, {}{steps}", self.accelerator, self.schedule)
+    }
+}
+
+/// One small measurement, a value of its own where it is no time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Probe {
+    pub(crate) section: String,
+    pub(crate) what: String,
+    pub(crate) scene: String,
+    pub(crate) accelerator: String,
+    pub(crate) width_px: u32,
+    pub(crate) height_px: u32,
+    /// Dispatches of one submission; passes of a run.
+    pub(crate) passes: u64,
+    /// Bytes that each submission moves at least, reads and writes.
+    pub(crate) bytes: Option<u64>,
+    pub(crate) n: usize,
+    pub(crate) invalid: usize,
+    /// Of a whole submission, or run.
+    pub(crate) median_device_ns: Option<f64>,
+    pub(crate) p05_device_ns: Option<f64>,
+    pub(crate) p95_device_ns: Option<f64>,
+    pub(crate) value: Option<f64>,
+    pub(crate) reason: String,
+}
+
+impl Probe {
+    pub(crate) fn with_times(mut self, times: &[Option<u64>]) -> Self {
+        let times = Valid::of(times);
+        (self.n, self.invalid) = (times.ns.len(), times.invalid);
+        [self.median_device_ns, self.p05_device_ns, self.p95_device_ns] = median_p05_p95(&times);
+        if self.n == 0 && self.reason.is_empty() {
+            self.reason = "no time was valid".into();
+        }
+        self
+    }
+}
+
+/// `None` where no time was valid.
+pub(crate) fn median_p05_p95(times: &Valid) -> [Option<f64>; 3] {
+    times.spread().map_or([None; 3], |s| [s.median, s.p05, s.p95].map(Some))
+}

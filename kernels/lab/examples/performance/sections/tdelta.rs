@@ -1,0 +1,240 @@
+//! §4.2.3 of the paper: tDelta and step do not change along a ray, and it works them out in every pass all the
+//! same, to save memory and since computation may be cheaper than a lookup (Fatahalian et al. 2004).
+//!
+//! The traverse kernel with the paper's rules, as raystep composes it, against two made from its text, which load
+//! what it works out. All rays stay in TRAV, and none leaves the grid, so that every pass has all of them.
+
+use raystep_kernels::features::Features;
+use raystep_kernels::shader::Variant;
+use raystep_kernels::{Gpu, Kernel};
+use wgpu::util::DeviceExt as _;
+
+use crate::machine::Machine;
+use crate::probe::{Job, Stopwatch, bind, in_turn, layers, pipeline, texture};
+use crate::row::Probe;
+
+const SECTION: &str = "tdelta";
+
+/// Cells along each axis; rays start in the middle.
+const CELLS: i32 = 200;
+const WIDTH: f32 = 0.01;
+/// Passes of a submission: fewer than the steps from the middle to a face.
+const PASSES: u64 = 64;
+
+/// Name, what stands for the ray's constants, and what it loads as origin and direction.
+type Loading = (&'static str, &'static str, fn(&Rays) -> [&Vec<u32>; 2]);
+
+const VARIANTS: [Loading; 3] = [
+    ("worked out", WORKED_OUT, |rays| [&rays.origin, &rays.direction]),
+    ("loaded, 6 layers", "let ray = GridRay(vec3f(0.0), load_direction(texel), load_origin(texel));", |rays| {
+        [&rays.delta, &rays.step]
+    }),
+    (
+        "loaded, 3 layers",
+        "let delta = load_origin(texel);\n    let ray = GridRay(vec3f(0.0), delta, abs(delta));",
+        // The other is not loaded.
+        |rays| [&rays.signed_delta, &rays.step],
+    ),
+];
+const WORKED_OUT: &str = "let ray = grid_ray(load_origin(texel), load_direction(texel));";
+
+pub(super) fn measure(machine: &Machine) -> Result<Vec<Probe>, String> {
+    let Some(gpu) = machine.gpu() else {
+        let reason = "the twins keep a ray's streams in one row, so there is no texture to load from".into();
+        return Ok(vec![Probe { section: SECTION.into(), reason, ..Probe::default() }]);
+    };
+    let watch = Stopwatch::new(machine, gpu);
+    let sizes: &[(u32, u32)] = if machine.quick { &[(128, 128)] } else { &[(512, 512), (1920, 1080)] };
+    let mut probes = Vec::new();
+    for &size in sizes {
+        eprintln!("tdelta: {}x{}", size.0, size.1);
+        let runs = VARIANTS.iter().map(|variant| Steps::new(gpu, size, variant)).collect::<Result<Vec<_>, _>>()?;
+        let jobs = VARIANTS.iter().zip(&runs).map(|((what, ..), steps)| -> Job<'_> {
+            let probe = Probe {
+                section: SECTION.into(),
+                what: (*what).into(),
+                width_px: size.0,
+                height_px: size.1,
+                passes: PASSES,
+                bytes: Some(steps.bytes_a_ray * u64::from(size.0) * u64::from(size.1) * PASSES),
+                ..Probe::default()
+            };
+            (probe, Box::new(|| steps.time(gpu, &watch)))
+        });
+        let mut measured = in_turn(machine, jobs.collect());
+        let cells = runs.iter().map(|steps| steps.cells(machine, gpu)).collect::<Result<Vec<_>, _>>()?;
+        for (probe, other) in measured.iter_mut().zip(&cells) {
+            let differ = other.iter().zip(&cells[0]).filter(|(a, b)| a != b).count();
+            probe.value = Some(differ as f64 / other.len() as f64);
+        }
+        probes.extend(measured);
+    }
+    Ok(probes)
+}
+
+/// One variant, ready to run.
+struct Steps {
+    size: (u32, u32),
+    pipeline: wgpu::ComputePipeline,
+    groups: Vec<wgpu::BindGroup>,
+    /// State and tmax, and what they begin with.
+    streams: [[wgpu::Texture; 2]; 2],
+    bytes_a_ray: u64,
+}
+
+impl Steps {
+    fn new(gpu: &Gpu, size: (u32, u32), (_, ray, constants): &Loading) -> Result<Self, String> {
+        let features = Features { grid: true, perspective: true, ..Features::default() };
+        let mut variant = Variant::new(Kernel::TraverseGrid, &features).map_err(|e| e.to_string())?;
+        // A ray that is not intersected in between goes on at once.
+        let source =
+            replaced(&variant.source, "let tag = select(ISECT_NO_HIT, ISECT_HIT, has_hit);", "let tag = TRAV;")?;
+        let source = replaced(&source, WORKED_OUT, ray)?;
+        let (loads_origin, loads_direction) = (ray.contains("load_origin"), ray.contains("load_direction"));
+        // The origin is dead code where constants are worked out, and compilers know it.
+        let needs_origin = loads_origin && *ray != WORKED_OUT;
+        let dead = 12 * (u64::from(!needs_origin) + u64::from(!loads_direction));
+        let bytes_a_ray = super::bytes::bytes_a_ray(&variant)? - dead;
+        variant.source = source;
+
+        use wgpu::TextureFormat::{R32Float, R32Uint};
+        let rays = Rays::new(size);
+        let filled = |count, format, words: &[u32]| {
+            let texture = texture(gpu, size, count, format);
+            upload(gpu, &texture, words);
+            texture
+        };
+        let constants = constants(&rays).map(|words| filled(3, R32Float, words));
+        let streams = [(4, R32Uint, &rays.state), (3, R32Float, &rays.tmax)]
+            .map(|(count, format, words)| [texture(gpu, size, count, format), filled(count, format, words)]);
+        let pipeline = pipeline(gpu, &variant.source, "traverse_grid");
+        let views = [&constants[0], &constants[1], &streams[0][0], &streams[1][0]].map(layers);
+        let is_used = [loads_origin, loads_direction, true, true];
+        let resources = (0..).zip(&views).zip(is_used).filter(|(_, used)| *used);
+        let resources: Vec<_> = resources.map(|((i, view), _)| (i, wgpu::BindingResource::TextureView(view))).collect();
+        let buffer = |contents: &[u32], usage| {
+            let contents = bytemuck::cast_slice(contents);
+            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+        };
+        let grid = buffer(&grid(), wgpu::BufferUsages::UNIFORM);
+        let sent = buffer(&[0; 8], wgpu::BufferUsages::STORAGE);
+        let groups = vec![
+            bind(gpu, &pipeline, 0, &resources),
+            bind(gpu, &pipeline, 1, &[(1, grid.as_entire_binding())]),
+            bind(gpu, &pipeline, 2, &[(0, sent.as_entire_binding())]),
+        ];
+        Ok(Self { size, pipeline, groups, streams, bytes_a_ray })
+    }
+
+    /// From the start again: nanoseconds of all passes.
+    fn time(&self, gpu: &Gpu, watch: &Stopwatch<'_>) -> Option<u64> {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for [now, first] in &self.streams {
+            encoder.copy_texture_to_texture(first.as_image_copy(), now.as_image_copy(), now.size());
+        }
+        gpu.submit([encoder.finish()]);
+        watch.time(|pass| {
+            pass.set_pipeline(&self.pipeline);
+            (0..).zip(&self.groups).for_each(|(i, group)| pass.set_bind_group(i, group, &[]));
+            let groups = (self.size.0.div_ceil(16), self.size.1.div_ceil(16));
+            (0..PASSES).for_each(|_| pass.dispatch_workgroups(groups.0, groups.1, 1));
+        })
+    }
+
+    /// The cell of every ray.
+    fn cells(&self, machine: &Machine, gpu: &Gpu) -> Result<Vec<u32>, String> {
+        let (width, height) = self.size;
+        let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let (size, usage) = (u64::from(row * height), wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
+        let descriptor = wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+        let buffer = gpu.device.create_buffer(&descriptor);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let origin = wgpu::Origin3d { x: 0, y: 0, z: 2 };
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo { origin, ..self.streams[0][0].as_image_copy() },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+        gpu.submit([encoder.finish()]);
+        buffer.slice(..).map_async(wgpu::MapMode::Read, |_| ());
+        machine.settle();
+        let bytes = buffer.slice(..).get_mapped_range().map_err(|e| e.to_string())?;
+        let rows = bytes.chunks_exact(row as usize).map(|row| &row[..4 * width as usize]);
+        Ok(rows.flat_map(|row| row.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]]))).collect())
+    }
+}
+
+/// One text for another that must occur exactly once.
+fn replaced(source: &str, from: &str, to: &str) -> Result<String, String> {
+    match source.matches(from).count() {
+        1 => Ok(source.replace(from, to)),
+        n => Err(format!("the traverse kernel has {n} times, and not once: {from}")),
+    }
+}
+
+/// The uniform: a cube about the origin.
+fn grid() -> [u32; 16] {
+    let corner = (-0.5 * WIDTH * CELLS as f32).to_bits();
+    let (cells, width, inverse) = (CELLS as u32, WIDTH.to_bits(), (1.0 / WIDTH).to_bits());
+    let mut words = [0; 16];
+    for (first, word) in [(0, corner), (4, cells), (8, width), (12, inverse)] {
+        words[first..first + 3].fill(word);
+    }
+    words
+}
+
+/// Every stream's words, layer by layer.
+#[derive(Default)]
+struct Rays {
+    origin: Vec<u32>,
+    direction: Vec<u32>,
+    delta: Vec<u32>,
+    signed_delta: Vec<u32>,
+    step: Vec<u32>,
+    state: Vec<u32>,
+    tmax: Vec<u32>,
+}
+
+impl Rays {
+    /// A camera in the middle, as the paper's setup kernel leaves its rays.
+    fn new((width, height): (u32, u32)) -> Self {
+        let mut rays = Self::default();
+        // A little off the corner of the middle cell.
+        let origin = [0.3, 0.4, 0.6].map(|share| share * WIDTH);
+        for axis in 0..3 {
+            for pixel in 0..width * height {
+                let at = |i: u32, n: u32| (i as f32 + 0.5) / n as f32 * 2.0 - 1.0;
+                let direction = [at(pixel % width, width), at(pixel / width, height), -1.0][axis];
+                let delta = (WIDTH / direction).abs();
+                let ahead = if direction > 0.0 { WIDTH } else { 0.0 };
+                // The paper's threshold (§4.2.3); 2^100 for its INF, as everywhere in raystep.
+                let tmax = if direction.abs() < 0.001 { 100f32.exp2() } else { (ahead - origin[axis]) / direction };
+                rays.origin.push(origin[axis].to_bits());
+                rays.direction.push(direction.to_bits());
+                rays.delta.push(delta.to_bits());
+                rays.signed_delta.push(delta.copysign(direction).to_bits());
+                rays.step.push(1f32.copysign(direction).to_bits());
+                rays.tmax.push(tmax.to_bits());
+            }
+        }
+        let middle = CELLS / 2;
+        let cell = (middle + CELLS * (middle + CELLS * middle)) as u32;
+        for word in [raystep_kernels::tables::state::TRAV, 100f32.exp2().to_bits(), cell, 0] {
+            rays.state.extend(std::iter::repeat_n(word, (width * height) as usize));
+        }
+        rays
+    }
+}
+
+fn upload(gpu: &Gpu, texture: &wgpu::Texture, words: &[u32]) {
+    let size = texture.size();
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * size.width),
+        rows_per_image: Some(size.height),
+    };
+    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(words), layout, size);
+}

@@ -1,0 +1,56 @@
+//! The rays that are traced in a scene.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::{GridSize, Options, RayHit, RaySource, RenderError, Renderer};
+
+use crate::rays::{PrimaryHits, RayKind, random};
+use crate::subject::{Size, Subject};
+use crate::{Error, Machine};
+
+/// What random rays begin with: the same in every run of this version.
+pub const SEED: u32 = 1;
+
+/// A scene at one size.
+pub(super) struct Viewed<'a> {
+    subject: &'a Subject,
+    size: Size,
+    grid: GridSize,
+    /// What primary rays hit, once somebody needs it.
+    hits: Option<Vec<Option<RayHit>>>,
+}
+
+impl<'a> Viewed<'a> {
+    pub(super) fn new(subject: &'a Subject, size: Size, grid: GridSize) -> Self {
+        Self { subject, size, grid, hits: None }
+    }
+
+    /// Rays of a kind; `None` where there is not a single one.
+    pub(super) fn rays(&mut self, kind: RayKind, machine: &Machine) -> Result<Option<RaySource>, Error> {
+        let (Subject { scene, camera, .. }, Size { width, height }) = (self.subject, self.size);
+        let rays = match kind {
+            RayKind::Primary => return Ok(Some(self.subject.camera_rays(self.size))),
+            RayKind::Random => random(&scene.bounds(), width as usize * height as usize, SEED),
+            RayKind::Bounce | RayKind::Shadow => {
+                let hits = match self.hits.take() {
+                    Some(hits) => hits,
+                    None => machine.wait(self.trace(machine))?,
+                };
+                let hits = self.hits.insert(hits);
+                let hits = PrimaryHits { scene, camera, width, hits };
+                if kind == RayKind::Bounce { hits.bounce(SEED) } else { hits.shadow(SEED) }
+            }
+        };
+        Ok((!rays.is_empty()).then_some(RaySource::Given(rays)))
+    }
+
+    /// Which structure finds the hits does not matter, and the rules are always the robust ones: what is
+    /// measured with other rules is measured with the same rays.
+    async fn trace(&self, machine: &Machine) -> Result<Vec<Option<RayHit>>, RenderError> {
+        let rays = self.subject.camera_rays(self.size);
+        let options = Options { shade: false, grid: self.grid, ..Options::new(rays) };
+        let mut renderer = Renderer::new(&self.subject.scene, &options, &machine.device).await?;
+        renderer.run(|_| ControlFlow::Continue(())).await?;
+        renderer.hits().await
+    }
+}

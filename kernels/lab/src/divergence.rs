@@ -1,0 +1,193 @@
+//! Where rays part: the first pass in which a device leaves its twin, or in which f32 and f64 decide otherwise.
+//!
+//! Both questions are asked one pass at a time. The twins start from the device's own streams before the pass, so
+//! that a pass is not blamed for what an earlier one did, and what a ray did in a pass is judged by what f32 can
+//! decide, see [`crate::rounding`].
+
+mod map;
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::executor::cpu::CpuExecutor;
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T};
+use raystep_kernels::{Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
+
+use crate::rounding::{Rounding, judging_bytes};
+pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
+
+/// How far the comparison is, after a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct DivergenceProgress {
+    /// The pass.
+    pub pass: Pass,
+    /// How far the run is.
+    pub run: Progress,
+    /// Rays that have parted so far, by [`Class`].
+    pub parted: [u64; Class::ALL.len()],
+}
+
+/// Most bytes of main memory that a comparison takes: the streams before and after a pass, of the device and of both
+/// twins, the twins themselves, and the map. What a device holds is the plan's own.
+#[must_use]
+pub fn divergence_bytes(plan: &Plan) -> u64 {
+    let components: u64 = plan.streams.iter().map(|s| s.what.layers() as u64).sum();
+    // Words of four bytes: before, after, after in f32 and f64 as f32; then the twins, the second of two words.
+    let words = (1 + 1 + 2 + 1 + 2) * components;
+    let rays = u64::from(plan.width) * u64::from(plan.height);
+    rays * (4 * words + map::MOST_BYTES_A_RAY) + judging_bytes(plan)
+}
+
+/// Runs `renderer` from its start to its end and compares every pass with both twins. It is best a run of its own:
+/// it is restarted, and left at its end. On the twins there is no device to compare, but f32 and f64 still are.
+///
+/// `progress` is called after every pass and may stop.
+///
+/// # Errors
+/// Where the device fails, the system has not the memory (see [`divergence_bytes`]), or `progress` said so.
+pub async fn divergence(
+    renderer: &mut Renderer,
+    mut progress: impl FnMut(&DivergenceProgress) -> ControlFlow<()>,
+) -> Result<DivergenceMap, RenderError> {
+    renderer.restart();
+    let is_gpu = renderer.gpu().is_some();
+    let mut single = CpuExecutor::<f32>::new(renderer.plan(), None)?;
+    let mut double = CpuExecutor::<f64>::new(renderer.plan(), None)?;
+    let mut map = DivergenceMap::new(renderer.plan());
+    let streams: Vec<Stream> = renderer.plan().streams.iter().map(|s| s.what).collect();
+    let mut before = Vec::new();
+    for stream in streams {
+        let values = renderer.values(stream).await?;
+        single.write(&values);
+        double.write(&values);
+        before.push(values);
+    }
+    while let Some(pass) = renderer.step().await? {
+        single.run(pass.kernel, renderer.data());
+        double.run(pass.kernel, renderer.data());
+        map.begin(pass.kernel);
+        let mut after = Vec::new();
+        for stream in written(renderer.plan(), &pass) {
+            let Some(twin) = single.read(stream) else { continue };
+            let decides = (0..stream.layers()).any(|layer| is_decision(stream, layer));
+            let in_f64 = if decides { double.read(stream) } else { None };
+            after.push((renderer.values(stream).await?, twin, in_f64));
+        }
+        let rules = Rounding { plan: renderer.plan(), data: renderer.data(), kernel: pass.kernel, before: &before };
+        if is_gpu {
+            let pairs: Vec<_> = after.iter().map(|(device, twin, _)| [device, twin]).collect();
+            rules.judge(&pairs, |_, _| true, |judged| map.record(Against::Device, &judged))?;
+        }
+        let pairs: Vec<_> = after.iter().filter_map(|(_, twin, in_f64)| Some([in_f64.as_ref()?, twin])).collect();
+        rules.judge(&pairs, is_decision, |judged| map.record(Against::F64, &judged))?;
+        map.check_memory()?;
+        for (values, twin, _) in after {
+            // Most often they are the same, and that is quickly seen.
+            if values != twin {
+                single.write(&values);
+            }
+            double.write(&values);
+            replace(&mut before, values);
+        }
+        let now = DivergenceProgress { pass, run: renderer.progress(), parted: map.counts() };
+        if progress(&now).is_break() && renderer.next_kernel().is_some() {
+            return Err(RenderError::Cancelled { passes: renderer.pass_count() });
+        }
+    }
+    Ok(map)
+}
+
+/// The streams that a pass may have changed.
+fn written(plan: &Plan, pass: &Pass) -> Vec<Stream> {
+    let variant = plan.variant(pass.kernel).into_iter();
+    variant.flat_map(|v| v.streams()).filter(|(_, binding)| binding.writes).map(|(stream, _)| stream).collect()
+}
+
+/// Whether a component says which way a ray goes: its state, its cell or node, its place in a list, its triangle.
+fn is_decision(stream: Stream, layer: usize) -> bool {
+    match stream {
+        Stream::State => layer != STATE_T,
+        Stream::Hit => layer == HIT_TRIANGLE,
+        Stream::Previous => true,
+        _ => false,
+    }
+}
+
+fn replace(before: &mut [StreamData], values: StreamData) {
+    if let Some(old) = before.iter_mut().find(|s| s.stream == values.stream) {
+        *old = values;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::{Accelerator, Device, Options, RaySource};
+    use raystep_scenes::generate;
+
+    use super::*;
+    use crate::stability::{CASES, Variant};
+
+    fn compared(scene: &raystep_scenes::Scene, options: &Options, device: &Device) -> DivergenceMap {
+        pollster::block_on(async {
+            let mut renderer = Renderer::new(scene, options, device).await.expect("a renderer");
+            divergence(&mut renderer, |_| ControlFlow::Continue(())).await.expect("a run")
+        })
+    }
+
+    fn of_case(name: &str, variant: Variant, rays: usize) -> DivergenceMap {
+        let case = CASES.iter().find(|c| c.name == name).expect("a case");
+        let workload = (case.make)(rays).expect("its rays");
+        let options = Options {
+            numerics: variant.numerics,
+            accelerator: variant.accelerator,
+            schedule: variant.schedule,
+            steps_per_pass: 1,
+            shade: false,
+            ..Options::new(workload.rays)
+        };
+        compared(&workload.scene, &options, &Device::Cpu(None))
+    }
+
+    #[test]
+    fn rays_at_edges_are_ties_and_nothing_else() {
+        for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
+            let [variant, ..] = Variant::of(accelerator);
+            let map = of_case("edges", variant, 400);
+            let ties = map.count(Class::Tie);
+            assert!(ties > 40, "{accelerator}: {ties} of 400 rays at edges");
+            assert_eq!(map.counts().iter().sum::<u64>(), ties, "{accelerator}: {:?}", map.counts());
+            let ray = map.rays(Class::Tie).next().expect("a tie");
+            let parting = map.first(Class::Tie, ray).expect("a tie");
+            assert_eq!((parting.against, parting.ulps), (Against::F64, None));
+            assert_eq!(map.class(ray), Some(Class::Tie));
+            // Rays well inside of triangles are none.
+            let inside = of_case("inside", variant, 400);
+            assert!(inside.counts().iter().sum::<u64>() <= 4, "{accelerator}: {:?}", inside.counts());
+        }
+    }
+
+    #[test]
+    fn a_comparison_says_how_far_it_is_and_stops_between_passes() {
+        let scene = generate::cornell_box();
+        let camera = scene.cameras[0].clone();
+        let options = Options::new(RaySource::Camera { camera, width: 12, height: 9 });
+        pollster::block_on(async {
+            let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
+            let mut passes = Vec::new();
+            let stopped = divergence(&mut renderer, |now| {
+                passes.push(now.pass.index);
+                if passes.len() == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            assert!(matches!(stopped.await, Err(RenderError::Cancelled { passes: 2 })));
+            assert_eq!(passes, [0, 1]);
+            // Where it stopped does not matter to the next one.
+            let map = divergence(&mut renderer, |_| ControlFlow::Continue(())).await.expect("a run");
+            assert_eq!(map.kernels().len(), renderer.pass_count());
+            assert!(renderer.next_kernel().is_none());
+            assert_eq!((map.width(), map.height()), (12, 9));
+            // origin, direction, state, hit, colour; and for each component seven words.
+            let components = if renderer.plan().has_stream(Stream::TMax) { 19 } else { 16 };
+            let bytes = divergence_bytes(renderer.plan()) / (12 * 9);
+            assert_eq!(bytes, 4 * 7 * components + 65 + 8 + 4 * (3 * components + 3));
+        });
+    }
+}

@@ -1,0 +1,300 @@
+//! Which rays parted, where, and what that means: an array each, one entry a ray, to be drawn over the image.
+
+use raystep_kernels::executor::cpu::OutOfMemory;
+use raystep_kernels::numbers::real::ulps;
+use raystep_kernels::tables::stream::STREAMS;
+use raystep_kernels::{Kernel, Plan, Stream};
+
+use crate::rounding::{Component, Judged, Verdict};
+
+/// The pass of a ray that never parted.
+pub const NEVER: u32 = u32::MAX;
+
+/// Bytes of one class, a ray: pass, place, two values.
+const BYTES: u64 = 4 + 1 + 8;
+
+/// Most bytes of a map, a ray.
+pub(super) const MOST_BYTES_A_RAY: u64 = BYTES * Class::ALL.len() as u64;
+
+/// What the parting of a ray means; the later, the graver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Class {
+    /// The device's floats differ from the twin's by no more than rounding may make of them; the ray goes the same way.
+    Rounding,
+    /// The ray goes another way than the f32 twin's, and f32 cannot tell which is right.
+    Tie,
+    /// f64 decides otherwise than f32, although it is beyond the bound of what f32 may get wrong.
+    Precision,
+    /// The device's floats differ by more than rounding may make of them; the ray goes the same way.
+    Excess,
+    /// The device decides otherwise than the f32 twin, and f32 can tell.
+    Decision,
+}
+
+impl Class {
+    /// Every class.
+    pub const ALL: [Self; 5] = [Self::Rounding, Self::Tie, Self::Precision, Self::Excess, Self::Decision];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rounding => "rounding",
+            Self::Tie => "tie",
+            Self::Precision => "precision",
+            Self::Excess => "excess",
+            Self::Decision => "decision",
+        }
+    }
+
+    /// One sentence.
+    #[must_use]
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Rounding => "floats are off by no more than rounding may make of them",
+            Self::Tie => "goes another way, where f32 cannot tell which is right",
+            Self::Precision => "f64 decides otherwise, beyond what f32 may get wrong",
+            Self::Excess => "floats are off by more than rounding may make of them",
+            Self::Decision => "the device decides otherwise than its twin",
+        }
+    }
+}
+
+/// Whom the f32 twin parted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Against {
+    /// The device.
+    Device,
+    /// The f64 twin.
+    F64,
+}
+
+/// The first time that a ray parted in some way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parting {
+    /// What it means.
+    pub class: Class,
+    /// After which pass.
+    pub pass: usize,
+    /// That pass's kernel.
+    pub kernel: Kernel,
+    /// From whom.
+    pub against: Against,
+    /// The stream that differs: where several do, one that says which way the ray goes, if there is one.
+    pub stream: Stream,
+    /// Its layer.
+    pub layer: usize,
+    /// The bits of [`against`](Self::against), floats rounded to f32.
+    pub theirs: u32,
+    /// The f32 twin's.
+    pub twin: u32,
+    /// How far apart floats are, in units in the last place; `None` for integers.
+    pub ulps: Option<u64>,
+}
+
+/// The first parting of each ray, of one class.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Firsts {
+    pass: Vec<u32>,
+    place: Vec<u8>,
+    values: Vec<[u32; 2]>,
+    count: u64,
+}
+
+/// What a comparison of all passes found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DivergenceMap {
+    width: u32,
+    height: u32,
+    kernels: Vec<Kernel>,
+    classes: [Option<Firsts>; Class::ALL.len()],
+    refused: Option<OutOfMemory>,
+}
+
+/// Four bits of stream, three of layer, one of what it is against.
+fn place(stream: Stream, layer: usize, against: Against) -> u8 {
+    ((stream as u8) << 4) | ((layer as u8) << 1) | u8::from(against == Against::F64)
+}
+
+fn of_place(place: u8) -> (Stream, usize, Against) {
+    let against = if place & 1 == 1 { Against::F64 } else { Against::Device };
+    (STREAMS[usize::from(place >> 4) % STREAMS.len()].stream, usize::from(place >> 1 & 7), against)
+}
+
+impl Firsts {
+    fn new(rays: usize) -> Result<Self, OutOfMemory> {
+        fn filled<T: Clone>(rays: usize, value: T) -> Result<Vec<T>, OutOfMemory> {
+            let mut all = Vec::new();
+            let refused = OutOfMemory { bytes: (rays * size_of::<T>()) as u64 };
+            all.try_reserve_exact(rays).map_err(|_| refused)?;
+            all.resize(rays, value);
+            Ok(all)
+        }
+        Ok(Self { pass: filled(rays, NEVER)?, place: filled(rays, 0)?, values: filled(rays, [0; 2])?, count: 0 })
+    }
+}
+
+impl DivergenceMap {
+    /// Of a run without passes. A class takes its memory when its first ray parts.
+    pub(super) fn new(plan: &Plan) -> Self {
+        let (width, height) = (plan.width, plan.height);
+        Self { width, height, kernels: Vec::new(), classes: [const { None }; 5], refused: None }
+    }
+
+    /// The next pass has run.
+    pub(super) fn begin(&mut self, kernel: Kernel) {
+        self.kernels.push(kernel);
+    }
+
+    /// A ray differs after this pass.
+    pub(super) fn record(&mut self, against: Against, judged: &Judged<'_>) {
+        let is_off = |c: &&Component| judged.verdict == Verdict::Rounding || !c.is_allowed;
+        let is_integer = |c: &&Component| !c.stream.is_float_layer(c.layer);
+        let decision = judged.components.iter().filter(is_off).find(is_integer);
+        let Some(shown) = decision.or_else(|| judged.components.iter().find(is_off)) else { return };
+        let class = match (judged.verdict, against) {
+            (Verdict::Rounding, _) => Class::Rounding,
+            (Verdict::Tie, _) => Class::Tie,
+            (Verdict::Breach, Against::F64) => Class::Precision,
+            (Verdict::Breach, Against::Device) if decision.is_none() => Class::Excess,
+            (Verdict::Breach, Against::Device) => Class::Decision,
+        };
+        let rays = self.width as usize * self.height as usize;
+        let slot = &mut self.classes[class as usize];
+        if slot.is_none() {
+            match Firsts::new(rays) {
+                Ok(firsts) => *slot = Some(firsts),
+                Err(refused) => self.refused = Some(refused),
+            }
+        }
+        let Some(firsts) = slot else { return };
+        if judged.ray < rays && firsts.pass[judged.ray] == NEVER {
+            firsts.pass[judged.ray] = self.kernels.len().saturating_sub(1) as u32;
+            firsts.place[judged.ray] = place(shown.stream, shown.layer, against);
+            firsts.values[judged.ray] = [shown.ours, shown.twin];
+            firsts.count += 1;
+        }
+    }
+
+    /// Whether there was memory for all that was recorded.
+    pub(super) fn check_memory(&self) -> Result<(), OutOfMemory> {
+        self.refused.map_or(Ok(()), Err)
+    }
+
+    /// Columns of the image.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows of the image.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The kernel of every pass.
+    #[must_use]
+    pub fn kernels(&self) -> &[Kernel] {
+        &self.kernels
+    }
+
+    /// How many rays parted in this way.
+    #[must_use]
+    pub fn count(&self, class: Class) -> u64 {
+        self.classes[class as usize].as_ref().map_or(0, |firsts| firsts.count)
+    }
+
+    /// How many rays parted in each way, in the order of [`Class::ALL`].
+    #[must_use]
+    pub fn counts(&self) -> [u64; Class::ALL.len()] {
+        Class::ALL.map(|class| self.count(class))
+    }
+
+    /// Each ray's first pass with such a parting, row by row, [`NEVER`] without one; `None` where no ray has one.
+    #[must_use]
+    pub fn passes(&self, class: Class) -> Option<&[u32]> {
+        self.classes[class as usize].as_ref().map(|firsts| firsts.pass.as_slice())
+    }
+
+    /// The rays (y * width + x) that parted in this way.
+    pub fn rays(&self, class: Class) -> impl Iterator<Item = usize> + '_ {
+        let passes = self.passes(class).unwrap_or_default();
+        passes.iter().enumerate().filter(|(_, pass)| **pass != NEVER).map(|(ray, _)| ray)
+    }
+
+    /// When a ray first parted in this way.
+    #[must_use]
+    pub fn first(&self, class: Class, ray: usize) -> Option<Parting> {
+        let firsts = self.classes[class as usize].as_ref()?;
+        let pass = *firsts.pass.get(ray).filter(|&&pass| pass != NEVER)? as usize;
+        let ((stream, layer, against), [theirs, twin]) = (of_place(firsts.place[ray]), firsts.values[ray]);
+        let ulps = stream.is_float_layer(layer).then(|| ulps(theirs, twin));
+        let kernel = *self.kernels.get(pass)?;
+        Some(Parting { class, pass, kernel, against, stream, layer, theirs, twin, ulps })
+    }
+
+    /// Every way in which a ray parted, the earliest first.
+    #[must_use]
+    pub fn partings(&self, ray: usize) -> Vec<Parting> {
+        let mut all: Vec<_> = Class::ALL.into_iter().filter_map(|class| self.first(class, ray)).collect();
+        all.sort_by_key(|parting| parting.pass);
+        all
+    }
+
+    /// The gravest way in which a ray parted: what the map shows.
+    #[must_use]
+    pub fn class(&self, ray: usize) -> Option<Class> {
+        let is_there = |class: &Class| self.passes(*class).is_some_and(|p| p.get(ray).is_some_and(|&p| p != NEVER));
+        Class::ALL.into_iter().rev().find(is_there)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_read_back_as_it_was_packed() {
+        for info in &STREAMS {
+            for layer in 0..info.layers.len() {
+                for against in [Against::Device, Against::F64] {
+                    assert_eq!(of_place(place(info.stream, layer, against)), (info.stream, layer, against));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_parting_of_each_class_is_kept_and_the_gravest_shown() {
+        let mut map =
+            DivergenceMap { width: 3, height: 2, kernels: Vec::new(), classes: [const { None }; 5], refused: None };
+        let float =
+            |ours, is_allowed| Component { stream: Stream::State, layer: 1, ours, twin: 0x3f80_0000, is_allowed };
+        let tag = Component { stream: Stream::State, layer: 0, ours: 5, twin: 2, is_allowed: false };
+        let mut pass = |kernel, ray, verdict, components: &[Component], against| {
+            map.begin(kernel);
+            map.record(against, &Judged { ray, verdict, components });
+        };
+        pass(Kernel::Generate, 4, Verdict::Rounding, &[float(0x3f80_0003, true)], Against::Device);
+        pass(Kernel::Setup, 4, Verdict::Tie, &[float(0x3f80_0001, true), tag], Against::F64);
+        pass(Kernel::Intersect, 4, Verdict::Breach, &[float(0x4000_0000, false)], Against::Device);
+        pass(Kernel::Intersect, 4, Verdict::Breach, &[float(0x4000_0000, false), tag], Against::Device);
+        pass(Kernel::Intersect, 4, Verdict::Rounding, &[float(0x3f80_0001, true)], Against::Device);
+        pass(Kernel::Intersect, 1, Verdict::Breach, &[tag], Against::F64);
+
+        let seen: Vec<_> = map.partings(4).iter().map(|p| (p.class, p.pass, p.kernel, p.layer, p.ulps)).collect();
+        let expected = [
+            (Class::Rounding, 0, Kernel::Generate, 1, Some(3)),
+            (Class::Tie, 1, Kernel::Setup, 0, None),
+            (Class::Excess, 2, Kernel::Intersect, 1, Some(0x80_0000)),
+            (Class::Decision, 3, Kernel::Intersect, 0, None),
+        ];
+        assert_eq!(seen, expected);
+        assert_eq!((map.class(4), map.class(1), map.class(0)), (Some(Class::Decision), Some(Class::Precision), None));
+        assert_eq!((map.counts(), map.first(Class::Tie, 99)), ([1; 5], None));
+        assert_eq!(map.rays(Class::Precision).collect::<Vec<_>>(), [1]);
+        let parting = map.first(Class::Precision, 1).expect("recorded");
+        assert_eq!((parting.theirs, parting.twin, parting.against), (5, 2, Against::F64));
+    }
+}

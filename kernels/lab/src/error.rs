@@ -1,0 +1,49 @@
+//! What keeps something from being measured.
+
+use raystep_kernels::{GpuError, PlanError, RenderError};
+
+use crate::stability::StabilityError;
+
+/// A measurement that failed, or could not be shown.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A scene could not be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A run failed.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The device failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// An extreme case could not be made or run.
+    #[error(transparent)]
+    Stability(#[from] StabilityError),
+    /// An extreme case failed.
+    #[error("{name}: {error}")]
+    Case {
+        /// The case.
+        name: &'static str,
+        /// Why.
+        error: Box<Error>,
+    },
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] std::io::Error),
+    /// No configuration could be built.
+    #[error("nothing was built")]
+    NothingBuilt,
+    /// A run took longer than it may.
+    #[error("given up: too slow, or without an end")]
+    GivenUp,
+    /// No scene has a ray of the kinds that were asked for.
+    #[error("there is nothing to measure: no pixel has a ray of the kinds that were asked for")]
+    NoRays,
+    /// A plot could not be drawn.
+    #[error("cannot draw a plot: {0}")]
+    Plot(String),
+    /// A picture could not be encoded.
+    #[error("cannot encode a picture: {0}")]
+    Picture(#[from] image::ImageError),
+}

@@ -1,0 +1,86 @@
+//! A hash that tells contents apart: files of scenes, sources of kernels, hits.
+
+use std::fmt;
+
+use raystep_kernels::RayHit;
+
+/// FNV-1a, 64 bits (Fowler, Noll and Vo; draft-eastlake-fnv): tells contents apart, and is no protection against malice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hash(u64);
+
+impl Default for Hash {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Hash {
+    /// Of some bytes.
+    #[must_use]
+    pub fn of(bytes: &[u8]) -> Self {
+        let mut hash = Self::default();
+        hash.add(bytes);
+        hash
+    }
+
+    /// Adds more bytes.
+    pub fn add(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    /// Of what every ray hit, by its bits. Where a ray may end at any hit, only whether it hit is compared.
+    #[must_use]
+    pub fn of_hits(hits: &[Option<RayHit>], is_any_hit: bool) -> Self {
+        let mut hash = Self::default();
+        for hit in hits {
+            match hit {
+                None => hash.add(&[0]),
+                Some(_) if is_any_hit => hash.add(&[1]),
+                Some(hit) => {
+                    hash.add(&hit.triangle.to_le_bytes());
+                    hash.add(&hit.t.to_bits().to_le_bytes());
+                    hash.add(&hit.u.to_bits().to_le_bytes());
+                    hash.add(&hit.v.to_bits().to_le_bytes());
+                }
+            }
+        }
+        hash
+    }
+}
+
+impl fmt::Display for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:016x}", self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_the_published_ones() {
+        // Test vectors of draft-eastlake-fnv: FNV-1a of "", "a" and "foobar".
+        assert_eq!(Hash::default().to_string(), "cbf29ce484222325");
+        assert_eq!(Hash::of(b"a").to_string(), "af63dc4c8601ec8c");
+        assert_eq!(Hash::of(b"foobar").to_string(), "85944171f73967e8");
+    }
+
+    #[test]
+    fn hits_differ_by_a_bit_unless_any_hit_will_do() {
+        let hit = RayHit { t: 1.0, u: 0.0, v: 0.0, triangle: 3 };
+        let one = [Some(hit), None];
+        for other in [
+            [Some(RayHit { v: -0.0, ..hit }), None],
+            [Some(RayHit { u: 0.5, ..hit }), None],
+            [Some(RayHit { t: 1.0 + f64::EPSILON, ..hit }), None],
+            [Some(RayHit { triangle: 4, ..hit }), None],
+        ] {
+            assert_ne!(Hash::of_hits(&one, false), Hash::of_hits(&other, false));
+            assert_eq!(Hash::of_hits(&one, true), Hash::of_hits(&other, true));
+        }
+        assert_ne!(Hash::of_hits(&one, true), Hash::of_hits(&[None, Some(hit)], true));
+    }
+}

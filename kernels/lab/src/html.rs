@@ -1,0 +1,43 @@
+//! What the pages have in common that commands write: they need nothing beside them, no script and no network, and can
+//! be read in the light and in the dark.
+
+use crate::text::visible;
+
+/// Colours by what they are for, and the few elements that every page has.
+const STYLE: &str = "\
+:root{color-scheme:light dark;--ink:#222;--paper:#fff;--dim:#555;--rule:#e4e4e0;--head:#999;--bad:#b01525;--odd:#fde9e9}\
+@media(prefers-color-scheme:dark){:root{--ink:#ddd;--paper:#15181b;--dim:#a2a7ab;--rule:#33383c;--head:#778;--bad:#ff7d86;\
+--odd:#4a2226}}body{font:15px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:2rem \
+auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin:2.5rem 0 .3rem}p{margin:.3rem 0;max-width:50rem}\
+a{color:inherit}table{border-collapse:collapse;margin:.8rem 0;font-size:.82rem}th,td{padding:.15rem .55rem;border-bottom:1px \
+solid var(--rule);text-align:right;white-space:nowrap}th{font-weight:600;text-align:right;border-bottom:1px solid \
+var(--head)}.l{text-align:left}.fail{color:var(--bad)}.odd{background:var(--odd)}.note{color:var(--dim)}figcaption{font-size:\
+.78rem;color:var(--dim)}.wide{overflow-x:auto}";
+
+/// A page. `style` is what it has beside the common one; title and body are HTML.
+#[must_use]
+pub fn page(title: &str, style: &str, body: &str) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+         content=\"width=device-width\"><title>{title}</title><style>{STYLE}{style}</style></head><body>\n{body}</body></html>\n"
+    )
+}
+
+/// Text as HTML, in elements and in attributes. HTML has no way to write control characters, and those that turn the
+/// direction of text would turn what stands behind: they are shown as a terminal shows them.
+#[must_use]
+pub fn escaped(text: &str) -> String {
+    let text = visible(text);
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_not_markup() {
+        assert_eq!(escaped("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
+        assert_eq!(escaped("a\u{1b}b\u{202e}c"), "a\\u{1b}b\\u{202e}c");
+    }
+}

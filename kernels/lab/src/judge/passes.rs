@@ -1,0 +1,279 @@
+//! Rays resolved, and rays resolved wrongly, over the passes of a run.
+//!
+//! How many rays are resolved is in every pass's counts. Which of them are resolved wrongly is work: every triangle
+//! against a random sample of the rays in f64, as `raystep report` judges them. A resolved ray's hit does not change
+//! any more, so each ray is judged once, at the end; only for those that are wrong is it looked up when they were
+//! resolved, by running the same passes again.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::stream::STATE_TAG;
+use raystep_kernels::{Pass, Plan, RenderError, Renderer, Stream};
+
+use super::{Cracks, Judge, Judged, Traced, rays_a_batch, sample};
+use crate::reference::{Counts, Mistake, Verdict};
+
+/// Most tests of a triangle against a ray: some seconds on a few cores.
+const MOST_TESTS: u64 = 1 << 31;
+
+/// Most places at which it is looked which of the wrong rays are resolved.
+const MOST_PLACES: usize = 64;
+
+/// The same rays in every run.
+const SEED: u32 = 1;
+
+/// A ray that did not hit what it should.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WrongRay {
+    /// Its place, y * width + x.
+    pub ray: usize,
+    /// What is wrong.
+    pub verdict: Verdict,
+    /// After so many passes it was resolved; `None` where it was not when the run ended.
+    pub resolved_by: Option<usize>,
+}
+
+/// What became of the rays of a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Judgement {
+    /// Rays of the run.
+    pub rays: u64,
+    /// What became of those that were judged: all, or a random sample.
+    pub counts: Counts,
+    /// Those that are wrong, in the order in which they were resolved.
+    pub wrong: Vec<WrongRay>,
+    /// Wrong rays are known to be resolved by a place, but may have been so many passes before.
+    pub passes_between: usize,
+}
+
+impl Judgement {
+    /// How many rays were resolved wrongly by the first `place` passes.
+    #[must_use]
+    pub fn wrong_by(&self, place: usize) -> usize {
+        self.wrong.partition_point(|wrong| wrong.resolved_by.is_some_and(|by| by <= place))
+    }
+
+    /// Every place at which wrong rays are resolved, and how many are by then.
+    #[must_use]
+    pub fn steps(&self) -> Vec<(usize, usize)> {
+        let mut steps: Vec<(usize, usize)> = Vec::new();
+        for (place, rays) in self.wrong.iter().filter_map(|wrong| wrong.resolved_by).zip(1..) {
+            match steps.last_mut() {
+                Some(last) if last.0 == place => last.1 = rays,
+                _ => steps.push((place, rays)),
+            }
+        }
+        steps
+    }
+}
+
+/// Why the rays of a run cannot be judged, in a line; `None` where they can.
+#[must_use]
+pub fn why_not(plan: &Plan) -> Option<&'static str> {
+    let needed = [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit];
+    if plan.features.any_hit {
+        Some("not judged: a ray ends at the first hit that is found, whether or not it is the nearest")
+    } else if plan.features.samples {
+        Some("not judged: with several samples a pixel, all rays but the last one's are gone; trace with one sample")
+    } else if !needed.into_iter().all(|stream| plan.has_stream(stream)) {
+        Some("not judged: the rays are made within a kernel, and are in no stream")
+    } else {
+        None
+    }
+}
+
+/// Runs `renderer` from its start to its end and judges what its rays hit. It is best a run of its own: it is
+/// restarted, and left somewhere. [`why_not`] says whether it can be judged.
+///
+/// `progress` gets what is done and of how much, and may stop.
+///
+/// # Errors
+/// Where the device fails, the plan left a stream out that is needed, or `progress` said so.
+pub async fn judge_passes(
+    renderer: &mut Renderer,
+    mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,
+) -> Result<Judgement, RenderError> {
+    // Parts of the work in thousandths: the run, the judging, the same run again.
+    const WHOLE: u64 = 1000;
+    const RUN: u64 = 100;
+    const AGAIN: u64 = 800;
+    renderer.restart();
+    renderer.run(|now| progress(RUN * now.rays_decided / now.rays.max(1), WHOLE)).await?;
+    let passes = renderer.passes().to_vec();
+    let traced = Traced::read(renderer).await?;
+    let triangles = traced.vertices().len() / 9;
+    let sample = sample(traced.rays(), most_rays(triangles), SEED);
+    let mut judgement = Judgement { rays: renderer.plan().rays, ..Judgement::default() };
+    let batch = rays_a_batch(triangles);
+    for (i, rays) in sample.chunks(batch).enumerate() {
+        let part = RUN + (AGAIN - RUN) * (i * batch) as u64 / sample.len() as u64;
+        if progress(part, WHOLE).is_break() {
+            return Err(RenderError::Cancelled { passes: passes.len() });
+        }
+        // A judge of its own: what all rays may hit takes too much memory.
+        let mut judge = Judge::default();
+        judge.prepare(&traced, rays.to_vec());
+        for Judged { mistake, .. } in judge.of(&traced, Cracks::Missed).all() {
+            let Mistake { ray, verdict, .. } = mistake;
+            judgement.counts.add(verdict);
+            if verdict.is_error() {
+                judgement.wrong.push(WrongRay { ray, verdict, resolved_by: None });
+            }
+        }
+    }
+    drop(traced);
+
+    let places = places(&passes, MOST_PLACES);
+    judgement.passes_between = places.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
+    if !judgement.wrong.is_empty() {
+        renderer.restart();
+    }
+    for (i, &place) in places.iter().enumerate() {
+        if judgement.wrong.iter().all(|wrong| wrong.resolved_by.is_some()) {
+            break;
+        }
+        let part = AGAIN + (WHOLE - AGAIN) * i as u64 / places.len() as u64;
+        renderer.run_to(place, |_| progress(part, WHOLE)).await?;
+        let now = renderer.values(Stream::State).await?;
+        for wrong in judgement.wrong.iter_mut().filter(|wrong| wrong.resolved_by.is_none()) {
+            wrong.resolved_by = state::is_decided(now.get(STATE_TAG, wrong.ray)).then_some(place);
+        }
+    }
+    judgement.wrong.sort_by_key(|wrong| (wrong.resolved_by.unwrap_or(usize::MAX), wrong.ray));
+    Ok(judgement)
+}
+
+/// How many rays are judged against so many triangles, at most.
+fn most_rays(triangles: usize) -> usize {
+    (MOST_TESTS / triangles.max(1) as u64).max(64) as usize
+}
+
+/// The places after passes that resolved rays, the last of them included; at most `most`, evenly chosen.
+fn places(passes: &[Pass], most: usize) -> Vec<usize> {
+    let mut before = 0;
+    let mut all = Vec::new();
+    for (pass, place) in passes.iter().zip(1..) {
+        let now = state::decided(&pass.counts);
+        if now != before {
+            all.push(place);
+        }
+        before = now;
+    }
+    let count = all.len().min(most);
+    (1..=count).map(|i| all[i * all.len() / count - 1]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, ScheduleKind};
+    use raystep_scenes::generate;
+
+    use super::*;
+
+    fn options(numerics: Numerics, side: u32) -> Options {
+        let camera = generate::cornell_box().cameras[0].clone();
+        Options {
+            accelerator: Accelerator::Grid,
+            schedule: ScheduleKind::Second,
+            numerics,
+            grid: GridSize::Cells([20; 3]),
+            ..Options::new(RaySource::Camera { camera, width: side, height: side })
+        }
+    }
+
+    fn renderer(options: &Options) -> Renderer {
+        pollster::block_on(Renderer::new(&generate::cornell_box(), options, &Device::Cpu(None))).expect("a renderer")
+    }
+
+    fn judged(numerics: Numerics, side: u32) -> (Judgement, Vec<Pass>) {
+        let mut renderer = renderer(&options(numerics, side));
+        pollster::block_on(renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
+        let passes = renderer.passes().to_vec();
+        let judgement =
+            pollster::block_on(judge_passes(&mut renderer, |_, _| ControlFlow::Continue(()))).expect("a judgement");
+        (judgement, passes)
+    }
+
+    #[test]
+    fn by_robust_rules_none_is_wrong_and_by_the_papers_some_are() {
+        let (robust, passes) = judged(Numerics::Robust, 64);
+        assert_eq!((robust.rays, robust.counts.rays(), robust.wrong.len()), (64 * 64, 64 * 64, 0));
+        assert_eq!(robust.counts.errors(), 0);
+        assert!(robust.counts.same > 4000, "{robust:?}");
+        let counts: Vec<u64> = passes.iter().map(|pass| state::decided(&pass.counts)).collect();
+        assert!(counts.is_sorted() && counts[0] == 0, "{counts:?}");
+        assert_eq!(counts.last(), Some(&(64 * 64)));
+
+        // Through cracks where f32 cannot tell which side is hit, and past surfaces at cells' faces.
+        let (paper, passes) = judged(Numerics::Paper, 512);
+        assert!(paper.wrong.len() > 500, "{} of {}", paper.wrong.len(), paper.counts.rays());
+        assert_eq!(paper.counts.errors(), paper.wrong.len() as u64);
+        assert!(paper.wrong.iter().all(|wrong| wrong.resolved_by.is_some_and(|by| by <= passes.len())));
+        assert_eq!((paper.wrong_by(0), paper.wrong_by(passes.len())), (0, paper.wrong.len()));
+        let steps = paper.steps();
+        assert!(steps.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 < w[1].1), "{steps:?}");
+        assert_eq!(steps.last().map(|step| step.1), Some(paper.wrong.len()));
+        assert!(steps.iter().all(|&(place, rays)| paper.wrong_by(place) == rays && paper.wrong_by(place - 1) < rays));
+    }
+
+    #[test]
+    fn a_wrong_ray_is_resolved_by_its_place_and_not_before_the_one_looked_at_before() {
+        let (judgement, passes) = judged(Numerics::Paper, 256);
+        let places = places(&passes, MOST_PLACES);
+        let mut run = renderer(&options(Numerics::Paper, 256));
+        for wrong in judgement.wrong.iter().take(8) {
+            let by = wrong.resolved_by.expect("resolved");
+            let index = places.binary_search(&by).expect("a place that was looked at");
+            let before = index.checked_sub(1).map_or(0, |i| places[i]);
+            for (place, is_so) in [(before, false), (by, true)] {
+                run.restart();
+                pollster::block_on(run.run_to(place, |_| ControlFlow::Continue(()))).expect("a run");
+                let now = pollster::block_on(run.values(Stream::State)).expect("its states");
+                assert_eq!(state::is_decided(now.get(STATE_TAG, wrong.ray)), is_so, "{wrong:?} after {place}");
+            }
+        }
+    }
+
+    #[test]
+    fn places_are_those_that_resolve_rays_and_no_more_than_asked_for() {
+        let (_, passes) = judged(Numerics::Robust, 64);
+        let all = places(&passes, usize::MAX);
+        assert!(all.len() > 10 && all.len() < passes.len(), "{} of {}", all.len(), passes.len());
+        let few = places(&passes, 5);
+        assert_eq!((few.len(), few.last()), (5, all.last()));
+        assert!(few.iter().all(|place| all.contains(place)) && few.is_sorted());
+        assert!(places(&[], 5).is_empty());
+        assert_eq!((most_rays(1 << 20), most_rays(usize::MAX)), (2048, 64));
+    }
+
+    #[test]
+    fn judging_says_how_far_it_is_and_stops() {
+        let mut renderer = renderer(&options(Numerics::Paper, 64));
+        let mut parts = Vec::new();
+        pollster::block_on(judge_passes(&mut renderer, |done, of| {
+            parts.push((done, of));
+            ControlFlow::Continue(())
+        }))
+        .expect("a judgement");
+        assert!(parts.iter().all(|&(done, of)| done <= of && of == 1000) && parts.is_sorted(), "{parts:?}");
+        // Stopped in each of its three parts.
+        for at in [0, 100, 800] {
+            let stopped = pollster::block_on(judge_passes(&mut renderer, |done, _| {
+                if done >= at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            }));
+            assert!(matches!(stopped, Err(RenderError::Cancelled { .. })), "{at}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_judged_says_why() {
+        let plain = options(Numerics::Robust, 64);
+        let why = |options: &Options| why_not(renderer(options).plan());
+        assert_eq!(why(&plain), None);
+        let any_hit = Options { any_hit: true, ..plain.clone() };
+        assert!(why(&any_hit).is_some_and(|why| why.contains("first hit")));
+        let fused = Options { schedule: ScheduleKind::Fused, shade: false, ..plain };
+        assert!(why(&fused).is_some_and(|why| why.contains("no stream")));
+    }
+}

@@ -1,0 +1,264 @@
+//! Timing runs. What is compared runs in turn, run 1 of each, run 2 of each, and so on, so that what slows the machine
+//! for a while slows all of it; what comes first of each warms up, and does not count.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use raystep_kernels::{Device, Load, Progress, RenderError, Renderer};
+
+use crate::machine::Machine;
+use crate::statistics::{Spread, median};
+
+/// A machine that is ready to time runs.
+pub struct Meter {
+    /// The machine.
+    pub machine: Machine,
+    /// What a GPU does between runs, which keeps its clocks up.
+    load: Option<Load>,
+}
+
+/// What one run took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Time {
+    /// By the host's clock, waiting for the device included.
+    pub wall_ns: u64,
+    /// By the device's clock; `None` where it has none, or the time was not valid.
+    pub device_ns: Option<u64>,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// All of it is done.
+    Done(Time),
+    /// It was too slow, or had no end.
+    GivenUp,
+}
+
+/// How often what is compared runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Turns {
+    /// Runs of each that do not count.
+    pub warmups: usize,
+    /// Runs of each that count, at most.
+    pub repeats: usize,
+    /// Of these, those that are made however long they take.
+    pub fewest: usize,
+    /// What all runs together may take, from the first on; `None` for as long as it takes.
+    pub all: Option<Duration>,
+    /// What the counting runs of each may take.
+    pub each: Option<Duration>,
+}
+
+impl Turns {
+    /// So many runs of each, however long they take.
+    #[must_use]
+    pub fn of(warmups: usize, repeats: usize) -> Self {
+        Self { warmups, repeats, fewest: repeats, all: None, each: None }
+    }
+}
+
+/// Times of the runs of one of several.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Times {
+    /// Of each run that counts.
+    pub runs: Vec<Time>,
+    /// A run was given up, and no other was made after it.
+    pub is_given_up: bool,
+}
+
+impl Times {
+    /// Nanoseconds of each run by the device's clock; `None` for one without a valid time.
+    #[must_use]
+    pub fn device_ns(&self) -> Vec<Option<u64>> {
+        self.runs.iter().map(|run| run.device_ns).collect()
+    }
+
+    /// The same by the host's clock.
+    #[must_use]
+    pub fn wall_ns(&self) -> Vec<f64> {
+        self.runs.iter().map(|run| run.wall_ns as f64).collect()
+    }
+}
+
+/// Valid times, and how many there are without one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Valid {
+    /// In nanoseconds.
+    pub ns: Vec<f64>,
+    /// Runs that have none.
+    pub invalid: usize,
+}
+
+impl Valid {
+    /// Of runs, some of which may have no time.
+    #[must_use]
+    pub fn of(runs: &[Option<u64>]) -> Self {
+        let ns: Vec<f64> = runs.iter().flatten().map(|&ns| ns as f64).collect();
+        Self { invalid: runs.len() - ns.len(), ns }
+    }
+
+    /// The middle one.
+    #[must_use]
+    pub fn median(&self) -> Option<f64> {
+        median(&self.ns)
+    }
+
+    /// Median, 5th and 95th percentile.
+    #[must_use]
+    pub fn spread(&self) -> Option<Spread> {
+        Spread::of(&self.ns)
+    }
+}
+
+/// Times by the times next to them: each run by the other's run of the same turn.
+#[must_use]
+pub fn ratios(of: &[Option<f64>], to: &[Option<f64>]) -> Vec<f64> {
+    of.iter().zip(to).filter_map(|(a, b)| Some((*a)? / (*b)?)).collect()
+}
+
+impl Meter {
+    /// Of a machine.
+    #[must_use]
+    pub fn new(machine: Machine) -> Self {
+        let load = match &machine.device {
+            Device::Gpu(gpu) => Some(Load::new(gpu.clone())),
+            Device::Cpu(_) | Device::CpuF64(_) => None,
+        };
+        Self { machine, load }
+    }
+
+    /// A little work for the device, over when this returns, as all that was submitted before it: neither is in the
+    /// time, or in the wall clock, of what comes next.
+    pub fn keep_clocks(&self) {
+        self.load.iter().for_each(Load::submit);
+        self.machine.settle();
+    }
+
+    /// Gives the device work for some time, until its clocks are up; what runs next is to keep them there.
+    pub fn raise_clocks(&self, time: Duration) {
+        let start = Instant::now();
+        while start.elapsed() < time {
+            self.keep_clocks();
+        }
+    }
+
+    /// One run from its start, until it ends or `watch` gives it up; it gets what the run took so far, too.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn run(
+        &self,
+        renderer: &mut Renderer,
+        mut watch: impl FnMut(&Progress, Duration) -> ControlFlow<()>,
+    ) -> Result<Ended, RenderError> {
+        renderer.restart();
+        self.keep_clocks();
+        let start = Instant::now();
+        let ended = self.machine.wait(renderer.run(|progress| watch(progress, start.elapsed())));
+        let wall_ns = start.elapsed().as_nanos() as u64;
+        match ended {
+            Ok(()) => Ok(Ended::Done(Time { wall_ns, device_ns: renderer.device_ns().filter(|&ns| ns > 0) })),
+            Err(RenderError::Cancelled { .. }) => Ok(Ended::GivenUp),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// Runs all of `subjects` in turn. One that was given up runs no more.
+///
+/// # Errors
+/// The first of `run`.
+pub fn in_turn<T, E>(
+    subjects: &mut [T],
+    turns: Turns,
+    mut run: impl FnMut(&mut T) -> Result<Ended, E>,
+) -> Result<Vec<Times>, E> {
+    let mut times = vec![Times::default(); subjects.len()];
+    let mut spent = vec![Duration::ZERO; subjects.len()];
+    let begin = Instant::now();
+    for turn in 0..turns.warmups + turns.repeats {
+        let counting = turn.checked_sub(turns.warmups);
+        let is_extra = counting.is_some_and(|done| done >= turns.fewest);
+        if is_extra && turns.all.is_some_and(|all| begin.elapsed() > all) {
+            break;
+        }
+        for ((subject, times), spent) in subjects.iter_mut().zip(&mut times).zip(&mut spent) {
+            if times.is_given_up || is_extra && turns.each.is_some_and(|each| *spent > each) {
+                continue;
+            }
+            let start = Instant::now();
+            match run(subject)? {
+                Ended::GivenUp => times.is_given_up = true,
+                Ended::Done(time) if counting.is_some() => times.runs.push(time),
+                Ended::Done(_) => {}
+            }
+            if counting.is_some() {
+                *spent += start.elapsed();
+            }
+        }
+    }
+    Ok(times)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn done(ns: u64) -> Result<Ended, ()> {
+        Ok(Ended::Done(Time { wall_ns: ns, device_ns: Some(ns) }))
+    }
+
+    #[test]
+    fn all_run_in_turn_and_warm_ups_do_not_count() {
+        let mut order = Vec::new();
+        let times = in_turn(&mut ['a', 'b'], Turns::of(1, 2), |subject| {
+            order.push(*subject);
+            done(order.len() as u64)
+        });
+        let times = times.expect("no error");
+        assert_eq!(order, ['a', 'b', 'a', 'b', 'a', 'b']);
+        assert_eq!(times.iter().map(Times::wall_ns).collect::<Vec<_>>(), [[3.0, 5.0], [4.0, 6.0]]);
+        let failed = in_turn(&mut [1, 2], Turns::of(0, 1), |n| if *n == 2 { Err(*n) } else { Ok(Ended::GivenUp) });
+        assert_eq!(failed, Err(2));
+    }
+
+    #[test]
+    fn what_is_given_up_runs_no_more_and_holds_up_nobody() {
+        let mut runs = [0; 2];
+        let times = in_turn(&mut [0, 1], Turns::of(1, 3), |&mut i| {
+            runs[i] += 1;
+            if i == 0 && runs[0] == 2 { Ok(Ended::GivenUp) } else { done(1) }
+        });
+        let times = times.expect("no error");
+        assert_eq!((runs, times[0].runs.len(), times[1].runs.len()), ([2, 4], 0, 3));
+        assert!(times[0].is_given_up && !times[1].is_given_up);
+    }
+
+    #[test]
+    fn the_fewest_are_made_whatever_they_take() {
+        let none = Some(Duration::ZERO);
+        let count = |turns: Turns| {
+            let mut runs = 0;
+            let times = in_turn(&mut [()], turns, |()| {
+                runs += 1;
+                std::thread::sleep(Duration::from_millis(1));
+                done(1)
+            });
+            assert_eq!(times.map(|times| times[0].runs.len()), Ok(runs - turns.warmups));
+            runs
+        };
+        let turns = Turns { fewest: 2, ..Turns::of(1, 9) };
+        assert_eq!(count(Turns { all: none, ..turns }), 3);
+        assert_eq!(count(Turns { each: none, ..turns }), 3);
+        assert_eq!(count(turns), 10);
+    }
+
+    #[test]
+    fn runs_without_a_time_are_left_out_and_shift_no_ratios() {
+        let (a, b) = ([Some(2.0), None, Some(8.0)], [Some(1.0), Some(100.0), Some(2.0)]);
+        assert_eq!(ratios(&a, &b), [2.0, 4.0]);
+        assert_eq!(Valid::of(&[Some(2), None, Some(8)]), Valid { ns: vec![2.0, 8.0], invalid: 1 });
+        assert_eq!((Valid::of(&[Some(2), None, Some(8)]).median(), Valid::of(&[None]).median()), (Some(5.0), None));
+    }
+}

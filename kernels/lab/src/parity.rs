@@ -1,0 +1,200 @@
+//! One-step parity: the twin starts from the GPU's streams before a pass, and both must agree after it.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::sync::Arc;
+
+use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
+use raystep_kernels::tables::state::{self, StateCounts, Tag};
+use raystep_kernels::{
+    Device, Gpu, Kernel, Limits, Options, Pass, Plan, PlanError, RenderError, Renderer, Stream, StreamData,
+};
+use raystep_scenes::Scene;
+
+use crate::rounding::{Rounding, Verdict};
+
+/// A component that differs by more than it may.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Breach {
+    /// The kernel after which it differs.
+    pub kernel: Kernel,
+    /// Pass of the run.
+    pub pass: usize,
+    /// Stream and layer.
+    pub component: (Stream, usize),
+    /// The ray's place, y * width + x.
+    pub ray: usize,
+    /// The GPU's bits.
+    pub gpu: u32,
+    /// The twin's bits.
+    pub twin: u32,
+}
+
+impl fmt::Display for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (stream, layer) = self.component;
+        write!(f, "{} (pass {}): ", self.kernel.name(), self.pass)?;
+        write!(f, "ray {} {}.{}: ", self.ray, stream.name(), stream.info().layers[layer])?;
+        if stream.is_float_layer(layer) {
+            write!(f, "gpu {:e}, twin {:e}", f32::from_bits(self.gpu), f32::from_bits(self.twin))
+        } else {
+            write!(f, "gpu {}, twin {}", self.gpu, self.twin)
+        }
+    }
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug, Default)]
+pub struct Parity {
+    /// Passes compared.
+    pub passes: usize,
+    /// Components compared.
+    pub components: u64,
+    /// Components that differ, but by no more than they may.
+    pub tolerated: u64,
+    /// Rays that went another way where f32 cannot decide.
+    pub undecided: u64,
+    /// Kernels that were compared on at least one ray.
+    pub kernels: Vec<Kernel>,
+    /// Rays that passes worked on, summed.
+    pub rays: u64,
+    /// Every way from a state to the next that a ray was seen to take.
+    pub transitions: BTreeSet<(Tag, Kernel, Tag)>,
+    /// What differs by more, at most 20 a kernel.
+    pub breaches: Vec<Breach>,
+    /// Passes after which the books do not say how many rays are in each state.
+    pub miscounts: Vec<String>,
+}
+
+/// A comparison that could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ParityError {
+    /// The scene could not be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The device failed.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Not enough memory for the twin's streams.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
+    /// The executors do not have the same streams, by the name of one.
+    #[error("stream {0}: device and twin do not both have it in one size")]
+    Unlike(&'static str),
+}
+
+impl Parity {
+    /// Whether anything differs by more than it may.
+    #[must_use]
+    pub fn is_broken(&self) -> bool {
+        !self.breaches.is_empty() || !self.miscounts.is_empty()
+    }
+}
+
+/// Runs a scene on the GPU and compares every pass with the twin, until `is_enough`. `change` may alter the plan
+/// first: a comparison that cannot fail proves nothing.
+///
+/// # Errors
+/// Where the scene cannot be planned or traced, or memory is short.
+pub async fn compare(
+    gpu: &Arc<Gpu>,
+    scene: &Scene,
+    options: &Options,
+    limits: &Limits,
+    change: impl FnOnce(&mut Plan),
+    is_enough: impl Fn(&Parity) -> bool,
+) -> Result<Parity, ParityError> {
+    let device = Device::Gpu(gpu.clone());
+    let (mut plan, data) = Plan::new(scene, options, limits)?;
+    change(&mut plan);
+    let mut renderer = Renderer::from_plan(plan, data, options, &device).await?;
+    let streams: Vec<Stream> = renderer.plan().streams.iter().map(|s| s.what).collect();
+    let mut twin = CpuExecutor::<f32>::new(renderer.plan(), None)?;
+    let mut found = Parity::default();
+
+    // What no kernel writes keeps the poison on both sides and shows where it should not.
+    let makes_rays = renderer.next_kernel() == Some(Kernel::Generate) || renderer.plan().features.eye_rays;
+    let mut before = Vec::new();
+    for &stream in &streams {
+        let mut values = renderer.values(stream).await?;
+        // Some streams begin with what they are cleared to: which kernel is next, how many samples there are, and that
+        // no search has begun.
+        if makes_rays && ![Stream::State, Stream::Accumulated, Stream::Scan].contains(&stream) {
+            values.bits.fill(0x7fc0_dead);
+            in_both(renderer.write(&values), stream)?;
+        }
+        before.push(values);
+    }
+    while !is_enough(&found) {
+        before.iter().try_for_each(|values| in_both(twin.write(values), values.stream))?;
+        let Some(pass) = renderer.step().await? else { break };
+        twin.run(pass.kernel, renderer.data());
+        found.passes += 1;
+        if pass.rays_in > 0 && !found.kernels.contains(&pass.kernel) {
+            found.kernels.push(pass.kernel);
+        }
+        let mut after = Vec::new();
+        for &stream in &streams {
+            let of_twin = twin.read(stream).ok_or(ParityError::Unlike(stream.name()))?;
+            after.push((renderer.values(stream).await?, of_twin));
+        }
+        let (plan, data, kernel) = (renderer.plan(), renderer.data(), pass.kernel);
+        record(&mut found, &pass, &Rounding { plan, data, kernel, before: &before }, &after)?;
+        before = after.into_iter().map(|(on_gpu, _)| on_gpu).collect();
+    }
+    Ok(found)
+}
+
+fn in_both(is_written: bool, stream: Stream) -> Result<(), ParityError> {
+    is_written.then_some(()).ok_or(ParityError::Unlike(stream.name()))
+}
+
+fn record(
+    found: &mut Parity,
+    pass: &Pass,
+    rules: &Rounding<'_>,
+    after: &[(StreamData, StreamData)],
+) -> Result<(), OutOfMemory> {
+    found.rays += u64::from(pass.rays_in);
+    // A kernel that makes its rays itself finds them unwritten.
+    let unwritten = [state::UNWRITTEN, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT];
+    let active = if rules.data.features.eye_rays && pass.kernel == Kernel::Fused {
+        &unwritten[..]
+    } else {
+        pass.kernel.info().takes
+    };
+    let tags = after.iter().find(|(s, _)| s.stream == Stream::State).map(|(s, _)| s.layer(0)).unwrap_or_default();
+    let tags_before = rules.before.iter().find(|s| s.stream == Stream::State).map(|s| s.layer(0)).unwrap_or_default();
+    let mut counts = StateCounts::default();
+    for (ray, &tag) in tags.iter().enumerate() {
+        counts[tag as usize % state::COUNT] += 1;
+        let before = tags_before.get(ray).copied().unwrap_or_default();
+        if active.contains(&before) {
+            found.transitions.insert((before, pass.kernel, tag));
+        }
+    }
+    if counts != pass.counts {
+        let kernel = pass.kernel.name();
+        found.miscounts.push(format!("{kernel} (pass {}): {:?} booked, {counts:?} there", pass.index, pass.counts));
+    }
+    found.components += after.iter().map(|(on_gpu, _)| on_gpu.bits.len() as u64).sum::<u64>();
+    let pairs: Vec<_> = after.iter().map(|(on_gpu, on_cpu)| [on_gpu, on_cpu]).collect();
+    rules.judge(
+        &pairs,
+        |_, _| true,
+        |judged| {
+            found.tolerated += judged.components.iter().filter(|c| c.is_allowed).count() as u64;
+            found.undecided += u64::from(judged.verdict == Verdict::Tie);
+            if judged.verdict != Verdict::Breach {
+                return;
+            }
+            for c in judged.components.iter().filter(|c| !c.is_allowed) {
+                let component = (c.stream, c.layer);
+                let (kernel, pass, ray) = (pass.kernel, pass.index, judged.ray);
+                if found.breaches.iter().filter(|b| b.kernel == kernel).count() < 20 {
+                    found.breaches.push(Breach { kernel, pass, component, ray, gpu: c.ours, twin: c.twin });
+                }
+            }
+        },
+    )
+}

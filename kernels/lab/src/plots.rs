@@ -1,0 +1,405 @@
+//! Plots as SVG.
+//!
+//! Axes, ticks and legend are ours and plotters draws them: its own logarithmic axes label too much or too little, and
+//! know no place for 0, which a count of wrong rays often is. Everything is drawn in a few colours that the page's
+//! style sheet exchanges where the page is dark.
+
+mod axis;
+
+use plotters::backend::SVGBackend;
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, IntoDrawingArea as _};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{
+    BLACK, Color as _, FontTransform, IntoFont as _, IntoTextStyle as _, RGBColor, ShapeStyle, WHITE,
+};
+
+use crate::Error;
+pub use axis::{Axis, Scale};
+
+/// Okabe and Ito's colours, which people who see few colours can tell apart.
+const PALETTE: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(150, 130, 20),
+    RGBColor(0, 0, 0),
+];
+
+/// Lines behind the data.
+const GRID: RGBColor = RGBColor(230, 230, 230);
+
+/// How points of a series are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Not at all.
+    None,
+    /// As discs.
+    Dot,
+    /// As triangles.
+    Triangle,
+    /// As squares.
+    Square,
+}
+
+/// How they are connected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// Not at all.
+    None,
+    /// By a line.
+    Solid,
+    /// By a dashed line.
+    Dashed,
+    /// Each value holds until the next.
+    Steps,
+}
+
+/// Data with a name.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// In the legend; series of the same name share an entry, and one without has none.
+    pub name: String,
+    /// x and y.
+    pub points: Vec<(f64, f64)>,
+    /// From and to along y, one a point, or none at all.
+    pub whiskers: Vec<(f64, f64)>,
+    /// Index into the palette.
+    pub color: usize,
+    /// How points are drawn.
+    pub mark: Mark,
+    /// How they are connected.
+    pub stroke: Stroke,
+}
+
+impl Series {
+    /// A line with a dot at each point.
+    pub fn line(name: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+        let name = name.into();
+        Self { name, points, whiskers: Vec::new(), color, mark: Mark::Dot, stroke: Stroke::Solid }
+    }
+
+    /// The same by theory: dashed, without dots.
+    pub fn dashed(name: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+        Self { mark: Mark::None, stroke: Stroke::Dashed, ..Self::line(name, color, points) }
+    }
+}
+
+/// A plot.
+#[derive(Clone, Debug)]
+pub struct Plot {
+    /// Above it.
+    pub title: String,
+    /// From left to right.
+    pub x: Axis,
+    /// From bottom to top.
+    pub y: Axis,
+    /// In the order in which they are drawn.
+    pub series: Vec<Series>,
+    /// Places along x with a name, as vertical lines.
+    pub places: Vec<(f64, String)>,
+}
+
+/// A part of a bar: how long, and in which colour of the palette.
+pub type Part = (f64, usize);
+
+/// Bars from left to right, each a name and its parts one after the other.
+#[derive(Clone, Debug)]
+pub struct Bars {
+    /// Above them.
+    pub title: String,
+    /// What lengths are.
+    pub x: String,
+    /// Names of the palette's first colours.
+    pub legend: Vec<String>,
+    /// From top to bottom.
+    pub bars: Vec<(String, Vec<Part>)>,
+}
+
+/// A rectangle of the picture, in pixels.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    left: i32,
+    right: i32,
+    top: i32,
+    bottom: i32,
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+const SIZE: (u32, u32) = (860, 400);
+const FRAME: Frame = Frame { left: 92, right: 600, top: 40, bottom: 340 };
+const LEGEND: i32 = 622;
+
+impl Plot {
+    /// As an SVG element; `None` where there is nothing to show.
+    ///
+    /// # Errors
+    /// Where it cannot be drawn.
+    pub fn svg(&self) -> Result<Option<String>, Error> {
+        let is_shown = |&(x, y): &(f64, f64)| self.x.scale.has(x) && self.y.scale.has(y);
+        let shown = |s: &Series| s.points.iter().copied().filter(is_shown).collect::<Vec<_>>();
+        let points: Vec<Vec<(f64, f64)>> = self.series.iter().map(shown).collect();
+        let all = || points.iter().flatten();
+        if all().count() == 0 {
+            return Ok(None);
+        }
+        let ends = self.series.iter().flat_map(|s| &s.whiskers).flat_map(|w| [w.0, w.1]);
+        let x = self.x.over(all().map(|p| p.0).chain(self.places.iter().map(|p| p.0)));
+        let y = self.y.over(all().map(|p| p.1).chain(ends));
+        drawn(SIZE, |area| {
+            frame(area, &self.title, &self.x.label, &self.y.label)?;
+            let place = |(px, py): (f64, f64)| {
+                let across = f64::from(FRAME.right - FRAME.left) * x.part(px);
+                let up = f64::from(FRAME.bottom - FRAME.top) * y.part(py);
+                (FRAME.left + across.round() as i32, FRAME.bottom - up.round() as i32)
+            };
+            for (value, text) in x.ticks() {
+                let at = FRAME.left + (f64::from(FRAME.right - FRAME.left) * x.part(value)).round() as i32;
+                area.draw(&PathElement::new([(at, FRAME.top), (at, FRAME.bottom)], GRID))?;
+                text_at(area, &text, (at, FRAME.bottom + 7), 13, (HPos::Center, VPos::Top))?;
+            }
+            for (value, text) in y.ticks() {
+                let at = FRAME.bottom - (f64::from(FRAME.bottom - FRAME.top) * y.part(value)).round() as i32;
+                area.draw(&PathElement::new([(FRAME.left, at), (FRAME.right, at)], GRID))?;
+                text_at(area, &text, (FRAME.left - 7, at), 13, (HPos::Right, VPos::Center))?;
+            }
+            border(area)?;
+            for (value, name) in &self.places {
+                let (at, _) = place((*value, 0.0));
+                dashes(area, &[(at, FRAME.top), (at, FRAME.bottom)], BLACK.stroke_width(1))?;
+                // Beside the line, on the side with more room.
+                let is_right = at > (FRAME.left + FRAME.right) / 2;
+                let (x, side) = if is_right { (at - 5, HPos::Right) } else { (at + 5, HPos::Left) };
+                text_at(area, name, (x, FRAME.top + 5), 13, (side, VPos::Top))?;
+            }
+            for (s, points) in self.series.iter().zip(&points) {
+                let color = PALETTE[s.color % PALETTE.len()];
+                for (&(px, _), &(low, high)) in s.points.iter().zip(&s.whiskers).filter(|(p, _)| is_shown(p)) {
+                    let (from, to) = (place((px, low)), place((px, high)));
+                    area.draw(&PathElement::new([from, to], color.stroke_width(1)))?;
+                    for end in [from, to] {
+                        area.draw(&PathElement::new([(end.0 - 4, end.1), (end.0 + 4, end.1)], color.stroke_width(1)))?;
+                    }
+                }
+                let at: Vec<(i32, i32)> = points.iter().map(|&p| place(p)).collect();
+                stroke(area, s.stroke, &at, color)?;
+                for &p in &at {
+                    mark(area, s.mark, p, color)?;
+                }
+            }
+            legend(area, &self.series)
+        })
+        .map(Some)
+    }
+}
+
+impl Bars {
+    /// As an SVG element; `None` where there is nothing to show.
+    ///
+    /// # Errors
+    /// Where it cannot be drawn.
+    pub fn svg(&self) -> Result<Option<String>, Error> {
+        let length = |parts: &[Part]| parts.iter().map(|p| p.0).sum::<f64>();
+        let longest = self.bars.iter().map(|b| length(&b.1)).fold(0.0, f64::max);
+        if longest <= 0.0 || !longest.is_finite() {
+            return Ok(None);
+        }
+        let axis = Axis::new(self.x.clone(), Scale::Linear);
+        let x = axis.over([0.0, longest].into_iter());
+        drawn(SIZE, |area| {
+            frame(area, &self.title, &self.x, "")?;
+            let at = |v: f64| FRAME.left + (f64::from(FRAME.right - FRAME.left) * x.part(v)).round() as i32;
+            for (value, text) in x.ticks() {
+                area.draw(&PathElement::new([(at(value), FRAME.top), (at(value), FRAME.bottom)], GRID))?;
+                text_at(area, &text, (at(value), FRAME.bottom + 7), 13, (HPos::Center, VPos::Top))?;
+            }
+            let step = (FRAME.bottom - FRAME.top) / self.bars.len().max(1) as i32;
+            for (i, (name, parts)) in self.bars.iter().enumerate() {
+                let top = FRAME.top + step * i as i32;
+                let (from, to) = (top + step / 5, top + step * 4 / 5);
+                text_at(area, name, (FRAME.left - 7, (from + to) / 2), 13, (HPos::Right, VPos::Center))?;
+                let mut begin = 0.0;
+                for &(part, color) in parts {
+                    let style = PALETTE[color % PALETTE.len()].filled();
+                    area.draw(&Rectangle::new([(at(begin), from), (at(begin + part), to)], style))?;
+                    begin += part;
+                }
+            }
+            border(area)?;
+            for (i, name) in self.legend.iter().enumerate() {
+                let y = FRAME.top + 12 + 24 * i as i32;
+                area.draw(&Rectangle::new([(LEGEND, y - 6), (LEGEND + 20, y + 6)], PALETTE[i].filled()))?;
+                text_at(area, name, (LEGEND + 30, y), 14, (HPos::Left, VPos::Center))?;
+            }
+            Ok(())
+        })
+        .map(Some)
+    }
+}
+
+/// An SVG that somebody draws, without what only a file of its own needs.
+fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Error> {
+    let mut svg = String::new();
+    let result: Drawn = (|| {
+        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        area.fill(&WHITE)?;
+        draw(&area)?;
+        area.present()?;
+        Ok(())
+    })();
+    result.map_err(|e| Error::Plot(e.to_string()))?;
+    Ok(svg)
+}
+
+fn text_at(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, (h, v): (HPos, VPos)) -> Drawn {
+    let style = ("sans-serif", size).into_font().color(&BLACK).pos(Pos::new(h, v));
+    area.draw(&Text::new(text.to_owned(), at, style))?;
+    Ok(())
+}
+
+fn frame(area: &Area<'_>, title: &str, x: &str, y: &str) -> Drawn {
+    text_at(area, title, (FRAME.left, 14), 16, (HPos::Left, VPos::Center))?;
+    text_at(area, x, ((FRAME.left + FRAME.right) / 2, FRAME.bottom + 34), 14, (HPos::Center, VPos::Top))?;
+    let font = ("sans-serif", 14).into_font().transform(FontTransform::Rotate270);
+    let style = font.into_text_style(area).color(&BLACK).pos(Pos::new(HPos::Center, VPos::Center));
+    area.draw(&Text::new(y.to_owned(), (16, (FRAME.top + FRAME.bottom) / 2), style))?;
+    Ok(())
+}
+
+fn border(area: &Area<'_>) -> Drawn {
+    area.draw(&Rectangle::new([(FRAME.left, FRAME.top), (FRAME.right, FRAME.bottom)], BLACK.stroke_width(1)))?;
+    Ok(())
+}
+
+fn legend(area: &Area<'_>, series: &[Series]) -> Drawn {
+    // A series that has a name already has its entry.
+    let mut named: Vec<&Series> = Vec::new();
+    for s in series.iter().filter(|s| !s.name.is_empty()) {
+        if !named.iter().any(|n| n.name == s.name) {
+            named.push(s);
+        }
+    }
+    let step = (300 / named.len().max(1) as i32).min(24);
+    for (i, s) in named.iter().enumerate() {
+        let (y, color) = (FRAME.top + 12 + step * i as i32, PALETTE[s.color % PALETTE.len()]);
+        let line = if s.stroke == Stroke::Steps { Stroke::Solid } else { s.stroke };
+        stroke(area, line, &[(LEGEND, y), (LEGEND + 28, y)], color)?;
+        mark(area, s.mark, (LEGEND + 14, y), color)?;
+        text_at(area, &s.name, (LEGEND + 36, y), 13, (HPos::Left, VPos::Center))?;
+    }
+    Ok(())
+}
+
+fn stroke(area: &Area<'_>, stroke: Stroke, points: &[(i32, i32)], color: RGBColor) -> Drawn {
+    let style = color.stroke_width(2);
+    let pairs = || points.windows(2).map(|pair| [pair[0], pair[1]]);
+    match stroke {
+        Stroke::None => {}
+        Stroke::Dashed => dashes(area, points, style)?,
+        // Piece by piece: some viewers fill a longer line as if it were a shape.
+        Stroke::Solid => pairs().try_for_each(|pair| area.draw(&PathElement::new(pair, style)))?,
+        Stroke::Steps => {
+            for [from, to] in pairs().filter(|[from, to]| from != to) {
+                let corner = (to.0, from.1);
+                area.draw(&PathElement::new([from, corner], style))?;
+                area.draw(&PathElement::new([corner, to], style))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Dashes along a line, whose rhythm does not begin anew at each point.
+fn dashes(area: &Area<'_>, points: &[(i32, i32)], style: ShapeStyle) -> Drawn {
+    const ON: f64 = 7.0;
+    const PERIOD: f64 = 11.0;
+    let mut walked = 0.0;
+    for pair in points.windows(2) {
+        let [from, to] = [pair[0], pair[1]].map(|(x, y)| (f64::from(x), f64::from(y)));
+        let length = (to.0 - from.0).hypot(to.1 - from.1);
+        let at = |along: f64| {
+            let share = (along / length).clamp(0.0, 1.0);
+            let (x, y) = (from.0 + (to.0 - from.0) * share, from.1 + (to.1 - from.1) * share);
+            (x.round() as i32, y.round() as i32)
+        };
+        let mut begin = -(walked % PERIOD);
+        while length > 0.0 && begin < length {
+            if begin + ON > 0.0 {
+                area.draw(&PathElement::new([at(begin), at(begin + ON)], style))?;
+            }
+            begin += PERIOD;
+        }
+        walked += length;
+    }
+    Ok(())
+}
+
+fn mark(area: &Area<'_>, mark: Mark, (x, y): (i32, i32), color: RGBColor) -> Drawn {
+    let style = color.filled();
+    match mark {
+        Mark::None => {}
+        Mark::Dot => area.draw(&Circle::new((x, y), 4, style))?,
+        Mark::Triangle => area.draw(&Polygon::new([(x, y - 5), (x + 5, y + 4), (x - 5, y + 4)], style))?,
+        Mark::Square => area.draw(&Rectangle::new([(x - 4, y - 4), (x + 4, y + 4)], style))?,
+    }
+    Ok(())
+}
+
+/// An SVG file as an element of a page: without the name of its namespace, and as one image to a screen reader.
+#[must_use]
+pub fn inline(svg: &str) -> String {
+    svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1)
+}
+
+/// The style of a page with plots in it. They are drawn for the light; in the dark their colours are exchanged, those
+/// of lines for lighter ones of the same hue.
+#[must_use]
+pub fn style() -> String {
+    const DARK: [&str; 7] = ["#4aa8e0", "#ff8a3d", "#2fc79a", "#e59cc4", "#8fd0f5", "#d0b84a", "#dddddd"];
+    let mut style = String::from(
+        "figure svg{max-width:100%;height:auto}@media(prefers-color-scheme:dark){svg [fill=\"#FFFFFF\"]{fill:\
+         var(--paper)}svg [stroke=\"#E6E6E6\"]{stroke:var(--rule)}",
+    );
+    for (light, dark) in PALETTE.iter().zip(DARK) {
+        let light = format!("#{:02X}{:02X}{:02X}", light.0, light.1, light.2);
+        style += &format!("svg [fill=\"{light}\"]{{fill:{dark}}}svg [stroke=\"{light}\"]{{stroke:{dark}}}");
+    }
+    style + "}"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot(points: Vec<(f64, f64)>, scale: Scale) -> Plot {
+        let axis = |label: &str| Axis::new(label, scale);
+        let series = vec![Series::line("a & b", 0, points)];
+        Plot { title: "t < 1".into(), x: axis("time, ms"), y: axis("rays"), series, places: Vec::new() }
+    }
+
+    #[test]
+    fn what_cannot_be_shown_is_left_out_and_nothing_is_no_plot() {
+        let none = [plot(vec![], Scale::Log), plot(vec![(0.0, 1.0), (f64::NAN, 2.0), (1.0, -1.0)], Scale::Log)];
+        for plot in none {
+            assert!(plot.svg().expect("no error").is_none());
+        }
+        let svg = plot(vec![(1.0, 2.0), (10.0, 0.0), (1e30, 3.0)], Scale::Log).svg().expect("no error");
+        let svg = svg.expect("a plot");
+        assert!(svg.starts_with("<svg") && svg.contains("a &amp; b") && svg.contains("t &lt; 1"), "{svg}");
+        // Two of the points, and the legend's.
+        assert_eq!(svg.matches("<circle").count(), 3);
+        let empty = Bars { title: String::new(), x: String::new(), legend: Vec::new(), bars: Vec::new() };
+        assert!(empty.svg().expect("no error").is_none());
+    }
+
+    #[test]
+    fn zero_has_a_place_where_the_axis_is_one_of_counts() {
+        let svg = plot(vec![(1.0, 0.0), (10.0, 300.0)], Scale::LogWithZero).svg().expect("no error").expect("a plot");
+        assert_eq!(svg.matches("<circle").count(), 3);
+    }
+}

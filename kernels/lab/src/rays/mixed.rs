@@ -1,0 +1,71 @@
+//! Rays to test with, in scene units, the same on every machine: all over a scene, and at its edges.
+
+use raystep_kernels::Ray;
+use raystep_scenes::Scene;
+
+use super::Random;
+
+/// A third each: from inside the scene's box, from outside towards it, from points on its surface. Without a triangle
+/// the last third starts inside.
+#[must_use]
+pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let bounds = scene.bounds();
+    let (min, size) = (bounds.min.as_dvec3(), (bounds.max - bounds.min).as_dvec3());
+    let diagonal = size.length();
+    let inside = |r: &mut Random| (min + size * glam::DVec3::new(r.unit(), r.unit(), r.unit())).as_vec3().to_array();
+    let ray = |i: usize| match i % 3 {
+        0 => Ray { origin: inside(&mut random), direction: random.direction() },
+        1 => {
+            let away = glam::Vec3::from(random.direction()).as_dvec3() * diagonal * (1.0 + random.unit());
+            let origin = (min + size * 0.5 + away).as_vec3();
+            let target = glam::Vec3::from(inside(&mut random));
+            Ray { origin: origin.to_array(), direction: (target - origin).to_array() }
+        }
+        _ => {
+            let Some(triangle) = scene.triangles.get(random.below(scene.triangles.len())) else {
+                return Ray { origin: inside(&mut random), direction: random.direction() };
+            };
+            let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
+            let (a, b) = (random.unit(), random.unit());
+            let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+            let origin = corners[0] + (corners[1] - corners[0]) * a + (corners[2] - corners[0]) * b;
+            Ray { origin: origin.as_vec3().to_array(), direction: random.direction() }
+        }
+    };
+    (0..count).map(ray).collect()
+}
+
+/// Rays with an end, as shadow rays are: from one point of the scene's box, or of its surface, to another such
+/// point, which lies at t = 1.
+#[must_use]
+pub fn segments(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
+    let (from, to) = (mixed(scene, 3 * count, seed), mixed(scene, 3 * count, seed + 1));
+    let ray = |i: usize| {
+        // Of three random rays, the first starts inside of the box, the last on the surface.
+        let (origin, target) = (from[3 * i + [0, 2][i % 2]].origin, to[3 * i + [0, 2][i / 2 % 2]].origin);
+        Ray { origin, direction: (glam::Vec3::from(target) - glam::Vec3::from(origin)).to_array() }
+    };
+    (0..count).map(ray).filter(|ray| ray.direction != [0.0; 3]).collect()
+}
+
+/// Rays from `origin` aimed at every corner and along every edge of the scene in turn, at points that
+/// f32 rounds to one side or the other. None without a triangle.
+#[must_use]
+pub fn at_edges(scene: &Scene, origin: [f32; 3], count: usize, seed: u64) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let from = glam::Vec3::from(origin).as_dvec3();
+    let ray = |i: usize| {
+        let triangle = scene.triangles.get(random.below(scene.triangles.len()))?;
+        let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
+        let edge = random.below(3);
+        let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
+        let along = match i % 4 {
+            0 => 0.0,
+            1 => 0.5,
+            _ => random.unit(),
+        };
+        Some(Ray { origin, direction: (a + (b - a) * along - from).as_vec3().to_array() })
+    };
+    (0..count).map_while(ray).collect()
+}

@@ -1,0 +1,285 @@
+//! The truth: every triangle against every ray in f64, from the exact f32 rays and corners that the
+//! kernels saw, with a bound on what f32 may get wrong.
+//!
+//! With u = 2⁻²⁴, a difference, product or sum rounds by a factor of at most 1 ± u, a division by WGSL's
+//! 2.5 units in the last place by 1 ± 5u. For the watertight test (see [`raystep_kernels::shared::triangle`]):
+//!
+//! * a sheared corner p = a − s·c, |s| ≤ 1, is off by at most (2|a| + 8|c|)·u ≤ 10u·r, r being the
+//!   corner's largest distance along an axis from the origin;
+//! * an edge function of corners q and r is off by at most |q|₁·10u·r_r + |r|₁·10u·r_q + 3u·(|qx·ry| +
+//!   |qy·rx|) + 2·10u·r_q·10u·r_r, and by what underflows; |·|₁ sums x and y;
+//! * t, a weighted mean of the corners' depths z, moves by Σ bound_i·|z_i − t| / |det| when the weights
+//!   move, twice that covers the higher orders, and by 18u·max|z| in its own arithmetic. Where the
+//!   bounds reach half the determinant, any t between the nearest and the farthest corner may come out.
+//!
+//! A **tie** is a ray for which those bounds leave a choice: an edge function within its bound, or two
+//! triangles whose |Δt| is within the sum of theirs. Everything else has one right answer, and where the surface
+//! goes on all around, a ray that hits none of the triangles there is missed, whatever the bounds say.
+
+mod crack;
+mod exact;
+mod verdict;
+
+use glam::DVec3;
+use raystep_kernels::numbers::parallel::map_ranges;
+
+pub use verdict::{Counts, Mistake, Verdict};
+
+const U: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// Four times f32's smallest normal number: what two products lose where they are flushed to 0.
+const UNDERFLOW: f64 = 4.0 * f32::MIN_POSITIVE as f64;
+
+/// What each of some rays may hit, origin and direction each, on all cores.
+#[must_use]
+pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
+    let triangles = BruteForce::new(vertices);
+    let part =
+        |range: std::ops::Range<usize>| range.map(|i| triangles.candidates(rays[i][0], rays[i][1])).collect::<Vec<_>>();
+    map_ranges(rays.len(), 16, part).concat()
+}
+
+/// Every triangle in f64: corners, and a sphere around each for a quick and safe no.
+pub struct BruteForce<'a> {
+    vertices: &'a [f32],
+    spheres: Vec<(DVec3, f64)>,
+}
+
+/// An edge function with what f32 may be off by.
+#[derive(Clone, Copy)]
+struct Edge {
+    value: f64,
+    bound: f64,
+}
+
+/// A triangle that a ray may hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Possible {
+    /// Its id.
+    pub triangle: u32,
+    /// Where the ray meets its plane.
+    pub t: f64,
+    /// What f32 may be off by.
+    pub t_bound: f64,
+    /// Weight of vertex 1; not finite where the triangle is seen edge-on.
+    pub u: f64,
+    /// Weight of vertex 2, likewise.
+    pub v: f64,
+    /// What f32 may be off by in u and v.
+    pub weight_bound: f64,
+    /// No bound leaves a doubt that the ray hits it.
+    pub is_definite: bool,
+    /// The exact ray hits the exact triangle; edges and corners count.
+    pub is_exact: bool,
+    /// Depth of the farthest corner: what the arithmetic's own error is relative to.
+    pub far: f64,
+}
+
+/// Tests one triangle (nine floats each in `vertices`) in f64. `None` where f32, too, must see a miss.
+#[must_use]
+pub fn possible(vertices: &[f32], origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
+    let triangles = BruteForce { vertices, spheres: Vec::new() };
+    triangles.test(origin, direction, triangle)
+}
+
+/// Whether the ray sees a triangle exactly edge-on, as it sees every triangle without an area: such a one is never
+/// hit.
+#[must_use]
+pub fn is_edge_on(vertices: &[f32], direction: [f32; 3], triangle: u32) -> bool {
+    let first = 9 * triangle as usize;
+    exact::is_edge_on(direction, [0, 3, 6].map(|c| [0, 1, 2].map(|a| vertices[first + c + a])))
+}
+
+/// All that one ray may hit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Candidates {
+    /// By id.
+    pub possible: Vec<Possible>,
+    /// The nearest triangle that the exact ray hits, and its t.
+    pub exact: Option<(u32, f64)>,
+    /// Smallest t by which a definite hit ends: nothing behind it can be right.
+    surely_by: Option<f64>,
+}
+
+impl Candidates {
+    /// The one that was found, if it is one.
+    #[must_use]
+    pub fn of(&self, triangle: u32) -> Option<&Possible> {
+        self.possible.binary_search_by_key(&triangle, |p| p.triangle).ok().map(|i| &self.possible[i])
+    }
+
+    /// Whether the bounds leave a choice of what is hit.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        let reachable = |p: &&Possible| self.surely_by.is_none_or(|by| p.t - p.t_bound <= by);
+        match self.possible.iter().filter(reachable).count() {
+            0 => false,
+            1 => self.surely_by.is_none(),
+            _ => true,
+        }
+    }
+
+    /// What became of a ray that found this; also the error of t in the units of [`Report::largest_t_ulp`](crate::judge::Report::largest_t_ulp).
+    #[must_use]
+    pub fn judge(&self, ray: usize, found: Option<(u32, f64)>) -> (Mistake, f64) {
+        let surely_by = self.surely_by.unwrap_or(f64::INFINITY);
+        let exact = self.exact;
+        let mut t_ulp = 0.0;
+        let verdict = match (found, found.and_then(|(triangle, _)| self.of(triangle))) {
+            (None, _) if surely_by.is_finite() => Verdict::Missed,
+            (None, _) if exact.is_some() => Verdict::Tie,
+            (None, _) => Verdict::Same,
+            (Some(_), None) if exact.is_none() && !surely_by.is_finite() => Verdict::False,
+            (Some(_), None) => Verdict::Wrong,
+            (Some((_, t)), Some(p)) => {
+                let error = (t - p.t).abs();
+                // The negated comparison catches NaN.
+                #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN is within no bound")]
+                if !(error <= p.t_bound) || surely_by < p.t - p.t_bound {
+                    Verdict::Wrong
+                } else if exact.is_some_and(|(k, _)| k == p.triangle) {
+                    t_ulp = error / (2.0 * U * p.far.max(t.abs()));
+                    Verdict::Same
+                } else {
+                    Verdict::Tie
+                }
+            }
+        };
+        (Mistake { ray, verdict, found: found.map(|(triangle, t)| (triangle, t as f32)), exact }, t_ulp)
+    }
+}
+
+impl<'a> BruteForce<'a> {
+    /// Of triangles with nine floats each.
+    #[must_use]
+    pub fn new(vertices: &'a [f32]) -> Self {
+        let sphere = |v: &[f32]| {
+            let p = [0, 3, 6].map(|c| wide([v[c], v[c + 1], v[c + 2]]));
+            let center = (p[0] + p[1] + p[2]) / 3.0;
+            let radius = p.iter().map(|q| (*q - center).length()).fold(0.0, f64::max);
+            (center, radius)
+        };
+        Self { vertices, spheres: vertices.chunks_exact(9).map(sphere).collect() }
+    }
+
+    /// How many triangles there are.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// Tests all of them.
+    #[must_use]
+    pub fn candidates(&self, origin: [f32; 3], direction: [f32; 3]) -> Candidates {
+        let (o, d) = (wide(origin), wide(direction));
+        let d_squared = d.dot(d);
+        let mut all = Candidates::default();
+        for (triangle, &(center, radius)) in self.spheres.iter().enumerate() {
+            let c = center - o;
+            let off = c.cross(d);
+            let reach = radius + 64.0 * U * (c.length() + radius);
+            if off.dot(off) > reach * reach * d_squared * (1.0 + 1e-9) {
+                continue;
+            }
+            let Some(p) = self.test(origin, direction, triangle as u32) else { continue };
+            if p.is_definite {
+                all.surely_by = Some(all.surely_by.map_or(p.t + p.t_bound, |by| by.min(p.t + p.t_bound)));
+            }
+            if p.is_exact && all.exact.is_none_or(|(_, t)| p.t < t) {
+                all.exact = Some((p.triangle, p.t));
+            }
+            all.possible.push(p);
+        }
+        all
+    }
+
+    /// The corners of a triangle.
+    fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
+        let first = 9 * triangle as usize;
+        [0, 3, 6].map(|c| [0, 1, 2].map(|a| self.vertices[first + c + a]))
+    }
+
+    /// The edge functions of a triangle, opposite corners 0, 1 and 2, and its corners' depths.
+    fn edges(&self, o: DVec3, d: DVec3, triangle: u32) -> ([Edge; 3], [f64; 3]) {
+        let corners = self.corners(triangle);
+        let largest = largest_axis(d);
+        let [i, j, k] = [(largest + 1) % 3, (largest + 2) % 3, largest];
+        let (sx, sy, sz) = (d[i] / d[k], d[j] / d[k], 1.0 / d[k]);
+        let (mut p, mut reach) = ([[0.0; 3]; 3], [0.0; 3]);
+        for c in 0..3 {
+            let a = wide(corners[c]) - o;
+            p[c] = [a[i] - sx * a[k], a[j] - sy * a[k], sz * a[k]];
+            reach[c] = 10.0 * U * a.x.abs().max(a.y.abs()).max(a.z.abs());
+        }
+        let edge = |q: usize, r: usize| {
+            let (a, b) = (p[q][0] * p[r][1], p[q][1] * p[r][0]);
+            let size = |c: usize| p[c][0].abs() + p[c][1].abs();
+            let bound = size(q) * reach[r]
+                + size(r) * reach[q]
+                + 2.0 * reach[q] * reach[r]
+                + 3.0 * U * (a.abs() + b.abs())
+                + UNDERFLOW;
+            Edge { value: a - b, bound }
+        };
+        ([edge(1, 2), edge(2, 0), edge(0, 1)], p.map(|c| c[2]))
+    }
+
+    /// `None` where f32, too, must see that the ray misses the triangle.
+    fn test(&self, origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
+        let corners = self.corners(triangle);
+        let (edges, z) = self.edges(wide(origin), wide(direction), triangle);
+        let could_be = |sign: f64| edges.iter().all(|e| sign * e.value >= -e.bound);
+        if !could_be(1.0) && !could_be(-1.0) {
+            return None;
+        }
+        let det: f64 = edges.iter().map(|e| e.value).sum();
+        let det_bound: f64 = edges.iter().map(|e| e.bound).sum();
+        let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
+        let own = 18.0 * U * near.abs().max(far.abs());
+        let weight_bound = (2.0 * det_bound / det.abs()).min(1.0) + 16.0 * U;
+        let (t, t_bound) = if det.abs() <= 2.0 * det_bound {
+            (0.5 * (near + far), 0.5 * (far - near) + own)
+        } else {
+            let t = (0..3).map(|c| edges[c].value * z[c]).sum::<f64>() / det;
+            let moved: f64 = (0..3).map(|c| edges[c].bound * (z[c] - t).abs()).sum();
+            (t, 2.0 * moved / det.abs() + own)
+        };
+        if t <= -t_bound {
+            return None;
+        }
+        let clear = |sign: f64| edges.iter().all(|e| sign * e.value > e.bound);
+        // f64 itself is off by far less than 2⁻²⁰ of what f32 is.
+        let certain = edges.iter().all(|e| e.value.abs() > e.bound * exp2_minus_20());
+        let is_exact = t > 0.0
+            && if certain {
+                edges.iter().all(|e| e.value > 0.0) || edges.iter().all(|e| e.value < 0.0)
+            } else {
+                exact::hits(origin, direction, corners)
+            };
+        let is_definite = (clear(1.0) || clear(-1.0)) && t > t_bound;
+        let (u, v) = (edges[1].value / det, edges[2].value / det);
+        let far = near.abs().max(far.abs());
+        Some(Possible { triangle, t, t_bound, u, v, weight_bound, is_definite, is_exact, far })
+    }
+}
+
+const fn exp2_minus_20() -> f64 {
+    1.0 / (1u64 << 20) as f64
+}
+
+/// As the kernels choose it.
+fn largest_axis(d: DVec3) -> usize {
+    let m = d.abs();
+    if m[0] > m[1] && m[0] > m[2] {
+        0
+    } else if m[1] > m[2] {
+        1
+    } else {
+        2
+    }
+}
+
+/// An f32 vector in f64, exactly.
+fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::from(v.map(f64::from))
+}

@@ -1,0 +1,147 @@
+//! What became of rays, by f64 brute force with exact predicates.
+//!
+//! Every triangle against every ray is too much for a large scene: then a random sample of the rays is judged, spread
+//! over all of them and the same in every run.
+//!
+//! At an edge f32 may not know which of two triangles a ray hits, and either is right. But where the surface goes on all
+//! around, one of them it must be: a ray that goes on is lost, and counts as missed.
+
+use raystep_kernels::Renderer;
+
+use super::table::Row;
+use super::work::{SEED, Work};
+use crate::Error;
+use crate::judge::{self, Cracks, Traced, sample};
+use crate::reference::{Counts, Possible, Verdict};
+
+/// Truth, worked out for the first run that is judged and kept for the others.
+#[derive(Default)]
+pub(super) struct Judge(judge::Judge);
+
+/// A hit that is right, to measure its t.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Right {
+    /// Its place in the sample.
+    pub(super) place: usize,
+    /// As it was found, in traced units.
+    pub(super) t: f64,
+    /// What is exact, and the bound.
+    pub(super) exact: Possible,
+}
+
+/// What a run found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Judged {
+    /// One a ray of the sample; `None` where it is not decided what the ray hits.
+    pub(super) verdicts: Vec<Option<Verdict>>,
+    /// The same, counted.
+    pub(super) counts: Counts,
+    /// Every hit of the exact triangle.
+    pub(super) right: Vec<Right>,
+    /// Of all rays those that still walked when their bound was reached, or the run was given up.
+    pub(super) at_bound: u64,
+}
+
+impl Judge {
+    /// The most rays that are judged of a scene with so many triangles.
+    pub(super) fn most_rays(work: &Work<'_>) -> usize {
+        // Some nanoseconds each: a second or two on a few cores.
+        let tests: usize = work.either(1 << 24, 1 << 28);
+        (tests / work.subject.scene.triangles.len().max(1)).max(64)
+    }
+
+    /// Judges a run that is over, or as far as it came.
+    pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
+        let traced = work.machine().wait(Traced::read(renderer))?;
+        self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), SEED));
+        let walking = (0..traced.rays()).filter(|&ray| !traced.is_decided(ray)).count() as u64;
+        let mut judged = Judged { at_bound: renderer.unfinished().max(walking), ..Judged::default() };
+        let verdicts = self.0.of(&traced, Cracks::Missed);
+        for (place, &ray) in self.sample().iter().enumerate() {
+            if !traced.is_decided(ray) {
+                judged.verdicts.push(None);
+                continue;
+            }
+            let judge::Judged { hit, candidates, mistake } = verdicts.judge(place);
+            if let (Verdict::Same, Some(hit)) = (mistake.verdict, hit)
+                && let Some(&exact) = candidates.of(hit.triangle)
+            {
+                judged.right.push(Right { place, t: hit.t, exact });
+            }
+            judged.counts.add(mistake.verdict);
+            judged.verdicts.push(Some(mistake.verdict));
+        }
+        Ok(judged)
+    }
+
+    /// The rays that are judged.
+    pub(super) fn sample(&self) -> &[usize] {
+        self.0.sample()
+    }
+
+    /// The direction of a ray of the sample, in traced units per unit of t.
+    pub(super) fn direction(&self, place: usize) -> [f64; 3] {
+        self.0.ray(place)[1].map(f64::from)
+    }
+}
+
+impl Judged {
+    /// What to know of a run that was given up.
+    pub(super) fn given_up(&self) -> String {
+        format!("given up, too slow or without an end: {} rays were not decided and are not judged", self.at_bound)
+    }
+
+    /// Fills the columns of verdicts.
+    pub(super) fn fill(&self, row: Row) -> Row {
+        let (rays, errors) = (self.counts.rays(), self.counts.errors());
+        let million = |share: f64| 1e6 * share;
+        let interval = crate::statistics::wilson(errors, rays);
+        row.set("judged_rays", rays)
+            .set("missed", self.counts.missed)
+            .set("false_hits", self.counts.false_hits)
+            .set("wrong_hits", self.counts.wrong)
+            .set("undecided", self.counts.ties)
+            .set("wrong_rays", errors)
+            .set("wrong_per_million", (rays > 0).then(|| million(errors as f64 / rays as f64)))
+            .set("wrong_per_million_low", interval.map(|i| million(i[0])))
+            .set("wrong_per_million_high", interval.map(|i| million(i[1])))
+            .set("at_bound", self.at_bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use raystep_kernels::{Device, GridSize, Options};
+    use raystep_scenes::generate;
+
+    use super::*;
+    use crate::machine::now_ns;
+    use crate::meter::Meter;
+    use crate::reporter::Silent;
+    use crate::subject::{Size, Subject};
+    use crate::{Hash, Machine};
+
+    #[test]
+    fn a_run_that_was_given_up_has_verdicts_of_decided_rays_only() {
+        let scene = generate::cornell_box();
+        let subject = Subject { camera: scene.cameras[0].clone(), scene, hash: Hash::default(), file: String::new() };
+        let meter = Meter::new(Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() });
+        let (subject, meter, size) = (&subject, &meter, Size { width: 16, height: 16 });
+        let work = Work { subject, meter, size, grid: GridSize::Auto, is_quick: true, reporter: &Silent };
+        let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
+        let mut renderer = work.build(&options).expect("a plan").renderer;
+        let mut judge = Judge::default();
+        let mut judge_after = |passes: usize| {
+            work.machine().wait(renderer.run_to(passes, |_| ControlFlow::Continue(()))).expect("passes");
+            judge.judge(&work, &renderer).expect("streams")
+        };
+        let halfway = (1..).map(|k| judge_after(4 * k)).find(|judged| judged.at_bound < 256).expect("a decided ray");
+        assert!((1..256).contains(&halfway.at_bound), "{}", halfway.at_bound);
+        assert_eq!((halfway.counts.rays() + halfway.at_bound, halfway.counts.errors()), (256, 0));
+        assert!(halfway.given_up().contains(&halfway.at_bound.to_string()));
+        let all = judge_after(usize::MAX);
+        assert_eq!((all.counts.rays(), all.at_bound, all.counts.errors()), (256, 0, 0));
+    }
+}

@@ -1,0 +1,199 @@
+//! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may go another way.
+//!
+//! Two executors start from the same streams. After the pass, integers and what is only copied must be equal, and
+//! floats as near as WGSL's rules for rounding allow, but for rays that f32 cannot decide.
+
+mod judge;
+mod nudge;
+
+use raystep_kernels::Kernel;
+use raystep_kernels::numbers::real::{Vec3, ulps};
+use raystep_kernels::plan::Plan;
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::bvh_walk::finite_inverse;
+use raystep_kernels::shared::camera::eye_ray;
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::shared::grid_walk::smallest_axis;
+use raystep_kernels::shared::vector::smallest3;
+use raystep_kernels::tables::stream::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
+
+use crate::reference::{Possible, possible};
+pub use judge::{Component, Judged, Verdict, judging_bytes};
+
+/// What a ray is made of.
+const RAY: [Stream; 2] = [Stream::RayDirection, Stream::RayOrigin];
+
+/// The rays before a pass, and what f32 can decide about them.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounding<'a> {
+    /// The run.
+    pub plan: &'a Plan,
+    /// Its scene.
+    pub data: &'a SceneData,
+    /// The kernel of the pass.
+    pub kernel: Kernel,
+    /// Every stream of the run before it.
+    pub before: &'a [StreamData],
+}
+
+impl Rounding<'_> {
+    /// A component before the pass; 0 where the run does not have the stream.
+    fn component(&self, stream: Stream, layer: usize, ray: usize) -> u32 {
+        self.before.iter().find(|s| s.stream == stream).map_or(0, |s| s.get(layer, ray))
+    }
+
+    fn floats(&self, stream: Stream, ray: usize) -> [f32; 3] {
+        [0, 1, 2].map(|layer| f32::from_bits(self.component(stream, layer, ray)))
+    }
+
+    /// Origin and direction: from the streams, or those that the kernel makes itself.
+    fn ray(&self, ray: usize) -> [[f32; 3]; 2] {
+        if self.data.features.eye_rays {
+            let (x, y) = (ray as u32 % self.plan.width, ray as u32 / self.plan.width);
+            let (origin, direction) = eye_ray::<f32>(&self.data.camera, self.data.features.perspective, x, y);
+            return [origin.to_array(), direction.to_array()];
+        }
+        let [direction, origin] = RAY.map(|s| self.floats(s, ray));
+        [origin, direction]
+    }
+
+    /// Most steps of a ray in the pass.
+    fn steps(&self) -> u32 {
+        if self.kernel == Kernel::Walk { self.data.info.steps } else { 1 }
+    }
+
+    /// The largest difference that WGSL's rounding rules allow for a float after one kernel: a division may
+    /// be off by 2.5 units in the last place, and a product that is added to may be contracted or not.
+    /// Software Vulkan does neither, and is equal bit for bit; an H200 does both.
+    ///
+    /// * ray_direction, ray_origin: sums of three terms of the size of the view plane; 4 roundings of those.
+    /// * tmax: a division and a product: 4 ulp; by the paper's rules it grows by that at every step, of which there are
+    ///   fewer than loop turns where it waits in place or scan.
+    /// * color: square roots, divisions and sums of terms below 1 or the value itself; a spot's cone multiplies
+    ///   the error of a cosine by its scale.
+    /// * accumulated, and color where it is given the mean: a division that is added to; 4 roundings.
+    /// * t, u, v: by the triangle's own bound, see [`super`]. It allows the 10 roundings of a
+    ///   sheared corner; a ray that the kernel makes itself is off by 4 more, so the double of it covers both.
+    ///
+    /// Integers, and what is only copied, must be equal but for rays that f32 cannot decide.
+    fn allows(&self, (stream, layer): (Stream, usize), a: u32, b: u32, possible: Option<&Possible>) -> bool {
+        let (x, y) = (f32::from_bits(a), f32::from_bits(b));
+        let size = x.abs().max(y.abs()).max(1.0);
+        let difference = f64::from((x - y).abs());
+        match (stream, layer) {
+            (Stream::RayOrigin | Stream::RayDirection, _) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
+            (Stream::TMax, _) => ulps(a, b) <= 4 * u64::from(self.steps()),
+            (Stream::Place, 4..) | (Stream::Scan, 1..) => ulps(a, b) <= 4 * u64::from(self.data.features.turns),
+            (Stream::Hit, 0 | 1) => possible.is_some_and(|p| difference <= 2.0 * p.weight_bound),
+            (Stream::State, STATE_T) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
+            (Stream::Color, _) => {
+                let cone = self.data.lights.iter().fold(1.0f32, |m, l| m.max(l.cone_scale));
+                let of_one_kernel = if self.kernel == Kernel::Accumulate { 4.0 } else { 64.0 * cone };
+                (x - y).abs() <= of_one_kernel * f32::EPSILON * size
+            }
+            (Stream::Accumulated, 0..ACCUMULATED_SAMPLES) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
+            _ => false,
+        }
+    }
+
+    /// The triangle that the pass tests, or `hit`, the one that a pass of many tests ends with, as f64 sees it.
+    fn tested(&self, ray: usize, hit: u32) -> Option<Possible> {
+        let (cell, item) =
+            (self.component(Stream::State, STATE_CELL, ray), self.component(Stream::State, STATE_ITEM, ray));
+        let [origin, direction] = self.ray(ray);
+        let seen = |triangle| possible(&self.data.vertices, origin, direction, triangle);
+        match self.kernel {
+            Kernel::Intersect => {
+                let (first, count) = self.data.list(cell);
+                (item < count).then(|| seen(self.data.listed(first + item))).flatten()
+            }
+            Kernel::Walk | Kernel::Fused => (hit < self.data.info.triangles).then(|| seen(hit)).flatten(),
+            _ => None,
+        }
+    }
+
+    /// Whether the node's box is met or missed by less than it was grown by.
+    fn grazes_a_box(&self, ray: usize, origin: [f64; 3], direction: [f64; 3]) -> bool {
+        let [origin, direction] = [origin, direction].map(Vec3::<f64>::from);
+        let inverse = finite_inverse(direction);
+        let nearest_t = f64::from(f32::from_bits(self.component(Stream::State, STATE_T, ray)));
+        let node = self.component(Stream::State, STATE_CELL, ray);
+        let Some(node) = self.data.bvh_nodes.get(node as usize) else { return false };
+        let growth = f64::from(self.data.growth);
+        let meets = |by: f64| {
+            let side = |v: [f32; 3], by: f64| Vec3::<f64>::from_f32(v) + Vec3::splat(by);
+            let (t0, t1) = ((side(node.min, -by) - origin) * inverse, (side(node.max, by) - origin) * inverse);
+            let (t0, t1) = (t0.to_array(), t1.to_array());
+            let enter = (0..3).map(|a| t0[a].min(t1[a])).fold(0.0, f64::max);
+            let leave = (0..3).map(|a| t0[a].max(t1[a])).fold(nearest_t, f64::min);
+            enter <= leave
+        };
+        meets(growth) != meets(-growth)
+    }
+
+    /// Whether a point is so near to a plane of the grid that f32 cannot tell on which side it lies.
+    fn near_plane(&self, point: [f64; 3], without: Option<usize>) -> bool {
+        let (grid, growth) = (&self.data.grid, f64::from(self.data.growth));
+        (0..3).filter(|&a| without != Some(a)).any(|a| {
+            let width = f64::from(grid.width[a]);
+            let at = (point[a] - f64::from(grid.corner[a])) / width;
+            (at - at.round()).abs() * width <= growth
+        })
+    }
+
+    /// Whether f32 cannot tell in which cell the ray's walk begins. The entry point lies on a face of the
+    /// grid's box: that axis is clamped, the other two may be near a plane by chance.
+    fn walk_may_begin_elsewhere(&self, ray: usize) -> bool {
+        let ([origin, direction], grid) = (self.ray(ray).map(|v| v.map(f64::from)), &self.data.grid);
+        let (mut enter, mut axis) = (0.0, None);
+        for a in (0..3).filter(|&a| direction[a] != 0.0) {
+            let face = |i: i32| f64::from(grid.corner[a]) + f64::from(grid.width[a]) * f64::from(i);
+            let t = [face(0), face(grid.cells[a])].map(|f| (f - origin[a]) / direction[a]);
+            if t[0].min(t[1]) > enter {
+                (enter, axis) = (t[0].min(t[1]), Some(a));
+            }
+        }
+        self.near_plane([0, 1, 2].map(|a| origin[a] + direction[a] * enter), axis)
+    }
+
+    /// Whether f32 cannot tell in which cell a leap over empty ones ends. It ends on a face of the empty cube: two
+    /// faces that are crossed at nearly the same t are near the point where they are, too.
+    fn leap_may_end_elsewhere(&self, ray: usize) -> bool {
+        let (grid, cell) = (&self.data.grid, self.component(Stream::State, STATE_CELL, ray));
+        let distance = self.data.empty_distance(cell);
+        if distance <= 1 {
+            return false;
+        }
+        let [origin, direction] = self.ray(ray).map(Vec3::<f64>::from_f32);
+        let grid_ray = grid.ray(self.data.features.walk_rules(), origin, direction);
+        let forward = grid_ray.per_axis.map(|v| if v > 0.0 { distance - 1 } else { 1 - distance }).to_array();
+        let here = grid.cell_of_index(cell);
+        let exit = grid.cell_exit([0, 1, 2].map(|a| here[a].wrapping_add(forward[a])), &grid_ray);
+        let (t, axis) = (smallest3(exit), smallest_axis(exit).iter().position(|&is| is));
+        self.near_plane((origin + direction * t).to_array(), axis)
+    }
+
+    /// Whether rounding alone may send the ray another way in this pass; `None` where only rays next to it can tell,
+    /// see [`nudge`].
+    fn is_undecided(&self, ray: usize) -> Option<bool> {
+        let [origin, direction] = self.ray(ray).map(|v| v.map(f64::from));
+        let at = |t: f64| [0, 1, 2].map(|a| origin[a] + direction[a] * t);
+        let by_a_triangle = |p: Possible| {
+            let exit = self.floats(Stream::TMax, ray).into_iter().fold(f32::INFINITY, f32::min);
+            let nearest = f32::from_bits(self.component(Stream::State, STATE_T, ray));
+            let close = |t: f32| (f64::from(t) - p.t).abs() <= 2.0 * p.t_bound;
+            let in_cell = self.data.features.in_cell;
+            !p.is_definite || close(exit) || close(nearest) || in_cell && self.near_plane(at(p.t), None)
+        };
+        match self.kernel {
+            Kernel::Setup => Some(self.walk_may_begin_elsewhere(ray)),
+            Kernel::Intersect => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
+            // Many cells, boxes and triangles.
+            Kernel::Walk | Kernel::Fused => None,
+            Kernel::TraverseGrid if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
+            Kernel::TraverseBvh => Some(self.grazes_a_box(ray, origin, direction)),
+            // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
+            Kernel::Generate | Kernel::TraverseGrid | Kernel::Shade | Kernel::Accumulate => Some(false),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Rays next to a ray: where a pass takes many decisions, what a device made of a ray must be what becomes of a ray
+//! whose components are off by no more than a division, a product and a sum may make of them.
+
+use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
+use raystep_kernels::plan::Plan;
+use raystep_kernels::scene_data::SceneData;
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, Stream, StreamData};
+
+use super::{RAY, Rounding};
+
+/// How far, in half units in the last place of the largest component, and what is moved, an index into [`RAY`].
+const MOVES: [(f32, usize); 4] = [(1.0, 0), (4.0, 0), (1.0, 1), (4.0, 1)];
+
+impl Rounding<'_> {
+    /// Which of `rays` went, in `after`, where one goes whose components are off by up to 4 roundings of the largest,
+    /// along any combination of axes. Takes the memory of these rays' streams once more, or of all rays' where the
+    /// kernel makes them itself.
+    pub(super) fn are_nearly(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, OutOfMemory> {
+        // Rays that the kernel makes itself are known by their pixels; others can stand anywhere.
+        let is_gathered = !self.data.features.eye_rays;
+        let (plan, before);
+        let (plan, before) = if is_gathered {
+            plan = Plan { width: rays.len() as u32, height: 1, ..self.plan.clone() };
+            before = self.before.iter().map(|s| gathered(s, rays)).collect::<Vec<_>>();
+            (&plan, before.as_slice())
+        } else {
+            (self.plan, self.before)
+        };
+        let mut own_data = (!is_gathered).then(|| self.data.clone());
+        let mut are = vec![false; rays.len()];
+        for (roundings, moved) in MOVES {
+            for way in 0..27 {
+                let signs = [way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1].map(|s| s as f32);
+                let by = signs.map(|s| s * roundings * 0.5 * f32::EPSILON);
+                if let Some(data) = &mut own_data {
+                    data.camera = self.data.camera;
+                    let of_eye = if moved == 0 { &mut data.camera.forward } else { &mut data.camera.eye };
+                    *of_eye = nudged(*of_eye, by);
+                }
+                let data = own_data.as_ref().unwrap_or(self.data);
+                let moved_on = self.after_moving(RAY[moved], by, (plan, data, before))?;
+                for (i, &ray) in rays.iter().enumerate() {
+                    are[i] = are[i] || self.is_same((&moved_on, if is_gathered { i } else { ray }), (after, ray));
+                }
+                if are.iter().all(|&is| is) {
+                    return Ok(are);
+                }
+            }
+        }
+        Ok(are)
+    }
+
+    /// The streams after the twin's pass, for rays one part of which is moved.
+    fn after_moving(
+        &self,
+        part: Stream,
+        by: [f32; 3],
+        (plan, data, before): (&Plan, &SceneData, &[StreamData]),
+    ) -> Result<Vec<StreamData>, OutOfMemory> {
+        let mut twin = CpuExecutor::<f32>::new(plan, None)?;
+        for stream in before {
+            if stream.stream != part {
+                twin.write(stream);
+                continue;
+            }
+            let mut stream = stream.clone();
+            let rays = stream.bits.len() / 3;
+            for ray in 0..rays {
+                let v = nudged([0, 1, 2].map(|axis| stream.get_f32(axis, ray)), by);
+                (0..3).for_each(|axis| stream.bits[axis * rays + ray] = v[axis].to_bits());
+            }
+            twin.write(&stream);
+        }
+        twin.run(self.kernel, data);
+        Ok(before.iter().filter_map(|s| twin.read(s.stream)).collect())
+    }
+
+    fn is_same(&self, (moved, at): (&[StreamData], usize), (after, ray): (&[&StreamData], usize)) -> bool {
+        let of = |stream: Stream| moved.iter().find(|s| s.stream == stream);
+        let possible = self.tested(ray, of(Stream::Hit).map_or(NO_TRIANGLE, |s| s.get(HIT_TRIANGLE, at)));
+        after.iter().filter(|s| !RAY.contains(&s.stream)).all(|now| {
+            (0..now.stream.layers()).all(|layer| {
+                let (a, b) = (of(now.stream).map_or(0, |s| s.get(layer, at)), now.get(layer, ray));
+                a == b || self.allows((now.stream, layer), a, b, possible.as_ref())
+            })
+        })
+    }
+}
+
+/// A vector moved along each axis by a share of its largest component.
+fn nudged(v: [f32; 3], by: [f32; 3]) -> [f32; 3] {
+    let largest = v.iter().fold(0.0f32, |m, c| m.max(c.abs()));
+    [0, 1, 2].map(|axis| v[axis] + by[axis] * largest)
+}
+
+/// The texels of some rays, one after the other.
+fn gathered(stream: &StreamData, rays: &[usize]) -> StreamData {
+    let bits = (0..stream.stream.layers()).flat_map(|layer| rays.iter().map(move |&ray| stream.get(layer, ray)));
+    StreamData { stream: stream.stream, width: rays.len() as u32, height: 1, bits: bits.collect() }
+}

@@ -1,0 +1,37 @@
+//! What is claimed of the cases: how many rays may be undecided, and where the paper's rules must fail; each with the
+//! reason.
+
+use raystep_kernels::options::Accelerator::{self, Bvh, Grid, None};
+
+use crate::stability::{Ceiling, Paper};
+
+pub(super) const BY_CHANCE: Ceiling = Ceiling {
+    share: 0.002,
+    because: "an edge function's bound is some 20 roundings of the distance; edges are long enough for 1 ray in 1,000",
+};
+pub(super) const NONE: Ceiling = Ceiling { share: 0.0, because: "edge functions are exact here" };
+pub(super) const AT_EDGES: Ceiling =
+    Ceiling { share: 0.5, because: "of two triangles at an edge either may be the exact one" };
+pub(super) const HALF_AT_EDGES: Ceiling = Ceiling {
+    share: 0.25,
+    because: "half of the rays are at edges, and of two triangles there either may be the exact one",
+};
+pub(super) const AT_CORNERS: Ceiling =
+    Ceiling { share: 5.0 / 6.0, because: "of six triangles around a corner any may be the exact one" };
+pub(super) const fn up_to(share: f64, because: &'static str) -> Ceiling {
+    Ceiling { share, because }
+}
+
+pub(super) const fn fails(fails_on: &'static [Accelerator], because: &'static str) -> Paper {
+    Paper { fails_on, because }
+}
+
+pub(super) const EDGES_CRACK: Paper = fails(
+    &[Grid, Bvh, None],
+    "Möller-Trumbore works out an edge anew in each of its triangles, and a ray may miss it in both",
+);
+pub(super) const OUTSIDE: Paper = fails(&[Grid], "an origin outside of the grid is not handled");
+pub(super) const SMALL: Paper = fails(
+    &[Grid, Bvh, None],
+    "the determinant's threshold of 1e-6 is absolute, and these triangles' determinants are smaller",
+);

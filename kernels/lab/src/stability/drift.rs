@@ -1,0 +1,218 @@
+//! How far tMax is off along a walk of 3,000 cells: from the cell's coordinates each time, it is off as much at the end
+//! as at the beginning; accumulated, its error grows with the square of the cells at worst.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::export::csv;
+use raystep_kernels::options::{Accelerator, Numerics, Options, Rule, ScheduleKind, Skip};
+use raystep_kernels::renderer::{Device, RenderError, Renderer};
+use raystep_kernels::shared::constants::INF;
+use raystep_kernels::tables::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
+use raystep_kernels::tables::stream::{STATE_CELL, STATE_TAG, Stream, StreamData};
+
+use crate::stability::row::Place;
+use crate::stability::{StabilityError, make};
+
+/// What robust rules stay within, in the unit of [`Sample::error`], half units in the last place: the plane is rounded
+/// once where it is no exact f32, the difference once, WGSL's division is off by 5 at most, the product is rounded once.
+/// Plane and origin lie on one side of 0 here, so that their difference is no larger than the larger of them.
+pub const BOUND: f64 = 8.0;
+
+/// Cells between two samples.
+const EVERY: usize = 50;
+
+/// Cells of the walk. Rays that the paper's rules let through the wall at its end leave the grid soon after, and
+/// their cells mean nothing then.
+const CELLS: u32 = 3000;
+
+/// By which rules tMax is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rules {
+    /// Their name in reports.
+    pub name: &'static str,
+    numerics: Numerics,
+    without: Option<Rule>,
+}
+
+/// All that are compared.
+pub const RULES: [Rules; 3] = [
+    Rules { name: "robust", numerics: Numerics::Robust, without: None },
+    Rules { name: "robust, tMax accumulated", numerics: Numerics::Robust, without: Some(Rule::TMax) },
+    Rules { name: "paper", numerics: Numerics::Paper, without: None },
+];
+
+/// The rays that are walking after so many cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Cells that the ray which is farthest has visited.
+    pub cells: u32,
+    /// Rays that are walking.
+    pub rays: u64,
+    /// The largest error of tMax, in units of 2⁻²⁴ · max(|plane|, |origin|) / |direction| along its axis.
+    pub error: f64,
+    /// The largest error, in t.
+    pub error_t: f64,
+}
+
+/// Walks, and measures at every 50th cell.
+///
+/// # Errors
+/// Where the device fails.
+pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Sample>, StabilityError> {
+    let workload = make::long_walk(rays)?;
+    let options = Options {
+        accelerator: Accelerator::Grid,
+        schedule: ScheduleKind::Second,
+        numerics: rules.numerics,
+        without: rules.without,
+        grid: workload.grid,
+        skip: Skip::Off,
+        counters: true,
+        shade: false,
+        keep_passes: false,
+        ..Options::new(workload.rays)
+    };
+    let mut renderer = Renderer::new(&workload.scene, &options, device).await?;
+    let mut samples = Vec::new();
+    loop {
+        // A cell of this walk has an empty list, but for the last: a pass to notice, and one to go on.
+        let until = renderer.pass_count() + 2 * EVERY;
+        match renderer.run_to(until, |_| ControlFlow::Continue(())).await {
+            Ok(()) | Err(RenderError::Cancelled { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+        match sample(&renderer).await? {
+            Some(sample) if sample.cells <= CELLS => samples.push(sample),
+            _ => return Ok(samples),
+        }
+        if renderer.next_kernel().is_none() {
+            return Ok(samples);
+        }
+    }
+}
+
+/// `None` where no ray is walking.
+async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
+    let [origin, direction, state, tmax, counters] =
+        [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::TMax, Stream::Counters];
+    let (origin, direction) = (renderer.values(origin).await?, renderer.values(direction).await?);
+    let (state, tmax) = (renderer.values(state).await?, renderer.values(tmax).await?);
+    let counters = renderer.values(counters).await?;
+    let grid = &renderer.data().grid;
+    let mut all = Sample { cells: 0, rays: 0, error: 0.0, error_t: 0.0 };
+    for ray in 0..renderer.plan().rays as usize {
+        if ![TRAV, ISECT_NO_HIT, ISECT_HIT].contains(&state.get(STATE_TAG, ray)) {
+            continue;
+        }
+        all.rays += 1;
+        all.cells = all.cells.max(counters.get(0, ray));
+        let cell = grid.cell_of_index(state.get(STATE_CELL, ray));
+        for (axis, index) in cell.into_iter().enumerate() {
+            let number = |stream: &StreamData| f64::from(stream.get_f32(axis, ray));
+            let (o, d, t) = (number(&origin), number(&direction), number(&tmax));
+            if d == 0.0 || t >= f64::from(INF) {
+                continue;
+            }
+            let ahead = index + i32::from(d > 0.0);
+            let plane = f64::from(grid.corner[axis]) + f64::from(grid.width[axis]) * f64::from(ahead);
+            let error = (t - (plane - o) / d).abs();
+            let unit = plane.abs().max(o.abs()) / d.abs() / f64::from(1 << 24);
+            all.error_t = all.error_t.max(error);
+            all.error = all.error.max(error / unit);
+        }
+    }
+    Ok((all.rays > 0).then_some(all))
+}
+
+/// Columns of `tmax.csv`.
+///
+/// | column | holds |
+/// |---|---|
+/// | `schema_version` | 1 |
+/// | `device`, `adapter` | as in `stability.csv` |
+/// | `rules` | how tMax is kept, see [`RULES`] |
+/// | `cells` | that the ray which is farthest has visited |
+/// | `rays` | that are walking |
+/// | `error_units` | the largest error of tMax, in units of 2⁻²⁴ · max(\|plane\|, \|origin\|) / \|direction\| |
+/// | `error_t` | the same in t |
+/// | `bound_units` | what robust rules stay within, [`BOUND`]; empty for others |
+pub const COLUMNS: [&str; 9] =
+    ["schema_version", "device", "adapter", "rules", "cells", "rays", "error_units", "error_t", "bound_units"];
+
+/// Samples of a walk, with how they came about.
+#[derive(Clone, Debug)]
+pub struct Walked {
+    /// Where.
+    pub place: Place,
+    /// How.
+    pub rules: Rules,
+    /// From the first to the last cell.
+    pub samples: Vec<Sample>,
+}
+
+impl Walked {
+    /// Whether these are rules that must stay within [`BOUND`].
+    #[must_use]
+    pub fn is_bounded(&self) -> bool {
+        self.rules.numerics == Numerics::Robust && self.rules.without.is_none()
+    }
+
+    /// The largest error, in the unit of [`Sample::error`].
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.samples.iter().fold(0.0, |most, sample| most.max(sample.error))
+    }
+
+    /// Whether it is as it must be: robust rules within the bound, the others beyond it.
+    #[must_use]
+    pub fn is_as_expected(&self) -> bool {
+        !self.samples.is_empty() && (self.largest() <= BOUND) == self.is_bounded()
+    }
+}
+
+/// Writes `tmax.csv`.
+///
+/// # Errors
+/// Where `out` fails.
+pub fn write_rows(out: impl std::io::Write, all: &[Walked]) -> std::io::Result<()> {
+    let mut writer = csv::writer(out);
+    writer.write_record(COLUMNS)?;
+    for walked in all {
+        for sample in &walked.samples {
+            writer.write_record([
+                "1",
+                walked.place.device,
+                &walked.place.adapter,
+                walked.rules.name,
+                &sample.cells.to_string(),
+                &sample.rays.to_string(),
+                &format!("{:.4}", sample.error),
+                &format!("{:.4e}", sample.error_t),
+                &if walked.is_bounded() { BOUND.to_string() } else { String::new() },
+            ])?;
+        }
+    }
+    writer.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn walked(rules: Rules) -> Walked {
+        let samples = pollster::block_on(walk(rules, 16, &Device::Cpu(None))).expect("a walk");
+        Walked { place: Place { device: "cpu_f32", adapter: String::new() }, rules, samples }
+    }
+
+    #[test]
+    fn tmax_from_the_cell_stays_within_its_bound_over_3000_cells_and_accumulated_it_does_not() {
+        for rules in RULES {
+            let walked = walked(rules);
+            let (first, last) = (walked.samples[0], walked.samples[walked.samples.len() - 1]);
+            assert!(last.cells > 2900, "{}: {} cells", rules.name, last.cells);
+            assert!(walked.is_as_expected(), "{}: {}", rules.name, walked.largest());
+            let growth = last.error / first.error.max(1.0);
+            assert!(if walked.is_bounded() { growth <= 2.0 } else { growth > 10.0 }, "{}: {growth}", rules.name);
+        }
+    }
+}

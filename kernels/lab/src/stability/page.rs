@@ -1,0 +1,258 @@
+//! `stability.html`: one page that needs nothing beside it. Its numbers are the fields of `stability.csv`.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+
+use super::picture::{LEGEND, Picture};
+use super::{Outcome, Report, Row, drift, probe, table};
+use crate::Error;
+use crate::html::{self, escaped};
+use crate::plots::{self, Axis, Mark, Plot, Scale, Series, Stroke};
+
+/// Columns of a case's table, with their headings.
+const SHOWN: [(&str, &str); 21] = [
+    ("numerics", "numerics"),
+    ("accelerator", "accelerator"),
+    ("schedule", "schedule"),
+    ("triangle_test", "triangle test"),
+    ("device", "device"),
+    ("missed", "missed"),
+    ("false_hits", "false"),
+    ("wrong", "wrong"),
+    ("undecided", "undecided"),
+    ("edge_on", "edge-on"),
+    ("non_finite", "not finite"),
+    ("at_bound", "at bound"),
+    ("passes", "passes"),
+    ("t_relative", "t, relative"),
+    ("t_ulp", "t, ulp"),
+    ("u_relative", "u, relative"),
+    ("u_ulp", "u, ulp"),
+    ("v_relative", "v, relative"),
+    ("v_ulp", "v, ulp"),
+    ("expected", "expected"),
+    ("result", "result"),
+];
+
+/// What only this page has.
+const STYLE: &str = "\
+figure{display:inline-block;margin:.4rem 1rem .4rem 0;vertical-align:top}figcaption{max-width:16rem}img{image-rendering:\
+pixelated;border:1px solid var(--rule);width:16rem}.key{display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 1em;\
+border:1px solid #bbb}";
+
+/// The page.
+pub(super) fn html(report: &Report) -> Result<String, Error> {
+    let (mut page, outcomes) = (String::new(), &report.outcomes);
+    let rows: Vec<&Row> = outcomes.iter().flat_map(|o| &o.rows).collect();
+    let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
+    let adapter = rows.iter().map(|row| row.field("adapter")).find(|name| !name.is_empty());
+    // Writing to a string cannot fail.
+    let _ = write!(
+        page,
+        "<h1>Stability</h1>\n<p>Every ray of {} cases against f64 brute force with exact predicates at edges: {} runs, \
+         {odd} of them not as expected. GPU: {}. All numbers are in <code>stability.csv</code>, beside this page.</p>\n\
+         <p>Robust rules must make no error. The paper's rules must fail where a case says so; elsewhere they may. \
+         <em>Undecided</em> are rays whose hit is not the exact one where f32 cannot tell. Errors of t, u and v are the \
+         largest among hits of the exact triangle: relative to the exact value, and in units in the last place of what \
+         the arithmetic rounds.</p>\n<p>",
+        outcomes.len(),
+        rows.len(),
+        escaped(adapter.unwrap_or("none")),
+    );
+    for ([r, g, b], name) in LEGEND {
+        let _ = write!(page, "<span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>{name}");
+    }
+    page += "</p>\n";
+    for (id, name, is_there) in [
+        ("tmax", "tMax along a walk", !report.walks.is_empty()),
+        ("pipelines", "pipelines", !report.pipelines.is_empty()),
+    ] {
+        if is_there {
+            let _ = writeln!(page, "<p>Beside the cases: <a href=\"#{id}\">{name}</a>.</p>");
+        }
+    }
+    overview(&mut page, outcomes);
+    for outcome in outcomes {
+        section(&mut page, outcome)?;
+    }
+    walks(&mut page, &report.walks)?;
+    pipelines(&mut page, &report.pipelines);
+    Ok(html::page("raystep: stability", &(STYLE.to_owned() + &plots::style()), &page))
+}
+
+/// A line a case, linked to its section.
+fn overview(page: &mut String, outcomes: &[Outcome]) {
+    *page +=
+        "<table><tr><th class=\"l\">case</th><th class=\"l\">what</th><th>runs</th><th>not as expected</th></tr>\n";
+    for Outcome { case, rows, .. } in outcomes {
+        let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
+        let class = if odd > 0 { " class=\"odd\"" } else { "" };
+        let _ = writeln!(
+            page,
+            "<tr{class}><td class=\"l\"><a href=\"#{0}\">{0}</a></td><td class=\"l\">{1}</td><td>{2}</td><td>{odd}</td></tr>",
+            case.name,
+            escaped(case.what),
+            rows.len(),
+        );
+    }
+    *page += "</table>\n";
+}
+
+fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
+    let Outcome { case, rows, pictures, first_wrong_ray } = outcome;
+    let field = |column| rows.first().map_or("0", |row: &Row| row.field(column));
+    let _ = write!(
+        page,
+        "<h2 id=\"{0}\">{0}</h2>\n<p>{1}; {2} rays, {3} triangles. Truth: {4}.</p>\n\
+         <p class=\"note\">Undecided at most {5}: {6}.</p>\n",
+        case.name,
+        escaped(case.what),
+        field("rays"),
+        field("triangles"),
+        table::truth(case),
+        field("undecided_ceiling"),
+        escaped(case.undecided.because),
+    );
+    let fails: Vec<&str> = case.paper.fails_on.iter().map(|a| a.name()).collect();
+    let expected = match fails[..] {
+        [] => "nothing is expected of them here".to_owned(),
+        _ => format!("must fail in f32 on {}: {}", fails.join(", "), escaped(case.paper.because)),
+    };
+    let _ = writeln!(page, "<p class=\"note\">The paper's rules: {expected}.</p>");
+    if let Some(wrong_ray) = first_wrong_ray {
+        let _ = writeln!(page, "<p class=\"fail\">{}</p>", escaped(wrong_ray));
+    }
+    *page += "<div class=\"wide\"><table><tr>";
+    for (column, heading) in SHOWN {
+        let _ = write!(page, "<th{}>{heading}</th>", class_of(column));
+    }
+    *page += "</tr>\n";
+    for row in rows {
+        *page += if row.is_as_expected() { "<tr>" } else { "<tr class=\"odd\">" };
+        for (column, _) in SHOWN {
+            let value = escaped(row.field(column));
+            let class = if column == "result" && !row.passed { " class=\"fail\"" } else { class_of(column) };
+            let _ = write!(page, "<td{class}>{value}</td>");
+        }
+        *page += "</tr>\n";
+    }
+    *page += "</table></div>\n";
+    for picture in pictures {
+        figure(page, picture)?;
+    }
+    Ok(())
+}
+
+fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
+    if walks.is_empty() {
+        return Ok(());
+    }
+    *page += "<h2 id=\"tmax\">tMax along a walk</h2>\n<p>The error of tMax over the cells of a walk, in units of \
+              2<sup>-24</sup> max(|plane|, |origin|) / |direction|. Robust rules work it out from the cell each time. \
+              All samples are in <code>tmax.csv</code>.</p>\n<table><tr><th class=\"l\">device</th><th class=\"l\">\
+              rules</th><th>cells</th><th>largest error</th><th>bound</th></tr>\n";
+    for walked in walks {
+        let (Some(last), class) = (walked.samples.last(), if walked.is_as_expected() { "" } else { " class=\"odd\"" })
+        else {
+            continue;
+        };
+        let bound = if walked.is_bounded() { drift::BOUND.to_string() } else { String::new() };
+        let _ = writeln!(
+            page,
+            "<tr{class}><td class=\"l\">{}</td><td class=\"l\">{}</td><td>{}</td><td>{:.4}</td><td>{bound}</td></tr>",
+            walked.place.device,
+            escaped(walked.rules.name),
+            last.cells,
+            walked.largest(),
+        );
+    }
+    *page += "</table>\n";
+    if let Some(svg) = walks_plot(walks).svg()? {
+        let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plots::inline(&svg));
+    }
+    Ok(())
+}
+
+/// Of the first device: the twins walk alike.
+fn walks_plot(walks: &[drift::Walked]) -> Plot {
+    let of_first = walks.iter().filter(|walked| walked.place == walks[0].place);
+    let mut series: Vec<Series> = (0..)
+        .zip(of_first)
+        .map(|(color, walked)| {
+            let points = walked.samples.iter().map(|s| (f64::from(s.cells), s.error)).collect();
+            Series { mark: Mark::None, ..Series::line(walked.rules.name, color, points) }
+        })
+        .collect();
+    // One lies on the other: dashes show both.
+    series.iter_mut().skip(2).for_each(|s| s.stroke = Stroke::Dashed);
+    let ends = series.first().map(|s| s.points.clone()).unwrap_or_default();
+    series.push(Series::dashed("bound of the robust rules", 6, ends.iter().map(|p| (p.0, drift::BOUND)).collect()));
+    Plot {
+        title: "Largest error of tMax over the cells of a walk".into(),
+        x: Axis::new("cells visited", Scale::Linear),
+        y: Axis::new("error, units of 2⁻²⁴ of the larger of plane and origin", Scale::Log),
+        series,
+        places: Vec::new(),
+    }
+}
+
+/// Columns of `pipelines.csv` that are shown.
+const PROBED: [(&str, &str); 11] = [
+    ("device", "device"),
+    ("pipeline", "pipeline"),
+    ("compared_with", "compared with"),
+    ("pairs", "pairs"),
+    ("other_triangle", "other triangle"),
+    ("differing_t", "t differs"),
+    ("differing_u", "u differs"),
+    ("differing_v", "v differs"),
+    ("t_ulp", "t, ulp"),
+    ("u_ulp", "u, ulp of 1"),
+    ("v_ulp", "v, ulp of 1"),
+];
+
+fn pipelines(page: &mut String, rows: &[probe::Row]) {
+    if rows.is_empty() {
+        return;
+    }
+    *page += "<h2 id=\"pipelines\">Pipelines</h2>\n<p>The same pairs of ray and triangle through every pipeline that \
+              has the triangle test in it: each is compiled apart, and t may differ in its last bits. Grid, tree and \
+              none agree bit for bit as far as nothing differs here. The rows are those of \
+              <code>pipelines.csv</code>.</p>\n<div class=\"wide\"><table><tr>";
+    for (column, heading) in PROBED {
+        let _ = write!(page, "<th{}>{heading}</th>", class_of(column));
+    }
+    *page += "</tr>\n";
+    for row in rows {
+        *page += "<tr>";
+        for (column, _) in PROBED {
+            let _ = write!(page, "<td{}>{}</td>", class_of(column), escaped(row.field(column)));
+        }
+        *page += "</tr>\n";
+    }
+    *page += "</table></div>\n";
+}
+
+fn figure(page: &mut String, picture: &Picture) -> Result<(), Error> {
+    let [width, height] = picture.size();
+    let ways = escaped(&picture.ways.join("; "));
+    let kind = if picture.is_image { "the picture" } else { "directions: longitude across, latitude up" };
+    let _ = writeln!(
+        page,
+        "<figure><img alt=\"errors of {ways}\" width=\"{width}\" height=\"{height}\" style=\"height:auto\" \
+         src=\"data:image/png;base64,{}\"><figcaption>{ways} ({kind})</figcaption></figure>",
+        BASE64_STANDARD.encode(picture.png()?)
+    );
+    Ok(())
+}
+
+/// Words stand at the left of their column.
+fn class_of(column: &str) -> &'static str {
+    match column {
+        "numerics" | "accelerator" | "schedule" | "triangle_test" | "device" | "pipeline" | "compared_with"
+        | "expected" | "result" => " class=\"l\"",
+        _ => "",
+    }
+}

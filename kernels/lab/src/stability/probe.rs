@@ -1,0 +1,257 @@
+//! The pipeline probe: the same ray/triangle pairs through every pipeline that has the triangle test in it.
+//!
+//! One function of the source becomes part of several pipelines, and each is compiled apart: a compiler may contract
+//! or reorder in one and not in the other, and t then differs in its last bits. Grid, tree and none agree bit for bit
+//! on a device only as far as this probe finds no difference there.
+
+use raystep_kernels::export::csv;
+use raystep_kernels::numbers::real::ulps;
+use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
+use raystep_kernels::renderer::{Device, Renderer};
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T, Stream};
+
+use crate::stability::row::Place;
+use crate::stability::{StabilityError, Workload, make};
+
+/// A way to compile the triangle test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pipeline {
+    /// Its name in reports: accelerator, schedule, and what else sets it apart.
+    pub name: String,
+    /// Whether a camera's rays are traced, so that the fused kernel makes them itself; else given ones.
+    pub is_camera: bool,
+    options: Options,
+}
+
+/// What every ray hit, in bits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bits {
+    /// Triangle, t, u and v of each ray; [`NO_TRIANGLE`] without a hit.
+    pub rays: Vec<[u32; 4]>,
+}
+
+/// How a pipeline's results differ from another's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Difference {
+    /// Rays.
+    pub rays: u64,
+    /// Rays that hit the same triangle by both: the pairs that are compared.
+    pub pairs: u64,
+    /// Rays that hit another triangle, or none, by one of them.
+    pub other_triangle: u64,
+    /// Pairs whose t, u and v differ in any bit.
+    pub differing: [u64; 3],
+    /// By how much at most: t in units in the last place, u and v in those of 1, 2⁻²³.
+    pub largest: [f64; 3],
+}
+
+/// The scene and rays of the probe, by [`Pipeline::is_camera`].
+///
+/// # Errors
+/// Where the scene cannot be generated.
+pub fn workloads(rays: usize) -> Result<[Workload; 2], StabilityError> {
+    let side = rays.isqrt().max(1) as u32;
+    Ok([make::given(make::sphere(3, |p| p)?, make::inside(0.5, rays)), make::picture(side, side, 60.0)?])
+}
+
+/// Every pipeline with a triangle test; the first of each kind of rays is what the others are compared with.
+#[must_use]
+pub fn pipelines(workloads: &[Workload; 2]) -> Vec<Pipeline> {
+    use Accelerator::{Bvh, Grid, None};
+    use ScheduleKind::{Compact, Fused, Second};
+    let mut all = Vec::new();
+    for accelerator in [None, Bvh, Grid] {
+        for (schedule, steps) in [(Second, 1), (Compact, 1), (Compact, 8), (Fused, 1)] {
+            let base = Options {
+                accelerator,
+                schedule,
+                steps_per_pass: if accelerator == None && schedule == Compact && steps > 1 { 128 } else { steps },
+                shade: false,
+                skip: Skip::Off,
+                ..Options::new(workloads[0].rays.clone())
+            };
+            let name = match steps {
+                1 => format!("{accelerator} {schedule}"),
+                _ => format!("{accelerator} {schedule} {} steps", base.steps_per_pass),
+            };
+            let mut add = |suffix: &str, options: Options| {
+                let is_camera = matches!(options.rays, RaySource::Camera { .. });
+                all.push(Pipeline { name: format!("{name}{suffix}"), is_camera, options });
+            };
+            add("", base.clone());
+            add(" with counters", Options { counters: true, ..base.clone() });
+            if accelerator == Grid {
+                add(" leaping", Options { skip: Skip::On, ..base.clone() });
+            }
+            add(" fma", Options { contracted: true, ..base.clone() });
+            if schedule != Compact {
+                // Stepped, rays are made by a kernel of their own; fused, by the one that traces them.
+                add(" of a camera", Options { rays: workloads[1].rays.clone(), ..base });
+            }
+        }
+    }
+    all
+}
+
+/// Traces the rays through one pipeline.
+///
+/// # Errors
+/// Where the device fails.
+pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device) -> Result<Bits, StabilityError> {
+    let scene = &workloads[usize::from(pipeline.is_camera)].scene;
+    let mut renderer = Renderer::new(scene, &pipeline.options, device).await?;
+    renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
+    let (state, hit) = (renderer.values(Stream::State).await?, renderer.values(Stream::Hit).await?);
+    let rays = renderer.plan().rays as usize;
+    let of = |ray| [hit.get(HIT_TRIANGLE, ray), state.get(STATE_T, ray), hit.get(0, ray), hit.get(1, ray)];
+    Ok(Bits { rays: (0..rays).map(of).collect() })
+}
+
+impl Bits {
+    /// Compares ray by ray.
+    #[must_use]
+    pub fn difference(&self, base: &Self) -> Difference {
+        let mut found = Difference { rays: self.rays.len() as u64, ..Difference::default() };
+        for (&[triangle, t, u, v], &[base_triangle, base_t, base_u, base_v]) in self.rays.iter().zip(&base.rays) {
+            if triangle != base_triangle {
+                found.other_triangle += 1;
+                continue;
+            }
+            if triangle == NO_TRIANGLE {
+                continue;
+            }
+            found.pairs += 1;
+            let weight =
+                |a: u32, b: u32| f64::from((f32::from_bits(a) - f32::from_bits(b)).abs()) / f64::from(f32::EPSILON);
+            let by = [ulps(t, base_t) as f64, weight(u, base_u), weight(v, base_v)];
+            for (i, differs) in [t != base_t, u != base_u, v != base_v].into_iter().enumerate() {
+                found.differing[i] += u64::from(differs);
+                found.largest[i] = found.largest[i].max(by[i]);
+            }
+        }
+        found
+    }
+}
+
+/// Columns of `pipelines.csv`.
+///
+/// | column | holds |
+/// |---|---|
+/// | `schema_version` | 1 |
+/// | `device`, `adapter` | as in `stability.csv` |
+/// | `pipeline` | accelerator, schedule, and what else sets it apart |
+/// | `compared_with` | the pipeline, of the same rays on the first device |
+/// | `rays`, `pairs`, `other_triangle`, `differing_t`, … | see [`Difference`] |
+/// | `t_ulp`, `u_ulp`, `v_ulp` | the largest difference |
+pub const COLUMNS: [&str; 14] = [
+    "schema_version",
+    "device",
+    "adapter",
+    "pipeline",
+    "compared_with",
+    "rays",
+    "pairs",
+    "other_triangle",
+    "differing_t",
+    "differing_u",
+    "differing_v",
+    "t_ulp",
+    "u_ulp",
+    "v_ulp",
+];
+
+/// A row of `pipelines.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What was compared.
+    pub difference: Difference,
+    /// The row as it is written, in the order of [`COLUMNS`].
+    pub fields: [String; COLUMNS.len()],
+}
+
+impl Row {
+    /// Of a comparison.
+    #[must_use]
+    pub fn new(place: &Place, pipeline: &Pipeline, compared_with: &str, difference: Difference) -> Self {
+        let [t, u, v] = difference.differing;
+        let [t_ulp, u_ulp, v_ulp] = difference.largest;
+        let fields = [
+            "1".to_owned(),
+            place.device.to_owned(),
+            place.adapter.clone(),
+            pipeline.name.clone(),
+            compared_with.to_owned(),
+            difference.rays.to_string(),
+            difference.pairs.to_string(),
+            difference.other_triangle.to_string(),
+            t.to_string(),
+            u.to_string(),
+            v.to_string(),
+            format!("{t_ulp}"),
+            format!("{u_ulp:.3}"),
+            format!("{v_ulp:.3}"),
+        ];
+        Self { difference, fields }
+    }
+
+    /// A field by its column's name; empty where there is no such column.
+    #[must_use]
+    pub fn field(&self, column: &str) -> &str {
+        COLUMNS.iter().position(|&c| c == column).map_or("", |i| &self.fields[i])
+    }
+}
+
+/// Writes `pipelines.csv`.
+///
+/// # Errors
+/// Where `out` fails.
+pub fn write_rows(out: impl std::io::Write, rows: &[Row]) -> std::io::Result<()> {
+    csv::write_file(out, &COLUMNS, rows.iter().map(|row| &row.fields[..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_that_differ_are_counted_where_the_triangle_is_the_same() {
+        let one = 1f32.to_bits();
+        let base = Bits { rays: vec![[7, one, one, 0], [8, one, 0, 0], [9, one, 0, 0], [NO_TRIANGLE, 5, 0, 0]] };
+        let mut other = base.clone();
+        other.rays[0] = [7, one + 2, one - 1, 0];
+        other.rays[1][0] = 3;
+        other.rays[3][1] = 6;
+        let found = other.difference(&base);
+        assert_eq!((found.rays, found.pairs, found.other_triangle), (4, 2, 1), "nothing hit is nothing to compare");
+        assert_eq!((found.differing, found.largest), ([1, 1, 0], [2.0, 0.5, 0.0]));
+        assert_eq!(base.difference(&base).differing, [0; 3]);
+    }
+
+    /// The twins are one program: what differs between pipelines is the compiler's doing, but for the explicit fma.
+    #[test]
+    fn the_twins_have_the_same_bits_in_every_pipeline() {
+        let workloads = workloads(64).expect("scenes");
+        let run = |p: &Pipeline| pollster::block_on(run(p, &workloads, &Device::Cpu(None))).expect("hits");
+        let (mut bases, mut contracted) = ([None, None], 0);
+        for pipeline in pipelines(&workloads) {
+            let bits = run(&pipeline);
+            let base: &mut Bits = bases[usize::from(pipeline.is_camera)].get_or_insert_with(|| bits.clone());
+            let found = bits.difference(base);
+            let differing: u64 = found.differing.iter().sum();
+            assert_eq!((found.pairs, found.other_triangle), (64, 0), "{}", pipeline.name);
+            assert_eq!(differing > 0, pipeline.options.contracted, "{}: {found:?}", pipeline.name);
+            contracted += usize::from(pipeline.options.contracted);
+        }
+        assert_eq!(contracted, 12);
+    }
+
+    #[test]
+    fn every_pipeline_has_a_name_of_its_own_and_something_to_compare_it_with() {
+        let workloads = workloads(64).expect("scenes");
+        let all = pipelines(&workloads);
+        let names: std::collections::BTreeSet<_> = all.iter().map(|p| &p.name).collect();
+        assert_eq!(names.len(), all.len());
+        assert!(all.iter().filter(|p| p.is_camera).count() >= 6 && !all[0].is_camera);
+    }
+}

@@ -1,0 +1,99 @@
+//! The results for people: a line a case, and a line for everything that is not as expected.
+
+use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
+
+use super::{Case, Outcome, Row, Truth};
+use crate::text::aligned;
+
+/// A way to trace, in words.
+pub(super) fn way(row: &Row) -> String {
+    let v = &row.variant;
+    let fused = if v.schedule == ScheduleKind::Fused { " fused" } else { "" };
+    let contracted = if v.contracted { " fma" } else { "" };
+    format!("{} {}{fused}{contracted} {}", v.numerics, v.accelerator, row.device)
+}
+
+/// A run, in words.
+pub(super) fn name(row: &Row) -> String {
+    format!("{}, {}", row.case, way(row))
+}
+
+/// All rays with an error; what is not a number is none, as fields of our own always are.
+fn errors(row: &Row) -> u64 {
+    ["missed", "false_hits", "wrong"].iter().filter_map(|c| row.field(c).parse::<u64>().ok()).sum()
+}
+
+/// The most of some runs; a dash where there are none.
+fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64) -> String {
+    rows.iter().filter(|row| is_one(row)).map(count).max().map_or("-".into(), |n| n.to_string())
+}
+
+/// A line a case.
+#[must_use]
+pub fn text(outcomes: &[Outcome]) -> String {
+    let header =
+        ["case", "rays", "robust errors", "undecided", "at most", "paper errors: grid", "bvh", "none", "as expected"];
+    let mut lines = vec![header.map(str::to_owned)];
+    for outcome in outcomes {
+        let rows = &outcome.rows;
+        let is_robust = |row: &Row| row.variant.numerics == Numerics::Robust;
+        let number = |column: &'static str| move |row: &Row| row.field(column).parse().unwrap_or(0);
+        let paper = |accelerator: Accelerator| {
+            most(rows, |r| !is_robust(r) && r.variant.accelerator == accelerator && r.device != "cpu_f64", errors)
+        };
+        let not = rows.iter().filter(|row| !row.is_as_expected()).count();
+        lines.push([
+            outcome.case.name.to_owned(),
+            most(rows, |_| true, number("rays")),
+            most(rows, is_robust, errors),
+            most(rows, is_robust, number("undecided")),
+            most(rows, |_| true, number("undecided_ceiling")),
+            paper(Accelerator::Grid),
+            paper(Accelerator::Bvh),
+            paper(Accelerator::None),
+            match not {
+                0 => "yes".into(),
+                _ => format!("NO: {not} of {}", rows.len()),
+            },
+        ]);
+    }
+    let mut text = aligned(&lines, header.len()).concat();
+    for outcome in outcomes {
+        for row in outcome.rows.iter().filter(|row| !row.is_as_expected()) {
+            let fields = ["missed", "false_hits", "wrong", "undecided", "non_finite", "at_bound"];
+            let counts = fields.map(|c| format!("{} {c}", row.field(c))).join(", ");
+            text += &format!("not as expected: {}: {counts}; expected to {}\n", name(row), row.field("expected"));
+        }
+        if let Some(wrong_ray) = &outcome.first_wrong_ray {
+            text += &format!("{wrong_ray}\n");
+        }
+    }
+    text
+}
+
+/// What there is.
+#[must_use]
+pub fn list(cases: &[&'static Case]) -> String {
+    let header = ["case", "rays", "undecided", "paper fails on", "what"];
+    let mut lines = vec![header.map(str::to_owned)];
+    for case in cases {
+        let fails: Vec<&str> = case.paper.fails_on.iter().map(|a| a.name()).collect();
+        lines.push([
+            case.name.to_owned(),
+            case.rays.to_string(),
+            format!("{}%", 100.0 * case.undecided.share),
+            if fails.is_empty() { "-".into() } else { fails.join(",") },
+            case.what.to_owned(),
+        ]);
+    }
+    aligned(&lines, header.len()).concat()
+}
+
+/// What is known of a case's rays, in words.
+pub(super) fn truth(case: &Case) -> &'static str {
+    match case.truth {
+        Truth::Open => "each ray is judged by what it may hit",
+        Truth::Closed => "every ray hits something",
+        Truth::Nothing => "no ray hits anything: every triangle is seen edge-on, or has no area",
+    }
+}

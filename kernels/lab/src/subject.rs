@@ -1,0 +1,44 @@
+//! What is measured: a scene with a view.
+
+use std::fmt;
+
+use raystep_kernels::RaySource;
+use raystep_scenes::{Camera, Scene};
+
+use crate::Hash;
+
+/// A scene and its view.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// The scene.
+    pub scene: Scene,
+    /// What is seen.
+    pub camera: Camera,
+    /// Of all files that it was read from.
+    pub hash: Hash,
+    /// Where it is from, for people.
+    pub file: String,
+}
+
+impl Subject {
+    /// One ray through the middle of each pixel.
+    #[must_use]
+    pub fn camera_rays(&self, Size { width, height }: Size) -> RaySource {
+        RaySource::Camera { camera: self.camera.clone(), width, height }
+    }
+}
+
+/// A picture's size in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}

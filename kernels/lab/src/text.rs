@@ -1,0 +1,85 @@
+//! Text for people: tables in columns, and nothing in it that a terminal, a browser or an editor would obey.
+
+use std::borrow::Cow;
+
+/// Whether a terminal, a browser or an editor would obey a character instead of showing it: control characters (C0,
+/// DEL, C1), separators of lines and paragraphs, and those that turn the direction of what follows.
+#[must_use]
+pub fn is_obeyed(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// One line in which every character can be seen: those that would be obeyed are escaped as Rust escapes them.
+#[must_use]
+pub fn visible(line: &str) -> Cow<'_, str> {
+    escaped(line, |_, _| false)
+}
+
+/// The same of lines with tabs in them; their ends stay.
+#[must_use]
+pub fn visible_lines(text: &str) -> Cow<'_, str> {
+    escaped(text, |c, next| matches!(c, '\n' | '\t') || c == '\r' && next == Some('\n'))
+}
+
+/// Escapes all but those that may stay, which is told by the character and the next one.
+fn escaped(text: &str, may_stay: fn(char, Option<char>) -> bool) -> Cow<'_, str> {
+    if !text.contains(is_obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let mut escaped = String::with_capacity(text.len() + 16);
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        if is_obeyed(c) && !may_stay(c, rest.peek().copied()) {
+            escaped.extend(c.escape_default());
+        } else {
+            escaped.push(c);
+        }
+    }
+    Cow::Owned(escaped)
+}
+
+/// Lines of a table, each with a line feed; two blanks between columns, the first `left` of which hold words and stand
+/// at the left, the others numbers. A line may have fewer cells than others.
+#[must_use]
+pub fn aligned(lines: &[impl AsRef<[String]>], left: usize) -> Vec<String> {
+    let columns = lines.iter().map(|line| line.as_ref().len()).max().unwrap_or(0);
+    let width = |c: usize| lines.iter().filter_map(|l| l.as_ref().get(c)).map(|t| t.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let cell = |(c, text): (usize, &String)| {
+        let width = widths[c];
+        if c < left { format!("{text:<width$}") } else { format!("{text:>width$}") }
+    };
+    let line = |cells: &[String]| cells.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ");
+    lines.iter().map(|cells| line(cells.as_ref()).trim_end().to_owned() + "\n").collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_terminal_would_obey_is_shown_instead() {
+        assert_eq!(visible("\u{1b}[31mred\u{7}"), "\\u{1b}[31mred\\u{7}");
+        assert_eq!(visible("a\nb\tc\r"), "a\\nb\\tc\\r");
+        // DEL, CSI as one character, overrides and isolates of direction, separators.
+        for c in ['\0', '\u{7f}', '\u{9b}', '\u{202e}', '\u{2066}', '\u{2069}', '\u{200f}', '\u{61c}', '\u{2028}'] {
+            let shown = visible(&format!("a{c}b")).into_owned();
+            assert_eq!(shown, format!("a\\u{{{:x}}}b", u32::from(c)));
+        }
+        assert!(matches!(visible("schach brett ü – данные 日本 👩‍🚀.png"), Cow::Borrowed(_)), "nothing to escape");
+    }
+
+    #[test]
+    fn lines_keep_their_ends_and_nothing_else() {
+        assert_eq!(visible_lines("a\tb\r\nc\n"), "a\tb\r\nc\n");
+        assert_eq!(visible_lines("over\rwritten\u{1b}[2J\n"), "over\\rwritten\\u{1b}[2J\n");
+    }
+
+    #[test]
+    fn words_stand_at_the_left_and_numbers_at_the_right() {
+        let lines = [vec!["a".to_owned(), "12".into()], vec!["bcd".to_owned(), "3".into()], vec!["e".to_owned()]];
+        assert_eq!(aligned(&lines, 1), ["a    12\n", "bcd   3\n", "e\n"]);
+        assert_eq!(aligned(&[vec![String::new(); 0]], 0), ["\n"]);
+    }
+}

@@ -1,0 +1,51 @@
+//! A closed mesh from inside: no ray may get out.
+
+use std::ops::ControlFlow;
+
+use raystep_kernels::shared::constants::NO_TRIANGLE;
+use raystep_kernels::tables::stream::HIT_TRIANGLE;
+use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Renderer, Stream};
+use raystep_scenes::Scene;
+use raystep_scenes::generate::{self, GenerateError};
+
+use crate::rays;
+use crate::ways::Way;
+
+/// An icosphere of 1,280 triangles, its corners rounded at that scale.
+///
+/// # Errors
+/// Where the mesh has no room in memory.
+pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
+    let mut scene = generate::icosphere(3)?;
+    for corner in scene.triangles.iter_mut().flatten() {
+        *corner = corner.map(|v| (f64::from(v) * scale) as f32);
+    }
+    Ok(scene)
+}
+
+/// Rays from a few origins inside, at corners and edges; how many miss.
+///
+/// # Errors
+/// Where the device fails or the mesh does not fit it.
+pub async fn misses(
+    device: &Device,
+    scene: &Scene,
+    way: Way,
+    count: usize,
+    grid: GridSize,
+    seed: u64,
+) -> Result<usize, RenderError> {
+    let size = scene.bounds().max.x;
+    let mut missed = 0;
+    for (i, origin) in [[0.0f32; 3], [0.3, -0.2, 0.1], [-0.55, 0.4, 0.45], [0.0, 0.7, 0.0]].into_iter().enumerate() {
+        let rays = rays::at_edges(scene, origin.map(|v| v * size), count.div_ceil(4), seed + i as u64);
+        let mut options = way.of(&Options::new(RaySource::Given(rays)));
+        (options.shade, options.grid) = (false, grid);
+        let mut renderer = Renderer::new(scene, &options, device).await?;
+        renderer.run(|_| ControlFlow::Continue(())).await?;
+        let hit = renderer.values(Stream::Hit).await?;
+        let triangles = &hit.layer(HIT_TRIANGLE)[..renderer.plan().rays as usize];
+        missed += triangles.iter().filter(|&&triangle| triangle == NO_TRIANGLE).count();
+    }
+    Ok(missed)
+}

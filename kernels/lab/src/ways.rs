@@ -1,0 +1,128 @@
+//! The ways in which a scene can be traced: what comparisons and tests go through.
+
+use std::fmt;
+
+use raystep_kernels::{Accelerator, Numerics, Options, Plan, RaySource, ScheduleKind, Skip};
+use raystep_scenes::Scene;
+
+/// One way to trace a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Way {
+    /// What keeps rays from testing every triangle.
+    pub accelerator: Accelerator,
+    /// In which order kernels run.
+    pub schedule: ScheduleKind,
+    /// Most steps of a ray in one pass of the compact schedule.
+    pub steps: u32,
+    /// Whether rays leap over empty cells.
+    pub skip: Skip,
+    /// By which rules.
+    pub numerics: Numerics,
+}
+
+impl Way {
+    /// Robust, without leaps.
+    #[must_use]
+    pub const fn new(accelerator: Accelerator, schedule: ScheduleKind, steps: u32) -> Self {
+        Self { accelerator, schedule, steps, skip: Skip::Off, numerics: Numerics::Robust }
+    }
+
+    /// The same with leaps.
+    #[must_use]
+    pub const fn leaping(self) -> Self {
+        Self { skip: Skip::On, ..self }
+    }
+
+    /// The same by the paper's rules.
+    #[must_use]
+    pub const fn paper(self) -> Self {
+        Self { numerics: Numerics::Paper, ..self }
+    }
+
+    /// Whether a ray's walk takes many passes.
+    #[must_use]
+    pub fn is_stepped(self) -> bool {
+        self.schedule.is_stepped()
+    }
+
+    /// The options with this way in place of theirs.
+    #[must_use]
+    pub fn of(self, options: &Options) -> Options {
+        Options {
+            accelerator: self.accelerator,
+            schedule: self.schedule,
+            steps_per_pass: self.steps,
+            skip: self.skip,
+            numerics: self.numerics,
+            ..options.clone()
+        }
+    }
+}
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.accelerator, self.schedule, self.steps)?;
+        if self.skip == Skip::On {
+            f.write_str(" leaping")?;
+        }
+        if self.numerics == Numerics::Paper {
+            f.write_str(" paper")?;
+        }
+        Ok(())
+    }
+}
+
+/// Every accelerator, one step a pass by either launch, several steps a pass, and in one kernel. Robust.
+pub const EVERY: [Way; 14] = {
+    use Accelerator::{Bvh, Grid, None};
+    use ScheduleKind::{Compact, Fused, Second};
+    [
+        Way::new(Grid, Second, 1),
+        Way::new(Grid, Compact, 1).leaping(),
+        Way::new(Grid, Compact, 8),
+        Way::new(Grid, Compact, 8).leaping(),
+        Way::new(Grid, Fused, 1),
+        Way::new(Grid, Fused, 1).leaping(),
+        Way::new(Bvh, Second, 1),
+        Way::new(Bvh, Compact, 1),
+        Way::new(Bvh, Compact, 8),
+        Way::new(Bvh, Fused, 1),
+        Way::new(None, Second, 1),
+        Way::new(None, Compact, 1),
+        Way::new(None, Compact, 8),
+        Way::new(None, Fused, 1),
+    ]
+};
+
+/// Through cells and boxes, with leaps and without, in many passes and in one: what is fast enough for many rays.
+pub const FAST: [Way; 6] = {
+    use Accelerator::{Bvh, Grid};
+    use ScheduleKind::{Compact, Fused};
+    [
+        Way::new(Grid, Compact, 8),
+        Way::new(Grid, Compact, 8).leaping(),
+        Way::new(Grid, Fused, 1),
+        Way::new(Grid, Fused, 1).leaping(),
+        Way::new(Bvh, Compact, 8),
+        Way::new(Bvh, Fused, 1),
+    ]
+};
+
+/// As the paper has it: through the grid, every ray launched in every pass, one step each. Many passes, and
+/// each kernel does one thing.
+pub const STEPPED: Way = Way::new(Accelerator::Grid, ScheduleKind::Second, 1);
+
+/// What a user should know where the paper's rules miss everything.
+pub const MISSES_ALL: &str = "the paper's rules do not handle an eye outside of the grid: its rays miss \
+                              everything; put the eye inside, or use --numerics robust";
+
+/// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
+#[must_use]
+pub fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
+    let RaySource::Camera { camera, .. } = &options.rays else { return false };
+    let (bounds, eye) = (scene.bounds(), camera.eye);
+    // --keep-all keeps the code for clipping where the eye is inside too.
+    let is_inside = eye.cmpgt(bounds.min.as_dvec3()).all() && eye.cmplt(bounds.max.as_dvec3()).all();
+    let features = &plan.features;
+    features.grid && features.clip && !features.robust && !(options.keep_all && is_inside)
+}

@@ -1,0 +1,185 @@
+//! Useful lanes: of the threads that a GPU launches together, how many have a ray to work on.
+
+use raystep_kernels::options::features::Features;
+use raystep_kernels::tables::state::{self, Tag};
+use raystep_kernels::{Kernel, Pass, Plan};
+
+/// Threads that run in step. 32 on most GPUs; where a device takes 64, two neighbours of these groups are one.
+pub const LANES: usize = 32;
+
+/// Columns and rows of the pixels that [`LANES`] threads side by side work on, see `tiled_texel` in `live.wgsl`;
+/// workgroups of 8 x 8 in the order of their local index fall into the same tiles.
+const TILE: [u32; 2] = [8, 4];
+
+/// How a kernel's threads find their rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Launch {
+    /// A thread for every pixel, in tiles of 8 x 4.
+    Tiles,
+    /// A thread for every entry of a list of the rays that wait for the kernel: every group but the last is full.
+    List,
+}
+
+impl Launch {
+    /// Of a kernel in a run with these options.
+    #[must_use]
+    pub fn of(kernel: Kernel, features: &Features) -> Self {
+        if features.live_lists && kernel.is_walk() { Self::List } else { Self::Tiles }
+    }
+}
+
+/// How many of each group of [`LANES`] threads have a ray to work on. Says nothing of how long each of them works:
+/// of kernels that loop, fewer lanes are useful than have work at the start.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lanes {
+    /// How the kernel was launched.
+    pub launch: Launch,
+    /// How many groups have 0, 1, … 32 threads with work.
+    pub histogram: [u64; LANES + 1],
+}
+
+impl Lanes {
+    /// Of a pass; `tags_before` is the first layer of the `state` stream before it, needed for tiles only. `None`
+    /// where its size is not that of the plan's images.
+    #[must_use]
+    pub fn of(pass: &Pass, plan: &Plan, tags_before: &[Tag]) -> Option<Self> {
+        match Launch::of(pass.kernel, &plan.features) {
+            Launch::List => Some(Self::of_list(pass.rays_in, pass.threads_launched)),
+            Launch::Tiles => Self::of_tiles(pass.kernel, plan, tags_before),
+        }
+    }
+
+    /// Of a list of so many rays, and the threads that were launched for it.
+    fn of_list(rays: u32, threads: u64) -> Self {
+        let (rays, width) = (rays as usize, LANES);
+        let mut histogram = [0; LANES + 1];
+        histogram[width] = (rays / width) as u64;
+        if rays % width > 0 {
+            histogram[rays % width] += 1;
+        }
+        histogram[0] = (threads / width as u64).saturating_sub(rays.div_ceil(width) as u64);
+        Self { launch: Launch::List, histogram }
+    }
+
+    fn of_tiles(kernel: Kernel, plan: &Plan, tags: &[Tag]) -> Option<Self> {
+        let (width, height) = (plan.width, plan.height);
+        if tags.len() as u64 != u64::from(width) * u64::from(height) {
+            return None;
+        }
+        let is_active = |tag: &Tag| match kernel {
+            Kernel::Fused if plan.features.eye_rays => *tag == state::UNWRITTEN || *tag == state::TRAV_SETUP,
+            _ => kernel.info().takes.contains(tag),
+        };
+        let side = kernel.workgroup();
+        let columns = width.next_multiple_of(side) / TILE[0];
+        let rows = height.next_multiple_of(side) / TILE[1];
+        let mut histogram = [0; LANES + 1];
+        // A row of tiles at a time.
+        let mut working = vec![0usize; columns as usize];
+        for row in 0..rows {
+            working.fill(0);
+            for y in (row * TILE[1]..(row + 1) * TILE[1]).take_while(|&y| y < height) {
+                let first = y as usize * width as usize;
+                for (x, tag) in tags[first..first + width as usize].iter().enumerate() {
+                    working[x / TILE[0] as usize] += usize::from(is_active(tag));
+                }
+            }
+            working.iter().for_each(|&lanes| histogram[lanes] += 1);
+        }
+        Some(Self { launch: Launch::Tiles, histogram })
+    }
+
+    /// Groups in all.
+    #[must_use]
+    pub fn groups(&self) -> u64 {
+        self.histogram.iter().sum()
+    }
+
+    /// Threads with work.
+    #[must_use]
+    pub fn working(&self) -> u64 {
+        (0..).zip(&self.histogram).map(|(lanes, groups)| lanes * groups).sum()
+    }
+
+    /// Threads with work a group, on average; 0 without a group.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.working() as f64 / self.groups().max(1) as f64
+    }
+
+    /// The same of the groups that have work at all: the others end at once, and cost little.
+    #[must_use]
+    pub fn mean_where_any(&self) -> f64 {
+        self.working() as f64 / (self.groups() - self.histogram[0]).max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::tables::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
+    use raystep_kernels::{Limits, Options, RaySource, ScheduleKind};
+    use raystep_scenes::generate;
+
+    use super::*;
+
+    fn planned(schedule: ScheduleKind, steps: u32, width: u32, height: u32) -> Plan {
+        let scene = generate::cornell_box();
+        let camera = scene.cameras[0].clone();
+        let mut options = Options::new(RaySource::Camera { camera, width, height });
+        (options.schedule, options.steps_per_pass) = (schedule, steps);
+        Plan::new(&scene, &options, &Limits::CPU).expect("a small scene").0
+    }
+
+    fn pass(kernel: Kernel, rays_in: u32, threads_launched: u64) -> Pass {
+        Pass {
+            index: 0,
+            iteration: 0,
+            kernel,
+            rays_in,
+            counts: Default::default(),
+            threads_launched,
+            begin_ns: None,
+            duration_ns: None,
+        }
+    }
+
+    #[test]
+    fn a_group_is_a_tile_of_eight_by_four() {
+        let plan = planned(ScheduleKind::Second, 1, 40, 20);
+        let mut tags = vec![TRAV; 40 * 20];
+        // Pixels (9, 5), (15, 7) in one tile, (8, 8) in the one below, (39, 19) in the last one.
+        for (x, y, tag) in [(9, 5, ISECT_HIT), (15, 7, ISECT_NO_HIT), (8, 8, ISECT_HIT), (39, 19, ISECT_HIT)] {
+            tags[y * 40 + x] = tag;
+        }
+        let lanes = Lanes::of(&pass(Kernel::Intersect, 4, 0), &plan, &tags).expect("the right size");
+        assert_eq!((lanes.launch, lanes.histogram[1], lanes.histogram[2]), (Launch::Tiles, 2, 1));
+        // Workgroups of 16 x 16 cover 48 x 32 pixels.
+        assert_eq!((lanes.groups(), lanes.working()), (48 * 32 / 32, 4));
+        assert_eq!((lanes.mean(), lanes.mean_where_any()), (4.0 / 48.0, 4.0 / 3.0));
+
+        let lanes = Lanes::of(&pass(Kernel::TraverseGrid, 796, 0), &plan, &tags).expect("the right size");
+        assert_eq!((lanes.working(), lanes.histogram[32], lanes.histogram[31]), (796, 22, 2));
+        // Workgroups of 8 x 8 cover 40 x 24 pixels, and nobody waits for this kernel.
+        let lanes = Lanes::of(&pass(Kernel::Shade, 0, 0), &plan, &tags).expect("the right size");
+        assert_eq!((lanes.groups(), lanes.histogram[0], lanes.mean_where_any()), (30, 30, 0.0));
+        assert_eq!(Lanes::of(&pass(Kernel::Shade, 0, 0), &plan, &tags[1..]), None);
+    }
+
+    #[test]
+    fn lists_are_dense() {
+        let plan = planned(ScheduleKind::Compact, 1, 40, 20);
+        for (rays, full, rest) in [(0, 0, 0), (32, 1, 0), (70, 2, 6)] {
+            let lanes = Lanes::of(&pass(Kernel::Intersect, rays, 2048), &plan, &[]).expect("a list");
+            assert_eq!((lanes.launch, lanes.histogram[32], lanes.working()), (Launch::List, full, u64::from(rays)));
+            assert_eq!(lanes.groups(), 64, "every thread launched is in a group");
+            assert!(rest == 0 || lanes.histogram[rest] == 1);
+        }
+        // Twins launch otherwise, and nothing is said of threads that are not there.
+        let lanes = Lanes::of(&pass(Kernel::Intersect, 70, 0), &plan, &[]).expect("a list");
+        assert_eq!((lanes.groups(), lanes.histogram[0]), (3, 0));
+        // Set-up works on every pixel, listed or not; the rays that the fused kernel makes are not yet written.
+        let tags = vec![state::TRAV_SETUP; 800];
+        let lanes = Lanes::of(&pass(Kernel::Setup, 800, 0), &plan, &tags).expect("the right size");
+        assert_eq!((lanes.launch, lanes.working()), (Launch::Tiles, 800));
+    }
+}
