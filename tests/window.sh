@@ -69,7 +69,7 @@ close() {
 
 # What it keeps every ten seconds says what it showed.
 is_traced() {
-    find "$folder/.local" -name inspector.ron -exec cat {} + >"$folder/kept"
+    find "$folder/.local" -name inspector.json -exec cat {} + >"$folder/kept"
     [ -s "$folder/said" ] || grep -q 'cornell-box.gltf.*pass=73' "$folder/kept"
 }
 

@@ -1,9 +1,8 @@
-//! What the inspector keeps from one start to the next, as a RON file.
+//! What the inspector keeps from one start to the next, as a JSON file.
 //!
 //! Layout, settings and watches are the user interface's own texts: they are kept as they are. Where the file comes
 //! from, and where it goes, is the caller's.
 
-use ron::ser::PrettyConfig;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::link::Link;
@@ -45,7 +44,7 @@ pub enum SavedError {
     /// It is of another version.
     #[error("saved settings are of version {0}, and this raystep reads version {VERSION}")]
     Version(u32),
-    /// It is no RON, or other RON.
+    /// It is not JSON, or not of this form.
     #[error("saved settings cannot be read: line {line}, column {column}: {message}")]
     Broken {
         /// From 1.
@@ -82,11 +81,11 @@ impl Saved {
         }
         let text = std::str::from_utf8(bytes).map_err(|_| SavedError::NoText)?;
         // Another version may have other fields: which version it is is said first.
-        let head: Head = ron::from_str(text).map_err(broken)?;
+        let head: Head = serde_json::from_str(text).map_err(broken)?;
         if head.version != VERSION {
             return Err(SavedError::Version(head.version));
         }
-        let mut saved: Self = ron::from_str(text).map_err(broken)?;
+        let mut saved: Self = serde_json::from_str(text).map_err(broken)?;
         saved.recent.truncate(MOST_RECENT);
         Ok(saved)
     }
@@ -105,8 +104,7 @@ impl Saved {
     /// # Errors
     /// Where it would be too large to be read again.
     pub fn to_text(&self) -> Result<String, SavedError> {
-        let pretty = PrettyConfig::new().new_line("\n");
-        let text = ron::ser::to_string_pretty(self, pretty).map_err(|e| SavedError::Write(e.to_string()))? + "\n";
+        let text = serde_json::to_string_pretty(self).map_err(|e| SavedError::Write(e.to_string()))? + "\n";
         if text.len() > MOST_BYTES { Err(SavedError::TooLarge(text.len())) } else { Ok(text) }
     }
 
@@ -129,9 +127,12 @@ impl Saved {
     }
 }
 
-fn broken(error: ron::error::SpannedError) -> SavedError {
-    let at = error.span.start;
-    SavedError::Broken { line: at.line, column: at.col, message: error.code.to_string() }
+fn broken(error: serde_json::Error) -> SavedError {
+    let (line, column) = (error.line(), error.column());
+    // serde_json ends its message with the place, which stands in ours already.
+    let place = format!(" at line {line} column {column}");
+    let message = error.to_string();
+    SavedError::Broken { line, column, message: message.strip_suffix(&place).unwrap_or(&message).to_owned() }
 }
 
 /// A link is kept as its text: one line that can be copied out of the file.
@@ -168,7 +169,7 @@ mod tests {
             assert_eq!(Saved::from_bytes(text.as_bytes()), Ok(saved), "{text}");
         }
         assert!(some().to_text().expect("small").contains("raystep:1?scene=a%20b.glb&pixel=1,2"));
-        assert_eq!(Saved::from_bytes(b"(version: 1)"), Ok(Saved::default()), "what is not there is as by default");
+        assert_eq!(Saved::from_bytes(b"{\"version\": 1}"), Ok(Saved::default()), "what is not there is as by default");
     }
 
     #[test]
@@ -184,23 +185,23 @@ mod tests {
         saved.forget("3.glb");
         assert_eq!(saved.recent()[0], "5.glb");
         let many: Vec<_> = (0..50).map(|i| format!("\"{i}\"")).collect();
-        let text = format!("(version: 1, recent: [{}])", many.join(", "));
-        assert_eq!(Saved::from_bytes(text.as_bytes()).expect("RON").recent().len(), MOST_RECENT);
+        let text = format!("{{\"version\": 1, \"recent\": [{}]}}", many.join(", "));
+        assert_eq!(Saved::from_bytes(text.as_bytes()).expect("JSON").recent().len(), MOST_RECENT);
     }
 
     #[test]
     fn a_broken_file_says_where_and_gives_defaults() {
-        let deep = format!("(version: 1, layout: {}", "Some(".repeat(100_000));
-        let large = format!("(version: 1, layout: Some(\"{}\"))", "x".repeat(MOST_BYTES));
+        let deep = format!("{{\"version\": 1, \"layout\": {}", "[".repeat(100_000));
+        let large = format!("{{\"version\": 1, \"layout\": \"{}\"}}", "x".repeat(MOST_BYTES));
         let cases: &[(&[u8], &str)] = &[
-            (b"", "line 1, column 1"),
-            (b"(version: 1,\n layout: 7)", "line 2, column 9: Expected option"),
-            (b"(version: 1, colour: 7)", "colour"),
-            (b"(version: 1, link: Some(\"raystep:9?\"))", "version \"9\""),
-            (b"(layout: None)", "version"),
-            (b"(version: 2, whatever: [1, 2])", "of version 2, and this raystep reads version 1"),
+            (b"", "line 1, column 0: EOF"),
+            (b"{\"version\": 1,\n \"layout\": 7}", "line 2, column 12: invalid type: integer `7`, expected a string"),
+            (b"{\"version\": 1, \"colour\": 7}", "colour"),
+            (b"{\"version\": 1, \"link\": \"raystep:9?\"}", "version \"9\""),
+            (b"{\"layout\": null}", "version"),
+            (b"{\"version\": 2, \"whatever\": [1, 2]}", "of version 2, and this raystep reads version 1"),
             (b"\xff\xfe", "not UTF-8"),
-            (b"{\"version\": 1}", "line 1"),
+            (b"(version: 1)", "line 1, column 1"),
             (deep.as_bytes(), "line 1"),
             (large.as_bytes(), "at most 1048576"),
         ];

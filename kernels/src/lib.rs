@@ -34,6 +34,7 @@
 //! # }).unwrap();
 //! ```
 
+pub mod compose;
 pub mod executor;
 pub mod export;
 pub mod history;

@@ -1,19 +1,23 @@
 //! From a kernel's file to the WGSL that a device gets, and what that WGSL says of its bindings.
 //!
-//! WESL resolves `import` and `@if`; naga parses and validates the result and tells what every entry
-//! point reads and writes, through the functions it calls. The WGSL is the only list of bindings.
+//! [`compose`](crate::compose) resolves `import` and `@if`; naga parses and validates the result and tells what every
+//! entry point reads and writes, through the functions it calls. The WGSL is the only list of bindings.
+
+use std::collections::HashMap;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInner};
 use wesl::{CompileOptions, ManglerKind, ModulePath, VirtualResolver, Wesl};
 
+use crate::compose::{ComposeError, compose};
 use crate::features::Features;
 use crate::kernel::Kernel;
 use crate::programs::closest_hit;
 use crate::stream::{Stream, Texel};
 
 /// What a binding is bound to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Resource {
     /// A per-ray stream, read through a sampled texture.
     ReadStream(Stream),
@@ -36,7 +40,7 @@ pub enum Resource {
 }
 
 /// One binding of a kernel's variant, as its WGSL declares and uses it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Binding {
     /// `@group`
     pub group: u32,
@@ -83,12 +87,12 @@ pub const LIVE: [&str; 5] = ["sent", "own_list", "intersect_list", "traverse_lis
 #[derive(Debug, thiserror::Error)]
 pub enum ShaderError {
     /// `import` or `@if` could not be resolved.
-    #[error("kernel {kernel}: {message}")]
+    #[error("kernel {kernel}: {source}")]
     Compose {
         /// The kernel.
         kernel: &'static str,
-        /// What WESL says.
-        message: String,
+        /// Where and why.
+        source: ComposeError,
     },
     /// naga refuses the result.
     #[error("kernel {kernel} is not valid WGSL: {message}")]
@@ -108,6 +112,12 @@ pub enum ShaderError {
     },
 }
 
+/// Variants that were made before. Parsing and validating one takes longer than a small picture.
+static KEPT: LazyLock<Mutex<HashMap<(Kernel, Features), Variant>>> = LazyLock::new(Mutex::default);
+
+/// Most that are kept, some 30 KB each.
+const MOST_KEPT: usize = 256;
+
 impl Variant {
     /// The streams that the kernel changes.
     pub fn written_streams(&self) -> impl Iterator<Item = Stream> + '_ {
@@ -117,13 +127,26 @@ impl Variant {
         })
     }
 
-    /// Composes, validates and reflects a kernel. Needs no device.
+    /// Composes, validates and reflects a kernel, once for the same options. Needs no device.
     ///
     /// # Errors
     /// Where the WGSL in this crate is wrong.
     pub fn new(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
+        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(variant) = kept.get(&(kernel, *features)) {
+            return Ok(variant.clone());
+        }
+        let variant = Self::reflected(kernel, features)?;
+        if kept.len() >= MOST_KEPT {
+            kept.clear();
+        }
+        kept.insert((kernel, *features), variant.clone());
+        Ok(variant)
+    }
+
+    fn reflected(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
         let name = kernel.name();
-        let source = compose(kernel, features).map_err(|message| ShaderError::Compose { kernel: name, message })?;
+        let source = composed(kernel, features).map_err(|source| ShaderError::Compose { kernel: name, source })?;
         let invalid = |message| ShaderError::Invalid { kernel: name, message };
         let module = naga::front::wgsl::parse_str(&source).map_err(|e| invalid(e.emit_to_string(&source)))?;
         let info = Validator::new(ValidationFlags::all(), Capabilities::all())
@@ -167,7 +190,7 @@ impl Variant {
     }
 }
 
-fn compose(kernel: Kernel, features: &Features) -> Result<String, String> {
+#[doc(hidden)] pub fn compose_wesl(kernel: Kernel, features: &Features) -> Result<String, String> {
     let path = |name: &str| format!("package::{name}").parse::<ModulePath>().map_err(|e| e.to_string());
     let mut resolver = VirtualResolver::new();
     for (name, source) in closest_hit::modules(features.stack, features.turns) {
@@ -191,6 +214,19 @@ fn compose(kernel: Kernel, features: &Features) -> Result<String, String> {
         .set_missing_feature_behavior(wesl::Feature::Error)
         .set_features(features.list());
     compiler.compile(&root).map(|result| result.to_string()).map_err(|e| e.to_string())
+}
+
+#[doc(hidden)] pub fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError> {
+    let modules = shared::modules(features.stack, features.turns);
+    let options = features.list();
+    let source = |name: &str| {
+        if name == kernel.name() {
+            return Some(kernel.info().wgsl);
+        }
+        modules.iter().find(|(module, _)| *module == name).map(|(_, source)| source.as_ref())
+    };
+    let option = |name: &str| options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on);
+    compose(kernel.name(), kernel.name(), &source, &option)
 }
 
 fn resource_of(module: &Module, global: &naga::GlobalVariable, name: &str) -> Option<Resource> {

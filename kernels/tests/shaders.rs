@@ -193,3 +193,63 @@ fn host_structs_lie_as_naga_says() {
     check!(SceneInfo, "SceneInfo", triangles, steps, rays, first_row);
     check!(BvhNode, "BvhNode", min, first, max, link);
 }
+
+#[test]
+fn tmp_same_as_wesl() {
+    fn items(text: &str) -> std::collections::BTreeMap<String, Vec<String>> {
+        let mut clean = String::new();
+        for line in text.lines() { clean += line.split("//").next().unwrap(); clean.push('\n'); }
+        let mut toks: Vec<String> = Vec::new();
+        let mut it = clean.chars().peekable();
+        while let Some(c) = it.next() {
+            if c.is_whitespace() { continue; }
+            if c.is_alphanumeric() || c == '_' || c == '.' {
+                let mut w = c.to_string();
+                while let Some(&d) = it.peek() { if d.is_alphanumeric() || d == '_' || d == '.' || ((d=='+'||d=='-') && w.starts_with(|c: char| c.is_ascii_digit()) && w.ends_with('e') && !w.starts_with("0x")) { w.push(d); it.next(); } else { break; } }
+                toks.push(w);
+            } else { toks.push(c.to_string()); }
+        }
+        let mut out = std::collections::BTreeMap::new();
+        let mut cur = Vec::new(); let mut depth = 0;
+        for t in toks {
+            match t.as_str() { "{" | "(" => depth += 1, "}" | ")" => depth -= 1, _ => {} }
+            let ends = depth == 0 && (t == ";" || t == "}");
+            cur.push(t);
+            if ends {
+                let k = cur.iter().position(|w| ["fn","struct","var","const"].contains(&w.as_str())).unwrap_or_else(|| panic!("{cur:?}"));
+                let mut n = k + 1;
+                if cur[n] == "<" { while cur[n] != ">" { n += 1; } n += 1; }
+                let name = cur[n].clone();
+                let mut norm: Vec<String> = Vec::new();
+                for w in cur.drain(..) { if w == "(" || w == ")" || w == "," { continue; } norm.push(w); }
+                if norm.last().map(|s| s.as_str()) == Some(";") { norm.pop(); }
+                out.insert(name, norm);
+            }
+        }
+        out
+    }
+    let mut extras = std::collections::BTreeMap::new();
+    let mut n = 0;
+    let mut bad = std::collections::BTreeMap::new();
+    let (mut t1, mut t2) = (std::time::Duration::ZERO, std::time::Duration::ZERO);
+    for features in feature_sets() {
+        for info in KERNELS {
+            if !has_kernel(&features, info.kernel) { continue; }
+            let t = std::time::Instant::now();
+            let old_text = raystep_kernels::shader::compose_wesl(info.kernel, &features).unwrap();
+            t1 += t.elapsed(); let t = std::time::Instant::now();
+            let new_text = raystep_kernels::shader::composed(info.kernel, &features).unwrap();
+            t2 += t.elapsed();
+            n += 1;
+            if n == 300 { std::fs::write("/tmp/old.wgsl", &old_text).unwrap(); std::fs::write("/tmp/new.wgsl", &new_text).unwrap(); }
+            let (old, new) = (items(&old_text), items(&new_text));
+            for (name, tokens) in &old {
+                if new.get(name) != Some(tokens) { bad.entry((info.name, name.clone())).or_insert_with(|| format!("{}\n{}", tokens.join(" "), new.get(name).map(|t| t.join(" ")).unwrap_or_default())); }
+            }
+            for name in new.keys() { if !old.contains_key(name) { *extras.entry((info.name, name.clone())).or_insert(0) += 1; } }
+        }
+    }
+    println!("{n} variants, {t1:?} {t2:?}, extras {extras:?}");
+    for (k, v) in &bad { println!("{k:?}\n{v}"); }
+    assert!(bad.is_empty());
+}

@@ -22,6 +22,7 @@ mod container;
 mod geometry;
 mod graph;
 mod images;
+mod json_path;
 mod lights_cameras;
 mod materials;
 mod place;

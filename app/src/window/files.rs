@@ -18,7 +18,7 @@ pub(super) fn wait<T>(dialog: impl Future<Output = T>) -> T {
 
 /// The file of saved sessions, where this system keeps such things.
 fn place() -> Option<PathBuf> {
-    directories::ProjectDirs::from("", "", "raystep").map(|folders| folders.data_dir().join("inspector.ron"))
+    directories::ProjectDirs::from("", "", "raystep").map(|folders| folders.data_dir().join("inspector.json"))
 }
 
 /// What was kept the last time; nothing where there is nothing that can be read.

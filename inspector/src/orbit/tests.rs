@@ -146,13 +146,13 @@ fn a_view_is_saved_and_read_back_and_nonsense_is_brought_into_range() {
     let [mut orbit, parallel] = both_lenses();
     orbit.orbit(DVec2::new(70.0, 30.0), SIZE);
     for orbit in [orbit, parallel] {
-        let text = ron::to_string(&orbit).expect("text");
-        assert_eq!(ron::from_str::<Orbit>(&text).expect("a view"), orbit);
+        let text = serde_json::to_string(&orbit).expect("text");
+        assert_eq!(serde_json::from_str::<Orbit>(&text).expect("a view"), orbit);
     }
     let mut far = orbit;
     far.pose.pitch = f64::NAN;
     far.pose.distance = -1.0;
-    let read: Orbit = ron::from_str(&ron::to_string(&far).expect("text")).expect("a view");
+    let read: Orbit = serde_json::from_str(&serde_json::to_string(&far).expect("text")).expect("a view");
     assert!(read.pose.distance > 0.0 && read.pose.pitch.is_finite());
     orbit.reset();
     assert_eq!(orbit, both_lenses()[0]);

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use raystep_kernels::Kernel;
+use raystep_kernels::compose::holds;
 use raystep_kernels::features::Features;
 
 use super::Mark;
@@ -100,7 +101,10 @@ impl Walker<'_> {
     fn is_in(&self, choice: Option<&Choice>, before: &mut Option<bool>) -> bool {
         let is_in = match choice {
             None => return true,
-            Some(Choice::If(condition)) => holds(condition, &self.options),
+            Some(Choice::If(condition)) => {
+                let option = |name: &str| self.options.iter().find(|o| o.0 == name).map(|o| o.1);
+                holds(condition, &option).unwrap_or(false)
+            }
             Some(Choice::Else) => before.is_some_and(|taken| !taken),
         };
         *before = Some(is_in);
@@ -193,45 +197,5 @@ impl Walker<'_> {
 
     fn held(&self, text: &str) -> Option<bool> {
         self.case.and_then(|case| case.held(self.kernel, text))
-    }
-}
-
-/// The value of an option's expression: names, `!`, `&&`, `||` and parentheses. What is not understood is false.
-fn holds(expression: &str, options: &[(&'static str, bool)]) -> bool {
-    let spaced = ["!", "&&", "||", "(", ")"].iter().fold(expression.to_owned(), |s, t| s.replace(t, &format!(" {t} ")));
-    let words: Vec<&str> = spaced.split_whitespace().collect();
-    let mut at = 0;
-    or(&words, &mut at, options)
-}
-
-fn or(words: &[&str], at: &mut usize, options: &[(&'static str, bool)]) -> bool {
-    let mut value = and(words, at, options);
-    while words.get(*at) == Some(&"||") {
-        *at += 1;
-        value |= and(words, at, options);
-    }
-    value
-}
-
-fn and(words: &[&str], at: &mut usize, options: &[(&'static str, bool)]) -> bool {
-    let mut value = not(words, at, options);
-    while words.get(*at) == Some(&"&&") {
-        *at += 1;
-        value &= not(words, at, options);
-    }
-    value
-}
-
-fn not(words: &[&str], at: &mut usize, options: &[(&'static str, bool)]) -> bool {
-    let word = words.get(*at).copied().unwrap_or_default();
-    *at += 1;
-    match word {
-        "!" => !not(words, at, options),
-        "(" => {
-            let value = or(words, at, options);
-            *at += 1;
-            value
-        }
-        name => options.iter().any(|&(option, is_on)| option == name && is_on),
     }
 }

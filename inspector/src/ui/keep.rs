@@ -14,10 +14,10 @@ impl Inspector {
         if let Some(error) = error {
             self.fail(error.to_string());
         }
-        if let Some(tree) = saved.layout.as_deref().and_then(|text| ron::from_str::<Tree<Pane>>(text).ok()) {
+        if let Some(tree) = saved.layout.as_deref().and_then(|text| serde_json::from_str::<Tree<Pane>>(text).ok()) {
             self.tree = tree;
         }
-        if let Some(watches) = saved.watches.as_deref().and_then(|text| ron::from_str::<Vec<(Watch, bool)>>(text).ok())
+        if let Some(watches) = saved.watches.as_deref().and_then(|text| serde_json::from_str::<Vec<(Watch, bool)>>(text).ok())
         {
             self.shared.watches = watches;
         }
@@ -28,8 +28,8 @@ impl Inspector {
 
     /// Hands the host what is to be kept.
     pub fn keep(&mut self) {
-        self.saved.layout = ron::to_string(&self.tree).ok();
-        self.saved.watches = ron::to_string(&self.shared.watches).ok();
+        self.saved.layout = serde_json::to_string(&self.tree).ok();
+        self.saved.watches = serde_json::to_string(&self.shared.watches).ok();
         if let Some(link) = self.link() {
             self.saved.link = Some(link);
         }

@@ -2,7 +2,8 @@
 
 mod texts;
 
-use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
+use egui::text::LayoutJob;
+use egui::{FontSelection, Label, RichText};
 
 use super::command::Command;
 use super::layout;
@@ -30,7 +31,7 @@ enum Do {
 
 /// A step of a lesson.
 struct Step {
-    /// What it says, as CommonMark.
+    /// What it says, one paragraph: `**strong**` and `` `code` `` as in Markdown.
     text: &'static str,
     /// What it sets up.
     set_up: &'static [Do],
@@ -47,7 +48,6 @@ struct LessonText {
 pub(super) struct Lesson {
     lesson: &'static LessonText,
     step: usize,
-    cache: CommonMarkCache,
     /// What is still to be set up for this step: a run has to be open for it.
     waiting: Vec<&'static Do>,
 }
@@ -55,10 +55,28 @@ pub(super) struct Lesson {
 /// The path of the scene that needs no file.
 pub(super) const BUILT_IN: &str = "built-in:cornell-box";
 
+/// What `**` and `` ` `` enclose, in the styles that they stand for.
+fn paragraph(ui: &egui::Ui, text: &str) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    for (strong, part) in text.split("**").enumerate() {
+        for (code, part) in part.split('`').enumerate() {
+            let mut words = RichText::new(part);
+            if strong % 2 == 1 {
+                words = words.strong();
+            }
+            if code % 2 == 1 {
+                words = words.code();
+            }
+            words.append_to(&mut job, ui.style(), FontSelection::Default, egui::Align::Center);
+        }
+    }
+    job
+}
+
 impl Inspector {
     pub(super) fn begin_lesson(&mut self, command: Command) {
         if let Some(lesson) = LESSONS.iter().find(|lesson| lesson.command == command) {
-            let mut lesson = Lesson { lesson, step: 0, cache: CommonMarkCache::default(), waiting: Vec::new() };
+            let mut lesson = Lesson { lesson, step: 0, waiting: Vec::new() };
             lesson.set_up();
             self.lesson = Some(lesson);
         }
@@ -76,7 +94,7 @@ impl Inspector {
             .resizable(true)
             .show(ctx, |ui| {
                 egui::ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
-                    CommonMarkViewer::new().show(ui, &mut lesson.cache, steps[lesson.step].text);
+                    ui.add(Label::new(paragraph(ui, steps[lesson.step].text)).wrap());
                 });
                 ui.separator();
                 ui.horizontal(|ui| {

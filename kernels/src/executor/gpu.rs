@@ -4,6 +4,7 @@ mod batch;
 mod books;
 mod clock;
 mod clock_check;
+mod compiled;
 mod device;
 mod error;
 mod fill;
@@ -85,7 +86,7 @@ impl GpuExecutor {
             buffers.push((planned.what, device.create_buffer_init(&descriptor)));
         }
         let books = Books::new(device, plan);
-        let pipelines = Pipelines::new(device, plan, &streams, &buffers, &books, data)?;
+        let pipelines = Pipelines::new(&gpu, plan, &streams, &buffers, &books, data)?;
         let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
         let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?, &books);
         let fill = Fill::new(device, &gpu.queue, plan);
@@ -109,7 +110,10 @@ impl GpuExecutor {
             resumes_light: plan.features.resumes_light,
         };
         executor.clear();
-        executor.gpu.pop_scopes(scopes).await?;
+        if let Err(error) = executor.gpu.pop_scopes(scopes).await {
+            executor.gpu.compiled.clear();
+            return Err(error);
+        }
         Ok(executor)
     }
 

@@ -1,9 +1,11 @@
 //! From the file's bytes to its JSON and its BIN chunk.
 
 use super::budget::Budget;
+use super::json_path::path_at;
 use super::{LoadError, at, repair};
 use gltf::json::mesh::Primitive;
 use gltf::json::{Accessor, Material, Node, Root};
+use serde::Deserialize as _;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::borrow::Cow;
 use std::fmt;
@@ -124,11 +126,9 @@ fn read_repaired<'a>(text: &'a str, budget: &Budget) -> Result<(Root, Cow<'a, st
 
 fn read_root(text: &str) -> Result<Root, LoadError> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
-    let root = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
-        let path = error.path().to_string();
-        let error = error.into_inner();
-        // These are its words for the whole file and for a place that it lost.
-        LoadError::Json(if path == "." || path == "?" { error.to_string() } else { format!("{path}: {error}") })
+    let root = Root::deserialize(&mut deserializer).map_err(|error| {
+        let path = path_at(text, error.line(), error.column());
+        LoadError::Json(if path.is_empty() { error.to_string() } else { format!("{path}: {error}") })
     })?;
     deserializer.end().map_err(|error| LoadError::Json(error.to_string()))?;
     Ok(root)

@@ -104,11 +104,11 @@ impl Panel for Cost {
     }
 
     fn save(&self) -> String {
-        ron::to_string(&self.shown).unwrap_or_default()
+        serde_json::to_string(&self.shown).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        self.shown = ron::from_str(saved).unwrap_or_default();
+        self.shown = serde_json::from_str(saved).unwrap_or_default();
     }
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {

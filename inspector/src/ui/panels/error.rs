@@ -127,11 +127,11 @@ impl Panel for ErrorOverTime {
     }
 
     fn save(&self) -> String {
-        ron::to_string(&self.is_linear).unwrap_or_default()
+        serde_json::to_string(&self.is_linear).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        self.is_linear = ron::from_str(saved).unwrap_or_default();
+        self.is_linear = serde_json::from_str(saved).unwrap_or_default();
     }
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {

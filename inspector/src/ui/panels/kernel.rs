@@ -76,11 +76,11 @@ impl Panel for KernelView {
     }
 
     fn save(&self) -> String {
-        ron::to_string(&self.look).unwrap_or_default()
+        serde_json::to_string(&self.look).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        if let Ok(look) = ron::from_str(saved) {
+        if let Ok(look) = serde_json::from_str(saved) {
             self.look = look;
         }
     }

@@ -74,11 +74,11 @@ impl Panel for Timeline {
     }
 
     fn save(&self) -> String {
-        ron::to_string(&self.scale).unwrap_or_default()
+        serde_json::to_string(&self.scale).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        self.scale = ron::from_str(saved).unwrap_or_default();
+        self.scale = serde_json::from_str(saved).unwrap_or_default();
     }
 }
 

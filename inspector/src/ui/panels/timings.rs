@@ -92,11 +92,11 @@ impl Panel for Timings {
     }
 
     fn save(&self) -> String {
-        ron::to_string(&self.is_log).unwrap_or_default()
+        serde_json::to_string(&self.is_log).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        self.is_log = ron::from_str(saved).unwrap_or_default();
+        self.is_log = serde_json::from_str(saved).unwrap_or_default();
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::clock_check::ClockCheck;
+use super::compiled::Pipelines;
 use super::error::{GpuError, first_line};
 use super::gate::{Gate, Held};
 use super::probe::loops;
@@ -25,6 +26,7 @@ pub struct Gpu {
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
     pub(super) gate: Arc<Gate>,
+    pub(super) compiled: Pipelines,
     pub(super) clock: OnceLock<Clock>,
 }
 
@@ -216,6 +218,7 @@ impl Gpu {
             source,
             trouble,
             gate: Arc::default(),
+            compiled: Pipelines::default(),
             clock,
         }))
     }

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use super::books::{Books, Place, is_dynamic};
-use super::{GpuError, stream_format};
+use super::compiled::Compiled;
+use super::{Gpu, GpuError, stream_format};
 use crate::kernel::Kernel;
 use crate::plan::Plan;
 use crate::scene_data::SceneData;
@@ -27,14 +28,17 @@ pub(super) struct Pipelines(Vec<KernelPipeline>);
 
 impl Pipelines {
     pub(super) fn new(
-        device: &wgpu::Device,
+        gpu: &Gpu,
         plan: &Plan,
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
         books: &Books,
         data: &SceneData,
     ) -> Result<Self, GpuError> {
-        let pipeline = |v| KernelPipeline::new(device, v, streams, buffers, books, is_proved(plan, v, data));
+        let pipeline = |v| {
+            let compiled = gpu.compiled.get(&gpu.device, v, is_proved(plan, v, data));
+            KernelPipeline::new(&gpu.device, v, compiled, streams, buffers, books)
+        };
         plan.variants.iter().map(pipeline).collect::<Result<_, _>>().map(Self)
     }
 
@@ -50,26 +54,22 @@ impl KernelPipeline {
     fn new(
         device: &wgpu::Device,
         variant: &Variant,
+        compiled: Compiled,
         streams: &[(Stream, wgpu::Texture)],
         buffers: &[(&'static str, wgpu::Buffer)],
         books: &Books,
-        is_proved: bool,
     ) -> Result<Self, GpuError> {
         let name = variant.kernel.name();
-        let group_count = variant.bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
-        let (mut layouts, mut groups, mut live, mut offsets) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for group in 0..group_count {
+        let (mut groups, mut live, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
+        for (group, layout) in (0..).zip(&compiled.layouts) {
             let bindings: Vec<_> = variant.bindings.iter().filter(|b| b.group == group).collect();
-            let entries: Vec<_> = bindings.iter().map(|b| layout_entry(b)).collect();
-            let layout = device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(name), entries: &entries });
             let make = |resources: Vec<wgpu::BindingResource<'_>>| {
                 let entries: Vec<_> = bindings
                     .iter()
                     .zip(resources)
                     .map(|(b, resource)| wgpu::BindGroupEntry { binding: b.index, resource })
                     .collect();
-                let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout: &layout, entries: &entries };
+                let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout, entries: &entries };
                 device.create_bind_group(&descriptor)
             };
             if group == LIVE_GROUP {
@@ -95,28 +95,9 @@ impl KernelPipeline {
                 }
                 groups.push(make(resources));
             }
-            layouts.push(layout);
         }
-        let layouts: Vec<_> = layouts.iter().map(Some).collect();
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(name),
-            bind_group_layouts: &layouts,
-            immediate_size: 0,
-        });
-        let module = shader_module(device, variant, is_proved);
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some(name),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                zero_initialize_workgroup_memory: variant.kernel != Kernel::Fused,
-                ..Default::default()
-            },
-            cache: None,
-        });
         let writes = variant.written_streams().collect();
-        Ok(Self { kernel: variant.kernel, pipeline, writes, groups, live, offsets })
+        Ok(Self { kernel: variant.kernel, pipeline: compiled.pipeline, writes, groups, live, offsets })
     }
 
     /// Binds the books for a pass.
@@ -140,7 +121,7 @@ fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
 }
 
 /// The fused kernel without bounds checks where [`is_proved`] says that no index needs one; others with.
-fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
+pub(super) fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
     let descriptor = wgpu::ShaderModuleDescriptor {
         label: Some(variant.kernel.name()),
         source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
@@ -179,7 +160,7 @@ fn view(binding: &Binding, streams: &[(Stream, wgpu::Texture)]) -> Option<wgpu::
     }))
 }
 
-fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
     let ty = match binding.resource {
         Resource::ReadStream(stream) => wgpu::BindingType::Texture {
             sample_type: match stream.info().texel {

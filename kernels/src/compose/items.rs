@@ -1,0 +1,100 @@
+//! A module's declarations and imports, once its options are decided.
+
+use std::collections::BTreeMap;
+
+use super::ComposeError;
+use super::options::node_end;
+use super::words::{Word, line_of, with_comment_above, words};
+
+/// A declaration.
+#[derive(Debug)]
+pub(super) struct Item {
+    pub(super) name: String,
+    /// With the comment right above it.
+    pub(super) text: String,
+    /// Names that it mentions, members not among them.
+    pub(super) mentions: Vec<String>,
+}
+
+/// A module, with its options decided.
+#[derive(Debug, Default)]
+pub(super) struct Module {
+    /// In the file's order.
+    pub(super) items: Vec<Item>,
+    /// From a name to the module that it is imported from.
+    pub(super) imports: BTreeMap<String, String>,
+}
+
+impl Module {
+    /// Reads a module whose options are decided.
+    pub(super) fn parse(name: &str, text: &str) -> Result<Self, ComposeError> {
+        let words = words(text);
+        let mut module = Self::default();
+        let mut at = 0;
+        while at < words.len() {
+            let malformed = || ComposeError::Malformed {
+                module: name.to_owned(),
+                line: line_of(text, words[at].start),
+                message: "neither an import nor a declaration with a name".into(),
+            };
+            let end = node_end(&words, at, false).ok_or_else(malformed)?;
+            let node = &words[at..end];
+            if node[0].text == "import" {
+                let (from, names) = import(node).ok_or_else(malformed)?;
+                module.imports.extend(names.into_iter().map(|name| (name, from.clone())));
+            } else if node[0].text != ";" {
+                let first = with_comment_above(text, node[0].start);
+                module.items.push(Item {
+                    name: declared(node).ok_or_else(malformed)?.to_owned(),
+                    text: text[first..words[end - 1].end()].trim_matches('\n').to_owned(),
+                    mentions: mentions(node),
+                });
+            }
+            at = end;
+        }
+        Ok(module)
+    }
+
+    pub(super) fn declares(&self, name: &str) -> bool {
+        self.items.iter().any(|item| item.name == name)
+    }
+}
+
+/// `import package::MODULE::NAME;` or `…::{NAME, NAME};`
+fn import(node: &[Word<'_>]) -> Option<(String, Vec<String>)> {
+    let texts: Vec<&str> = node.iter().map(|word| word.text).collect();
+    let ["import", "package", ":", ":", module, ":", ":", names @ .., ";"] = texts.as_slice() else { return None };
+    let names: Vec<String> = match names {
+        ["{", names @ .., "}"] => {
+            names.split(|&word| word == ",").filter(|name| !name.is_empty()).map(|name| name.concat()).collect()
+        }
+        [name] => vec![(*name).to_owned()],
+        _ => return None,
+    };
+    Some(((*module).to_owned(), names))
+}
+
+/// The name that a declaration gives.
+fn declared<'a>(node: &[Word<'a>]) -> Option<&'a str> {
+    let keyword =
+        node.iter().position(|word| matches!(word.text, "fn" | "struct" | "var" | "const" | "override" | "alias"))?;
+    let mut after = &node[keyword + 1..];
+    // `var<storage, read>`
+    if after.first()?.text == "<" {
+        let close = after.iter().position(|word| word.text == ">")?;
+        after = &after[close + 1..];
+    }
+    after.first().filter(|word| word.is_name()).map(|word| word.text)
+}
+
+fn mentions(node: &[Word<'_>]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let mut before = "";
+    for word in node {
+        if word.is_name() && before != "." && !names.iter().any(|name| name == word.text) {
+            names.push(word.text.to_owned());
+        }
+        before = word.text;
+    }
+    names
+}
