@@ -217,7 +217,7 @@ impl Variant {
 }
 
 #[doc(hidden)] pub fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError> {
-    let modules = shared::modules(features.stack, features.turns);
+    let modules = closest_hit::modules(features.stack, features.turns);
     let options = features.list();
     let source = |name: &str| {
         if name == kernel.name() {
