@@ -4,7 +4,7 @@ use super::{accumulate, fused, generate, intersect, setup, shade, traverse_bvh, 
 use crate::numbers::real::Real;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
-use crate::tables::kernel::Transition;
+use crate::tables::kernel::{Role, Transition};
 use crate::tables::state::{
     BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, StateCounts, TRAV, TRAV_SETUP, Tag, UNWRITTEN,
 };
@@ -54,12 +54,14 @@ pub struct KernelInfo {
     /// Where it sends them. A pass that leaves a ray's tag as it was is listed only where the kernel worked on the ray.
     /// `--numerics paper` and runs without a grid use a subset.
     pub sends: &'static [Transition],
+    /// What it is for in a run.
+    pub role: Role,
     /// One sentence.
     pub summary: &'static str,
 }
 
 macro_rules! kernels {
-    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, summary: $summary:literal, })*) => {
+    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, summary: $summary:literal, })*) => {
         /// Every kernel.
         pub const KERNELS: &[KernelInfo] = &[$(KernelInfo {
             kernel: Kernel::$variant,
@@ -67,6 +69,7 @@ macro_rules! kernels {
             wgsl: include_str!(concat!(stringify!($module), ".wgsl")),
             takes: $takes,
             sends: $sends,
+            role: $role,
             summary: $summary,
         }),*];
 
@@ -89,6 +92,7 @@ kernels! {
         sends: &[
             send(UNWRITTEN, "every ray", TRAV_SETUP),
         ],
+        role: Role::Source,
         summary: "makes a ray for every pixel",
     }
     Setup setup {
@@ -98,6 +102,7 @@ kernels! {
             send(TRAV_SETUP, "enters the grid", ISECT_NO_HIT),
             send(TRAV_SETUP, "with a tree: at its root", TRAV),
         ],
+        role: Role::Enter,
         summary: "finds where the ray's walk begins, or that it misses the grid",
     }
     TraverseGrid traverse_grid {
@@ -108,6 +113,7 @@ kernels! {
             send(TRAV, "leaves the grid", BACKGROUND),
             send(TRAV, "leaves the grid, hit kept", SHADE),
         ],
+        role: Role::Step,
         summary: "moves the ray to its next cell",
     }
     TraverseBvh traverse_bvh {
@@ -119,6 +125,7 @@ kernels! {
             send(TRAV, "tree done", BACKGROUND),
             send(TRAV, "tree done, hit kept", SHADE),
         ],
+        role: Role::Step,
         summary: "moves the ray to its next node of the tree",
     }
     Intersect intersect {
@@ -133,6 +140,7 @@ kernels! {
             send(ISECT_HIT, "list ended, t beyond the cell's exit", TRAV),
             send(ISECT_NO_HIT, "without a grid: list ended, nothing hit", BACKGROUND),
         ],
+        role: Role::Test,
         summary: "tests the ray against one triangle of its cell or leaf",
     }
     Walk walk {
@@ -148,6 +156,7 @@ kernels! {
             send(TRAV, "tree done, hit", SHADE),
             send(TRAV, "tree done, nothing hit", BACKGROUND),
         ],
+        role: Role::Walk,
         summary: "takes the ray several cells or nodes on",
     }
     Fused fused {
@@ -173,6 +182,7 @@ kernels! {
             send(TRAV_SETUP, "hit", SHADE),
             send(TRAV_SETUP, "no hit", BACKGROUND),
         ],
+        role: Role::Whole,
         summary: "takes the ray from its start to its nearest hit",
     }
     Shade shade {
@@ -182,6 +192,7 @@ kernels! {
             send(SHADE, "shaded", DONE),
             send(BACKGROUND, "background", DONE),
         ],
+        role: Role::Finish,
         summary: "colours the ray from its hit, or the background",
     }
     Accumulate accumulate {
@@ -190,6 +201,7 @@ kernels! {
             send(DONE, "the pixel wants more samples", UNWRITTEN),
             send(DONE, "it was the last sample", DONE),
         ],
+        role: Role::Sample,
         summary: "adds the sample to its pixel's mean, and asks for the next one",
     }
 }
@@ -219,10 +231,15 @@ impl Kernel {
             _ => None,
         }
     }
+    /// What it is for in a run.
+    #[must_use]
+    pub const fn role(self) -> Role {
+        self.info().role
+    }
     /// Whether it belongs to the walk: it runs again and again.
     #[must_use]
     pub const fn is_walk(self) -> bool {
-        matches!(self, Self::TraverseGrid | Self::TraverseBvh | Self::Intersect | Self::Walk)
+        self.info().role.is_walk()
     }
     /// Invocations of its workgroups along x and y.
     #[must_use]

@@ -2,7 +2,8 @@
 
 use crate::options::{Accelerator, ScheduleKind};
 use crate::programs::closest_hit::kernels::Kernel;
-use crate::tables::state::{self, StateCounts};
+use crate::tables::kernel::Role;
+use crate::tables::state::StateCounts;
 
 /// One line of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -126,15 +127,18 @@ impl Schedule {
 impl Schedule {
     /// Whether it goes through its steps once a sample.
     fn has_samples(&self) -> bool {
-        matches!(self.steps[..], [Step::LoopWhileActive([Kernel::Generate], _)])
+        matches!(self.steps[..], [Step::LoopWhileActive([kernel], _)] if kernel.role() == Role::Source)
     }
 
     /// The counts after a kernel that is no part of the walk, if it sent all of its rays on to the next kernel.
     fn after_all(&self, kernel: Kernel, counts: &StateCounts) -> StateCounts {
-        let walk = || self.kernels().into_iter().find(|k| k.is_walk()).and_then(|k| k.info().takes.first().copied());
-        let to = match kernel {
-            Kernel::Setup => walk(),
-            Kernel::Accumulate => Some(state::UNWRITTEN),
+        let first_taken = |is_taker: fn(Role) -> bool| {
+            self.kernels().into_iter().find(|k| is_taker(k.role())).and_then(|k| k.info().takes.first().copied())
+        };
+        let to = match kernel.role() {
+            Role::Enter => first_taken(Role::is_walk),
+            // Every pixel wants another sample.
+            Role::Sample => first_taken(|role| role == Role::Source),
             _ => kernel.sends_all_to(),
         };
         let mut after = *counts;
@@ -177,9 +181,9 @@ impl Cursor {
             };
             match step {
                 Step::Run(kernel) => {
-                    match kernel {
-                        Kernel::Generate => self.iteration = 0,
-                        Kernel::Accumulate => self.samples += 1,
+                    match kernel.role() {
+                        Role::Source => self.iteration = 0,
+                        Role::Sample => self.samples += 1,
                         _ => {}
                     }
                     *self.path.last_mut()? += 1;
@@ -229,7 +233,7 @@ impl Cursor {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
                 // The fused kernel is submitted alone: in parts, and what it did is counted anew.
-                Some(next) if kernels.len() < most && ![last, next].contains(&Kernel::Fused) => {
+                Some(next) if kernels.len() < most && [last, next].iter().all(|k| k.role() != Role::Whole) => {
                     kernels.push(next);
                     last = next;
                 }
