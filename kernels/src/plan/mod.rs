@@ -123,19 +123,6 @@ fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str
     all
 }
 
-/// The order of kernels for these options.
-fn schedule(options: &Options, accelerator: Accelerator, features: &Features) -> Schedule {
-    let given = matches!(options.rays, RaySource::Given(_));
-    let mut schedule =
-        Schedule::new(options.schedule, accelerator, given, options.shade, features.eye_rays, features.many_steps);
-    for (resumes, kernel) in [(features.resumes, Kernel::Fused), (features.resumes_light, Kernel::Shade)] {
-        if resumes {
-            schedule = schedule.until_idle(kernel);
-        }
-    }
-    if features.samples { schedule.for_samples() } else { schedule }
-}
-
 impl Plan {
     /// Plans a run and prepares the bytes that it binds. No GPU is involved.
     ///
@@ -162,7 +149,7 @@ impl Plan {
         let features = features;
         let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
 
-        let schedule = schedule(options, accelerator, &features);
+        let schedule = Schedule::of(options, accelerator, &features);
         let variants =
             schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
         let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();

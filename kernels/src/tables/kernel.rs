@@ -41,3 +41,25 @@ impl Role {
         matches!(self, Self::Step | Self::Test | Self::Walk)
     }
 }
+
+/// How a kernel that has no list of rays is launched over all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Launch {
+    /// In one dispatch.
+    Whole,
+    /// In bands of rows, each a dispatch and a submission of its own: a ray may take long there, and systems take the
+    /// GPU away from a dispatch that lasts. It is not submitted together with other passes.
+    Bands,
+}
+
+/// How the host learns where a kernel has sent its rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counts {
+    /// The kernel counts the rays that it sends into each state.
+    Sent,
+    /// It does not count: all rays go to this state, but where some may wait for the next dispatch; then they are
+    /// counted anew.
+    AllTo(Tag),
+    /// It does not count: the rays in each state are counted anew after it.
+    Anew,
+}

@@ -2,9 +2,10 @@
 
 use super::{accumulate, fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
 use crate::numbers::real::Real;
+use crate::options::features::Features;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
-use crate::tables::kernel::{Role, Transition};
+use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::{
     BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, StateCounts, TRAV, TRAV_SETUP, Tag, UNWRITTEN,
 };
@@ -56,12 +57,20 @@ pub struct KernelInfo {
     pub sends: &'static [Transition],
     /// What it is for in a run.
     pub role: Role,
+    /// Invocations of its workgroups along x and y.
+    pub workgroup: u32,
+    /// How it is launched over all rays.
+    pub launch: Launch,
+    /// How the host learns where it sent rays.
+    pub counts: Counts,
+    /// Whether a ray may wait there for the next dispatch, as one has too few loop turns for it.
+    pub resumes: fn(&Features) -> bool,
     /// One sentence.
     pub summary: &'static str,
 }
 
 macro_rules! kernels {
-    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, summary: $summary:literal, })*) => {
+    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, summary: $summary:literal, })*) => {
         /// Every kernel.
         pub const KERNELS: &[KernelInfo] = &[$(KernelInfo {
             kernel: Kernel::$variant,
@@ -70,6 +79,10 @@ macro_rules! kernels {
             takes: $takes,
             sends: $sends,
             role: $role,
+            workgroup: $workgroup,
+            launch: $launch,
+            counts: $counts,
+            resumes: $resumes,
             summary: $summary,
         }),*];
 
@@ -93,6 +106,10 @@ kernels! {
             send(UNWRITTEN, "every ray", TRAV_SETUP),
         ],
         role: Role::Source,
+        workgroup: WORKGROUP,
+        launch: Launch::Whole,
+        counts: Counts::AllTo(TRAV_SETUP),
+        resumes: |_| false,
         summary: "makes a ray for every pixel",
     }
     Setup setup {
@@ -103,6 +120,10 @@ kernels! {
             send(TRAV_SETUP, "with a tree: at its root", TRAV),
         ],
         role: Role::Enter,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
         summary: "finds where the ray's walk begins, or that it misses the grid",
     }
     TraverseGrid traverse_grid {
@@ -114,6 +135,10 @@ kernels! {
             send(TRAV, "leaves the grid, hit kept", SHADE),
         ],
         role: Role::Step,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
         summary: "moves the ray to its next cell",
     }
     TraverseBvh traverse_bvh {
@@ -126,6 +151,10 @@ kernels! {
             send(TRAV, "tree done, hit kept", SHADE),
         ],
         role: Role::Step,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
         summary: "moves the ray to its next node of the tree",
     }
     Intersect intersect {
@@ -141,6 +170,10 @@ kernels! {
             send(ISECT_NO_HIT, "without a grid: list ended, nothing hit", BACKGROUND),
         ],
         role: Role::Test,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |features| features.resumes_scan,
         summary: "tests the ray against one triangle of its cell or leaf",
     }
     Walk walk {
@@ -157,6 +190,10 @@ kernels! {
             send(TRAV, "tree done, nothing hit", BACKGROUND),
         ],
         role: Role::Walk,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |features| features.resumes,
         summary: "takes the ray several cells or nodes on",
     }
     Fused fused {
@@ -183,6 +220,10 @@ kernels! {
             send(TRAV_SETUP, "no hit", BACKGROUND),
         ],
         role: Role::Whole,
+        workgroup: WORKGROUP,
+        launch: Launch::Bands,
+        counts: Counts::Anew,
+        resumes: |features| features.resumes,
         summary: "takes the ray from its start to its nearest hit",
     }
     Shade shade {
@@ -193,6 +234,10 @@ kernels! {
             send(BACKGROUND, "background", DONE),
         ],
         role: Role::Finish,
+        workgroup: WORKGROUP,
+        launch: Launch::Whole,
+        counts: Counts::AllTo(DONE),
+        resumes: |features| features.resumes_light,
         summary: "colours the ray from its hit, or the background",
     }
     Accumulate accumulate {
@@ -202,6 +247,10 @@ kernels! {
             send(DONE, "it was the last sample", DONE),
         ],
         role: Role::Sample,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
         summary: "adds the sample to its pixel's mean, and asks for the next one",
     }
 }
@@ -225,10 +274,19 @@ impl Kernel {
     /// The state in which it leaves every ray that it works on, where there is only one.
     #[must_use]
     pub const fn sends_all_to(self) -> Option<Tag> {
-        match self {
-            Self::Generate => Some(TRAV_SETUP),
-            Self::Shade => Some(DONE),
-            _ => None,
+        match self.info().counts {
+            Counts::AllTo(tag) => Some(tag),
+            Counts::Sent | Counts::Anew => None,
+        }
+    }
+    /// Whether the rays in each state are counted anew after a pass of it, in a run with these options.
+    #[must_use]
+    pub fn is_counted_anew(self, features: &Features) -> bool {
+        let info = self.info();
+        match info.counts {
+            Counts::Sent => false,
+            Counts::AllTo(_) => (info.resumes)(features),
+            Counts::Anew => true,
         }
     }
     /// What it is for in a run.
@@ -244,10 +302,7 @@ impl Kernel {
     /// Invocations of its workgroups along x and y.
     #[must_use]
     pub const fn workgroup(self) -> u32 {
-        match self {
-            Self::Generate | Self::Fused | Self::Shade => WORKGROUP,
-            _ => LIST_SIDE,
-        }
+        self.info().workgroup
     }
     /// How many of these rays it would work on.
     #[must_use]
@@ -257,31 +312,4 @@ impl Kernel {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_is_in_the_order_of_the_enum() {
-        for (i, info) in KERNELS.iter().enumerate() {
-            assert_eq!(info.kernel as usize, i, "{}", info.name);
-        }
-    }
-
-    #[test]
-    fn every_row_sends_what_it_takes_and_no_state_is_a_dead_end() {
-        let taken: Vec<Tag> = KERNELS.iter().flat_map(|info| info.takes).copied().collect();
-        for info in KERNELS {
-            for &tag in info.takes {
-                assert!(info.sends.iter().any(|s| s.from == tag), "{} keeps {tag}", info.name);
-            }
-            for send in info.sends {
-                // The fused kernel also takes rays that nothing has made yet, where it makes them itself.
-                let is_own = info.takes.contains(&send.from) || (info.kernel, send.from) == (Kernel::Fused, UNWRITTEN);
-                assert!(is_own && taken.contains(&send.to), "{}: {send:?}", info.name);
-            }
-            if let Some(to) = info.kernel.sends_all_to() {
-                assert!(info.sends.iter().all(|s| s.to == to || s.to == s.from), "{}", info.name);
-            }
-        }
-    }
-}
+mod tests;

@@ -1,8 +1,9 @@
 //! Which kernels run, in what order, until what holds: a value that can be checked without a GPU.
 
-use crate::options::{Accelerator, ScheduleKind};
+use crate::options::features::Features;
+use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
 use crate::programs::closest_hit::kernels::Kernel;
-use crate::tables::kernel::Role;
+use crate::tables::kernel::{Launch, Role};
 use crate::tables::state::StateCounts;
 
 /// One line of a schedule.
@@ -84,15 +85,20 @@ impl Schedule {
         Self { steps }
     }
 
-    /// The same with a kernel run until no ray is active there, in place of once.
+    /// For a run with these options; `accelerator` is never [`Accelerator::Auto`].
     #[must_use]
-    pub fn until_idle(mut self, kernel: Kernel) -> Self {
-        for step in &mut self.steps {
-            if *step == Step::Run(kernel) {
+    pub fn of(options: &Options, accelerator: Accelerator, features: &Features) -> Self {
+        let given = matches!(options.rays, RaySource::Given(_));
+        let Features { eye_rays, many_steps, samples, .. } = *features;
+        let mut schedule = Self::new(options.schedule, accelerator, given, options.shade, eye_rays, many_steps);
+        for step in &mut schedule.steps {
+            if let Step::Run(kernel) = *step
+                && (kernel.info().resumes)(features)
+            {
                 *step = Step::RunUntilIdle(kernel);
             }
         }
-        self
+        if samples { schedule.for_samples() } else { schedule }
     }
 
     /// The same for several samples a pixel: all steps again and again, as long as a pixel asks for another sample.
@@ -233,7 +239,7 @@ impl Cursor {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
                 // The fused kernel is submitted alone: in parts, and what it did is counted anew.
-                Some(next) if kernels.len() < most && [last, next].iter().all(|k| k.role() != Role::Whole) => {
+                Some(next) if kernels.len() < most && [last, next].iter().all(|k| k.info().launch != Launch::Bands) => {
                     kernels.push(next);
                     last = next;
                 }
