@@ -18,7 +18,7 @@ use raystep_scenes::Scene;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::programs::closest_hit::kernels::{Kernel, LISTS};
 use crate::programs::closest_hit::schedule::Schedule;
 use crate::scene_data::SceneData;
 use crate::shader::Variant;
@@ -106,15 +106,9 @@ fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str
     let mut add = |what, bytes| all.push(Planned { what, bytes });
     add("sent", slots);
     add("sent_copy", slots);
-    // A list's own slot and the next one's are in different buffers: one is read as arguments while the
-    // other is written.
-    for (name, even, odd) in [
-        ("intersect_list", "intersect_list_even", "intersect_list_odd"),
-        ("traverse_list", "traverse_list_even", "traverse_list_odd"),
-    ] {
-        if bound.contains(name) {
-            add(even, slots / 2 + COUNT_SLOT_BYTES);
-            add(odd, slots / 2 + COUNT_SLOT_BYTES);
+    for list in LISTS.iter().filter(|list| bound.contains(list.name)) {
+        for slots in list.slots {
+            add(slots, COUNT_SLOTS * COUNT_SLOT_BYTES / 2 + COUNT_SLOT_BYTES);
         }
     }
     if bound.contains("live_rays") {

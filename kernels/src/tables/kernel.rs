@@ -63,3 +63,13 @@ pub enum Counts {
     /// It does not count: the rays in each state are counted anew after it.
     Anew,
 }
+
+/// A list of the rays that wait for a kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ListInfo {
+    /// What kernels that send rays there bind.
+    pub name: &'static str,
+    /// The buffers of its slots in even and odd passes of its kernel: one is read as arguments while the other is
+    /// written.
+    pub slots: [&'static str; 2],
+}

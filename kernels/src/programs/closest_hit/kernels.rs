@@ -5,7 +5,7 @@ use crate::numbers::real::Real;
 use crate::options::features::Features;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
-use crate::tables::kernel::{Counts, Launch, Role, Transition};
+use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
 use crate::tables::state::{
     BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, StateCounts, TRAV, TRAV_SETUP, Tag, UNWRITTEN,
 };
@@ -41,6 +41,14 @@ const fn send(from: Tag, when: &'static str, to: Tag) -> Transition {
     Transition { from, when, to }
 }
 
+/// Every list of live rays.
+pub const LISTS: [ListInfo; 2] = [
+    ListInfo { name: "intersect_list", slots: ["intersect_list_even", "intersect_list_odd"] },
+    ListInfo { name: "traverse_list", slots: ["traverse_list_even", "traverse_list_odd"] },
+];
+const INTERSECT_LIST: usize = 0;
+const TRAVERSE_LIST: usize = 1;
+
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelInfo {
@@ -65,12 +73,14 @@ pub struct KernelInfo {
     pub counts: Counts,
     /// Whether a ray may wait there for the next dispatch, as one has too few loop turns for it.
     pub resumes: fn(&Features) -> bool,
+    /// The list of the rays that wait for it, where only live rays are launched: an index into [`LISTS`].
+    pub list: Option<usize>,
     /// One sentence.
     pub summary: &'static str,
 }
 
 macro_rules! kernels {
-    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, summary: $summary:literal, })*) => {
+    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, summary: $summary:literal, })*) => {
         /// Every kernel.
         pub const KERNELS: &[KernelInfo] = &[$(KernelInfo {
             kernel: Kernel::$variant,
@@ -83,6 +93,7 @@ macro_rules! kernels {
             launch: $launch,
             counts: $counts,
             resumes: $resumes,
+            list: $list,
             summary: $summary,
         }),*];
 
@@ -110,6 +121,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::AllTo(TRAV_SETUP),
         resumes: |_| false,
+        list: None,
         summary: "makes a ray for every pixel",
     }
     Setup setup {
@@ -124,6 +136,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |_| false,
+        list: None,
         summary: "finds where the ray's walk begins, or that it misses the grid",
     }
     TraverseGrid traverse_grid {
@@ -139,6 +152,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |_| false,
+        list: Some(TRAVERSE_LIST),
         summary: "moves the ray to its next cell",
     }
     TraverseBvh traverse_bvh {
@@ -155,6 +169,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |_| false,
+        list: Some(TRAVERSE_LIST),
         summary: "moves the ray to its next node of the tree",
     }
     Intersect intersect {
@@ -174,6 +189,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |features| features.resumes_scan,
+        list: Some(INTERSECT_LIST),
         summary: "tests the ray against one triangle of its cell or leaf",
     }
     Walk walk {
@@ -194,6 +210,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |features| features.resumes,
+        list: Some(INTERSECT_LIST),
         summary: "takes the ray several cells or nodes on",
     }
     Fused fused {
@@ -224,6 +241,7 @@ kernels! {
         launch: Launch::Bands,
         counts: Counts::Anew,
         resumes: |features| features.resumes,
+        list: None,
         summary: "takes the ray from its start to its nearest hit",
     }
     Shade shade {
@@ -238,6 +256,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::AllTo(DONE),
         resumes: |features| features.resumes_light,
+        list: None,
         summary: "colours the ray from its hit, or the background",
     }
     Accumulate accumulate {
@@ -251,6 +270,7 @@ kernels! {
         launch: Launch::Whole,
         counts: Counts::Sent,
         resumes: |_| false,
+        list: None,
         summary: "adds the sample to its pixel's mean, and asks for the next one",
     }
 }
