@@ -75,12 +75,14 @@ pub struct KernelInfo {
     pub resumes: fn(&Features) -> bool,
     /// The list of the rays that wait for it, where only live rays are launched: an index into [`LISTS`].
     pub list: Option<usize>,
+    /// Its colour in every diagram, sRGB: readable on light and dark.
+    pub colour: [u8; 3],
     /// One sentence.
     pub summary: &'static str,
 }
 
 macro_rules! kernels {
-    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, summary: $summary:literal, })*) => {
+    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, colour: $colour:expr, summary: $summary:literal, })*) => {
         /// Every kernel.
         pub const KERNELS: &[KernelInfo] = &[$(KernelInfo {
             kernel: Kernel::$variant,
@@ -94,6 +96,7 @@ macro_rules! kernels {
             counts: $counts,
             resumes: $resumes,
             list: $list,
+            colour: $colour,
             summary: $summary,
         }),*];
 
@@ -122,6 +125,7 @@ kernels! {
         counts: Counts::AllTo(TRAV_SETUP),
         resumes: |_| false,
         list: None,
+        colour: [23, 150, 160],
         summary: "makes a ray for every pixel",
     }
     Setup setup {
@@ -137,6 +141,7 @@ kernels! {
         counts: Counts::Sent,
         resumes: |_| false,
         list: None,
+        colour: [150, 120, 190],
         summary: "finds where the ray's walk begins, or that it misses the grid",
     }
     TraverseGrid traverse_grid {
@@ -153,6 +158,7 @@ kernels! {
         counts: Counts::Sent,
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
+        colour: [66, 124, 200],
         summary: "moves the ray to its next cell",
     }
     TraverseBvh traverse_bvh {
@@ -170,6 +176,7 @@ kernels! {
         counts: Counts::Sent,
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
+        colour: [66, 124, 200],
         summary: "moves the ray to its next node of the tree",
     }
     Intersect intersect {
@@ -190,6 +197,7 @@ kernels! {
         counts: Counts::Sent,
         resumes: |features| features.resumes_scan,
         list: Some(INTERSECT_LIST),
+        colour: [232, 140, 60],
         summary: "tests the ray against one triangle of its cell or leaf",
     }
     Walk walk {
@@ -211,6 +219,7 @@ kernels! {
         counts: Counts::Sent,
         resumes: |features| features.resumes,
         list: Some(INTERSECT_LIST),
+        colour: [190, 150, 30],
         summary: "takes the ray several cells or nodes on",
     }
     Fused fused {
@@ -242,6 +251,7 @@ kernels! {
         counts: Counts::Anew,
         resumes: |features| features.resumes,
         list: None,
+        colour: [200, 80, 140],
         summary: "takes the ray from its start to its nearest hit",
     }
     Shade shade {
@@ -257,6 +267,7 @@ kernels! {
         counts: Counts::AllTo(DONE),
         resumes: |features| features.resumes_light,
         list: None,
+        colour: [90, 165, 90],
         summary: "colours the ray from its hit, or the background",
     }
     Accumulate accumulate {
@@ -271,6 +282,7 @@ kernels! {
         counts: Counts::Sent,
         resumes: |_| false,
         list: None,
+        colour: [120, 130, 140],
         summary: "adds the sample to its pixel's mean, and asks for the next one",
     }
 }
