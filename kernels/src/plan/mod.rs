@@ -28,6 +28,7 @@ use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, LIVE_REGIONS, fill_byt
 use crate::tables::stream::{INPUTS, STREAMS, Stream};
 
 pub use crate::numbers::bytes::Bytes;
+pub use crate::programs::closest_hit::reasons::Because;
 pub use check::{MAX_TEXELS, PlanError, given_width};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::left_out;
@@ -45,17 +46,6 @@ pub struct Planned<T> {
     pub what: T,
     /// Its bytes on the executor.
     pub bytes: u64,
-}
-
-/// Who made it unnecessary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Because {
-    /// The scene does not have it.
-    Scene,
-    /// The options do not ask for it.
-    Options,
-    /// The result that is wanted does not show it.
-    View,
 }
 
 /// Something that a run does without.

@@ -1,5 +1,8 @@
 //! Every kernel, in one table: its WGSL, its twin, and the states it works on.
 
+use super::reasons::{
+    EYE_RAYS, FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED, of_a_step,
+};
 use super::{accumulate, fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
 use crate::numbers::real::Real;
 use crate::options::features::Features;
@@ -77,12 +80,14 @@ pub struct KernelInfo {
     pub list: Option<usize>,
     /// Its colour in every diagram, sRGB: readable on light and dark.
     pub colour: [u8; 3],
+    /// Why a run does without it.
+    pub why_absent: fn(&Run<'_>) -> Reason,
     /// One sentence.
     pub summary: &'static str,
 }
 
 macro_rules! kernels {
-    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, colour: $colour:expr, summary: $summary:literal, })*) => {
+    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, })*) => {
         /// Every kernel.
         pub const KERNELS: &[KernelInfo] = &[$(KernelInfo {
             kernel: Kernel::$variant,
@@ -97,6 +102,7 @@ macro_rules! kernels {
             resumes: $resumes,
             list: $list,
             colour: $colour,
+            why_absent: $why_absent,
             summary: $summary,
         }),*];
 
@@ -126,6 +132,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [23, 150, 160],
+        why_absent: |run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
         summary: "makes a ray for every pixel",
     }
     Setup setup {
@@ -142,6 +149,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [150, 120, 190],
+        why_absent: |_| FUSED,
         summary: "finds where the ray's walk begins, or that it misses the grid",
     }
     TraverseGrid traverse_grid {
@@ -159,6 +167,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
+        why_absent: of_a_step,
         summary: "moves the ray to its next cell",
     }
     TraverseBvh traverse_bvh {
@@ -177,6 +186,7 @@ kernels! {
         resumes: |_| false,
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
+        why_absent: of_a_step,
         summary: "moves the ray to its next node of the tree",
     }
     Intersect intersect {
@@ -198,6 +208,7 @@ kernels! {
         resumes: |features| features.resumes_scan,
         list: Some(INTERSECT_LIST),
         colour: [232, 140, 60],
+        why_absent: |run| if run.features.many_steps { MANY_STEPS } else { FUSED },
         summary: "tests the ray against one triangle of its cell or leaf",
     }
     Walk walk {
@@ -220,6 +231,7 @@ kernels! {
         resumes: |features| features.resumes,
         list: Some(INTERSECT_LIST),
         colour: [190, 150, 30],
+        why_absent: |run| if run.is_fused() { FUSED } else { ONE_STEP },
         summary: "takes the ray several cells or nodes on",
     }
     Fused fused {
@@ -252,6 +264,7 @@ kernels! {
         resumes: |features| features.resumes,
         list: None,
         colour: [200, 80, 140],
+        why_absent: |_| STEPPED,
         summary: "takes the ray from its start to its nearest hit",
     }
     Shade shade {
@@ -268,6 +281,7 @@ kernels! {
         resumes: |features| features.resumes_light,
         list: None,
         colour: [90, 165, 90],
+        why_absent: |_| NO_SHADE,
         summary: "colours the ray from its hit, or the background",
     }
     Accumulate accumulate {
@@ -283,6 +297,7 @@ kernels! {
         resumes: |_| false,
         list: None,
         colour: [120, 130, 140],
+        why_absent: |_| ONE_SAMPLE,
         summary: "adds the sample to its pixel's mean, and asks for the next one",
     }
 }
