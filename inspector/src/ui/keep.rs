@@ -17,7 +17,8 @@ impl Inspector {
         if let Some(tree) = saved.layout.as_deref().and_then(|text| serde_json::from_str::<Tree<Pane>>(text).ok()) {
             self.tree = tree;
         }
-        if let Some(watches) = saved.watches.as_deref().and_then(|text| serde_json::from_str::<Vec<(Watch, bool)>>(text).ok())
+        if let Some(watches) =
+            saved.watches.as_deref().and_then(|text| serde_json::from_str::<Vec<(Watch, bool)>>(text).ok())
         {
             self.shared.watches = watches;
         }
