@@ -33,6 +33,8 @@ fn workgroups_are_those_of_the_wgsl() {
     for info in KERNELS {
         let features = Features { bvh: info.kernel == Kernel::TraverseBvh, ..features };
         let features = Features { grid: !features.bvh, samples: info.role == Role::Sample, ..features };
+        let is_walk = info.role == Role::Walk;
+        let features = Features { live_lists: is_walk, many_steps: is_walk, ..features };
         let variant = crate::shader::Variant::new(info.kernel, &features).expect("a variant");
         let module = naga::front::wgsl::parse_str(&variant.source).expect("valid");
         let entry = module.entry_points.iter().find(|entry| entry.name == info.name).expect("its entry point");
