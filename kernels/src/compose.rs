@@ -7,8 +7,8 @@
 //!   of options holds; `@else` right after it is kept where it does not.
 //!
 //! The result has the declarations that the entry point reaches, in their files' order and words, comments included,
-//! and under their own names: names of globals are names of streams and buffers. WESL's own crate parses all of WGSL for this and
-//! prints it again, which took a quarter of the time to build the whole workspace.
+//! and under their own names: names of globals are names of streams and buffers. WESL's own crate parses all of WGSL
+//! and prints it again; it took an eighth of the time to build raystep, and five times as long to compose a kernel.
 
 mod condition;
 mod items;

@@ -8,7 +8,6 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInner};
-use wesl::{CompileOptions, ManglerKind, ModulePath, VirtualResolver, Wesl};
 
 use crate::compose::{ComposeError, compose};
 use crate::features::Features;
@@ -190,35 +189,8 @@ impl Variant {
     }
 }
 
-#[doc(hidden)]
-pub fn compose_wesl(kernel: Kernel, features: &Features) -> Result<String, String> {
-    let path = |name: &str| format!("package::{name}").parse::<ModulePath>().map_err(|e| e.to_string());
-    let mut resolver = VirtualResolver::new();
-    for (name, source) in closest_hit::modules(features.stack, features.turns) {
-        resolver.add_module(path(name)?, source.into());
-    }
-    let root = path(kernel.name())?;
-    resolver.add_module(root.clone(), kernel.info().wgsl.into());
-
-    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
-    compiler
-        .set_options(CompileOptions {
-            imports: true,
-            condcomp: true,
-            strip: true,
-            lazy: true,
-            validate: false,
-            ..CompileOptions::default()
-        })
-        // Global names are stream and buffer names; a clash between modules is refused by naga.
-        .set_mangler(ManglerKind::None)
-        .set_missing_feature_behavior(wesl::Feature::Error)
-        .set_features(features.list());
-    compiler.compile(&root).map(|result| result.to_string()).map_err(|e| e.to_string())
-}
-
-#[doc(hidden)]
-pub fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError> {
+/// A kernel's file and the modules that it imports from, as one text with its options decided.
+fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError> {
     let modules = closest_hit::modules(features.stack, features.turns);
     let options = features.list();
     let source = |name: &str| {

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
-mod load_common;
-
-use load_common::*;
+use crate::load_common::*;
 use raystep_scenes::{LoadError, LoadOptions, NoFiles, load};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};

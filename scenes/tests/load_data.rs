@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
-#[path = "load_data/images.rs"]
 mod images;
-mod load_common;
 
+use crate::load_common::*;
 use base64::Engine as _;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
-use load_common::*;
 use raystep_scenes::{LoadOptions, NoFiles, Scene, Wrap, load};
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;

@@ -2,14 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
-mod load_common;
-#[path = "load_features/valid.rs"]
 mod valid;
-#[path = "load_features/wrong.rs"]
 mod wrong;
 
+use crate::load_common::*;
 use glam::DVec3;
-use load_common::*;
 use raystep_scenes::{Light, LoadOptions, Material, NoFiles, Projection, load};
 use serde_json::json;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};

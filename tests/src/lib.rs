@@ -20,6 +20,13 @@ pub mod watertight;
 pub mod ways;
 pub mod words;
 
+/// Whether tests take their long form, as `sh tests/full.sh` asks by the variable `RAYSTEP_THOROUGH`: more scenes, more
+/// rays, more ways. The short form finds what breaks a whole kernel or rule; the long one, what goes wrong rarely.
+#[must_use]
+pub fn thorough() -> bool {
+    std::env::var_os("RAYSTEP_THOROUGH").is_some_and(|value| !value.is_empty())
+}
+
 /// The folder of scene files: beside this crate, or under the current folder where a test's binary was
 /// carried elsewhere.
 #[must_use]

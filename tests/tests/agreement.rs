@@ -6,7 +6,7 @@ use raystep_kernels::real::ulps;
 use raystep_kernels::{Accelerator, Renderer, ScheduleKind, Skip};
 use raystep_lab::judge::sample;
 use raystep_tests::ways::EVERY;
-use raystep_tests::{devices, hits, mistakes_among, options, scene, scene_files, traced};
+use raystep_tests::{devices, hits, mistakes_among, options, scene, scene_files, thorough, traced};
 
 /// Rays of a picture of more triangles than 2,000 that are judged whether devices agree on them or not.
 const JUDGED: usize = 2048;
@@ -22,7 +22,11 @@ fn every_combination_ends_in_the_same_hits() {
             let mut first: Option<(String, [Vec<u32>; 4], Renderer)> = None;
             for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
                 // On two cores, brute force over more takes minutes; the rays are fewer for the same reason.
-                let size = if scene.triangles.len() <= 60 { 256 } else { 96 };
+                let size = match (scene.triangles.len() <= 60, thorough()) {
+                    (true, true) => 256,
+                    (false, false) => 48,
+                    _ => 96,
+                };
                 if accelerator == Accelerator::None && scene.triangles.len() > 2000 {
                     continue;
                 }

@@ -10,12 +10,13 @@ use raystep_lab::stability::{self, CASES, Variant};
 use raystep_tests::ways::{FAST, STEPPED};
 use raystep_tests::{
     Checked, block_on, check, check_ways, devices, gpu, gpu_of, mistakes_among, options, rays, scene, scene_files,
-    traced, values,
+    thorough, traced, values,
 };
 
 /// Share of ties that a view may have. Edges cover about two pixels' width times their length; a pixel
 /// centre lies within the bound of an edge, some 30 units in the last place of a view 512 pixels wide,
-/// with a chance of about 2⁻¹⁰. Scenes whose geometry overlaps itself on purpose are listed with theirs.
+/// with a chance of about 2⁻¹⁰. With half as many pixels a side, edges cover twice the share and the chance is half.
+/// Scenes whose geometry overlaps itself on purpose are listed with theirs.
 fn ceiling(file: &str) -> f64 {
     match file {
         // Coplanar faces that touch: every ray through them has two equal candidates.
@@ -31,7 +32,8 @@ fn pictures_of_small_scenes_have_no_errors_but_ties() {
         if scene.triangles.len() > 2000 {
             continue;
         }
-        let options = options(&scene, 512, 512);
+        let side = if thorough() { 512 } else { 256 };
+        let options = options(&scene, side, side);
         for Checked { way, report, .. } in check_ways(&scene, &options, &FAST, &Device::Gpu(gpu())) {
             let label = format!("{file} ({} triangles) {way}: {report}", scene.triangles.len());
             assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
@@ -47,7 +49,8 @@ fn random_rays_have_no_errors_but_ties() {
         if scene.triangles.is_empty() {
             continue;
         }
-        let mut options = Options::new(RaySource::Given(rays::random(&scene, 10_000, 7)));
+        let count = if thorough() { 10_000 } else { 3_000 };
+        let mut options = Options::new(RaySource::Given(rays::random(&scene, count, 7)));
         options.shade = false;
         for Checked { way, report, .. } in check_ways(&scene, &options, &FAST, &Device::Gpu(gpu())) {
             let label = format!("{file} ({} triangles), random rays, {way}: {report}", scene.triangles.len());

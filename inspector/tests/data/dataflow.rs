@@ -4,7 +4,7 @@ use raystep_inspector::dataflow::{Access, DataFlow, Edge, Node, NodeKind};
 use raystep_kernels::{Accelerator, Kernel, Limits, Options, Plan, ScheduleKind, Stream};
 use raystep_scenes::generate;
 
-use crate::common::{options, scenes};
+use crate::data::common::{options, scenes};
 
 fn graph(options: &Options, scene: &raystep_scenes::Scene) -> DataFlow {
     DataFlow::new(&Plan::new(scene, options, &Limits::CPU).expect("a plan").0)

@@ -9,7 +9,7 @@ use raystep_kernels::export::trace::{Rays, trace};
 use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Stream};
 use raystep_scenes::generate;
 
-use crate::common::options;
+use crate::data::common::options;
 
 fn run() -> (RunContext, Renderer) {
     let scene = generate::cornell_box();

@@ -10,7 +10,7 @@ use raystep_kernels::kernel::KERNELS;
 use raystep_kernels::{Accelerator, Device, Kernel, Numerics, Options, Renderer, Samples, ScheduleKind};
 use raystep_scenes::{Scene, generate};
 
-use crate::common::options;
+use crate::data::common::options;
 
 const STEPPED: [Kernel; 7] = {
     use Kernel::{Accumulate, Generate, Intersect, Setup, Shade, TraverseBvh, TraverseGrid};

@@ -8,7 +8,7 @@ use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 use raystep_scenes::{LoadOptions, NoFiles, generate, load};
 
-use crate::adapter::block_on;
+use crate::ui::adapter::block_on;
 
 /// The scene of most tests.
 pub(crate) const CORNELL: &str = "cornell-box";

@@ -8,8 +8,8 @@ use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::{GridSize, Numerics, ScheduleKind};
 
-use crate::desk::CORNELL;
-use crate::stage::{Plan, Stage};
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::{Plan, Stage};
 
 /// So many columns and rows that some rays of the paper's rules go wrong.
 const LARGE: u32 = 256;

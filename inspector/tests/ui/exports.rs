@@ -5,8 +5,8 @@ use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
 
-use crate::desk::{CORNELL, Dialogs, NO_DIALOG};
-use crate::stage::{Plan, Stage};
+use crate::ui::desk::{CORNELL, Dialogs, NO_DIALOG, TRIANGLE};
+use crate::ui::stage::{Plan, Stage};
 
 const PLACE: usize = 12;
 
@@ -122,7 +122,7 @@ fn auto_is_the_twins_where_the_adapter_is_software() {
     stage.answer(&format!("raystep:1?scene={CORNELL}&size=32x32&device=gpu&pixel=3,4&pass=7"));
     assert_eq!(device(&mut stage), Some(DeviceKind::Gpu), "by a link that says it");
     let mut stage = Stage::new(Plan::default());
-    stage.desk.lock().expect("not poisoned").choice = Some(CORNELL.into());
+    stage.desk.lock().expect("not poisoned").choice = Some(TRIANGLE.into());
     stage.perform(Command::OpenScene);
     assert_eq!(device(&mut stage), Some(wanted), "by a dialog");
 }

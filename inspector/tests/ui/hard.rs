@@ -6,9 +6,9 @@ use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 
-use crate::adapter::own_gpu;
-use crate::desk::{BROKEN, CORNELL, EMPTY, TRIANGLE};
-use crate::stage::{Plan, Stage};
+use crate::ui::adapter::own_gpu;
+use crate::ui::desk::{BROKEN, CORNELL, EMPTY, TRIANGLE};
+use crate::ui::stage::{Plan, Stage};
 
 fn small() -> Settings {
     Settings { size: [32, 32], ..Settings::default() }

@@ -10,8 +10,8 @@ use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::{Command, Menu};
 use raystep_inspector::ui::pane::PaneKind;
 
-use crate::desk::CORNELL;
-use crate::stage::Stage;
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::Stage;
 
 /// How many widgets there are in view, all of which have names.
 #[track_caller]

@@ -11,12 +11,14 @@ use raystep_kernels::export::trace::{Rays, Trace, trace};
 use raystep_kernels::{Accelerator, Device, Renderer};
 use raystep_scenes::generate::cornell_box;
 
-use crate::adapter::{block_on, gpu};
-use crate::desk::CORNELL;
-use crate::stage::{Plan, Stage};
+use crate::ui::adapter::{block_on, gpu};
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::{Plan, Stage};
 
-/// The pixel that is clicked, of 512 × 512.
-const PIXEL: [u32; 2] = [200, 360];
+/// The pixel that is clicked of a picture of so many rows and columns.
+fn pixel(side: u32) -> [u32; 2] {
+    [200, 360].map(|place| place * side / 512)
+}
 
 /// One ray's life in a run of its own.
 fn life(settings: &Settings) -> Trace {
@@ -24,18 +26,33 @@ fn life(settings: &Settings) -> Trace {
     let device = Device::Gpu(gpu.clone());
     let options = settings.options(&scene);
     let mut renderer = block_on(&gpu, Renderer::new(&scene, &options, &device)).expect("a small scene");
-    let [x, y] = PIXEL;
+    let [x, y] = pixel(settings.size[0]);
     block_on(&gpu, trace(&mut renderer, x, y, Rays::All, |_| ControlFlow::Continue(()))).expect("a pixel")
 }
 
 #[test]
+fn a_first_session_with_a_small_picture() {
+    let mut stage = Stage::new(Plan::default());
+    stage.perform(Command::PasteLink);
+    stage.answer(&format!("raystep:1?scene={CORNELL}&size=128x128"));
+    stage.perform(Command::End);
+    go_on(stage, Settings { size: [128; 2], ..Settings::default() });
+}
+
+#[test]
+#[ignore = "long: sh tests/full.sh"]
 fn a_first_session() {
     let mut stage = Stage::new(Plan::default());
-
-    // Open the Cornell box.
     stage.desk.lock().expect("not poisoned").choice = Some(CORNELL.into());
     stage.click(Role::Button, Command::OpenScene.name());
     stage.settle();
+    go_on(stage, Settings::default());
+}
+
+/// All that follows once the Cornell box is open.
+fn go_on(mut stage: Stage, settings: Settings) {
+    let [side, _] = settings.size;
+    let pixel = pixel(side);
     assert!(stage.inspector().title().starts_with("cornell-box"), "{}", stage.inspector().title());
 
     // It is traced to its end. Start over, step 20 passes, go back 7.
@@ -57,13 +74,13 @@ fn a_first_session() {
     // Click a pixel: its life is that of a run of its own.
     let picture = stage.find(Role::Image, |name| name.contains("after 13 passes")).expect("the stream");
     let rect = picture.rect();
-    let scale = rect.width().min(rect.height()) / 512.0;
-    let texel = vec2(PIXEL[0] as f32 + 0.5, PIXEL[1] as f32 + 0.5) - vec2(256.0, 256.0);
+    let scale = rect.width().min(rect.height()) / side as f32;
+    let texel = vec2(pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5) - egui::Vec2::splat(side as f32 / 2.0);
     stage.click_at(rect.center() + texel * scale);
     stage.settle();
-    assert_eq!(stage.inspector().pixel(), Some(PIXEL));
+    assert_eq!(stage.inspector().pixel(), Some(pixel));
     let shown = stage.inspector().model().life.clone().expect("a life");
-    let expected = life(&Settings::default());
+    let expected = life(&settings);
     assert!(expected.rows.len() > 10, "{}", expected.rows.len());
     assert_eq!(shown.rows, expected.rows);
     assert_eq!(*shown, expected);
@@ -76,14 +93,14 @@ fn a_first_session() {
     stage.key(Modifiers::NONE, Key::F5);
     stage.settle();
     assert_eq!(Some(stage.place()), fires.and_then(|i| expected.rows[i].place()));
-    assert!(stage.reads(&format!("pixel {},{}", PIXEL[0], PIXEL[1])));
+    assert!(stage.reads(&format!("pixel {},{}", pixel[0], pixel[1])));
 
     // Compare with the tree: the same ray there, and the same picture.
     stage.key(Modifiers::COMMAND, Key::B);
     stage.settle();
-    let tree = life(&Settings { accelerator: Accelerator::Bvh, ..Settings::default() });
+    let tree = life(&Settings { accelerator: Accelerator::Bvh, ..settings });
     let hit = tree.rows.last().and_then(|row| row.after.triangle.zip(row.after.t)).expect("a hit");
-    let line = format!("B: ray {},{}: ", PIXEL[0], PIXEL[1]);
+    let line = format!("B: ray {},{}: ", pixel[0], pixel[1]);
     let end = format!("{} passes: hits triangle {} at t {}", tree.rows.len(), hit.0, f64::from(hit.1) * tree.t_scale);
     let reads = |part: &str, end: &str| {
         stage.nodes().iter().any(|node| {
@@ -113,7 +130,7 @@ fn a_first_session() {
     let column = |name: &str| COLUMNS.iter().position(|column| *column == name).expect("a column");
     for (i, row) in rows.iter().enumerate() {
         assert_eq!(row[column("pass_index")], i.to_string());
-        assert_eq!((&row[column("width_px")], &row[column("accelerator")]), ("512", "grid"));
+        assert_eq!((&row[column("width_px")], &row[column("accelerator")]), (side.to_string().as_str(), "grid"));
     }
     assert_eq!(&rows[0][column("kernel")], "generate");
 }

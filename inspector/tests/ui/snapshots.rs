@@ -9,8 +9,8 @@ use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 
-use crate::desk::CORNELL;
-use crate::stage::{Plan, Stage};
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::{Plan, Stage};
 
 fn open(stage: &mut Stage) {
     let settings = Settings { size: [64, 64], device: DeviceKind::Cpu, ..Settings::default() };

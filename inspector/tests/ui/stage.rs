@@ -15,8 +15,8 @@ use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::{Arrival, Inspector, offscreen};
 use raystep_kernels::{Gpu, Stream};
 
-use crate::adapter::{block_on, gpu};
-use crate::desk::{Desk, TestHost};
+use crate::ui::adapter::{block_on, gpu};
+use crate::ui::desk::{Desk, TestHost};
 
 /// How long anything may take on a slow machine that does other things too.
 const PATIENCE: Duration = Duration::from_secs(240);

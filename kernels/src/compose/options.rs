@@ -84,6 +84,8 @@ fn closed(words: &[Word<'_>], open: usize) -> Option<usize> {
 /// The word after a declaration, a statement or a struct's member.
 pub(super) fn node_end(words: &[Word<'_>], from: usize, is_member: bool) -> Option<usize> {
     let mut depth = 0usize;
+    // The braces of an import are a list.
+    let is_import = words.get(from)?.text == "import";
     // Of a member's type, `<` and `>` are brackets.
     let mut template = 0usize;
     for (at, word) in words.iter().enumerate().skip(from) {
@@ -97,7 +99,7 @@ pub(super) fn node_end(words: &[Word<'_>], from: usize, is_member: bool) -> Opti
             "}" if depth == 0 => return (is_member && at > from).then_some(at),
             ")" | "]" | "}" => {
                 depth = depth.checked_sub(1)?;
-                let goes_on = words.get(at + 1).is_some_and(|next| next.text == "else");
+                let goes_on = is_import || words.get(at + 1).is_some_and(|next| next.text == "else");
                 if depth == 0 && word.text == "}" && !goes_on {
                     return Some(at + 1);
                 }

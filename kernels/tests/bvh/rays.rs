@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use raystep_kernels::bvh::{BvhData, BvhQuality, WideBvhData, WideContent, build, build_wide};
 
-use crate::options;
-use crate::scenes::{Random, needles, soup};
+use super::options;
+use super::scenes::{Random, needles, soup};
 
 /// A ray as the slab tests have it: an origin, and one over the direction.
 struct Ray {

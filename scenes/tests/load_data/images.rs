@@ -1,7 +1,7 @@
 //! Pictures of every form, against the `image` crate's own decoding; and what they may take.
 
+use super::textured;
 use crate::load_common::*;
-use crate::textured;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use raystep_scenes::{LoadError, LoadOptions, NoFiles};

@@ -9,7 +9,7 @@ use raystep_kernels::{
 };
 use raystep_scenes::{Camera, Light, Projection, Scene};
 use raystep_tests::ways::{EVERY, Way};
-use raystep_tests::{block_on, devices, gpu, gpu_of, hits, options, scene, values};
+use raystep_tests::{block_on, devices, gpu, gpu_of, hits, options, scene, thorough, values};
 
 use super::{expect_no_errors, made_of, picture};
 
@@ -31,27 +31,43 @@ fn along(scene: &Scene, side: u32) -> Options {
     options
 }
 
+/// Ways that take several steps a pass, or all of them.
+fn several() -> Vec<Way> {
+    let all_steps = [Accelerator::None, Accelerator::Bvh, Accelerator::Grid]
+        .map(|accelerator| Way::new(accelerator, ScheduleKind::Compact, 4096));
+    EVERY.into_iter().filter(|way| way.steps > 1 || !way.is_stepped()).chain(all_steps).collect()
+}
+
+fn in_one_cell(scene: &Scene, side: u32) -> Options {
+    Options { grid: GridSize::Cells([1; 3]), ..along(scene, side) }
+}
+
 #[test]
 fn lists_longer_than_any_loop_are_walked_to_their_end() {
-    use Accelerator::{Bvh, Grid, None};
-    use ScheduleKind::{Compact, Fused, Second};
     let scene = pile(70_000);
-    let all_steps = [Way::new(None, Compact, 4096), Way::new(Bvh, Compact, 4096), Way::new(Grid, Compact, 4096)];
     // Through cells that the scene gets by itself, and through one that lists everything.
-    let several: Vec<Way> =
-        EVERY.into_iter().filter(|way| way.steps > 1 || way.schedule == Fused).chain(all_steps).collect();
-    expect_no_errors("pile", &scene, &along(&scene, 12), &several, 0.0);
-    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&scene, 12) };
-    let grids: Vec<Way> = several.iter().copied().filter(|way| way.accelerator == Grid).collect();
-    expect_no_errors("pile in one cell", &scene, &one_cell, &grids, 0.0);
-    // One triangle a pass: as many passes as there are triangles.
-    let stepped = [Way::new(None, Second, 1), Way::new(Grid, Compact, 1)];
-    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&scene, 3) };
-    expect_no_errors("pile, step by step", &scene, &one_cell, &stepped, 0.0);
-    let larger = pile(300_000);
-    let one_cell = Options { grid: GridSize::Cells([1; 3]), ..along(&larger, 4) };
-    let few: Vec<Way> = several.into_iter().filter(|way| way.schedule == Fused || way.steps == 4096).collect();
-    expect_no_errors("larger pile", &larger, &one_cell, &few, 0.0);
+    let side = if thorough() { 12 } else { 6 };
+    expect_no_errors("pile", &scene, &along(&scene, side), &several(), 0.0);
+    let grids: Vec<Way> = several().into_iter().filter(|way| way.accelerator == Accelerator::Grid).collect();
+    expect_no_errors("pile in one cell", &scene, &in_one_cell(&scene, side), &grids, 0.0);
+}
+
+/// One triangle a pass: as many passes as there are triangles.
+#[test]
+#[ignore = "long: sh tests/full.sh"]
+fn lists_longer_than_any_loop_are_walked_step_by_step() {
+    let scene = pile(70_000);
+    let stepped =
+        [Way::new(Accelerator::None, ScheduleKind::Second, 1), Way::new(Accelerator::Grid, ScheduleKind::Compact, 1)];
+    expect_no_errors("pile, step by step", &scene, &in_one_cell(&scene, 3), &stepped, 0.0);
+}
+
+#[test]
+#[ignore = "long: sh tests/full.sh"]
+fn lists_several_times_as_long_as_any_loop_are_walked_to_their_end() {
+    let scene = pile(300_000);
+    let ways = several().into_iter().filter(|way| way.schedule == ScheduleKind::Fused || way.steps == 4096);
+    expect_no_errors("larger pile", &scene, &in_one_cell(&scene, 4), &ways.collect::<Vec<_>>(), 0.0);
 }
 
 /// What a ray has counted does not depend on how many dispatches it took.

@@ -3,7 +3,7 @@
 use raystep_inspector::ui::pane::PaneKind;
 
 use super::table::is_shown;
-use crate::stage::Stage;
+use crate::ui::stage::Stage;
 
 /// What was saved under names that end so.
 pub(super) fn saved(stage: &Stage, end: &str) -> Vec<Vec<u8>> {

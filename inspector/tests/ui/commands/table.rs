@@ -11,8 +11,8 @@ use raystep_kernels::stream::STATE_T;
 
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
-use crate::desk::CORNELL;
-use crate::stage::Stage;
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::Stage;
 
 type Prepare = fn(&mut Stage) -> f64;
 type Check = fn(&mut Stage, &Before);

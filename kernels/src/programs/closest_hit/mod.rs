@@ -19,7 +19,7 @@ pub mod walk;
 use crate::shared::{self, constants};
 use crate::tables::state;
 
-/// WESL modules that kernels import from, by name: `package::NAME`. `stack` groups of siblings have room on a ray's
+/// WGSL modules that kernels import from, by name: `package::NAME`. `stack` groups of siblings have room on a ray's
 /// stack, and a dispatch has `turns` loop turns.
 #[must_use]
 pub(crate) fn modules(stack: u32, turns: u32) -> Vec<(&'static str, String)> {

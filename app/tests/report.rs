@@ -1,12 +1,9 @@
 //! `raystep report`, from the built binary: its CSVs read back by a strict reader, its page held against them, and its
 //! exit codes.
 
-#[path = "cli/common.rs"]
-mod common;
-
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::{Place, scene};
+use crate::common::{Outcome, Place, scene};
 
 type Row = BTreeMap<String, String>;
 
@@ -151,14 +148,34 @@ fn check_page(place: &Place, folder: &str, tables: &BTreeMap<&'static str, Vec<R
     assert_eq!(plots, svgs, "every plot is in the page and in a file");
 }
 
+/// A quick report by the twins.
+fn quick(place: &Place, more: &[&str]) -> Outcome {
+    place.ok(&[&["report", &cornell_box(), "--quick", "--device", "cpu", "-o", "out"], more].concat())
+}
+
 #[test]
-fn a_quick_report_is_complete_and_finds_the_same_errors_again() {
+#[ignore = "long: sh tests/full.sh"]
+fn a_second_report_finds_the_same_errors_again() {
     let place = Place::new();
-    let report = |folder: &str, more: &[&str]| {
-        let file = cornell_box();
-        place.ok(&[&["report", &file, "--quick", "--device", "cpu", "-o", folder], more].concat())
-    };
-    let outcome = report("out", &[]);
+    quick(&place, &["--quiet"]);
+    let tables = all_rows(&place, "out");
+    let again = quick(&place, &["--force", "--quiet"]);
+    assert_eq!((again.stdout.as_str(), again.stderr.as_str()), ("", ""));
+    for (name, rows) in all_rows(&place, "out") {
+        assert_eq!(rows.len(), tables[name].len(), "{name}");
+        for (now, then) in rows.iter().zip(&tables[name]) {
+            for (column, value) in now.iter().filter(|(column, _)| !is_of_time(column)) {
+                assert_eq!(value, &then[column], "{name}, {column}: {now:?}");
+            }
+        }
+    }
+    assert_eq!(place.names(), ["out"]);
+}
+
+#[test]
+fn a_quick_report_is_complete() {
+    let place = Place::new();
+    let outcome = quick(&place, &[]);
     assert_eq!(outcome.stdout, "");
     let tables = all_rows(&place, "out");
     for (name, rows) in &tables {
@@ -208,25 +225,21 @@ fn a_quick_report_is_complete_and_finds_the_same_errors_again() {
         assert!(errors.len() > 4 && errors.first() > errors.last(), "{sampler}: {errors:?}");
     }
 
-    let again = report("out", &["--force", "--quiet"]);
-    assert_eq!((again.stdout.as_str(), again.stderr.as_str()), ("", ""));
-    for (name, rows) in all_rows(&place, "out") {
-        assert_eq!(rows.len(), tables[name].len(), "{name}");
-        for (now, then) in rows.iter().zip(&tables[name]) {
-            for (column, value) in now.iter().filter(|(column, _)| !is_of_time(column)) {
-                assert_eq!(value, &then[column], "{name}, {column}: {now:?}");
-            }
-        }
-    }
     assert_eq!(place.names(), ["out"]);
 }
 
 #[test]
-fn the_default_device_and_an_adapter_report_too() {
+#[ignore = "long: sh tests/full.sh"]
+fn the_default_device_reports_too() {
+    let place = Place::new();
+    place.ok(&["report", &cornell_box(), "--quick", "-o", "default", "--quiet"]);
+    check_page(&place, "default", &all_rows(&place, "default"));
+}
+
+#[test]
+fn an_adapter_reports_too() {
     let place = Place::new();
     let file = cornell_box();
-    place.ok(&["report", &file, "--quick", "-o", "default", "--quiet"]);
-    check_page(&place, "default", &all_rows(&place, "default"));
     place.ok(&[
         "report",
         &file,

@@ -3,18 +3,19 @@
 mod breaks;
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use breaks::{BREAKS, SAMPLING_BREAKS, TURN_BREAKS};
 use raystep_kernels::kernel::{KERNELS, transitions};
 use raystep_kernels::state;
 use raystep_kernels::{
-    Accelerator, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, Sampler, Samples, ScheduleKind,
-    Skip, Stream,
+    Accelerator, Gpu, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, Sampler, Samples,
+    ScheduleKind, Skip, Stream,
 };
 use raystep_scenes::Projection;
 use raystep_tests::parity::Parity;
 use raystep_tests::ways::{STEPPED, Way, stepped};
-use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files};
+use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files, thorough};
 
 /// Every kernel by every rule, in every launch that it has.
 const WAYS: [Way; 23] = {
@@ -60,6 +61,12 @@ struct Found {
 
 impl Found {
     fn add(&mut self, label: &str, found: Parity) {
+        self.failures.extend(found.breaches.iter().map(|b| format!("{label}: {b}")));
+        self.failures.extend(found.miscounts.iter().map(|m| format!("{label}: {m}")));
+        self.sum(found);
+    }
+
+    fn sum(&mut self, found: Parity) {
         let sum = &mut self.sum;
         sum.passes += found.passes;
         sum.components += found.components;
@@ -68,92 +75,137 @@ impl Found {
         sum.rays += found.rays;
         sum.kernels.extend(found.kernels);
         sum.transitions.extend(found.transitions);
-        self.failures.extend(found.breaches.iter().map(|b| format!("{label}: {b}")));
-        self.failures.extend(found.miscounts.iter().map(|m| format!("{label}: {m}")));
+    }
+
+    fn join(&mut self, other: Self) {
+        self.failures.extend(other.failures);
+        self.sum(other.sum);
     }
 }
 
-#[test]
-fn every_kernel_agrees_with_its_twin_after_every_pass() {
-    let gpu = gpu();
+/// Every way with this accelerator.
+fn ways(accelerator: Accelerator) -> impl Iterator<Item = Way> + Clone {
+    WAYS.into_iter().filter(move |way| way.accelerator == accelerator)
+}
+
+/// The first half of these, or all.
+fn part_of<T>(all: &[T]) -> &[T] {
+    if thorough() { all } else { &all[..all.len() / 2] }
+}
+
+/// As many loop turns a dispatch as the adapter allows.
+fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     let mut found = Found::default();
     for file in scene_files() {
         let scene = scene(&file);
-        for way in WAYS {
-            if way.accelerator == Accelerator::None && scene.triangles.len() > 100 {
-                continue;
-            }
+        if accelerator == Accelerator::None && scene.triangles.len() > 100 {
+            continue;
+        }
+        for way in ways(accelerator) {
             // Hundreds of passes each, which differ in their launch only: some scenes are enough for that.
             if way.is_stepped() && way.steps == 1 && way != STEPPED && !FEW.contains(&file.as_str()) {
+                continue;
+            }
+            // What the paper's rules do to a ray depends on the scene still less.
+            if !thorough() && way.numerics == Numerics::Paper && !FEW.contains(&file.as_str()) {
                 continue;
             }
             // Not whole workgroups; not so many rays that the many passes of a step each take long.
             let mut options = way.of(&options(&scene, 45, 37));
             options.counters = true;
             let label = format!("{file} {way}");
-            found.add(&label, parity::compare(&gpu, &scene, &options));
+            found.add(&label, parity::compare(gpu, &scene, &options));
             if way.schedule == ScheduleKind::Fused {
                 // Now the kernel makes its rays itself.
                 options.shade = false;
-                found.add(&label, parity::compare(&gpu, &scene, &options));
+                found.add(&label, parity::compare(gpu, &scene, &options));
             }
         }
     }
     // Several samples a pixel, by either sampler and either kind of camera.
     for (file, sampler) in [("cornell-box.gltf", Sampler::Sobol), ("lights.gltf", Sampler::Random)] {
         let scene = scene(file);
-        for way in [STEPPED].into_iter().chain(WAYS.into_iter().filter(|way| way.steps != 1 || !way.is_stepped())) {
+        for way in ways(accelerator).filter(|way| *way == STEPPED || way.steps != 1 || !way.is_stepped()) {
             let samples = Samples { count: 3, sampler, seed: 5 };
             let mut options = Options { counters: true, samples, ..way.of(&options(&scene, 29, 19)) };
-            found.add(&format!("{file} {way} {sampler}"), parity::compare(&gpu, &scene, &options));
+            found.add(&format!("{file} {way} {sampler}"), parity::compare(gpu, &scene, &options));
             if let RaySource::Camera { camera, .. } = &mut options.rays {
                 camera.projection = Projection::Orthographic { half_height: 1.0 };
             }
-            found.add(&format!("{file} {way} {sampler} parallel"), parity::compare(&gpu, &scene, &options));
+            found.add(&format!("{file} {way} {sampler} parallel"), parity::compare(gpu, &scene, &options));
         }
     }
-    for file in ["cornell-box.gltf", "primitives.gltf"] {
+    for file in part_of(&["primitives.gltf", "cornell-box.gltf"]) {
         let scene = scene(file);
-        for way in WAYS {
+        for way in ways(accelerator) {
             let rays = RaySource::Given(rays::segments(&scene, 500, 3));
             let options = Options { any_hit: true, shade: false, ..way.of(&Options::new(rays)) };
-            found.add(&format!("{file} {way} any hit"), parity::compare(&gpu, &scene, &options));
+            found.add(&format!("{file} {way} any hit"), parity::compare(gpu, &scene, &options));
         }
     }
     // Without one of the robust rules, and as a compiler that contracts has them.
-    for file in ["cornell-box.gltf", "primitives.gltf"] {
+    for file in part_of(&["cornell-box.gltf", "primitives.gltf"]) {
         let scene = scene(file);
-        for way in WAYS.into_iter().filter(|way| way.numerics == Numerics::Robust && way.skip == Skip::Off) {
+        for way in ways(accelerator).filter(|way| way.numerics == Numerics::Robust && way.skip == Skip::Off) {
             let options = way.of(&options(&scene, 45, 37));
             for without in Rule::ALL {
                 let options = Options { without: Some(*without), ..options.clone() };
-                found.add(&format!("{file} {way} without {without}"), parity::compare(&gpu, &scene, &options));
+                found.add(&format!("{file} {way} without {without}"), parity::compare(gpu, &scene, &options));
             }
             let options = Options { contracted: true, ..options };
-            found.add(&format!("{file} {way} contracted"), parity::compare(&gpu, &scene, &options));
+            found.add(&format!("{file} {way} contracted"), parity::compare(gpu, &scene, &options));
         }
     }
-    let ordinary = (found.sum.undecided, found.sum.rays);
-    // With so few loop turns a dispatch that whatever can wait does, between any two steps.
-    for (file, turns) in [("cornell-box.gltf", 1), ("cornell-box.gltf", 30), ("primitives.gltf", 6), ("lights.gltf", 6)]
+    found
+}
+
+/// With so few loop turns a dispatch that whatever can wait does, between any two steps.
+fn in_parts_of_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
+    let mut found = Found::default();
+    for &(file, turns) in
+        part_of(&[("cornell-box.gltf", 1), ("primitives.gltf", 6), ("cornell-box.gltf", 30), ("lights.gltf", 6)])
     {
         let scene = scene(file);
         // A triangle or node a pass waits for nothing; a cell's, only where repeated tests are counted.
         let waits = |way: &Way| way.accelerator == Accelerator::Grid || way.steps > 1 || !way.is_stepped();
-        for way in WAYS.into_iter().filter(waits) {
+        for way in ways(accelerator).filter(waits) {
             let options = Options { counters: true, ..way.of(&options(&scene, 21, 13)) };
             let label = format!("{file} {way}, {turns} turns");
-            found.add(&label, parity::compare_in_turns(&gpu, &scene, &options, turns));
+            found.add(&label, parity::compare_in_turns(gpu, &scene, &options, turns));
             if way.schedule == ScheduleKind::Fused {
                 let options = Options { shade: false, ..options };
-                found.add(&label, parity::compare_in_turns(&gpu, &scene, &options, turns));
+                found.add(&label, parity::compare_in_turns(gpu, &scene, &options, turns));
             }
         }
     }
-    // A light a pass.
-    let lights = scene("lights.gltf");
-    let options = STEPPED.of(&options(&lights, 21, 13));
-    found.add("lights", parity::compare_in_turns(&gpu, &lights, &options, 1));
+    if accelerator == STEPPED.accelerator {
+        // A light a pass.
+        let lights = scene("lights.gltf");
+        let options = STEPPED.of(&options(&lights, 21, 13));
+        found.add("lights", parity::compare_in_turns(gpu, &lights, &options, 1));
+    }
+    found
+}
+
+#[test]
+fn every_kernel_agrees_with_its_twin_after_every_pass() {
+    let gpu = gpu();
+    let compare = |accelerator| {
+        let whole = in_whole_passes(&gpu, accelerator);
+        (whole, in_parts_of_passes(&gpu, accelerator))
+    };
+    // Side by side: where software is the GPU, each waits for one core most of the time.
+    let (mut found, mut in_parts) = (Found::default(), Found::default());
+    std::thread::scope(|scope| {
+        let all = [Accelerator::Grid, Accelerator::Bvh, Accelerator::None];
+        for thread in all.map(|accelerator| scope.spawn(move || compare(accelerator))) {
+            let (whole, parts) = thread.join().expect("a comparison that ends");
+            found.join(whole);
+            in_parts.join(parts);
+        }
+    });
+    let (undecided, rays) = (found.sum.undecided, found.sum.rays);
+    found.join(in_parts);
     let Found { sum, failures } = found;
     println!(
         "{} passes, {} components compared: {} equal but for rounding, {} rays undecided",
@@ -162,7 +214,6 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
     // A ray is near an edge or a face by less than some 40 roundings of 2⁻²⁴ once in 10,000 tests of one triangle
     // that fills the view; most are farther.
-    let (undecided, rays) = ordinary;
     println!(
         "{undecided} of {rays} undecided in whole passes, {} of {} in parts of them",
         sum.undecided - undecided,
@@ -211,7 +262,7 @@ fn a_hit_that_is_kept_survives_leaving_the_grid() {
 fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
     move |plan| {
         let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
-        // WESL prints expressions its own way, so spaces do not count.
+        // The breaks are written on one line each, so spaces do not count.
         let changed = replace_ignoring_layout(&variant.source, from, to);
         assert!(changed != variant.source, "{from:?} is not in\n{}", variant.source);
         variant.source = changed;

@@ -1,11 +1,8 @@
 //! `raystep bench`, from the built binary: its files read back by strict readers.
 
-#[path = "cli/common.rs"]
-mod common;
-
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::{Place, scene};
+use crate::common::{Place, scene};
 use serde_json::Value;
 
 type Row = BTreeMap<String, String>;

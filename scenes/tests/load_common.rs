@@ -1,5 +1,4 @@
 //! Tiny glTF documents, made in the tests.
-#![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
 use raystep_scenes::{FileError, LoadError, LoadOptions, NoFiles, Resolver, Scene, load};

@@ -1,11 +1,8 @@
 //! `raystep stability`, from the built binary: its CSV read back by a strict reader, and its exit codes.
 
-#[path = "cli/common.rs"]
-mod common;
-
 use std::collections::BTreeMap;
 
-use common::{Place, scene};
+use crate::common::{Place, scene};
 
 type Row = BTreeMap<String, String>;
 

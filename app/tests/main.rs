@@ -1,0 +1,18 @@
+//! The built binary, as a user runs it: `common` runs it, the tests are by subject.
+
+mod bad_input;
+mod bench;
+mod common;
+mod confined;
+mod dump;
+mod escapes;
+mod files;
+mod inspect;
+mod link;
+mod messages;
+mod report;
+#[cfg(unix)]
+mod signals;
+mod stability;
+mod text;
+mod ways;

@@ -1,0 +1,4 @@
+//! The inspector's data and its window.
+
+mod data;
+mod ui;

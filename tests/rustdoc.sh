@@ -1,0 +1,30 @@
+#!/bin/sh
+# Stands in for rustdoc where `cargo test` runs the examples of a library's documentation: makes the documentation too,
+# with warnings as errors, from the dependencies that are compiled already. `cargo doc` would check all of them again.
+set -eu
+
+# The same arguments without those that are about running examples.
+document() {
+    left=$#
+    while [ "$left" -gt 0 ]; do
+        argument=$1
+        shift
+        left=$((left - 1))
+        case $argument in
+        --test) ;;
+        --test-args | --test-run-directory | --test-runtool | --test-runtool-arg)
+            shift
+            left=$((left - 1))
+            ;;
+        *) set -- "$@" "$argument" ;;
+        esac
+    done
+    folder=$(mktemp -d)
+    trap 'rm -rf "$folder"' EXIT
+    rustdoc "$@" -D warnings --out-dir "$folder"
+}
+
+case " $* " in
+*" --test "*) document "$@" ;;
+esac
+rustdoc "$@"

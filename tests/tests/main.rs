@@ -1,0 +1,17 @@
+//! What only shows when the crates work together.
+
+mod agreement;
+mod any_hit;
+mod compact;
+mod degenerate;
+mod device;
+mod divergence;
+mod parity;
+mod plan;
+mod renderer;
+mod samples;
+mod schedules;
+mod session;
+mod session_changes;
+mod truth;
+mod watertight;
