@@ -4,11 +4,8 @@ use raystep_kernels::grid::{self, GridError, GridSize, automatic_cells, build};
 
 /// Corners of pseudo-random triangles of a given size in the box [-1, 1] times `extent`.
 fn soup(count: usize, size: f32, extent: [f32; 3]) -> Vec<f32> {
-    let mut state = 1u64;
-    let mut unit = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u64 << 24) as f32 * 2.0 - 1.0
-    };
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut unit = || random.f32() * 2.0 - 1.0;
     let mut vertices = Vec::new();
     for _ in 0..count {
         let center = extent.map(|e| unit() * e);

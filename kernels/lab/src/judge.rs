@@ -151,13 +151,13 @@ pub fn sample(rays: usize, count: usize, seed: u32) -> Vec<usize> {
     (0..count).map(one).collect()
 }
 
-/// What is said of a ray for which f32 cannot tell the triangle, which has hit nothing there, although the surface goes
-/// on all around.
+/// How a ray is judged that passes between two triangles where the surface goes on: f32 cannot tell which of them it
+/// hits, but it must hit one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cracks {
-    /// One of the triangles it must be: the ray has passed through a crack, and missed.
+    /// It has passed through a crack, and missed.
     Missed,
-    /// Each triangle by itself: a tie.
+    /// Each triangle may be missed: a tie.
     Tied,
 }
 

@@ -13,6 +13,9 @@
 //! | `score` | what became of every ray, counted |
 //! | `drift` | how far tMax is off along a walk |
 //! | `row` | a row of `stability.csv`, and whether it is as it must be |
+//! | `report` | all of it, and its files |
+//! | `beside`, `table` | walks, pipelines and cases in words |
+//! | `page`, `picture` | `stability.html`, and pictures of where errors are |
 //!
 //! Nothing here reads a clock or writes a file; [`measure`] blocks while it waits for a device.
 

@@ -80,6 +80,6 @@ mod tests {
     fn words_stand_at_the_left_and_numbers_at_the_right() {
         let lines = [vec!["a".to_owned(), "12".into()], vec!["bcd".to_owned(), "3".into()], vec!["e".to_owned()]];
         assert_eq!(aligned(&lines, 1), ["a    12\n", "bcd   3\n", "e\n"]);
-        assert_eq!(aligned(&[vec![String::new(); 0]], 0), ["\n"]);
+        assert_eq!(aligned(&[Vec::<String>::new()], 0), ["\n"]);
     }
 }

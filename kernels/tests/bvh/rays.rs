@@ -85,7 +85,7 @@ fn rays_meet_every_triangle_whose_grown_box_they_pierce() {
         let growth = 1e-4f32;
         let tree = build(&vertices, growth, &options).expect("a tree");
         let wide = build_wide(&vertices, growth, &options).expect("a tree");
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         let (mut met, mut needed) = (0, 0);
         for _ in 0..2000 {
             let ray = Ray::random(&mut random, center, extent);
@@ -112,7 +112,7 @@ fn rays_meet_triangles_that_were_cut() {
     let tree = build(&vertices, 0.0, &options).expect("a tree");
     let wide = build_wide(&vertices, 0.0, &options).expect("a tree");
     assert!(tree.references > 1020, "{} references: hardly any cuts", tree.references);
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     for (triangle, v) in vertices.chunks_exact(9).enumerate() {
         for _ in 0..20 {
             let (mut b, mut c) = (f64::from(random.unit().abs()), f64::from(random.unit().abs()));

@@ -3,12 +3,15 @@
 use raystep_scenes::generate;
 
 /// Pseudo-random numbers in [-1, 1).
-pub(crate) struct Random(pub(crate) u64);
+pub(crate) struct Random(fastrand::Rng);
 
 impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     pub(crate) fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32 * 2.0 - 1.0
+        self.0.f32() * 2.0 - 1.0
     }
 
     pub(crate) fn vector(&mut self) -> [f32; 3] {
@@ -18,7 +21,7 @@ impl Random {
 
 /// Corners of triangles of a given size in the box [-1, 1] times `extent`, moved by `offset`.
 pub(crate) fn soup(count: usize, size: f32, extent: [f32; 3], offset: f32) -> Vec<f32> {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut vertices = Vec::new();
     for _ in 0..count {
         let center = extent.map(|e| random.unit() * e);
@@ -32,7 +35,7 @@ pub(crate) fn soup(count: usize, size: f32, extent: [f32; 3], offset: f32) -> Ve
 
 /// Long thin triangles in all directions: most of what can be cut.
 pub(crate) fn needles(count: usize) -> Vec<f32> {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut vertices = Vec::new();
     for _ in 0..count {
         let from = random.vector();

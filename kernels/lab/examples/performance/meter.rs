@@ -180,7 +180,7 @@ impl Meter<'_> {
         }
         row.bytes_per_triangle = (plan.triangles > 0).then(|| structure_bytes(&plan) as f64 / plan.triangles as f64);
         let start = Instant::now();
-        let renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device()));
+        let renderer = machine.wait(Renderer::from_plan(plan, data, &options, machine.device()));
         let mut renderer = renderer.map_err(|e| text(&e))?;
         machine.settle();
         row.prepare_s = Some(start.elapsed().as_secs_f64());
@@ -236,7 +236,7 @@ impl Meter<'_> {
         if way.schedule == ScheduleKind::First {
             options.schedule = ScheduleKind::Second;
         }
-        let renderer = machine.wait(Renderer::new(&group.viewed.scene, &options, &machine.device()));
+        let renderer = machine.wait(Renderer::new(&group.viewed.scene, &options, machine.device()));
         let mut renderer = renderer.ok()?;
         let Ok(Ended::Done(_)) = machine.run(&mut renderer, self.bounds().1) else { return None };
         let counters = machine.wait(renderer.values(Stream::Counters)).ok()?;
