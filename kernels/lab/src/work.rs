@@ -2,6 +2,7 @@
 
 mod lanes;
 
+use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Stream, StreamData};
 
@@ -53,9 +54,9 @@ impl Work {
 
     /// Adds a pass; `tags_before` is the first layer of the `state` stream before it.
     pub fn add(&mut self, kernel: Kernel, tags_before: &[Tag]) {
-        let counts = match kernel {
-            Kernel::TraverseGrid | Kernel::TraverseBvh => &mut self.cells,
-            Kernel::Intersect => &mut self.triangles,
+        let counts = match kernel.role() {
+            Role::Step => &mut self.cells,
+            Role::Test => &mut self.triangles,
             _ => return,
         };
         for (count, tag) in counts.iter_mut().zip(tags_before) {

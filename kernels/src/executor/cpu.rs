@@ -6,6 +6,7 @@ use crate::numbers::real::Real;
 use crate::plan::{Bytes, Plan};
 use crate::programs::closest_hit::kernels::Kernel;
 use crate::scene_data::SceneData;
+use crate::tables::kernel::Role;
 use crate::tables::state::{self, StateCounts};
 use crate::tables::stream::{Region, STATE_TAG, STREAMS, Stream, StreamData};
 use crate::tables::texels::{Layout, Texels};
@@ -80,7 +81,7 @@ impl<R: Real> CpuExecutor<R> {
         let begin_ns = self.clock.map(|now| now());
         let (twin, layout, stride) = (kernel.twin::<R>(), self.layout, self.layout.stride.max(1));
         let width = self.width as usize;
-        let is_first = scene.features.eye_rays && kernel == Kernel::Fused;
+        let is_first = scene.features.eye_rays && kernel.role() == Role::Whole;
         let tag = self.tag();
         let mut tasks: Vec<(usize, &mut [R::Bits], &mut StateCounts)> = self
             .texels

@@ -35,6 +35,7 @@ pub(crate) use snapshot::Snapshot;
 use timers::Timers;
 
 use crate::options::Accelerator;
+use crate::options::features::Features;
 use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shared::constants::TURNS_A_TEST;
@@ -56,10 +57,10 @@ pub struct GpuExecutor {
     device_ns: Option<u64>,
     host_ns: Option<u64>,
     copies: Copies,
-    /// Rays that one dispatch of the fused kernel traces at most.
+    /// Rays that one dispatch of a kernel that is launched in bands traces at most.
     rays_a_dispatch: u64,
-    /// Shading may leave rays to its next pass.
-    resumes_light: bool,
+    /// The options of the kernels.
+    features: Features,
 }
 
 /// Most passes of one submission: one slot each for counts.
@@ -107,7 +108,7 @@ impl GpuExecutor {
             host_ns: Some(0),
             copies: Copies::default(),
             rays_a_dispatch,
-            resumes_light: plan.features.resumes_light,
+            features: plan.features,
         };
         executor.clear();
         if let Err(error) = executor.gpu.pop_scopes(scopes).await {

@@ -7,9 +7,9 @@ use serde::Serialize;
 use crate::executor::gpu::{AdapterSummary, Gpu};
 pub use crate::plan::GridSummary;
 use crate::plan::{Loops, Plan, Structure};
-use crate::programs::closest_hit::kernels::Kernel;
 pub use crate::renderer::KernelSummary;
 use crate::renderer::RayHit;
+use crate::tables::kernel::Role;
 use crate::tables::state::{self, StateCounts};
 use crate::tables::stream::{Stream, Texel};
 
@@ -175,7 +175,12 @@ impl CounterSums {
         (data.stream == Stream::Counters).then(|| Self {
             cells_visited: sum(0),
             triangles_tested: sum(1),
-            repeated_tests: plan.variant(Kernel::Intersect).filter(|_| !plan.features.bvh).map(|_| sum(2)),
+            repeated_tests: plan
+                .variants
+                .iter()
+                .find(|v| v.kernel.role() == Role::Test)
+                .filter(|_| !plan.features.bvh)
+                .map(|_| sum(2)),
         })
     }
 }

@@ -40,13 +40,8 @@ pub enum PlanError {
         limit: u64,
     },
     /// This machine's memory does not hold it.
-    #[error("there is no memory for the {} of {name}", Bytes(*bytes))]
-    OutOfMemory {
-        /// The buffer.
-        name: &'static str,
-        /// Its size.
-        bytes: u64,
-    },
+    #[error(transparent)]
+    OutOfMemory(#[from] SceneDataError),
     /// More triangles than an id can name.
     #[error("the scene has {0} triangles, at most {max} can be traced", max = u32::MAX / 9)]
     TooManyTriangles(usize),
@@ -107,16 +102,6 @@ pub enum PlanError {
     /// A kernel of ours is wrong.
     #[error(transparent)]
     Shader(#[from] ShaderError),
-}
-
-impl From<SceneDataError> for PlanError {
-    fn from(error: SceneDataError) -> Self {
-        match error {
-            SceneDataError::OutOfMemory { name, bytes } => Self::OutOfMemory { name, bytes },
-            SceneDataError::Grid(error) => Self::Grid(error),
-            SceneDataError::Bvh(error) => Self::Bvh(error),
-        }
-    }
 }
 
 /// Most texels of all textures: two words each must have a 32-bit index, and a row's product a sign.

@@ -6,7 +6,10 @@ use super::{Because, LeftOut, Plan};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
-use crate::programs::closest_hit::kernels::{KERNELS, Kernel};
+use crate::programs::closest_hit::kernels::KERNELS;
+use crate::programs::closest_hit::reasons::{
+    EYE_RAYS, FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED,
+};
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
 use crate::tables::buffer::BUFFERS;
@@ -77,48 +80,23 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
 
 /// Everything that the tables have and the plan has not.
 pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
-    use Because::{Options as O, Scene as S, View as V};
+    use Because::{Options as O, Scene as S};
     let mut all = Vec::new();
-    let mut add =
-        |what: String, (because, reason): (Because, &'static str)| all.push(LeftOut { what, because, reason });
-    let is_fused = options.schedule == ScheduleKind::Fused;
-    let other = match plan.accelerator {
-        Accelerator::Bvh if options.accelerator == Accelerator::Auto => (S, "--accelerator auto chose bvh"),
-        Accelerator::None if options.accelerator == Accelerator::Auto => (S, "--accelerator auto chose none"),
-        Accelerator::Bvh => (O, "--accelerator bvh"),
-        Accelerator::None => (O, "--accelerator none"),
-        Accelerator::Grid | Accelerator::Auto => (O, "--accelerator grid"),
-    };
-    let fused = (O, "--schedule fused");
-    let stepped = (O, "the schedule steps");
-    let many = (O, "several steps a pass are taken in one kernel");
-    let no_shade = (V, "the result wanted is the hits, not the image");
-    let one_sample = (O, "one sample a pixel");
+    let mut add = |what: String, (because, reason): Reason| all.push(LeftOut { what, because, reason });
+    let run = Run { options, features: &plan.features, accelerator: plan.accelerator };
+    let (is_fused, other) = (run.is_fused(), run.other_accelerator());
     for k in KERNELS.iter().filter(|k| plan.variant(k.kernel).is_none()) {
-        let why = match k.kernel {
-            Kernel::Generate if plan.features.eye_rays => (O, "the fused kernel makes its rays itself"),
-            Kernel::Generate => (V, "the rays are given"),
-            Kernel::Fused => stepped,
-            Kernel::Walk if is_fused => fused,
-            Kernel::Walk => (O, "one step a pass"),
-            Kernel::Intersect | Kernel::TraverseGrid | Kernel::TraverseBvh if plan.features.many_steps => many,
-            Kernel::Setup | Kernel::Intersect if is_fused => fused,
-            Kernel::TraverseGrid | Kernel::TraverseBvh if is_fused => fused,
-            Kernel::TraverseGrid | Kernel::TraverseBvh => other,
-            Kernel::Accumulate => one_sample,
-            _ => no_shade,
-        };
-        add(format!("kernel {}", k.name), why);
+        add(format!("kernel {}", k.name), (k.why_absent)(&run));
     }
     for s in STREAMS.iter().filter(|s| !plan.has_stream(s.stream)) {
         let why = match s.stream {
             Stream::Counters => (O, "counters are not asked for"),
-            Stream::Color => no_shade,
-            Stream::Accumulated => one_sample,
+            Stream::Color => NO_SHADE,
+            Stream::Accumulated => ONE_SAMPLE,
             Stream::Place | Stream::Trail => (O, "no walk needs more loop turns than one dispatch has"),
             Stream::Scan => (O, "no search for repeated tests needs more loop turns than one dispatch has"),
-            Stream::RayOrigin | Stream::RayDirection => (O, "the fused kernel makes its rays itself"),
-            _ if is_fused => fused,
+            Stream::RayOrigin | Stream::RayDirection => EYE_RAYS,
+            _ if is_fused => FUSED,
             Stream::TMax if plan.features.grid => (O, "several steps a pass: worked out from the cell"),
             _ => other,
         };
@@ -126,8 +104,8 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     }
     for b in BUFFERS.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
         let why = match b.name {
-            "camera" => (V, "the rays are given"),
-            "sampling" => one_sample,
+            "camera" => GIVEN,
+            "sampling" => ONE_SAMPLE,
             "scene" => (O, "one step a pass, and lists that have their own ends"),
             "grid" | "grid_cells" | "grid_items" => other,
             "grid_distances" if plan.features.grid && !plan.features.robust => {
@@ -135,13 +113,13 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
             }
             "grid_distances" if plan.features.grid => (O, "rays do not leap: --skip off, or too few empty cells"),
             "grid_distances" => other,
-            "wide_nodes" if !is_fused => stepped,
-            "packed_triangles" => (O, "one step a pass"),
-            "bvh_items" if plan.features.many_steps => many,
-            "bvh_nodes" | "bvh_parents" | "bvh_items" if is_fused => fused,
+            "wide_nodes" if !is_fused => STEPPED,
+            "packed_triangles" => ONE_STEP,
+            "bvh_items" if plan.features.many_steps => MANY_STEPS,
+            "bvh_nodes" | "bvh_parents" | "bvh_items" if is_fused => FUSED,
             "wide_nodes" | "bvh_nodes" | "bvh_parents" | "bvh_items" => other,
             "vertices" if !options.shade => (O, "packed_triangles has them"),
-            _ if !options.shade => no_shade,
+            _ if !options.shade => NO_SHADE,
             "normals" => (S, "no vertex normals: shading is flat"),
             "vertices" => (S, "every triangle has vertex normals"),
             "texcoords" | "textures" | "texels" => (S, "no base colour texture"),

@@ -7,6 +7,7 @@ mod check;
 mod decide;
 mod display;
 mod limits;
+mod resolve;
 pub mod structure;
 mod turns;
 
@@ -16,25 +17,27 @@ use raystep_scenes::Scene;
 
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
+use crate::programs::closest_hit::kernels::{Kernel, LISTS};
 use crate::programs::closest_hit::schedule::Schedule;
 use crate::scene_data::SceneData;
 use crate::shader::Variant;
-use crate::structures::grid::{self, GridSize};
+use crate::shared::scene::SceneInfo;
 use crate::tables::buffer::BUFFERS;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, LIVE_REGIONS, fill_bytes, given_bytes};
 use crate::tables::stream::{INPUTS, STREAMS, Stream};
 
 pub use crate::numbers::bytes::Bytes;
+pub use crate::programs::closest_hit::reasons::Because;
 pub use check::{MAX_TEXELS, PlanError, given_width};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
-use decide::{features, left_out};
+use decide::left_out;
 pub use display::PlanText;
 pub(crate) use display::element;
 pub use limits::{Limits, Loops};
+use resolve::{Resolved, resolve};
 pub use structure::{BvhSummary, GridSummary, Structure, structure_bytes};
-use turns::Resumes;
+use turns::{Resumes, Walk};
 
 /// Something with a size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,17 +46,6 @@ pub struct Planned<T> {
     pub what: T,
     /// Its bytes on the executor.
     pub bytes: u64,
-}
-
-/// Who made it unnecessary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Because {
-    /// The scene does not have it.
-    Scene,
-    /// The options do not ask for it.
-    Options,
-    /// The result that is wanted does not show it.
-    View,
 }
 
 /// Something that a run does without.
@@ -92,6 +84,9 @@ pub struct Plan {
     pub buffers: Vec<Planned<&'static str>>,
     /// What is left out.
     pub left_out: Vec<LeftOut>,
+    /// Most passes that a sample of all pixels can take before it must be over: every ray visits at most nx + ny + nz + 2
+    /// cells and tests no list more than once. The paper's numerics can exceed it, see `docs`.
+    pub pass_bound: u64,
 }
 
 /// The buffers in which the GPU executor keeps the passes' books, as far as kernels bind them.
@@ -101,71 +96,15 @@ fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str
     let mut add = |what, bytes| all.push(Planned { what, bytes });
     add("sent", slots);
     add("sent_copy", slots);
-    // A list's own slot and the next one's are in different buffers: one is read as arguments while the
-    // other is written.
-    for (name, even, odd) in [
-        ("intersect_list", "intersect_list_even", "intersect_list_odd"),
-        ("traverse_list", "traverse_list_even", "traverse_list_odd"),
-    ] {
-        if bound.contains(name) {
-            add(even, slots / 2 + COUNT_SLOT_BYTES);
-            add(odd, slots / 2 + COUNT_SLOT_BYTES);
+    for list in LISTS.iter().filter(|list| bound.contains(list.name)) {
+        for slots in list.slots {
+            add(slots, COUNT_SLOTS * COUNT_SLOT_BYTES / 2 + COUNT_SLOT_BYTES);
         }
     }
     if bound.contains("live_rays") {
         add("live_rays", LIVE_REGIONS * 4 * texels);
     }
     all
-}
-
-/// Whether most cells are empty: where a walk seldom finds a cell to leap over, looking for one costs more.
-fn is_sparse(cells: &[u32]) -> bool {
-    let empty = cells.windows(2).filter(|w| w[0] == w[1]).count();
-    cells.len() > 64 && 2 * empty > cells.len()
-}
-
-/// The options of the kernels and the structure of a scene; what is known to be too large before it is built is
-/// refused before it is built.
-fn structure(
-    scene: &Scene,
-    options: &Options,
-    accelerator: Accelerator,
-    units: Units,
-    limits: &Limits,
-    (width, height): (u32, u32),
-) -> Result<(Features, SceneData), PlanError> {
-    let mut features = features(scene, options, accelerator, units);
-
-    // What is known before the grid or tree is built is refused before it is built.
-    let triangles = scene.triangles.len() as u64;
-    let corners = if options.schedule == ScheduleKind::Fused || features.many_steps {
-        ("packed_triangles", 48)
-    } else {
-        ("vertices", 36)
-    };
-    for (name, bytes, is_used) in [
-        (corners.0, corners.1, true),
-        ("normals", 36, features.normals),
-        ("texcoords", 24, features.textures),
-        ("vertex_colors", 36, features.vertex_colors),
-    ] {
-        if is_used && (name == corners.0 || options.shade) {
-            check_buffer(name, triangles * bytes, limits)?;
-        }
-    }
-    if let GridSize::Cells(cells) = options.grid
-        && features.grid
-    {
-        check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
-    }
-    if features.live_lists {
-        check_buffer("live_rays", LIVE_REGIONS * 4 * u64::from(width) * u64::from(height), limits)?;
-    }
-
-    let data = SceneData::accelerate(scene, options, &features, units, limits.storage_bytes)?;
-    // The root is not pushed, and a node's siblings wait while its children are visited.
-    features.stack = data.wide_depth.saturating_sub(1);
-    Ok((features, data))
 }
 
 impl Plan {
@@ -180,48 +119,31 @@ impl Plan {
         check_rays(options, units)?;
         check_samples(options)?;
         let given = matches!(options.rays, RaySource::Given(_));
-        let mut candidates = options.accelerator.candidates(scene.triangles.len()).iter();
-        let (accelerator, mut features, mut data) = loop {
-            let accelerator = candidates.next().copied().unwrap_or_default();
-            let is_last = candidates.as_slice().is_empty();
-            match structure(scene, options, accelerator, units, limits, (width, height)) {
-                Ok((_, data)) if !is_last && is_sparse(&data.grid_cells) => {}
-                Ok((features, data)) => break (accelerator, features, data),
-                Err(error) if is_last => return Err(error),
-                Err(_) => {}
-            }
-        };
-        data.info.rays = rays as u32;
-        if features.grid && features.keeps_no_tmax() {
-            features.skip = match options.skip {
-                Skip::On => true,
-                Skip::Off => false,
-                Skip::Auto => is_sparse(&data.grid_cells),
-            };
-        }
-        if features.skip {
-            data.prepare_leaps(options, limits.storage_bytes)?;
-        }
+        let Resolved { accelerator, mut features, structure, vertices } =
+            resolve(scene, options, units, limits, (width, height))?;
+
+        // What the turns of loops ask for is the last that the options of the kernels wait for.
         let is_fused = options.schedule == ScheduleKind::Fused;
+        let triangles = scene.triangles.len() as u64;
         let lights = if options.shade { scene.lights.len() as u64 } else { 0 };
-        let resumes = Resumes::of(&features, &data, is_fused, lights, limits);
+        let walk = Walk { features: &features, structure: &structure, triangles };
+        let resumes = Resumes::of(&walk, is_fused, options.steps_per_pass, lights, limits);
         (features.resumes, features.resumes_scan, features.resumes_light) = (resumes.walk, resumes.scan, resumes.light);
         features.turns = if resumes == Resumes::default() { 0 } else { limits.turns };
-        let mut schedule =
-            Schedule::new(options.schedule, accelerator, given, options.shade, features.eye_rays, features.many_steps);
-        for (resumes, kernel) in [(features.resumes, Kernel::Fused), (features.resumes_light, Kernel::Shade)] {
-            if resumes {
-                schedule = schedule.until_idle(kernel);
-            }
-        }
-        let schedule = if features.samples { schedule.for_samples() } else { schedule };
+        let features = features;
+        let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
+
+        let schedule = Schedule::of(options, accelerator, &features);
         let variants =
             schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
         let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
         if bound.contains("texels") {
             check_texels(scene, limits)?;
         }
-        data.fill(scene, options, features, units, |name| bound.contains(name))?;
+        let info =
+            SceneInfo { triangles: triangles as u32, steps: options.steps_per_pass, rays: rays as u32, first_row: 0 };
+        let is_bound = |name: &str| bound.contains(name);
+        let data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
 
         let streams = STREAMS
             .iter()
@@ -249,7 +171,7 @@ impl Plan {
             width,
             height,
             rays,
-            triangles: scene.triangles.len() as u64,
+            triangles,
             accelerator,
             features,
             schedule,
@@ -257,6 +179,7 @@ impl Plan {
             streams,
             buffers,
             left_out: Vec::new(),
+            pass_bound,
         };
         plan.left_out = left_out(&plan, scene, options);
         Ok((plan, data))
@@ -278,29 +201,5 @@ impl Plan {
     #[must_use]
     pub fn variant(&self, kernel: Kernel) -> Option<&Variant> {
         self.variants.iter().find(|v| v.kernel == kernel)
-    }
-
-    /// Most passes that a sample of all pixels can take before it must be over: every ray visits at most nx + ny + nz + 2
-    /// cells and tests no list more than once. The paper's numerics can exceed it, see `docs`.
-    #[must_use]
-    pub fn pass_bound(&self, data: &SceneData) -> u64 {
-        let longest = data.grid_cells.windows(2).map(|w| u64::from(w[1] - w[0])).max();
-        let walk = match longest {
-            Some(longest) => data.grid.cells.iter().map(|&n| n as u64).sum::<u64>().saturating_add(2) * (longest + 2),
-            // A ray's whole way is bounded, and every pass takes a part of it.
-            None if self.features.resumes && self.variant(Kernel::Fused).is_some() => {
-                turns::whole_walk(&self.features, data) / u64::from(self.features.turns) + 1
-            }
-            // A node is entered once, and come back to once.
-            None if self.features.bvh => 2 * data.bvh_nodes.len() as u64 + 2 * data.bvh_items.len() as u64,
-            None => self.triangles + 1,
-        };
-        // A search for repeated tests may take several passes a test.
-        let passes_a_test = if self.features.resumes_scan {
-            turns::longest_search(data) / u64::from(self.features.turns) + 2
-        } else {
-            1
-        };
-        (2 * walk).saturating_mul(passes_a_test) + 16
     }
 }

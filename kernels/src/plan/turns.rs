@@ -7,8 +7,8 @@
 
 use super::limits::{Limits, TURNS_WITHOUT_LIMIT};
 use crate::options::features::Features;
-use crate::scene_data::SceneData;
 use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
+use crate::structures::Structure;
 
 /// How many budgets a tree's turns may be where the adapter ends no loop. Only a ray made for it meets all boxes of a
 /// tree; it costs time there and nothing else, and code that can wait costs every ray 15% of `fused` on an H200.
@@ -28,72 +28,105 @@ pub(super) struct Resumes {
 impl Resumes {
     /// What exceeds the limits of one dispatch. `steps`: of a ray in one pass, as far as the schedule takes several;
     /// `lights`: how many are summed.
-    pub(super) fn of(features: &Features, data: &SceneData, is_fused: bool, lights: u64, limits: &Limits) -> Self {
-        let most = u64::from(limits.turns);
-        let walk = if is_fused && features.bvh && limits.turns >= TURNS_WITHOUT_LIMIT {
-            whole_walk(features, data) / BUDGETS_OF_A_TREE
+    pub(super) fn of(walk: &Walk<'_>, is_fused: bool, steps: u32, lights: u64, limits: &Limits) -> Self {
+        let (most, features) = (u64::from(limits.turns), walk.features);
+        let turns = if is_fused && features.bvh && limits.turns >= TURNS_WITHOUT_LIMIT {
+            walk.turns() / BUDGETS_OF_A_TREE
         } else if is_fused {
-            whole_walk(features, data)
+            walk.turns()
         } else if features.many_steps {
-            one_pass(features, data)
+            walk.turns_of_a_pass(steps)
         } else {
             0
         };
         let counts_repeated = features.counters && features.grid && !is_fused && !features.many_steps;
-        Self { walk: walk > most, scan: counts_repeated && longest_search(data) > most, light: lights > most }
+        Self { walk: turns > most, scan: counts_repeated && walk.turns_of_a_search() > most, light: lights > most }
     }
 }
 
-/// Most cells on a ray's way through the grid.
-fn cells_on_a_walk(features: &Features, data: &SceneData) -> u64 {
-    let sum: u64 = data.grid.cells.iter().map(|&n| n as u64).sum();
-    // As `fused` bounds the paper's rules, which may run over a face again and again.
-    if features.in_cell { 4 * sum + 64 } else { sum + 2 }
+/// What bounds a ray's way: the structure that it goes through, and how.
+pub(super) struct Walk<'a> {
+    /// The options of the kernels.
+    pub(super) features: &'a Features,
+    /// What it goes through.
+    pub(super) structure: &'a Structure,
+    /// All triangles, which it goes through without a structure.
+    pub(super) triangles: u64,
 }
 
-/// The longest list of a cell or leaf.
-fn longest_list(features: &Features, data: &SceneData) -> u64 {
-    let longest = if features.grid {
-        data.grid_cells.windows(2).map(|w| w[1] - w[0]).max()
-    } else {
-        data.bvh_nodes.iter().map(|node| node.count()).max()
-    };
-    u64::from(longest.unwrap_or(0))
-}
-
-/// Turns of a ray's whole way.
-pub(super) fn whole_walk(features: &Features, data: &SceneData) -> u64 {
-    let test = u64::from(TURNS_A_TEST);
-    if features.grid {
-        let cells = cells_on_a_walk(features, data);
-        let tests = cells.saturating_mul(longest_list(features, data));
-        // A ray of robust numerics is in no cell twice.
-        let tests = if features.robust { tests.min(data.grid_items.len() as u64) } else { tests };
-        return cells + test * tests;
+impl Walk<'_> {
+    /// Most cells on a ray's way through the grid.
+    fn cells(&self) -> u64 {
+        let sum = self.structure.cells_along_axes();
+        // As `fused` bounds the paper's rules, which may run over a face again and again.
+        if self.features.in_cell { 4 * sum + 64 } else { sum + 2 }
     }
-    if features.bvh {
-        // A node's leaves lie in its loop, and a wait's way down is as long as the tree is deep.
-        return data.wide_nodes.len() as u64 + test * data.packed_triangles.len() as u64 + u64::from(data.wide_depth);
-    }
-    test * u64::from(data.info.triangles)
-}
 
-/// Turns of a pass of several steps.
-fn one_pass(features: &Features, data: &SceneData) -> u64 {
-    let (test, steps) = (u64::from(TURNS_A_TEST), u64::from(data.info.steps));
-    if features.grid {
-        steps.min(cells_on_a_walk(features, data)) * (1 + test * longest_list(features, data))
-    } else if features.bvh {
-        let nodes = (steps * u64::from(NODES_A_STEP)).min(2 * data.bvh_nodes.len() as u64);
-        nodes * (1 + test * longest_list(features, data))
-    } else {
-        test * steps.min(u64::from(data.info.triangles))
+    fn longest_list(&self) -> u64 {
+        u64::from(self.structure.longest_list())
     }
-}
 
-/// Turns of one search for a triangle in the lists of the cells before.
-pub(super) fn longest_search(data: &SceneData) -> u64 {
-    let cells: u64 = data.grid.cells.iter().map(|&n| n as u64).sum::<u64>() + 2;
-    let longest = data.grid_cells.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
-    cells * u64::from(1 + 32 - longest.leading_zeros())
+    /// Turns of a ray's whole way.
+    fn turns(&self) -> u64 {
+        let test = u64::from(TURNS_A_TEST);
+        match self.structure {
+            Structure::Grid { data, .. } => {
+                let cells = self.cells();
+                let tests = cells.saturating_mul(self.longest_list());
+                // A ray of robust numerics is in no cell twice.
+                let tests = if self.features.robust { tests.min(data.items.len() as u64) } else { tests };
+                cells + test * tests
+            }
+            // A node's leaves lie in its loop, and a wait's way down is as long as the tree is deep.
+            Structure::Wide(tree) => {
+                tree.nodes.len() as u64 + test * tree.triangles.len() as u64 + u64::from(tree.depth)
+            }
+            // No kernel goes through all of a binary tree at once.
+            Structure::Bvh(_) => 0,
+            Structure::None => test * self.triangles,
+        }
+    }
+
+    /// Turns of a pass of several steps.
+    fn turns_of_a_pass(&self, steps: u32) -> u64 {
+        let (test, steps) = (u64::from(TURNS_A_TEST), u64::from(steps));
+        match self.structure {
+            Structure::Grid { .. } => steps.min(self.cells()) * (1 + test * self.longest_list()),
+            Structure::Bvh(tree) => {
+                let nodes = (steps * u64::from(NODES_A_STEP)).min(2 * tree.nodes.len() as u64);
+                nodes * (1 + test * self.longest_list())
+            }
+            // Rays step through no wide tree.
+            Structure::Wide(_) => 0,
+            Structure::None => test * steps.min(self.triangles),
+        }
+    }
+
+    /// Turns of one search for a triangle in the lists of the cells before.
+    fn turns_of_a_search(&self) -> u64 {
+        let cells = self.structure.cells_along_axes() + 2;
+        let longest = match self.structure {
+            Structure::Grid { .. } => self.structure.longest_list(),
+            _ => 0,
+        };
+        cells * u64::from(1 + 32 - longest.leading_zeros())
+    }
+
+    /// Most passes that a sample of all pixels can take before it must be over: every ray visits at most nx + ny + nz + 2
+    /// cells and tests no list more than once. The paper's numerics can exceed it, see `docs`.
+    pub(super) fn most_passes(&self, is_fused: bool) -> u64 {
+        let walk = match self.structure {
+            Structure::Grid { .. } => self.structure.cells_along_axes().saturating_add(2) * (self.longest_list() + 2),
+            // A ray's whole way is bounded, and every pass takes a part of it.
+            _ if self.features.resumes && is_fused => self.turns() / u64::from(self.features.turns) + 1,
+            // A node is entered once, and come back to once.
+            Structure::Bvh(tree) => 2 * tree.nodes.len() as u64 + 2 * tree.items.len() as u64,
+            Structure::Wide(_) => 0,
+            Structure::None => self.triangles + 1,
+        };
+        // A search for repeated tests may take several passes a test.
+        let passes_a_test =
+            if self.features.resumes_scan { self.turns_of_a_search() / u64::from(self.features.turns) + 2 } else { 1 };
+        (2 * walk).saturating_mul(passes_a_test) + 16
+    }
 }

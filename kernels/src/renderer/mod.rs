@@ -206,7 +206,7 @@ impl Renderer {
         if let (Executor::Gpu(e), Some(given)) = (&mut executor, &given) {
             e.give(&given.streams);
         }
-        let pass_bound = plan.pass_bound(&data);
+        let pass_bound = plan.pass_bound;
         let mut renderer = Self {
             plan,
             data,

@@ -1,8 +1,8 @@
 //! A run of one ray alone: the same plan, the same kernels and the same texel, with every other ray left out.
 
 use super::{RenderError, Renderer};
-use crate::programs::closest_hit::kernels::Kernel;
 use crate::programs::closest_hit::schedule::Step;
+use crate::tables::kernel::Role;
 use crate::tables::state;
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 
@@ -13,7 +13,7 @@ impl Renderer {
     /// when the last ray's walk is over.
     #[must_use]
     pub fn can_go_alone(&self) -> bool {
-        let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if *kernel != Kernel::Fused);
+        let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if kernel.role() != Role::Whole);
         let is_the_same_for_all = |step: &Step| match step {
             Step::Run(_) => runs_once(step),
             // What shades for as long as the ray with the most to do is no part of the walk.

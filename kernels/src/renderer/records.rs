@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Pass;
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::tables::kernel::Role;
 
 /// A kernel's share of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -89,7 +89,7 @@ impl Records {
 
     pub(super) fn push(&mut self, pass: Pass) {
         self.totals.add(&pass);
-        self.of_sample = if pass.kernel == Kernel::Generate { 0 } else { self.of_sample + 1 };
+        self.of_sample = if pass.kernel.role() == Role::Source { 0 } else { self.of_sample + 1 };
         self.last = Some(pass);
         if self.is_kept {
             self.kept.push(pass);

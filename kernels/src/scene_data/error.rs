@@ -1,25 +1,15 @@
 //! Why the bytes of a scene cannot be prepared.
 
-use crate::structures::bvh::BvhError;
-use crate::structures::grid::GridError;
+use crate::numbers::bytes::Bytes;
 
-/// The buffers of a scene cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum SceneDataError {
-    /// This machine's memory does not hold one of them.
-    #[error("{bytes} bytes of memory for {name} are not to be had")]
-    OutOfMemory {
-        /// The buffer.
-        name: &'static str,
-        /// Its size.
-        bytes: u64,
-    },
-    /// The grid cannot be built.
-    #[error(transparent)]
-    Grid(#[from] GridError),
-    /// The tree cannot be built.
-    #[error(transparent)]
-    Bvh(#[from] BvhError),
+/// This machine's memory does not hold a buffer of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no memory for the {} of {name}", Bytes(*bytes))]
+pub struct SceneDataError {
+    /// The buffer.
+    pub name: &'static str,
+    /// Its size.
+    pub bytes: u64,
 }
 
 /// An empty list with room for `count` elements of the buffer `name`.
@@ -29,6 +19,6 @@ pub enum SceneDataError {
 pub(super) fn reserve<T>(name: &'static str, count: usize) -> Result<Vec<T>, SceneDataError> {
     let mut list = Vec::new();
     let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
-    list.try_reserve_exact(count).map_err(|_| SceneDataError::OutOfMemory { name, bytes })?;
+    list.try_reserve_exact(count).map_err(|_| SceneDataError { name, bytes })?;
     Ok(list)
 }

@@ -12,7 +12,7 @@ use crate::numbers::real::{Real, Vec3};
 pub use crate::numbers::srgb::{linear_to_srgb, srgb_to_linear};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::{Options, RaySource, Rule, ScheduleKind};
+use crate::options::{Options, RaySource};
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
 use crate::shared::grid_walk::Grid;
@@ -20,13 +20,14 @@ use crate::shared::samples::Sampling;
 use crate::shared::scene::SceneInfo;
 use crate::shared::shading::{Light, Material, Shading};
 use crate::shared::texture::Texture;
-use crate::structures::bvh::{self, BvhNode, BvhOptions, BvhQuality, WideNode};
-use crate::structures::grid::{self, GridData, GridSize};
+use crate::structures::Structure;
+use crate::structures::bvh::{BvhNode, WideNode};
 pub use error::SceneDataError;
 use error::reserve;
 pub use shading::BACKGROUND;
 use shading::{flat_normal, lights, material, textures};
-use traced::{bvh_growth, packed_triangles, reach, traced_vertices};
+use traced::packed_triangles;
+pub(crate) use traced::{bvh_growth, reach, traced_vertices};
 pub use traced::{traced_camera, traced_ray};
 
 /// Host side of everything that is bound. What a run does not bind stays empty.
@@ -172,78 +173,23 @@ impl SceneData {
         Some(if bytes.is_empty() { EMPTY } else { bytes })
     }
 
-    /// The triangles in traced units, and the structure that `features` name: what the rest of the plan
-    /// depends on.
-    ///
-    /// # Errors
-    /// Where it cannot be built.
-    pub(crate) fn accelerate(
-        scene: &Scene,
-        options: &Options,
-        features: &Features,
-        units: Units,
-        storage_bytes: u64,
-    ) -> Result<Self, SceneDataError> {
-        let mut data = Self { units, ..Self::default() };
-        data.info.triangles = scene.triangles.len() as u32;
-        data.info.steps = options.steps_per_pass;
-        data.vertices = traced_vertices(scene, units);
-        let most_words = storage_bytes / 4;
-        if features.grid {
-            let reach = reach(&data.vertices, options, units);
-            let build = if options.without == Some(Rule::CellGrowth) { grid::build_not_grown } else { grid::build };
-            data.set_grid(build(&data.vertices, options.grid, reach, most_words)?);
-        }
-        if features.bvh {
-            let is_grown = options.without != Some(Rule::BoxPadding);
-            data.growth = if is_grown { bvh_growth(reach(&data.vertices, options, units)) } else { 0.0 };
-            let how = BvhOptions { most_words, quality: BvhQuality::for_triangles(scene.triangles.len() as u64) };
-            if options.schedule == ScheduleKind::Fused {
-                let built = bvh::build_wide(&data.vertices, data.growth, &how)?;
-                (data.wide_nodes, data.packed_triangles) = (built.nodes, built.triangles);
-                data.wide_depth = built.depth;
-            } else {
-                let built = bvh::build(&data.vertices, data.growth, &how)?;
-                data.bvh_parents = built.parents.iter().map(|&p| link_above(&built.nodes, p)).collect();
-                (data.bvh_nodes, data.bvh_items) = (built.nodes, built.items);
-            }
-        }
-        Ok(data)
-    }
-
-    /// Prepares leaps: a finer grid where its resolution was left to us, and how far each empty cell is from the
-    /// next list; see [`crate::structures::grid::distances`].
-    ///
-    /// # Errors
-    /// Where the grid cannot be built.
-    pub(crate) fn prepare_leaps(&mut self, options: &Options, storage_bytes: u64) -> Result<(), SceneDataError> {
-        if options.grid == GridSize::Auto {
-            let reach = reach(&self.vertices, options, self.units);
-            self.set_grid(grid::build_for_leaps(&self.vertices, reach, storage_bytes / 4)?);
-        }
-        self.grid_distances = grid::distances(&self.grid, &self.grid_cells);
-        Ok(())
-    }
-
-    fn set_grid(&mut self, built: GridData) {
-        (self.grid, self.grid_cells, self.grid_items, self.growth) =
-            (built.grid, built.cells, built.items, built.growth);
-    }
-
-    /// Fills what `wanted` names. `scene` must have as many entries per attribute as triangles.
+    /// The bytes of a run whose structure and features are decided: what `wanted` names, and the structure. `scene` must
+    /// have as many entries per attribute as triangles; `vertices` are its corners in traced units.
     ///
     /// # Errors
     /// Where the memory for it is not there.
-    pub(crate) fn fill(
-        &mut self,
+    pub(crate) fn new(
         scene: &Scene,
         options: &Options,
         features: Features,
         units: Units,
+        (vertices, structure): (Vec<f32>, Structure),
+        info: SceneInfo,
         wanted: impl Fn(&str) -> bool,
-    ) -> Result<(), SceneDataError> {
-        let (data, triangles) = (self, scene.triangles.len());
-        data.features = features;
+    ) -> Result<Self, SceneDataError> {
+        let triangles = scene.triangles.len();
+        let mut data = Self { features, units, info, vertices, ..Self::default() };
+        data.set_structure(structure);
         if wanted("camera")
             && let RaySource::Camera { camera, width, height } = &options.rays
         {
@@ -289,6 +235,25 @@ impl SceneData {
         if wanted("texels") {
             (data.textures, data.texels) = textures(&scene.textures)?;
         }
-        Ok(())
+        Ok(data)
+    }
+
+    fn set_structure(&mut self, structure: Structure) {
+        match structure {
+            Structure::None => {}
+            Structure::Grid { data, distances } => {
+                (self.grid, self.grid_cells, self.grid_items, self.growth) =
+                    (data.grid, data.cells, data.items, data.growth);
+                self.grid_distances = distances;
+            }
+            Structure::Bvh(data) => {
+                self.bvh_parents = data.parents.iter().map(|&p| link_above(&data.nodes, p)).collect();
+                (self.bvh_nodes, self.bvh_items, self.growth) = (data.nodes, data.items, data.growth);
+            }
+            Structure::Wide(data) => {
+                (self.wide_nodes, self.packed_triangles, self.growth) = (data.nodes, data.triangles, data.growth);
+                self.wide_depth = data.depth;
+            }
+        }
     }
 }

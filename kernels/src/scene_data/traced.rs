@@ -11,7 +11,7 @@ use crate::structures::grid;
 /// slab test. Its planes lie at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's
 /// corner, 6 of the distance from there, and 1 of the sum; both distances are below `reach`, the
 /// second one twice at most, since the planes' spacing is the next power of two.
-pub(super) fn bvh_growth(reach: f32) -> f32 {
+pub(crate) fn bvh_growth(reach: f32) -> f32 {
     grid::growth(reach) * (64.0 / 40.0)
 }
 
@@ -31,7 +31,7 @@ pub(super) fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Ve
     packed
 }
 
-pub(super) fn traced_vertices(scene: &Scene, units: Units) -> Vec<f32> {
+pub(crate) fn traced_vertices(scene: &Scene, units: Units) -> Vec<f32> {
     let mut vertices = scene.triangles.as_flattened().as_flattened().to_vec();
     let scale = units.scale();
     if scale != 1.0 {
@@ -78,7 +78,7 @@ pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
 
 /// Bounds every coordinate of corners and origins and the distances between them, in traced units; a
 /// power of two, so that a small move of the camera does not change the grid.
-pub(super) fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
+pub(crate) fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
     let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |m, v| m.max(v.abs()));
     let scene = crate::numbers::parallel::map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range]));
     let scene = largest_of(&scene);

@@ -89,39 +89,47 @@ pub fn growth(reach: f32) -> f32 {
     40.0 * reach.max(f32::MIN_POSITIVE * 1e9) / (1 << 24) as f32
 }
 
-/// Builds the grid over `vertices` (nine floats a triangle, traced units).
-///
-/// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words`
-/// is what one buffer of the executor holds.
-///
-/// # Errors
-/// Where the size asked for, or the lists, cannot be indexed.
-pub fn build(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
-    build_grown(vertices, size, Growth::of(reach), most_words)
+/// A grid whose lists are counted, but not filled: enough to tell whether it is worth filling.
+#[derive(Debug)]
+pub struct CountedGrid {
+    grid: Grid,
+    growth: f32,
+    /// Entries of each cell's list, and one more that is 0.
+    counts: Vec<AtomicU32>,
 }
 
-/// The same planes, but cells list only the triangles that they exactly meet: what [`growth`] is for, left out.
-///
-/// # Errors
-/// As [`build`].
-pub fn build_not_grown(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
-    build_grown(vertices, size, Growth { lists: 0.0, ..Growth::of(reach) }, most_words)
-}
+impl CountedGrid {
+    /// Whether most cells are empty: where a walk seldom finds a cell to leap over, looking for one costs more.
+    #[must_use]
+    pub fn is_sparse(&self) -> bool {
+        let cells = self.counts.len();
+        let empty = self.counts[..cells - 1].iter().filter(|count| count.load(Ordering::Relaxed) == 0).count();
+        cells > 64 && 2 * empty > cells
+    }
 
-/// What planes stand off the scene by half of, and what cells are grown by for their lists.
-#[derive(Clone, Copy)]
-struct Growth {
-    planes: f32,
-    lists: f32,
-}
-
-impl Growth {
-    fn of(reach: f32) -> Self {
-        Self { planes: growth(reach), lists: growth(reach) }
+    /// Lists the triangles of each cell. `vertices` are those that were counted.
+    #[must_use]
+    pub fn fill(self, vertices: &[f32]) -> GridData {
+        fill(vertices, self.grid, self.growth, self.counts)
     }
 }
 
-fn build_grown(vertices: &[f32], size: GridSize, growth: Growth, most_words: u64) -> Result<GridData, GridError> {
+/// Counts the lists of the grid over `vertices` (nine floats a triangle, traced units).
+///
+/// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words`
+/// is what one buffer of the executor holds. Without `is_grown`, cells list only the triangles that they exactly meet:
+/// what [`growth`] is for, left out.
+///
+/// # Errors
+/// Where the size asked for, or the lists, cannot be indexed.
+pub fn count_lists(
+    vertices: &[f32],
+    size: GridSize,
+    reach: f32,
+    is_grown: bool,
+    most_words: u64,
+) -> Result<CountedGrid, GridError> {
+    let growth = Growth { planes: growth(reach), lists: if is_grown { growth(reach) } else { 0.0 } };
     let most = most_words.min(u64::from(u32::MAX));
     let triangles = (vertices.len() / 9) as u64;
     let GridSize::Cells(cells) = size else {
@@ -132,16 +140,40 @@ fn build_grown(vertices: &[f32], size: GridSize, growth: Growth, most_words: u64
     let grid = layout(min, max, cells, growth.planes);
     let too_many = || GridError::TooManyReferences { cells, limit: most };
     let counts = count(vertices, &grid, growth.lists, most).ok_or_else(too_many)?;
-    Ok(fill(vertices, grid, growth.lists, counts))
+    Ok(CountedGrid { grid, growth: growth.lists, counts })
 }
 
-/// Builds a grid whose automatic resolution suits walks that leap over empty cells; otherwise as [`build`].
+/// The same for a grid whose automatic resolution suits walks that leap over empty cells.
+///
+/// # Errors
+/// Where the lists cannot be indexed.
+pub fn count_lists_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<CountedGrid, GridError> {
+    let wanted = leaping((vertices.len() / 9) as u64);
+    let growth = Growth { planes: growth(reach), lists: growth(reach) };
+    automatic(vertices, |extent| cubes(wanted, extent), 64, growth, most_words.min(u64::from(u32::MAX)))
+}
+
+/// Builds the grid over `vertices`, see [`count_lists`].
+///
+/// # Errors
+/// Where the size asked for, or the lists, cannot be indexed.
+pub fn build(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
+    Ok(count_lists(vertices, size, reach, true, most_words)?.fill(vertices))
+}
+
+/// Builds the grid for leaps over `vertices`, see [`count_lists_for_leaps`].
 ///
 /// # Errors
 /// Where the lists cannot be indexed.
 pub fn build_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<GridData, GridError> {
-    let wanted = leaping((vertices.len() / 9) as u64);
-    automatic(vertices, |extent| cubes(wanted, extent), 64, Growth::of(reach), most_words.min(u64::from(u32::MAX)))
+    Ok(count_lists_for_leaps(vertices, reach, most_words)?.fill(vertices))
+}
+
+/// What planes stand off the scene by half of, and what cells are grown by for their lists.
+#[derive(Clone, Copy)]
+struct Growth {
+    planes: f32,
+    lists: f32,
 }
 
 /// The resolution that `cells` wants for the scene's extent, or a coarser one whose lists have at most so many
@@ -152,7 +184,7 @@ fn automatic(
     entries: u64,
     growth: Growth,
     most: u64,
-) -> Result<GridData, GridError> {
+) -> Result<CountedGrid, GridError> {
     let (min, max) = bounds(vertices);
     let triangles = (vertices.len() / 9) as u64;
     let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
@@ -168,7 +200,7 @@ fn automatic(
         let grid = layout(min, max, cells, growth.planes);
         // Triangles much larger than a cell would fill every list; a coarser grid is cheaper then.
         if let Some(counts) = count(vertices, &grid, growth.lists, most.min(entries * triangles + 4096)) {
-            return Ok(fill(vertices, grid, growth.lists, counts));
+            return Ok(CountedGrid { grid, growth: growth.lists, counts });
         }
         if cells == [1; 3] {
             return Err(GridError::TooManyReferences { cells, limit: most });

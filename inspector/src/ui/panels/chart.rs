@@ -10,16 +10,7 @@ const LABEL: f32 = 34.0;
 
 /// The colour of a kernel: the same in every panel, readable on light and dark.
 pub(in crate::ui) fn kernel_color(kernel: Kernel) -> Color32 {
-    let [r, g, b] = match kernel {
-        Kernel::Generate => [23, 150, 160],
-        Kernel::Setup => [150, 120, 190],
-        Kernel::TraverseGrid | Kernel::TraverseBvh => [66, 124, 200],
-        Kernel::Intersect => [232, 140, 60],
-        Kernel::Walk => [190, 150, 30],
-        Kernel::Fused => [200, 80, 140],
-        Kernel::Shade => [90, 165, 90],
-        Kernel::Accumulate => [120, 130, 140],
-    };
+    let [r, g, b] = kernel.info().colour;
     Color32::from_rgb(r, g, b)
 }
 

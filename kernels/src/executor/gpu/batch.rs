@@ -6,7 +6,7 @@ use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
 use crate::executor::gpu::readback::Readback;
 use crate::programs::closest_hit::kernels::Kernel;
-use crate::shared::constants::WORKGROUP;
+use crate::tables::kernel::Launch;
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
 
@@ -34,11 +34,13 @@ impl GpuExecutor {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
         match passes {
-            [Kernel::Fused] => encoder = self.encode_fused(encoder, &places[0])?,
+            &[kernel] if kernel.info().launch == Launch::Bands => {
+                encoder = self.encode_bands(encoder, kernel, &places[0])?;
+            }
             _ => self.encode_all(&mut encoder, passes, &places)?,
         }
-        // These do not count where they send rays; both are submitted alone.
-        let is_counted_anew = passes == [Kernel::Fused] || self.resumes_light && passes == [Kernel::Shade];
+        // Those that are counted anew are submitted alone.
+        let is_counted_anew = matches!(passes, [kernel] if kernel.is_counted_anew(&self.features));
         if is_counted_anew {
             self.encode_count(&mut encoder);
         }
@@ -108,22 +110,23 @@ impl GpuExecutor {
         Ok(())
     }
 
-    /// The fused kernel in as many submissions as keep each of them short.
-    fn encode_fused(&self, mut encoder: wgpu::CommandEncoder, place: &Place) -> Result<wgpu::CommandEncoder, GpuError> {
-        let rows = self.height.div_ceil(WORKGROUP);
-        let a_band = (self.rays_a_dispatch / u64::from(self.width * WORKGROUP)).clamp(1, u64::from(rows)) as u32;
+    /// A kernel in as many submissions as keep each of them short.
+    fn encode_bands(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        kernel: Kernel,
+        place: &Place,
+    ) -> Result<wgpu::CommandEncoder, GpuError> {
+        let side = kernel.workgroup();
+        let rows = self.height.div_ceil(side);
+        let a_band = (self.rays_a_dispatch / u64::from(self.width * side)).clamp(1, u64::from(rows)) as u32;
         let scene = self.buffer("scene").ok_or(GpuError::Missing("scene"))?;
         for first in (0..rows).step_by(a_band as usize) {
             let last = first + a_band >= rows;
             let timestamp_writes =
                 self.timers.as_ref().and_then(|t| t.writes((first == 0).then_some(0), last.then_some(1)));
-            let descriptor = wgpu::ComputePassDescriptor { label: Some("fused"), timestamp_writes };
-            self.dispatch(
-                &mut encoder.begin_compute_pass(&descriptor),
-                Kernel::Fused,
-                place,
-                Some(a_band.min(rows - first)),
-            )?;
+            let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name()), timestamp_writes };
+            self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, Some(a_band.min(rows - first)))?;
             // What is written to a uniform holds from the next submission on.
             if a_band < rows {
                 self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&first));

@@ -1,7 +1,7 @@
 //! The passes' books: how many rays each pass sent where, and the lists of live rays.
 
 use crate::plan::Plan;
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::programs::closest_hit::kernels::{Kernel, LISTS};
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS};
 use crate::tables::state::{COUNT, StateCounts, Tag};
@@ -14,20 +14,10 @@ fn rows_of(rays: u32) -> u32 {
     rays.div_ceil(RAYS_A_ROW)
 }
 
-/// The kernels that have a list of the rays that wait for them.
-const LISTED: [&str; 2] = ["intersect_list", "traverse_list"];
-
-/// Which of the lists is a kernel's own.
-fn own_list(kernel: Kernel) -> Option<usize> {
-    match kernel {
-        Kernel::Intersect | Kernel::Walk => Some(0),
-        Kernel::TraverseGrid | Kernel::TraverseBvh => Some(1),
-        _ => None,
-    }
-}
-
 /// One kernel's list.
 struct List {
+    /// Whose list it is.
+    kernel: Kernel,
     /// Slots of even and odd passes of the kernel within a batch: one is read while the other is written.
     slots: [wgpu::Buffer; 2],
     /// How often the kernel has run: which half of its part of `live_rays` holds its list.
@@ -38,17 +28,15 @@ struct List {
 pub(super) struct Books {
     pub(super) sent: wgpu::Buffer,
     pub(super) copy: wgpu::Buffer,
-    lists: [Option<List>; 2],
+    lists: [Option<List>; LISTS.len()],
     live_rays: Option<wgpu::Buffer>,
     texels: u32,
-    /// Whose lists they are.
-    kernels: [Kernel; 2],
 }
 
 /// The lists as they were after some pass.
 pub(super) struct KeptLists {
-    turns: [u64; 2],
-    rays: [Option<wgpu::Buffer>; 2],
+    turns: [u64; LISTS.len()],
+    rays: [Option<wgpu::Buffer>; LISTS.len()],
 }
 
 impl KeptLists {
@@ -66,7 +54,7 @@ pub(super) struct Place {
     /// Pass of its own kernel within the batch.
     own: u32,
     /// The lists to which it sends rays, counted as passes of those kernels within the batch.
-    next: [u32; 2],
+    next: [u32; LISTS.len()],
     list: Option<usize>,
 }
 
@@ -92,9 +80,7 @@ impl Place {
         let slot = match name {
             "sent" => self.sent,
             "own_list" => self.own / 2,
-            "intersect_list" => self.next[0] / 2,
-            "traverse_list" => self.next[1] / 2,
-            _ => return None,
+            _ => self.next[list_named(name)?] / 2,
         };
         Some(slot * COUNT_SLOT_BYTES as u32)
     }
@@ -113,7 +99,12 @@ impl Books {
             }))
         };
         let slots = |name| buffer(name, U::STORAGE | U::INDIRECT | U::COPY_DST);
-        let list = |even, odd| Some(List { slots: [slots(even)?, slots(odd)?], turn: 0 });
+        let kernels = plan.schedule.kernels();
+        let list = |index: usize| {
+            let [even, odd] = LISTS[index].slots;
+            let kernel = kernels.iter().copied().find(|kernel| kernel.info().list == Some(index))?;
+            Some(List { kernel, slots: [slots(even)?, slots(odd)?], turn: 0 })
+        };
         let own = |label, usage| {
             let size = COUNT_SLOTS * COUNT_SLOT_BYTES;
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
@@ -121,23 +112,18 @@ impl Books {
         Self {
             sent: own("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             copy: own("sent_copy", U::COPY_DST | U::MAP_READ),
-            lists: [list("intersect_list_even", "intersect_list_odd"), list("traverse_list_even", "traverse_list_odd")],
+            lists: std::array::from_fn(list),
             live_rays: buffer("live_rays", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             texels: plan.width * plan.height,
-            kernels: [
-                if plan.features.many_steps { Kernel::Walk } else { Kernel::Intersect },
-                if plan.features.bvh { Kernel::TraverseBvh } else { Kernel::TraverseGrid },
-            ],
         }
     }
 
     /// Names and bytes of its buffers.
     pub(super) fn allocated(&self) -> Vec<(&'static str, u64)> {
         let mut all = vec![("sent", self.sent.size()), ("sent_copy", self.copy.size())];
-        let names = [["intersect_list_even", "intersect_list_odd"], ["traverse_list_even", "traverse_list_odd"]];
-        for (list, names) in self.lists.iter().zip(names) {
+        for (list, info) in self.lists.iter().zip(&LISTS) {
             let Some(list) = list else { continue };
-            all.extend(names.into_iter().zip(&list.slots).map(|(name, b)| (name, b.size())));
+            all.extend(info.slots.into_iter().zip(&list.slots).map(|(name, b)| (name, b.size())));
         }
         all.extend(self.live_rays.iter().map(|b| ("live_rays", b.size())));
         all
@@ -149,11 +135,9 @@ impl Books {
         let slots = |list: usize, parity: usize| Some(&self.lists[list].as_ref()?.slots[parity]);
         let buffer = match name {
             "sent" => &self.sent,
-            "own_list" => own_list(kernel).and_then(|list| slots(list, 1 - parity[list]))?,
-            "intersect_list" => slots(0, parity[0])?,
-            "traverse_list" => slots(1, parity[1])?,
+            "own_list" => kernel.info().list.and_then(|list| slots(list, 1 - parity[list]))?,
             "live_rays" => return self.live_rays.as_ref().map(wgpu::Buffer::as_entire_binding),
-            _ => return None,
+            _ => list_named(name).and_then(|list| slots(list, parity[list]))?,
         };
         let size = std::num::NonZeroU64::new(4 * COUNT as u64);
         Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
@@ -171,11 +155,11 @@ impl Books {
         encoder: &mut wgpu::CommandEncoder,
         counts: &StateCounts,
     ) -> KeptLists {
-        let mut kept = KeptLists { turns: [0; 2], rays: [None, None] };
+        let mut kept = KeptLists { turns: [0; LISTS.len()], rays: Default::default() };
         for (index, list) in self.lists.iter().enumerate() {
             let (Some(list), Some(live_rays)) = (list, &self.live_rays) else { continue };
             kept.turns[index] = list.turn;
-            let size = 4 * u64::from(self.kernels[index].live(counts));
+            let size = 4 * u64::from(list.kernel.live(counts));
             if size > 0 {
                 let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
                 let label = Some("checkpoint of a list");
@@ -191,7 +175,7 @@ impl Books {
 
     /// Copies the lists back.
     pub(super) fn restore(&mut self, encoder: &mut wgpu::CommandEncoder, kept: &KeptLists) {
-        for index in 0..2 {
+        for index in 0..LISTS.len() {
             let Some(list) = &mut self.lists[index] else { continue };
             list.turn = kept.turns[index];
             if let (Some(live_rays), Some(rays)) = (&self.live_rays, &kept.rays[index]) {
@@ -211,10 +195,9 @@ impl Books {
         let Some(live_rays) = &self.live_rays else { return };
         for (index, list) in self.lists.iter().enumerate() {
             let Some(list) = list else { continue };
-            let kernel = self.kernels[index];
             let ids: Vec<u32> = (0u32..)
                 .zip(tags)
-                .filter(|(_, tag)| kernel.info().takes.contains(tag))
+                .filter(|(_, tag)| list.kernel.info().takes.contains(tag))
                 .map(|(i, _)| (i % width) | ((i / width) << 16))
                 .collect();
             if !ids.is_empty() {
@@ -226,10 +209,10 @@ impl Books {
 
     /// Lays out a batch: the place of each pass, with the slots written so that they can be read and added to.
     pub(super) fn lay_out(&mut self, queue: &wgpu::Queue, passes: &[Kernel], counts: &StateCounts) -> Vec<Place> {
-        let mut run = [0u32; 2];
+        let mut run = [0u32; LISTS.len()];
         let mut places = Vec::with_capacity(passes.len());
         for (sent, &kernel) in (0..).zip(passes) {
-            let list = own_list(kernel).filter(|&l| self.lists[l].is_some());
+            let list = kernel.info().list.filter(|&l| self.lists[l].is_some());
             let mut place = Place { sent, own: 0, next: run, list };
             if let Some(list) = list {
                 place.own = run[list];
@@ -238,13 +221,12 @@ impl Books {
             }
             places.push(place);
         }
-        let kernels = self.kernels;
-        for index in 0..2 {
+        for (index, &turns) in run.iter().enumerate() {
             let first = [0, 1].map(|i| self.lists[index].as_ref().map_or(0, |l| self.first_ray(index, l.turn + i)));
             let Some(list) = &mut self.lists[index] else { continue };
-            let live = kernels[index].live(counts);
+            let live = list.kernel.live(counts);
             for (parity, slots) in list.slots.iter().enumerate() {
-                let count = (run[index] as usize + 2 - parity) / 2;
+                let count = (turns as usize + 2 - parity) / 2;
                 let mut words = vec![0u32; count * COUNT_SLOT_BYTES as usize / 4];
                 for (i, slot) in words.chunks_exact_mut(COUNT_SLOT_BYTES as usize / 4).enumerate() {
                     let rays = if 2 * i + parity == 0 { live } else { 0 };
@@ -252,7 +234,7 @@ impl Books {
                 }
                 queue.write_buffer(slots, 0, bytemuck::cast_slice(&words));
             }
-            list.turn += u64::from(run[index]);
+            list.turn += u64::from(turns);
         }
         places
     }
@@ -264,9 +246,14 @@ impl Books {
     }
 }
 
-/// Whether a name is one of the lists' slots or the rays in them.
+/// The list whose slots kernels bind under this name.
+fn list_named(name: &str) -> Option<usize> {
+    LISTS.iter().position(|list| list.name == name)
+}
+
+/// Whether a name is one of the slots: there is one a pass.
 pub(super) fn is_dynamic(name: &str) -> bool {
-    name == "sent" || name == "own_list" || LISTED.contains(&name)
+    name == "sent" || name == "own_list" || list_named(name).is_some()
 }
 
 /// Counts after a pass, from those before it and what it sent.

@@ -1,10 +1,14 @@
 //! Pipelines of a device, each compiled once: runs that differ in scene, size or camera share them.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::pipelines::{layout_entry, shader_module};
-use crate::shader::{Binding, Variant};
+use super::books::is_dynamic;
+use super::stream_format;
+use crate::shader::{Binding, Resource, Variant};
+use crate::tables::kernel::Role;
+use crate::tables::stream::Texel;
 
 /// What does not depend on a run's textures and buffers.
 #[derive(Clone)]
@@ -72,10 +76,73 @@ fn compile(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compile
         module: &module,
         entry_point: Some(name),
         compilation_options: wgpu::PipelineCompilationOptions {
-            zero_initialize_workgroup_memory: variant.kernel != crate::kernel::Kernel::Fused,
+            zero_initialize_workgroup_memory: variant.kernel.role() != Role::Whole,
             ..Default::default()
         },
         cache: None,
     });
     Compiled { pipeline, layouts }
+}
+
+/// A kernel without bounds checks where `is_proved` says that no index needs one, see the pipelines of a plan.
+fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
+    let descriptor = wgpu::ShaderModuleDescriptor {
+        label: Some(variant.kernel.name()),
+        source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
+    };
+    if !is_proved {
+        return device.create_shader_module(descriptor);
+    }
+    // SAFETY: what an unchecked shader must not do is index out of bounds or run without end.
+    //
+    // - Which shader it is: `is_proved` composes fused.wgsl again from the options that the proof is about, and
+    //   compares text and bindings with what is compiled here.
+    // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, by the names that the
+    //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing
+    //   to them later but `first_row` of `scene`, which is part of a texel.
+    // - No index comes from a stream: a walk that resumes is not proved.
+    // - Indices that come from buffers, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
+    //   children of nodes, and triangles. Distances and cells are looked up by cell.
+    // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
+    //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN goes the same ways.
+    // - The stack, `SceneData::indices_hold`: a group of siblings waits at most on each level but the root's.
+    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan is of its size.
+    // - Loops, by the proof: lists have an end, and the nodes are one tree, each visited at most once. By the shader:
+    //   a walk goes on along one axis in each step until it leaves the grid, or its turns are bounded.
+    #[allow(unsafe_code)]
+    unsafe {
+        device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
+    }
+}
+
+fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+    let ty = match binding.resource {
+        Resource::ReadStream(stream) => wgpu::BindingType::Texture {
+            sample_type: match stream.info().texel {
+                Texel::F32 => wgpu::TextureSampleType::Float { filterable: false },
+                Texel::U32 => wgpu::TextureSampleType::Uint,
+            },
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        },
+        Resource::WriteStream { stream, readable } => wgpu::BindingType::StorageTexture {
+            access: if readable {
+                wgpu::StorageTextureAccess::ReadWrite
+            } else {
+                wgpu::StorageTextureAccess::WriteOnly
+            },
+            format: stream_format(stream),
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+        },
+        Resource::Uniform => buffer_type(wgpu::BufferBindingType::Uniform, false),
+        Resource::Storage => buffer_type(wgpu::BufferBindingType::Storage { read_only: true }, false),
+        Resource::Live { writable } => {
+            buffer_type(wgpu::BufferBindingType::Storage { read_only: !writable }, is_dynamic(&binding.name))
+        }
+    };
+    wgpu::BindGroupLayoutEntry { binding: binding.index, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
+}
+
+fn buffer_type(ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }

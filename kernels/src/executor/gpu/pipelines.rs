@@ -4,12 +4,12 @@ use std::borrow::Cow;
 
 use super::books::{Books, Place, is_dynamic};
 use super::compiled::Compiled;
-use super::{Gpu, GpuError, stream_format};
+use super::{Gpu, GpuError};
 use crate::kernel::Kernel;
 use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shader::{Binding, Resource, Variant};
-use crate::stream::{Stream, Texel};
+use crate::stream::Stream;
 
 pub(super) struct KernelPipeline {
     kernel: Kernel,
@@ -120,37 +120,6 @@ fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
             .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
 }
 
-/// The fused kernel without bounds checks where [`is_proved`] says that no index needs one; others with.
-pub(super) fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
-    let descriptor = wgpu::ShaderModuleDescriptor {
-        label: Some(variant.kernel.name()),
-        source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
-    };
-    if !is_proved {
-        return device.create_shader_module(descriptor);
-    }
-    // SAFETY: what an unchecked shader must not do is index out of bounds or run without end.
-    //
-    // - Which shader it is: `is_proved` composes fused.wgsl again from the options that the proof is about, and
-    //   compares text and bindings with what is compiled here.
-    // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, by the names that the
-    //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing
-    //   to them later but `first_row` of `scene`, which is part of a texel.
-    // - No index comes from a stream: a walk that resumes is not proved.
-    // - Indices that come from buffers, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
-    //   children of nodes, and triangles. Distances and cells are looked up by cell.
-    // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
-    //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN goes the same ways.
-    // - The stack, `SceneData::indices_hold`: a group of siblings waits at most on each level but the root's.
-    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan is of its size.
-    // - Loops, by the proof: lists have an end, and the nodes are one tree, each visited at most once. By the shader:
-    //   a walk goes on along one axis in each step until it leaves the grid, or its turns are bounded.
-    #[allow(unsafe_code)]
-    unsafe {
-        device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
-    }
-}
-
 fn view(binding: &Binding, streams: &[(Stream, wgpu::Texture)]) -> Option<wgpu::TextureView> {
     let (Resource::ReadStream(stream) | Resource::WriteStream { stream, .. }) = binding.resource else { return None };
     let (_, texture) = streams.iter().find(|(s, _)| *s == stream)?;
@@ -158,38 +127,6 @@ fn view(binding: &Binding, streams: &[(Stream, wgpu::Texture)]) -> Option<wgpu::
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     }))
-}
-
-pub(super) fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
-    let ty = match binding.resource {
-        Resource::ReadStream(stream) => wgpu::BindingType::Texture {
-            sample_type: match stream.info().texel {
-                Texel::F32 => wgpu::TextureSampleType::Float { filterable: false },
-                Texel::U32 => wgpu::TextureSampleType::Uint,
-            },
-            view_dimension: wgpu::TextureViewDimension::D2Array,
-            multisampled: false,
-        },
-        Resource::WriteStream { stream, readable } => wgpu::BindingType::StorageTexture {
-            access: if readable {
-                wgpu::StorageTextureAccess::ReadWrite
-            } else {
-                wgpu::StorageTextureAccess::WriteOnly
-            },
-            format: stream_format(stream),
-            view_dimension: wgpu::TextureViewDimension::D2Array,
-        },
-        Resource::Uniform => buffer_type(wgpu::BufferBindingType::Uniform, false),
-        Resource::Storage => buffer_type(wgpu::BufferBindingType::Storage { read_only: true }, false),
-        Resource::Live { writable } => {
-            buffer_type(wgpu::BufferBindingType::Storage { read_only: !writable }, is_dynamic(&binding.name))
-        }
-    };
-    wgpu::BindGroupLayoutEntry { binding: binding.index, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
-}
-
-fn buffer_type(ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
-    wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }
 
 /// Counts the rays in each state after the fused kernel, which keeps no books: a global atomic for each

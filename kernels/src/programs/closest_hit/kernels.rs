@@ -1,10 +1,14 @@
 //! Every kernel, in one table: its WGSL, its twin, and the states it works on.
 
+use super::reasons::{
+    EYE_RAYS, FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED, of_a_step,
+};
 use super::{accumulate, fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
 use crate::numbers::real::Real;
+use crate::options::features::Features;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
-use crate::tables::kernel::Transition;
+use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
 use crate::tables::state::{
     BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, StateCounts, TRAV, TRAV_SETUP, Tag, UNWRITTEN,
 };
@@ -40,6 +44,14 @@ const fn send(from: Tag, when: &'static str, to: Tag) -> Transition {
     Transition { from, when, to }
 }
 
+/// Every list of live rays.
+pub const LISTS: [ListInfo; 2] = [
+    ListInfo { name: "intersect_list", slots: ["intersect_list_even", "intersect_list_odd"] },
+    ListInfo { name: "traverse_list", slots: ["traverse_list_even", "traverse_list_odd"] },
+];
+const INTERSECT_LIST: usize = 0;
+const TRAVERSE_LIST: usize = 1;
+
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelInfo {
@@ -54,12 +66,28 @@ pub struct KernelInfo {
     /// Where it sends them. A pass that leaves a ray's tag as it was is listed only where the kernel worked on the ray.
     /// `--numerics paper` and runs without a grid use a subset.
     pub sends: &'static [Transition],
+    /// What it is for in a run.
+    pub role: Role,
+    /// Invocations of its workgroups along x and y.
+    pub workgroup: u32,
+    /// How it is launched over all rays.
+    pub launch: Launch,
+    /// How the host learns where it sent rays.
+    pub counts: Counts,
+    /// Whether a ray may wait there for the next dispatch, as one has too few loop turns for it.
+    pub resumes: fn(&Features) -> bool,
+    /// The list of the rays that wait for it, where only live rays are launched: an index into [`LISTS`].
+    pub list: Option<usize>,
+    /// Its colour in every diagram, sRGB: readable on light and dark.
+    pub colour: [u8; 3],
+    /// Why a run does without it.
+    pub why_absent: fn(&Run<'_>) -> Reason,
     /// One sentence.
     pub summary: &'static str,
 }
 
 macro_rules! kernels {
-    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, summary: $summary:literal, })*) => {
+    ($($variant:ident $module:ident { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, })*) => {
         /// Every kernel.
         pub const KERNELS: &[KernelInfo] = &[$(KernelInfo {
             kernel: Kernel::$variant,
@@ -67,6 +95,14 @@ macro_rules! kernels {
             wgsl: include_str!(concat!(stringify!($module), ".wgsl")),
             takes: $takes,
             sends: $sends,
+            role: $role,
+            workgroup: $workgroup,
+            launch: $launch,
+            counts: $counts,
+            resumes: $resumes,
+            list: $list,
+            colour: $colour,
+            why_absent: $why_absent,
             summary: $summary,
         }),*];
 
@@ -89,6 +125,14 @@ kernels! {
         sends: &[
             send(UNWRITTEN, "every ray", TRAV_SETUP),
         ],
+        role: Role::Source,
+        workgroup: WORKGROUP,
+        launch: Launch::Whole,
+        counts: Counts::AllTo(TRAV_SETUP),
+        resumes: |_| false,
+        list: None,
+        colour: [23, 150, 160],
+        why_absent: |run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
         summary: "makes a ray for every pixel",
     }
     Setup setup {
@@ -98,6 +142,14 @@ kernels! {
             send(TRAV_SETUP, "enters the grid", ISECT_NO_HIT),
             send(TRAV_SETUP, "with a tree: at its root", TRAV),
         ],
+        role: Role::Enter,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
+        list: None,
+        colour: [150, 120, 190],
+        why_absent: |_| FUSED,
         summary: "finds where the ray's walk begins, or that it misses the grid",
     }
     TraverseGrid traverse_grid {
@@ -108,6 +160,14 @@ kernels! {
             send(TRAV, "leaves the grid", BACKGROUND),
             send(TRAV, "leaves the grid, hit kept", SHADE),
         ],
+        role: Role::Step,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
+        list: Some(TRAVERSE_LIST),
+        colour: [66, 124, 200],
+        why_absent: of_a_step,
         summary: "moves the ray to its next cell",
     }
     TraverseBvh traverse_bvh {
@@ -119,6 +179,14 @@ kernels! {
             send(TRAV, "tree done", BACKGROUND),
             send(TRAV, "tree done, hit kept", SHADE),
         ],
+        role: Role::Step,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
+        list: Some(TRAVERSE_LIST),
+        colour: [66, 124, 200],
+        why_absent: of_a_step,
         summary: "moves the ray to its next node of the tree",
     }
     Intersect intersect {
@@ -133,6 +201,14 @@ kernels! {
             send(ISECT_HIT, "list ended, t beyond the cell's exit", TRAV),
             send(ISECT_NO_HIT, "without a grid: list ended, nothing hit", BACKGROUND),
         ],
+        role: Role::Test,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |features| features.resumes_scan,
+        list: Some(INTERSECT_LIST),
+        colour: [232, 140, 60],
+        why_absent: |run| if run.features.many_steps { MANY_STEPS } else { FUSED },
         summary: "tests the ray against one triangle of its cell or leaf",
     }
     Walk walk {
@@ -148,6 +224,14 @@ kernels! {
             send(TRAV, "tree done, hit", SHADE),
             send(TRAV, "tree done, nothing hit", BACKGROUND),
         ],
+        role: Role::Walk,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |features| features.resumes,
+        list: Some(INTERSECT_LIST),
+        colour: [190, 150, 30],
+        why_absent: |run| if run.is_fused() { FUSED } else { ONE_STEP },
         summary: "takes the ray several cells or nodes on",
     }
     Fused fused {
@@ -173,6 +257,14 @@ kernels! {
             send(TRAV_SETUP, "hit", SHADE),
             send(TRAV_SETUP, "no hit", BACKGROUND),
         ],
+        role: Role::Whole,
+        workgroup: WORKGROUP,
+        launch: Launch::Bands,
+        counts: Counts::Anew,
+        resumes: |features| features.resumes,
+        list: None,
+        colour: [200, 80, 140],
+        why_absent: |_| STEPPED,
         summary: "takes the ray from its start to its nearest hit",
     }
     Shade shade {
@@ -182,6 +274,14 @@ kernels! {
             send(SHADE, "shaded", DONE),
             send(BACKGROUND, "background", DONE),
         ],
+        role: Role::Finish,
+        workgroup: WORKGROUP,
+        launch: Launch::Whole,
+        counts: Counts::AllTo(DONE),
+        resumes: |features| features.resumes_light,
+        list: None,
+        colour: [90, 165, 90],
+        why_absent: |_| NO_SHADE,
         summary: "colours the ray from its hit, or the background",
     }
     Accumulate accumulate {
@@ -190,6 +290,14 @@ kernels! {
             send(DONE, "the pixel wants more samples", UNWRITTEN),
             send(DONE, "it was the last sample", DONE),
         ],
+        role: Role::Sample,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
+        list: None,
+        colour: [120, 130, 140],
+        why_absent: |_| ONE_SAMPLE,
         summary: "adds the sample to its pixel's mean, and asks for the next one",
     }
 }
@@ -213,24 +321,35 @@ impl Kernel {
     /// The state in which it leaves every ray that it works on, where there is only one.
     #[must_use]
     pub const fn sends_all_to(self) -> Option<Tag> {
-        match self {
-            Self::Generate => Some(TRAV_SETUP),
-            Self::Shade => Some(DONE),
-            _ => None,
+        match self.info().counts {
+            Counts::AllTo(tag) => Some(tag),
+            Counts::Sent | Counts::Anew => None,
         }
+    }
+    /// Whether the rays in each state are counted anew after a pass of it, in a run with these options.
+    #[must_use]
+    pub fn is_counted_anew(self, features: &Features) -> bool {
+        let info = self.info();
+        match info.counts {
+            Counts::Sent => false,
+            Counts::AllTo(_) => (info.resumes)(features),
+            Counts::Anew => true,
+        }
+    }
+    /// What it is for in a run.
+    #[must_use]
+    pub const fn role(self) -> Role {
+        self.info().role
     }
     /// Whether it belongs to the walk: it runs again and again.
     #[must_use]
     pub const fn is_walk(self) -> bool {
-        matches!(self, Self::TraverseGrid | Self::TraverseBvh | Self::Intersect | Self::Walk)
+        self.info().role.is_walk()
     }
     /// Invocations of its workgroups along x and y.
     #[must_use]
     pub const fn workgroup(self) -> u32 {
-        match self {
-            Self::Generate | Self::Fused | Self::Shade => WORKGROUP,
-            _ => LIST_SIDE,
-        }
+        self.info().workgroup
     }
     /// How many of these rays it would work on.
     #[must_use]
@@ -240,31 +359,4 @@ impl Kernel {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_is_in_the_order_of_the_enum() {
-        for (i, info) in KERNELS.iter().enumerate() {
-            assert_eq!(info.kernel as usize, i, "{}", info.name);
-        }
-    }
-
-    #[test]
-    fn every_row_sends_what_it_takes_and_no_state_is_a_dead_end() {
-        let taken: Vec<Tag> = KERNELS.iter().flat_map(|info| info.takes).copied().collect();
-        for info in KERNELS {
-            for &tag in info.takes {
-                assert!(info.sends.iter().any(|s| s.from == tag), "{} keeps {tag}", info.name);
-            }
-            for send in info.sends {
-                // The fused kernel also takes rays that nothing has made yet, where it makes them itself.
-                let is_own = info.takes.contains(&send.from) || (info.kernel, send.from) == (Kernel::Fused, UNWRITTEN);
-                assert!(is_own && taken.contains(&send.to), "{}: {send:?}", info.name);
-            }
-            if let Some(to) = info.kernel.sends_all_to() {
-                assert!(info.sends.iter().all(|s| s.to == to || s.to == s.from), "{}", info.name);
-            }
-        }
-    }
-}
+mod tests;

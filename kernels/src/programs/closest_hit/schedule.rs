@@ -1,8 +1,10 @@
 //! Which kernels run, in what order, until what holds: a value that can be checked without a GPU.
 
-use crate::options::{Accelerator, ScheduleKind};
+use crate::options::features::Features;
+use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
 use crate::programs::closest_hit::kernels::Kernel;
-use crate::tables::state::{self, StateCounts};
+use crate::tables::kernel::{Launch, Role};
+use crate::tables::state::StateCounts;
 
 /// One line of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -83,15 +85,20 @@ impl Schedule {
         Self { steps }
     }
 
-    /// The same with a kernel run until no ray is active there, in place of once.
+    /// For a run with these options; `accelerator` is never [`Accelerator::Auto`].
     #[must_use]
-    pub fn until_idle(mut self, kernel: Kernel) -> Self {
-        for step in &mut self.steps {
-            if *step == Step::Run(kernel) {
+    pub fn of(options: &Options, accelerator: Accelerator, features: &Features) -> Self {
+        let given = matches!(options.rays, RaySource::Given(_));
+        let Features { eye_rays, many_steps, samples, .. } = *features;
+        let mut schedule = Self::new(options.schedule, accelerator, given, options.shade, eye_rays, many_steps);
+        for step in &mut schedule.steps {
+            if let Step::Run(kernel) = *step
+                && (kernel.info().resumes)(features)
+            {
                 *step = Step::RunUntilIdle(kernel);
             }
         }
-        self
+        if samples { schedule.for_samples() } else { schedule }
     }
 
     /// The same for several samples a pixel: all steps again and again, as long as a pixel asks for another sample.
@@ -126,15 +133,18 @@ impl Schedule {
 impl Schedule {
     /// Whether it goes through its steps once a sample.
     fn has_samples(&self) -> bool {
-        matches!(self.steps[..], [Step::LoopWhileActive([Kernel::Generate], _)])
+        matches!(self.steps[..], [Step::LoopWhileActive([kernel], _)] if kernel.role() == Role::Source)
     }
 
     /// The counts after a kernel that is no part of the walk, if it sent all of its rays on to the next kernel.
     fn after_all(&self, kernel: Kernel, counts: &StateCounts) -> StateCounts {
-        let walk = || self.kernels().into_iter().find(|k| k.is_walk()).and_then(|k| k.info().takes.first().copied());
-        let to = match kernel {
-            Kernel::Setup => walk(),
-            Kernel::Accumulate => Some(state::UNWRITTEN),
+        let first_taken = |is_taker: fn(Role) -> bool| {
+            self.kernels().into_iter().find(|k| is_taker(k.role())).and_then(|k| k.info().takes.first().copied())
+        };
+        let to = match kernel.role() {
+            Role::Enter => first_taken(Role::is_walk),
+            // Every pixel wants another sample.
+            Role::Sample => first_taken(|role| role == Role::Source),
             _ => kernel.sends_all_to(),
         };
         let mut after = *counts;
@@ -177,9 +187,9 @@ impl Cursor {
             };
             match step {
                 Step::Run(kernel) => {
-                    match kernel {
-                        Kernel::Generate => self.iteration = 0,
-                        Kernel::Accumulate => self.samples += 1,
+                    match kernel.role() {
+                        Role::Source => self.iteration = 0,
+                        Role::Sample => self.samples += 1,
                         _ => {}
                     }
                     *self.path.last_mut()? += 1;
@@ -229,7 +239,7 @@ impl Cursor {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
                 // The fused kernel is submitted alone: in parts, and what it did is counted anew.
-                Some(next) if kernels.len() < most && ![last, next].contains(&Kernel::Fused) => {
+                Some(next) if kernels.len() < most && [last, next].iter().all(|k| k.info().launch != Launch::Bands) => {
                     kernels.push(next);
                     last = next;
                 }

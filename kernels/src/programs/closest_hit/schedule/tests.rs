@@ -1,7 +1,7 @@
 //! Orders of kernels, without a GPU.
 
 use super::*;
-use crate::tables::state::{DONE, ISECT_NO_HIT, SHADE, TRAV};
+use crate::tables::state::{self, DONE, ISECT_NO_HIT, SHADE, TRAV};
 
 fn counts(isect: u32, trav: u32, shade: u32) -> StateCounts {
     let mut c = StateCounts::default();

@@ -1,0 +1,170 @@
+//! Which structure a run traces its scene through, and the options of the kernels that follow from it.
+
+use raystep_scenes::Scene;
+
+use super::check::{PlanError, check_buffer};
+use super::decide::features;
+use super::limits::Limits;
+use crate::numbers::units::Units;
+use crate::options::features::Features;
+use crate::options::{Accelerator, GridSize, Options, Rule, ScheduleKind, Skip};
+use crate::scene_data::{bvh_growth, reach, traced_vertices};
+use crate::structures::Structure;
+use crate::structures::bvh::{self, BvhOptions, BvhQuality};
+use crate::structures::grid;
+use crate::tables::sizes::LIVE_REGIONS;
+
+/// A structure that is built, and what was decided with it.
+pub(super) struct Resolved {
+    /// Which one; never [`Accelerator::Auto`].
+    pub(super) accelerator: Accelerator,
+    /// The options of the kernels, but for what follows from the turns of their loops.
+    pub(super) features: Features,
+    /// The structure.
+    pub(super) structure: Structure,
+    /// Corners in traced units, nine floats a triangle.
+    pub(super) vertices: Vec<f32>,
+}
+
+/// What a structure is built from.
+struct Site<'a> {
+    options: &'a Options,
+    vertices: &'a [f32],
+    /// Bounds coordinates and distances, see [`reach`].
+    reach: f32,
+    /// 32-bit words of the largest buffer that the executor holds.
+    most_words: u64,
+}
+
+/// Builds the first of the accelerators asked for that suits the scene.
+///
+/// # Errors
+/// Where none of them can be built, or the scene does not fit `limits`.
+pub(super) fn resolve(
+    scene: &Scene,
+    options: &Options,
+    units: Units,
+    limits: &Limits,
+    (width, height): (u32, u32),
+) -> Result<Resolved, PlanError> {
+    let mut corners = None;
+    let mut candidates = options.accelerator.candidates(scene.triangles.len()).iter();
+    loop {
+        let accelerator = candidates.next().copied().unwrap_or_default();
+        let is_last = candidates.as_slice().is_empty();
+        let features = features(scene, options, accelerator, units);
+        let attempt = check_sizes(scene, options, &features, limits, u64::from(width) * u64::from(height));
+        let attempt = attempt.and_then(|()| {
+            let (vertices, reach) = corners.get_or_insert_with(|| {
+                let vertices = traced_vertices(scene, units);
+                let reach = reach(&vertices, options, units);
+                (vertices, reach)
+            });
+            Site { options, vertices, reach: *reach, most_words: limits.storage_bytes / 4 }.build(features, is_last)
+        });
+        match attempt {
+            Ok(Some((features, structure))) => {
+                let (vertices, _) = corners.unwrap_or_default();
+                return Ok(Resolved { accelerator, features, structure, vertices });
+            }
+            Err(error) if is_last => return Err(error),
+            Ok(None) | Err(_) => {}
+        }
+    }
+}
+
+/// What is known to be too large before anything is built is refused before anything is built.
+fn check_sizes(
+    scene: &Scene,
+    options: &Options,
+    features: &Features,
+    limits: &Limits,
+    texels: u64,
+) -> Result<(), PlanError> {
+    let triangles = scene.triangles.len() as u64;
+    let corners = if options.schedule == ScheduleKind::Fused || features.many_steps {
+        ("packed_triangles", 48)
+    } else {
+        ("vertices", 36)
+    };
+    for (name, bytes, is_used) in [
+        (corners.0, corners.1, true),
+        ("normals", 36, features.normals),
+        ("texcoords", 24, features.textures),
+        ("vertex_colors", 36, features.vertex_colors),
+    ] {
+        if is_used && (name == corners.0 || options.shade) {
+            check_buffer(name, triangles * bytes, limits)?;
+        }
+    }
+    if let GridSize::Cells(cells) = options.grid
+        && features.grid
+    {
+        check_buffer("grid_cells", 4 * (grid::check_cells(cells)? + 1), limits)?;
+    }
+    if features.live_lists {
+        check_buffer("live_rays", LIVE_REGIONS * 4 * texels, limits)?;
+    }
+    Ok(())
+}
+
+impl Site<'_> {
+    /// The structure that `features` name, and the features that follow from it. `None` for a grid that another
+    /// accelerator is better than: only the last one is built whatever it comes to.
+    fn build(&self, mut features: Features, is_last: bool) -> Result<Option<(Features, Structure)>, PlanError> {
+        let structure = if features.grid {
+            match self.grid(&mut features, is_last)? {
+                Some(structure) => structure,
+                None => return Ok(None),
+            }
+        } else if features.bvh {
+            self.tree()?
+        } else {
+            Structure::None
+        };
+        if let Structure::Wide(tree) = &structure {
+            // The root is not pushed, and a node's siblings wait while its children are visited.
+            features.stack = tree.depth.saturating_sub(1);
+        }
+        Ok(Some((features, structure)))
+    }
+
+    /// The grid, filled once: whether most of its cells are empty is known from the counts of their lists.
+    fn grid(&self, features: &mut Features, is_last: bool) -> Result<Option<Structure>, PlanError> {
+        let Self { options, vertices, reach, most_words } = *self;
+        let is_grown = options.without != Some(Rule::CellGrowth);
+        let counted = grid::count_lists(vertices, options.grid, reach, is_grown, most_words)?;
+        let is_sparse = counted.is_sparse();
+        if is_sparse && !is_last {
+            return Ok(None);
+        }
+        features.skip = features.keeps_no_tmax()
+            && match options.skip {
+                Skip::On => true,
+                Skip::Off => false,
+                Skip::Auto => is_sparse,
+            };
+        // Walks that leap are faster through a finer grid, where its resolution was left to us.
+        let counted = match options.grid {
+            GridSize::Auto if features.skip => {
+                drop(counted);
+                grid::count_lists_for_leaps(vertices, reach, most_words)?
+            }
+            _ => counted,
+        };
+        let data = counted.fill(vertices);
+        let distances = if features.skip { grid::distances(&data.grid, &data.cells) } else { Vec::new() };
+        Ok(Some(Structure::Grid { data, distances }))
+    }
+
+    fn tree(&self) -> Result<Structure, PlanError> {
+        let Self { options, vertices, reach, most_words } = *self;
+        let growth = if options.without == Some(Rule::BoxPadding) { 0.0 } else { bvh_growth(reach) };
+        let how = BvhOptions { most_words, quality: BvhQuality::for_triangles((vertices.len() / 9) as u64) };
+        Ok(if options.schedule == ScheduleKind::Fused {
+            Structure::Wide(bvh::build_wide(vertices, growth, &how)?)
+        } else {
+            Structure::Bvh(bvh::build(vertices, growth, &how)?)
+        })
+    }
+}
