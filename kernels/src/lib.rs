@@ -10,14 +10,9 @@
 //!
 //! ```
 //! use raystep_kernels::{Device, Options, RaySource, Renderer, Stream};
-//! # use raystep_scenes::{Camera, Material, Scene};
+//! use raystep_scenes::{Camera, Scene};
 //! # pollster::block_on(async {
-//! let scene = Scene {
-//!     triangles: vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]],
-//!     triangle_materials: vec![0],
-//!     materials: vec![Material::default()],
-//!     ..Scene::default()
-//! };
+//! let scene = Scene::from_triangles(vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]]);
 //! let camera = Camera::framing(&scene.bounds());
 //! let options = Options::new(RaySource::Camera { camera, width: 32, height: 32 });
 //!

@@ -12,6 +12,7 @@ mod gate;
 mod load;
 mod picture;
 mod pipelines;
+mod poller;
 mod probe;
 mod read;
 pub mod readback;
