@@ -6,7 +6,7 @@
 mod baseline;
 mod measure;
 mod rays;
-mod summary;
+pub mod summary;
 mod table;
 
 use std::collections::BTreeMap;

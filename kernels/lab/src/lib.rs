@@ -4,14 +4,14 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`reference`] | f64 brute force with exact predicates, and the bound on what f32 may get wrong |
+//! | [`mod@reference`] | f64 brute force with exact predicates, and the bound on what f32 may get wrong |
 //! | [`judge`] | what became of a run's rays against that, all of them, a sample, or over the passes |
 //! | [`rounding`], [`parity`], [`divergence`] | what rounding may change in one pass; device and CPU reference kernels, pass by pass |
 //! | [`compare`], [`layer_stats`] | two runs' values of a stream; one stream's values |
 //! | [`rays`], [`ways`], [`watertight`] | which rays to trace, how to trace them, and a closed mesh that none may leave |
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, runs timed in turn, medians and intervals |
 //! | [`work`], [`structure_stats`] | what rays cost and launched threads do; lists of a grid, nodes of a BVH |
-//! | [`bench`], [`report`], [`stability`] | the three measurements of the command line |
+//! | [`mod@bench`], [`report`], [`stability`] | the three measurements of the command line |
 //! | [`subject`], [`reporter`] | what these are given: a scene with a view, and somebody to tell how far they are |
 //! | [`plots`], [`html`], [`text`], [`hash`] | what their files are made of |
 

@@ -11,7 +11,7 @@
 //! **Lists are conservative.** A ray's computed place differs from its true one by at most [`growth`],
 //! 40 roundings of 2⁻²⁴ of the largest distance involved: 7 in a crossing's t (difference 1, reciprocal 5,
 //! product 1), 5 in the entry point and its cell, and for the triangle 10 across the ray (its sheared
-//! corners) and 18 along it (its t), as [`crate::reference`] has them. Every cell is grown by that much
+//! corners) and 18 along it (its t), as `raystep_lab::reference` has them. Every cell is grown by that much
 //! before the exact triangle/box test, so the cell in which a ray is believed to be lists what the ray can
 //! meet there. Needles and triangles seen edge-on, whose t moves by more than 18 roundings when their edge
 //! functions round, are beyond this bound: there the grid may pick the other of two triangles that f32
