@@ -58,5 +58,6 @@ pub use tables::stream::{Region, Stream, StreamData};
 pub use numbers::{real, units};
 pub use options::features;
 pub use programs::closest_hit::{kernels as kernel, schedule};
+pub use scene_data::buffers as buffer;
 pub use structures::{bvh, grid};
-pub use tables::{buffer, state, stream};
+pub use tables::{state, stream};
