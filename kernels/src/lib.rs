@@ -10,14 +10,9 @@
 //!
 //! ```
 //! use raystep_kernels::{Device, Options, RaySource, Renderer, Stream};
-//! # use raystep_scenes::{Camera, Material, Scene};
+//! use raystep_scenes::{Camera, Scene};
 //! # pollster::block_on(async {
-//! let scene = Scene {
-//!     triangles: vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]],
-//!     triangle_materials: vec![0],
-//!     materials: vec![Material::default()],
-//!     ..Scene::default()
-//! };
+//! let scene = Scene::from_triangles(vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]]);
 //! let camera = Camera::framing(&scene.bounds());
 //! let options = Options::new(RaySource::Camera { camera, width: 32, height: 32 });
 //!
@@ -63,5 +58,6 @@ pub use tables::stream::{Region, Stream, StreamData};
 pub use numbers::{real, units};
 pub use options::features;
 pub use programs::closest_hit::{kernels as kernel, schedule};
+pub use scene_data::buffers as buffer;
 pub use structures::{bvh, grid};
-pub use tables::{buffer, state, stream};
+pub use tables::{state, stream};

@@ -24,9 +24,6 @@ const FLOORS: &[&[&str]] = &[
     &["export"],
 ];
 
-/// Modules that move to a crate of their own: what they name, and who names them, does not count.
-const LEAVING: &[&str] = &["ray_kinds", "reference", "stability", "statistics", "vec64"];
-
 /// A path in a source file: names separated by `::`, the first one of the crate's root.
 type Names = Vec<String>;
 
@@ -170,12 +167,10 @@ fn modules_of(files: &[(String, String)]) -> BTreeMap<Names, Module> {
         path.split('/').filter(|name| !name.is_empty()).map(str::to_owned).collect()
     };
     let mut modules: BTreeMap<Names, Module> = BTreeMap::new();
-    let files =
-        || files.iter().filter(|(file, _)| !LEAVING.contains(&file.split(['/', '.']).next().unwrap_or_default()));
-    for (file, _) in files() {
+    for (file, _) in files {
         modules.insert(module_of(file), Module { file: file.clone(), ..Module::default() });
     }
-    for (file, text) in files() {
+    for (file, text) in files {
         let name = module_of(file);
         let code = code_of(text);
         let (mut imports, mut paths) = (BTreeMap::new(), Vec::new());

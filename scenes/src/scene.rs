@@ -177,6 +177,18 @@ impl Bounds {
 }
 
 impl Scene {
+    /// Triangles that are all there is, in scene units: grey, matt, and lit from the eye.
+    ///
+    /// ```
+    /// let scene = raystep_scenes::Scene::from_triangles(vec![[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]]);
+    /// assert_eq!(scene.triangle_materials, [0]);
+    /// ```
+    #[must_use]
+    pub fn from_triangles(triangles: Vec<[[f32; 3]; 3]>) -> Self {
+        let triangle_materials = vec![0; triangles.len()];
+        Self { triangles, triangle_materials, materials: vec![Material::default()], ..Self::default() }
+    }
+
     /// The box of all corners; [`Bounds::EMPTY`] without triangles.
     #[must_use]
     pub fn bounds(&self) -> Bounds {

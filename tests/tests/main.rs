@@ -6,6 +6,7 @@ mod compact;
 mod degenerate;
 mod device;
 mod divergence;
+mod library;
 mod parity;
 mod plan;
 mod renderer;

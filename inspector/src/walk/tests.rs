@@ -8,11 +8,14 @@ use raystep_scenes::{Camera, LoadOptions, NoFiles, Scene};
 
 use super::*;
 
-pub(crate) const CORNELL: &[u8] = include_bytes!("../../../scenes/cornell-box.gltf");
-pub(crate) const TEAPOT: &[u8] = include_bytes!("../../../scenes/teapot.glb");
+pub(crate) const CORNELL: &str = "cornell-box.gltf";
+pub(crate) const TEAPOT: &str = "teapot.glb";
 
-pub(crate) fn scene(bytes: &[u8]) -> Scene {
-    raystep_scenes::load("scene", bytes, &NoFiles, &LoadOptions::default()).expect("a scene")
+/// A scene of the repository's.
+pub(crate) fn scene(file: &str) -> Scene {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(file);
+    let bytes = std::fs::read(path).expect("a scene of the repository's");
+    raystep_scenes::load("scene", &bytes, &NoFiles, &LoadOptions::default()).expect("a scene")
 }
 
 pub(crate) fn options(scene: &Scene) -> Options {
@@ -106,8 +109,8 @@ fn the_walk_grows_row_by_row_to_the_hit_of_the_trace() {
 
 #[test]
 fn a_node_is_visited_after_the_node_above_it_was_met() {
-    for (bytes, pixel) in [(CORNELL, [20, 40]), (TEAPOT, [32, 32])] {
-        let scene = scene(bytes);
+    for (file, pixel) in [(CORNELL, [20, 40]), (TEAPOT, [32, 32])] {
+        let scene = scene(file);
         let (trace, data) = traced(&scene, &Options { accelerator: Accelerator::Bvh, ..options(&scene) }, pixel);
         let walk = whole(&trace, &data);
         assert_eq!((walk.nodes[0].node, walk.nodes[0].parent, walk.nodes[0].depth), (0, None, 0));
@@ -308,8 +311,8 @@ fn keep(name: &str, svg: &str) {
 
 #[test]
 fn a_drawing_names_what_it_shows_and_is_sound_xml() {
-    for (bytes, file) in [(CORNELL, "cornell"), (TEAPOT, "teapot")] {
-        let scene = scene(bytes);
+    for (path, file) in [(CORNELL, "cornell"), (TEAPOT, "teapot")] {
+        let scene = scene(path);
         for (accelerator, name) in [(Accelerator::Grid, "grid"), (Accelerator::Bvh, "bvh"), (Accelerator::None, "none")]
         {
             if (file, name) == ("teapot", "none") {

@@ -118,8 +118,9 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
                     let stores = ran(&lines, "textureStore(state, texel, 0,");
                     assert_eq!(stores.len(), 1, "{}: {stores:?}", what());
                     let store = &stores[0].text;
-                    let named = raystep_kernels::state::STATES.iter().find(|s| store.contains(&format!("({})", s.1)));
-                    assert!(named.is_none_or(|s| s.0 == after.tag), "{}: {store}", what());
+                    let named =
+                        raystep_kernels::state::STATES.iter().find(|s| store.contains(&format!("({})", s.name)));
+                    assert!(named.is_none_or(|s| s.tag == after.tag), "{}: {store}", what());
                     let moved = |part: &str| !ran(&lines, part).is_empty();
                     if kernel == Kernel::Intersect {
                         assert_eq!(moved("item += 1u"), after.item == before.item + 1, "{}", what());

@@ -63,7 +63,7 @@ fn main() {
         three();
     }
     @else {
-        four(); // stays
+        four(PLACE); // stays
     }
     for (var i = 0u; i < 4u; i++) {
         @if(on) @if(deep) five();
@@ -115,7 +115,7 @@ struct Pair {
 fn main() {
     let pair = Pair();
     {
-        four(); // stays
+        four(PLACE); // stays
     }
     for (var i = 0u; i < 4u; i++) {
         six();

@@ -12,6 +12,7 @@ mod gate;
 mod load;
 mod picture;
 mod pipelines;
+mod poller;
 mod probe;
 mod read;
 pub mod readback;
@@ -80,7 +81,7 @@ impl GpuExecutor {
         let mut buffers = Vec::new();
         for planned in &plan.buffers {
             let Some(contents) = data.bytes(planned.what) else { continue };
-            let is_uniform = crate::tables::buffer::info(planned.what).is_some_and(|b| b.is_uniform);
+            let is_uniform = crate::scene_data::buffers::info(planned.what).is_some_and(|b| b.is_uniform);
             let kind = if is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
             let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
             let descriptor = wgpu::util::BufferInitDescriptor { label: Some(planned.what), contents, usage };

@@ -1,6 +1,7 @@
 //! What a user asks for, and which options of the kernels that needs.
 
 pub mod features;
+pub mod reasons;
 pub mod samples;
 
 use raystep_scenes::Camera;

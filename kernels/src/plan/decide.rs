@@ -5,14 +5,12 @@ use raystep_scenes::{Light, Projection, Scene};
 use super::{Because, LeftOut, Plan};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
+use crate::options::reasons::{EYE_RAYS, FUSED, NO_SHADE, ONE_SAMPLE, Reason, Run};
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
 use crate::programs::closest_hit::kernels::KERNELS;
-use crate::programs::closest_hit::reasons::{
-    EYE_RAYS, FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED,
-};
+use crate::scene_data::buffers::BUFFERS;
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
-use crate::tables::buffer::BUFFERS;
 use crate::tables::stream::{STREAMS, Stream};
 
 /// Decides every option of the kernels.
@@ -103,31 +101,7 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
         add(format!("stream {}", s.name), why);
     }
     for b in BUFFERS.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
-        let why = match b.name {
-            "camera" => GIVEN,
-            "sampling" => ONE_SAMPLE,
-            "scene" => (O, "one step a pass, and lists that have their own ends"),
-            "grid" | "grid_cells" | "grid_items" => other,
-            "grid_distances" if plan.features.grid && !plan.features.robust => {
-                (O, "--numerics paper steps cell by cell")
-            }
-            "grid_distances" if plan.features.grid => (O, "rays do not leap: --skip off, or too few empty cells"),
-            "grid_distances" => other,
-            "wide_nodes" if !is_fused => STEPPED,
-            "packed_triangles" => ONE_STEP,
-            "bvh_items" if plan.features.many_steps => MANY_STEPS,
-            "bvh_nodes" | "bvh_parents" | "bvh_items" if is_fused => FUSED,
-            "wide_nodes" | "bvh_nodes" | "bvh_parents" | "bvh_items" => other,
-            "vertices" if !options.shade => (O, "packed_triangles has them"),
-            _ if !options.shade => NO_SHADE,
-            "normals" => (S, "no vertex normals: shading is flat"),
-            "vertices" => (S, "every triangle has vertex normals"),
-            "texcoords" | "textures" | "texels" => (S, "no base colour texture"),
-            "vertex_colors" => (S, "no vertex colours"),
-            "triangle_materials" => (S, "one material"),
-            _ => (S, "nothing refers to it"),
-        };
-        add(format!("buffer {}", b.name), why);
+        add(format!("buffer {}", b.name), (b.why_absent)(&run));
     }
     let f = &plan.features;
     if f.grid && f.robust && !f.clip {

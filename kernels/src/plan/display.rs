@@ -5,8 +5,8 @@ use std::fmt;
 use super::structure::Structure;
 use super::{Because, Plan};
 use crate::numbers::bytes::Bytes;
+use crate::scene_data::buffers;
 use crate::shader::Resource;
-use crate::tables::buffer;
 use crate::tables::state;
 
 impl fmt::Display for Plan {
@@ -18,7 +18,7 @@ impl fmt::Display for Plan {
 
 /// What an element of a buffer is, be it one that the GPU executor keeps for itself.
 pub(crate) fn element(name: &str) -> &'static str {
-    match (buffer::info(name), name) {
+    match (buffers::info(name), name) {
         (Some(info), _) => info.element,
         (None, "fill") => "u32 texels: what streams begin with",
         (None, "given") => "rays from outside: what some streams begin with",

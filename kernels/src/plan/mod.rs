@@ -21,14 +21,14 @@ use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
 use crate::programs::closest_hit::kernels::{Kernel, LISTS};
 use crate::programs::closest_hit::schedule::Schedule;
 use crate::scene_data::SceneData;
+use crate::scene_data::buffers::BUFFERS;
 use crate::shader::Variant;
 use crate::shared::scene::SceneInfo;
-use crate::tables::buffer::BUFFERS;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, LIVE_REGIONS, fill_bytes, given_bytes};
 use crate::tables::stream::{INPUTS, STREAMS, Stream};
 
 pub use crate::numbers::bytes::Bytes;
-pub use crate::programs::closest_hit::reasons::Because;
+pub use crate::options::reasons::Because;
 pub use check::{MAX_TEXELS, PlanError, given_width};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::left_out;

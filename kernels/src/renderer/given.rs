@@ -32,7 +32,7 @@ impl GivenRays {
                 streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();
                 streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
             }
-            streams[2].bits[i] = state::TRAV_SETUP;
+            streams[2].bits[i] = state::BORN;
             if any_hit {
                 // What lies behind the ray's end at t = 1 does not count.
                 streams[2].bits[STATE_T * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();

@@ -254,12 +254,12 @@ impl Renderer {
                     };
                 }
                 let rays = given.exponents.len() as u32;
-                self.counts[state::TRAV_SETUP as usize] = rays;
-                self.counts[state::UNWRITTEN as usize] = texels - rays;
+                self.counts[state::BORN as usize] = rays;
+                self.counts[state::UNBORN as usize] = texels - rays;
             }
             // The fused kernel's rays wait for nobody to make them.
-            None if self.plan.features.eye_rays => self.counts[state::TRAV_SETUP as usize] = texels,
-            None => self.counts[state::UNWRITTEN as usize] = texels,
+            None if self.plan.features.eye_rays => self.counts[state::BORN as usize] = texels,
+            None => self.counts[state::UNBORN as usize] = texels,
         }
         if let Some(ray) = self.alone {
             self.leave_out_others(ray);

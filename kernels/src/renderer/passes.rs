@@ -192,8 +192,8 @@ impl Renderer {
         let mut state = self.values(Stream::State).await?;
         let rays = state.layer(STATE_TAG).len();
         let tags = &mut state.bits[STATE_TAG * rays..(STATE_TAG + 1) * rays];
-        for tag in tags.iter_mut().filter(|tag| state::WALKING.contains(tag)) {
-            *tag = state::BACKGROUND;
+        for tag in tags.iter_mut().filter(|tag| state::is_walking(**tag)) {
+            *tag = state::GIVEN_UP;
             self.unfinished += 1;
         }
         self.write(&state);

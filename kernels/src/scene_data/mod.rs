@@ -1,11 +1,11 @@
 //! A scene as kernels read it: the bytes of every uniform and storage buffer that a run binds.
 
+pub mod buffers;
 mod error;
 mod indices;
 mod shading;
 mod traced;
 
-use bytemuck::cast_slice;
 use raystep_scenes::Scene;
 
 use crate::numbers::real::{Real, Vec3};
@@ -91,7 +91,7 @@ impl std::fmt::Debug for SceneData {
     /// Sizes only: the contents of a scene fill no log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut sizes = f.debug_struct("SceneData");
-        for info in crate::tables::buffer::BUFFERS {
+        for info in buffers::BUFFERS {
             sizes.field(info.name, &self.bytes(info.name).map_or(0, <[u8]>::len));
         }
         sizes.finish()
@@ -145,31 +145,7 @@ impl SceneData {
     #[must_use]
     pub fn bytes(&self, name: &str) -> Option<&[u8]> {
         const EMPTY: &[u8] = &[0; 80];
-        let bytes: &[u8] = match name {
-            "camera" => bytemuck::bytes_of(&self.camera),
-            "grid" => bytemuck::bytes_of(&self.grid),
-            "scene" => bytemuck::bytes_of(&self.info),
-            "shading" => bytemuck::bytes_of(&self.shading),
-            "sampling" => bytemuck::bytes_of(&self.sampling),
-            "vertices" => cast_slice(&self.vertices),
-            "grid_cells" => cast_slice(&self.grid_cells),
-            "grid_items" => cast_slice(&self.grid_items),
-            "grid_distances" => cast_slice(&self.grid_distances),
-            "bvh_nodes" => cast_slice(&self.bvh_nodes),
-            "bvh_parents" => cast_slice(&self.bvh_parents),
-            "bvh_items" => cast_slice(&self.bvh_items),
-            "wide_nodes" => cast_slice(&self.wide_nodes),
-            "packed_triangles" => cast_slice(&self.packed_triangles),
-            "normals" => cast_slice(&self.normals),
-            "texcoords" => cast_slice(&self.texcoords),
-            "vertex_colors" => cast_slice(&self.vertex_colors),
-            "triangle_materials" => cast_slice(&self.triangle_materials),
-            "materials" => cast_slice(&self.materials),
-            "lights" => cast_slice(&self.lights),
-            "textures" => cast_slice(&self.textures),
-            "texels" => cast_slice(&self.texels),
-            _ => return None,
-        };
+        let bytes = (buffers::info(name)?.bytes)(self);
         Some(if bytes.is_empty() { EMPTY } else { bytes })
     }
 

@@ -1,6 +1,5 @@
 //! What a program is made of, one table a kind of thing, and how its values lie in memory.
 
-pub mod buffer;
 pub mod kernel;
 pub mod sizes;
 pub mod state;

@@ -140,7 +140,8 @@ fn before_and_after(life: &Trace, row: usize) -> Option<(RayState, RayState)> {
     let now = life.rows.get(row)?;
     let before = row.checked_sub(1).and_then(|i| life.rows.get(i)).map(|row| row.after);
     let unknown = || {
-        let tag = state::STATES.iter().find(|state| state.1 == now.state_before).map_or(state::UNWRITTEN, |s| s.0);
+        let tag =
+            state::STATES.iter().find(|state| state.name == now.state_before).map_or(state::UNBORN, |state| state.tag);
         RayState { tag, state: now.state_before, ..now.after }
     };
     Some((before.unwrap_or_else(unknown), now.after))

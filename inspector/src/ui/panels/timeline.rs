@@ -1,6 +1,7 @@
 //! Rays in each state over all passes, stacked; by pass, or by time on the device.
 
 use egui::{Color32, Pos2, Rect, Sense, Stroke, pos2, vec2};
+use raystep_kernels::state::{StateInfo, StateRole};
 use raystep_kernels::{Pass, state};
 use serde::{Deserialize, Serialize};
 
@@ -44,8 +45,8 @@ impl Panel for Timeline {
             ui.selectable_value(&mut self.scale, Scale::Passes, "by pass");
             ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.scale, Scale::Time, "by device time"));
             ui.separator();
-            for (tag, name, about) in state::STATES.into_iter().skip(1) {
-                legend::entry(ui, color(tag as usize), name, about);
+            for state in state::STATES.iter().skip(1) {
+                legend::entry(ui, color(state.tag as usize), state.name, state.meaning);
             }
         });
         if !has_times {
@@ -110,7 +111,7 @@ fn about(ui: &mut egui::Ui, pass: &Pass) {
     if let Some(ns) = pass.duration_ns {
         ui.label(format!("{:.1} µs on the device", ns as f64 / 1e3));
     }
-    for (tag, name, _) in state::STATES {
+    for StateInfo { tag, name, .. } in state::STATES {
         let count = pass.counts[tag as usize];
         if count > 0 {
             ui.label(format!("{count} {name} after it"));
@@ -138,9 +139,8 @@ impl Timeline {
         for (left, right, i) in bars {
             let mut bottom = rect.bottom();
             // Waiting rays at the bottom, finished ones on top: what is left to do sinks.
-            for tag in
-                [state::TRAV_SETUP, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT, state::SHADE, state::BACKGROUND]
-            {
+            let is_shown = |state: &&StateInfo| matches!(state.role, StateRole::Active | StateRole::Resolved);
+            for tag in state::STATES.iter().filter(is_shown).map(|state| state.tag) {
                 let share = passes[i].counts[tag as usize] as f32 / rays.max(1) as f32;
                 let top = bottom - share * rect.height();
                 let bar = Rect::from_min_max(pos2(left, top), pos2(right.max(left + 0.5), bottom));

@@ -6,6 +6,7 @@ use super::clock_check::ClockCheck;
 use super::compiled::Pipelines;
 use super::error::{GpuError, first_line};
 use super::gate::{Gate, Held};
+use super::poller::Poller;
 use super::probe::loops;
 use crate::plan::{Limits, Loops};
 
@@ -27,6 +28,7 @@ pub struct Gpu {
     trouble: Arc<Mutex<Option<GpuError>>>,
     pub(super) gate: Arc<Gate>,
     pub(super) compiled: Pipelines,
+    pub(super) poller: Poller,
     pub(super) clock: OnceLock<Clock>,
 }
 
@@ -219,6 +221,7 @@ impl Gpu {
             trouble,
             gate: Arc::default(),
             compiled: Pipelines::default(),
+            poller: Poller::default(),
             clock,
         }))
     }
@@ -250,6 +253,12 @@ impl Gpu {
     #[must_use]
     pub fn host_clock(&self) -> Option<fn() -> u64> {
         self.clock.get().map(|clock| clock.now)
+    }
+
+    /// Says that the host polls the device whenever a future of this crate waits, so that no thread does (feature
+    /// `poll-thread`). For a loop that draws with the same device, or that has better things to wait for.
+    pub fn leave_polling_to_host(&self) {
+        self.poller.leave_to_host();
     }
 
     /// Whether it is a driver that computes on the CPU.

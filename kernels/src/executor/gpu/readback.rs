@@ -1,5 +1,5 @@
-//! From the GPU to the host without blocking: a future that is ready once the device has been polled
-//! often enough, or, in a browser, by itself.
+//! From the GPU to the host without blocking: a future that is ready once the device has been polled often enough, by
+//! whom [`super::poller`] says.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ const TRIES: usize = 8;
 impl Readback {
     /// Starts mapping `bytes` of `buffer`, after everything submitted so far.
     pub(crate) fn start(gpu: &Arc<Gpu>, buffer: wgpu::Buffer, bytes: u64) -> Self {
-        let mapped = map(&buffer, bytes);
+        let mapped = map(gpu, &buffer, bytes);
         Self { gpu: gpu.clone(), buffer, mapped }
     }
 
@@ -45,7 +45,7 @@ impl Readback {
             }
             tries -= 1;
             self.buffer.unmap();
-            self.mapped = map(&self.buffer, bytes);
+            self.mapped = map(&self.gpu, &self.buffer, bytes);
         };
         self.gpu.health()?;
         if let Some(problem) = problem {
@@ -60,11 +60,13 @@ impl Readback {
 }
 
 /// Asks for the bytes.
-fn map(buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result<(), wgpu::BufferAsyncError>> {
+fn map(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result<(), wgpu::BufferAsyncError>> {
     let (sender, mapped) = oneshot::channel();
+    let expected = gpu.poller.expect(&gpu.device);
     buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
         // The receiver is gone where the caller lost interest.
         let _ = sender.send(result);
+        drop(expected);
     });
     mapped
 }

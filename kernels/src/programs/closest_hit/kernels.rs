@@ -1,11 +1,11 @@
 //! Every kernel, in one table: its WGSL, its twin, and the states it works on.
 
-use super::reasons::{
-    EYE_RAYS, FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED, of_a_step,
-};
 use super::{accumulate, fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk};
 use crate::numbers::real::Real;
 use crate::options::features::Features;
+use crate::options::reasons::{
+    EYE_RAYS, FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED, of_a_step,
+};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};

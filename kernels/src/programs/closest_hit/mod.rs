@@ -8,7 +8,6 @@ pub mod generate;
 pub mod grid_lists;
 pub mod intersect;
 pub mod kernels;
-pub mod reasons;
 pub mod schedule;
 pub mod setup;
 pub mod shade;

@@ -14,7 +14,7 @@ pub enum Step {
     /// Run a kernel until no ray is active there; not at all if none is.
     RunUntilIdle(Kernel),
     /// Run the steps again and again while any ray is active in one of the kernels.
-    LoopWhileActive(&'static [Kernel], Vec<Step>),
+    LoopWhileActive(Vec<Kernel>, Vec<Step>),
 }
 
 impl Step {
@@ -60,21 +60,22 @@ impl Schedule {
                 _ if many_steps => Step::RunUntilIdle(Walk),
                 // The printed condition of the first strategy is inverted; `while (!done || traverser())` is meant.
                 Accelerator::Grid | Accelerator::Auto if is_first => Step::LoopWhileActive(
-                    &[Intersect, TraverseGrid],
+                    vec![Intersect, TraverseGrid],
                     vec![Step::RunUntilIdle(Intersect), Step::Run(TraverseGrid)],
                 ),
                 Accelerator::Grid | Accelerator::Auto => Step::LoopWhileActive(
-                    &[Intersect, TraverseGrid],
+                    vec![Intersect, TraverseGrid],
                     vec![Step::Run(Intersect), Step::Run(TraverseGrid)],
                 ),
                 // A tree's root has no triangles: its walk begins with a step.
                 Accelerator::Bvh if is_first => Step::LoopWhileActive(
-                    &[Intersect, TraverseBvh],
+                    vec![Intersect, TraverseBvh],
                     vec![Step::Run(TraverseBvh), Step::RunUntilIdle(Intersect)],
                 ),
-                Accelerator::Bvh => {
-                    Step::LoopWhileActive(&[Intersect, TraverseBvh], vec![Step::Run(TraverseBvh), Step::Run(Intersect)])
-                }
+                Accelerator::Bvh => Step::LoopWhileActive(
+                    vec![Intersect, TraverseBvh],
+                    vec![Step::Run(TraverseBvh), Step::Run(Intersect)],
+                ),
                 Accelerator::None => Step::RunUntilIdle(Intersect),
             };
             steps.extend([Step::Run(Setup), walk]);
@@ -106,7 +107,7 @@ impl Schedule {
     pub fn for_samples(self) -> Self {
         let mut body = self.steps;
         body.push(Step::Run(Kernel::Accumulate));
-        Self { steps: vec![Step::LoopWhileActive(&[Kernel::Generate], body)] }
+        Self { steps: vec![Step::LoopWhileActive(vec![Kernel::Generate], body)] }
     }
 
     /// Every kernel that the schedule can run, in order of first use.
@@ -133,7 +134,8 @@ impl Schedule {
 impl Schedule {
     /// Whether it goes through its steps once a sample.
     fn has_samples(&self) -> bool {
-        matches!(self.steps[..], [Step::LoopWhileActive([kernel], _)] if kernel.role() == Role::Source)
+        let [Step::LoopWhileActive(kernels, _)] = self.steps.as_slice() else { return false };
+        matches!(kernels[..], [kernel] if kernel.role() == Role::Source)
     }
 
     /// The counts after a kernel that is no part of the walk, if it sent all of its rays on to the next kernel.

@@ -81,9 +81,9 @@ impl StreamView {
     pub(super) fn legend(&self, ui: &mut egui::Ui, stream: Stream, layer: usize, meaning: Meaning) {
         ui.horizontal_wrapped(|ui| {
             if meaning == Meaning::Tag {
-                for (tag, name, what) in state::STATES {
-                    let [r, g, b] = STATE_COLORS[tag as usize];
-                    entry(ui, Color32::from_rgb(r, g, b), name, what);
+                for state in &state::STATES {
+                    let [r, g, b] = STATE_COLORS[state.tag as usize];
+                    entry(ui, Color32::from_rgb(r, g, b), state.name, state.meaning);
                 }
                 return;
             }

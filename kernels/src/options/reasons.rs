@@ -1,7 +1,7 @@
 //! Why a run does without a kernel, a stream or a buffer.
 
-use crate::options::features::Features;
-use crate::options::{Accelerator, Options, ScheduleKind};
+use super::features::Features;
+use super::{Accelerator, Options, ScheduleKind};
 
 /// Who made it unnecessary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,10 +67,17 @@ impl Run<'_> {
             Accelerator::Grid | Accelerator::Auto => (Because::Options, "--accelerator grid"),
         }
     }
+
+    /// The scene has no need of it, if there is shading at all.
+    #[must_use]
+    pub fn of_shading(&self, reason: &'static str) -> Reason {
+        if self.options.shade { (Because::Scene, reason) } else { NO_SHADE }
+    }
 }
 
 /// Why a kernel that steps through a structure is left out.
-pub(super) fn of_a_step(run: &Run<'_>) -> Reason {
+#[must_use]
+pub fn of_a_step(run: &Run<'_>) -> Reason {
     match run {
         Run { features, .. } if features.many_steps => MANY_STEPS,
         run if run.is_fused() => FUSED,

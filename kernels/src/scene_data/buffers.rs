@@ -1,0 +1,191 @@
+//! Every buffer of scene data and every uniform, in one table. Per-ray data is in [`crate::tables::stream`].
+
+use bytemuck::{bytes_of, cast_slice};
+
+use super::SceneData;
+use crate::options::reasons::{Because, FUSED, GIVEN, MANY_STEPS, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED};
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct BufferInfo {
+    /// Its name in WGSL, files and reports.
+    pub name: &'static str,
+    /// A uniform, else read-only storage.
+    pub is_uniform: bool,
+    /// What an element is, with its unit.
+    pub element: &'static str,
+    /// Its bytes; none where a run does without it.
+    pub bytes: fn(&SceneData) -> &[u8],
+    /// Why a run does without it.
+    pub why_absent: fn(&Run<'_>) -> Reason,
+}
+
+const fn uniform(
+    name: &'static str,
+    element: &'static str,
+    bytes: fn(&SceneData) -> &[u8],
+    why_absent: fn(&Run<'_>) -> Reason,
+) -> BufferInfo {
+    BufferInfo { name, is_uniform: true, element, bytes, why_absent }
+}
+
+const fn storage(
+    name: &'static str,
+    element: &'static str,
+    bytes: fn(&SceneData) -> &[u8],
+    why_absent: fn(&Run<'_>) -> Reason,
+) -> BufferInfo {
+    BufferInfo { name, is_uniform: false, element, bytes, why_absent }
+}
+
+/// Every buffer.
+pub const BUFFERS: &[BufferInfo] = &[
+    uniform("camera", "eye, view plane, pixel size; traced units", |data| bytes_of(&data.camera), |_| GIVEN),
+    uniform(
+        "grid",
+        "corner, cells, cell width; traced units",
+        |data| bytes_of(&data.grid),
+        |run| run.other_accelerator(),
+    ),
+    uniform(
+        "scene",
+        "triangles, steps a pass, rays, first row of workgroups",
+        |data| bytes_of(&data.info),
+        |_| (Because::Options, "one step a pass, and lists that have their own ends"),
+    ),
+    uniform(
+        "shading",
+        "background, number of lights",
+        |data| bytes_of(&data.shading),
+        |run| run.of_shading("nothing refers to it"),
+    ),
+    uniform("sampling", "samples a pixel, seed", |data| bytes_of(&data.sampling), |_| ONE_SAMPLE),
+    storage(
+        "vertices",
+        "nine f32 a triangle: corners 0, 1, 2, traced units",
+        |data| cast_slice(&data.vertices),
+        |run| {
+            if run.options.shade {
+                (Because::Scene, "every triangle has vertex normals")
+            } else {
+                (Because::Options, "packed_triangles has them")
+            }
+        },
+    ),
+    storage(
+        "grid_cells",
+        "u32 a cell and one more: start of its list in grid_items",
+        |data| cast_slice(&data.grid_cells),
+        |run| run.other_accelerator(),
+    ),
+    storage(
+        "grid_items",
+        "u32 triangle ids, ascending within a cell",
+        |data| cast_slice(&data.grid_items),
+        |run| run.other_accelerator(),
+    ),
+    storage(
+        "grid_distances",
+        "u8 a cell: chessboard distance to the next cell with a list, 0 for one with a list",
+        |data| cast_slice(&data.grid_distances),
+        of_leaps,
+    ),
+    storage(
+        "bvh_nodes",
+        "32 bytes a node: box, first child or item, link; traced units",
+        |data| cast_slice(&data.bvh_nodes),
+        of_binary_tree,
+    ),
+    storage(
+        "bvh_parents",
+        "u32 a node: the node above it, and in bits 30-31 the axis of that node's link",
+        |data| cast_slice(&data.bvh_parents),
+        of_binary_tree,
+    ),
+    storage(
+        "bvh_items",
+        "u32 triangle ids, in the order of the leaves",
+        |data| cast_slice(&data.bvh_items),
+        |run| if run.features.many_steps { MANY_STEPS } else { of_binary_tree(run) },
+    ),
+    storage(
+        "wide_nodes",
+        "80 bytes a node: eight quantised boxes; traced units",
+        |data| cast_slice(&data.wide_nodes),
+        |run| if run.is_fused() { run.other_accelerator() } else { STEPPED },
+    ),
+    storage(
+        "packed_triangles",
+        "48 bytes an entry: corners and triangle id; traced units",
+        |data| cast_slice(&data.packed_triangles),
+        |_| ONE_STEP,
+    ),
+    storage(
+        "normals",
+        "nine f32 a triangle: unit vertex normals",
+        |data| cast_slice(&data.normals),
+        |run| run.of_shading("no vertex normals: shading is flat"),
+    ),
+    storage(
+        "texcoords",
+        "six f32 a triangle: base colour texture coordinates",
+        |data| cast_slice(&data.texcoords),
+        |run| run.of_shading("no base colour texture"),
+    ),
+    storage(
+        "vertex_colors",
+        "nine f32 a triangle: linear colours",
+        |data| cast_slice(&data.vertex_colors),
+        |run| run.of_shading("no vertex colours"),
+    ),
+    storage(
+        "triangle_materials",
+        "u32 a triangle: index into materials",
+        |data| cast_slice(&data.triangle_materials),
+        |run| run.of_shading("one material"),
+    ),
+    storage(
+        "materials",
+        "32 bytes: base colour, texture, emissive, double-sided",
+        |data| cast_slice(&data.materials),
+        |run| run.of_shading("nothing refers to it"),
+    ),
+    storage(
+        "lights",
+        "48 bytes: position, kind, direction, cone, colour",
+        |data| cast_slice(&data.lights),
+        |run| run.of_shading("nothing refers to it"),
+    ),
+    storage(
+        "textures",
+        "16 bytes: first texel, width, height, sampling",
+        |data| cast_slice(&data.textures),
+        |run| run.of_shading("no base colour texture"),
+    ),
+    storage(
+        "texels",
+        "two u32 a texel: linear R G B, 16 bits each",
+        |data| cast_slice(&data.texels),
+        |run| run.of_shading("no base colour texture"),
+    ),
+];
+
+/// Why distances to the next list are left out.
+fn of_leaps(run: &Run<'_>) -> Reason {
+    match run.features {
+        features if !features.grid => run.other_accelerator(),
+        features if !features.robust => (Because::Options, "--numerics paper steps cell by cell"),
+        _ => (Because::Options, "rays do not leap: --skip off, or too few empty cells"),
+    }
+}
+
+/// Why what rays step through a binary tree by is left out.
+fn of_binary_tree(run: &Run<'_>) -> Reason {
+    if run.is_fused() { FUSED } else { run.other_accelerator() }
+}
+
+/// The row with this name.
+#[must_use]
+pub fn info(name: &str) -> Option<&'static BufferInfo> {
+    BUFFERS.iter().find(|b| b.name == name)
+}
