@@ -11,6 +11,13 @@ RAYSTEP_THOROUGH=1 sh tests/run.sh
 step "without threads"
 cargo clippy -p raystep-kernels --no-default-features --locked -- -D warnings
 
+step "a program outside of the workspace"
+cargo run --quiet --locked --manifest-path tests/outside/Cargo.toml --target-dir target/outside |
+    grep "the centre pixel sees triangle 0"
+
+step "packages"
+cargo package --workspace --locked --target-dir target/packages
+
 step "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
 

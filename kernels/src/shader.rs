@@ -118,6 +118,12 @@ static KEPT: LazyLock<Mutex<HashMap<(Kernel, Features), Variant>>> = LazyLock::n
 const MOST_KEPT: usize = 256;
 
 impl Variant {
+    /// The names of its program and kernel, as debuggers and wgpu's errors show them.
+    #[must_use]
+    pub fn label(&self) -> String {
+        format!("{}.{}", closest_hit::NAME, self.kernel.name())
+    }
+
     /// The streams that the kernel changes.
     pub fn written_streams(&self) -> impl Iterator<Item = Stream> + '_ {
         self.bindings.iter().filter_map(|binding| match binding.resource {

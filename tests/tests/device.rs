@@ -103,6 +103,27 @@ fn a_device_of_its_own() -> Arc<Gpu> {
     pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter")
 }
 
+/// What is on the GPU is called as in our tables, after its program: in debuggers, and where wgpu refuses something.
+#[test]
+fn what_is_refused_is_named_after_its_program() {
+    let scene = scene("cornell-box.gltf");
+    let gpu = a_device_of_its_own();
+    block_on(Some(&gpu), async {
+        let device = Device::Gpu(gpu.clone());
+        let mut renderer = Renderer::new(&scene, &stepped(&scene, 16, 16), &device).await.expect("a renderer");
+        renderer.step().await.expect("a pass");
+        renderer.texture(Stream::TMax).expect("a stream of this run").destroy();
+        let error = loop {
+            match renderer.step().await {
+                Ok(Some(_)) => {}
+                Ok(None) => panic!("a destroyed texture was used"),
+                Err(error) => break error.to_string(),
+            }
+        };
+        assert!(error.contains("closest_hit.tmax"), "{error}");
+    });
+}
+
 #[test]
 fn a_lost_device_is_an_error_and_not_a_panic() {
     let scene = scene("cornell-box.gltf");

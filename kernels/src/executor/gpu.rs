@@ -46,6 +46,8 @@ use crate::tables::stream::{STATE_TAG, Stream, StreamData, Texel};
 /// Runs kernels over the rays of a plan.
 pub struct GpuExecutor {
     gpu: Arc<Gpu>,
+    /// Name of the program, for labels.
+    program: &'static str,
     width: u32,
     height: u32,
     streams: Vec<(Stream, wgpu::Texture)>,
@@ -84,17 +86,19 @@ impl GpuExecutor {
             let is_uniform = crate::scene_data::buffers::info(planned.what).is_some_and(|b| b.is_uniform);
             let kind = if is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
             let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-            let descriptor = wgpu::util::BufferInitDescriptor { label: Some(planned.what), contents, usage };
+            let descriptor =
+                wgpu::util::BufferInitDescriptor { label: Some(&plan.label(planned.what)), contents, usage };
             buffers.push((planned.what, device.create_buffer_init(&descriptor)));
         }
         let books = Books::new(device, plan);
         let pipelines = Pipelines::new(&gpu, plan, &streams, &buffers, &books, data)?;
         let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
-        let counting = Counting::new(device, state.ok_or(GpuError::Missing("state"))?, &books);
+        let counting = Counting::new(device, plan, state.ok_or(GpuError::Missing("state"))?, &books);
         let fill = Fill::new(device, &gpu.queue, plan);
-        let timers = gpu.clock_period_ns().map(|period_ns| Timers::new(device, period_ns, timed));
+        let timers = gpu.clock_period_ns().map(|period_ns| Timers::new(device, plan, period_ns, timed));
         let rays_a_dispatch = rays_a_dispatch(gpu.info.device_type, plan);
         let mut executor = Self {
+            program: plan.program,
             gpu,
             width: plan.width,
             height: plan.height,
@@ -235,7 +239,7 @@ fn rays_a_dispatch(kind: wgpu::DeviceType, plan: &Plan) -> u64 {
 fn stream_texture(device: &wgpu::Device, plan: &Plan, stream: Stream) -> wgpu::Texture {
     use wgpu::TextureUsages as U;
     device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(stream.name()),
+        label: Some(&plan.label(stream.name())),
         size: wgpu::Extent3d { width: plan.width, height: plan.height, depth_or_array_layers: stream.layers() as u32 },
         mip_level_count: 1,
         sample_count: 1,

@@ -18,6 +18,7 @@ use raystep_scenes::Scene;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
+use crate::programs::closest_hit;
 use crate::programs::closest_hit::kernels::{Kernel, LISTS};
 use crate::programs::closest_hit::schedule::Schedule;
 use crate::scene_data::SceneData;
@@ -62,6 +63,8 @@ pub struct LeftOut {
 /// A run, before it starts.
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// Name of the program that it runs.
+    pub program: &'static str,
     /// Texels a row of every stream.
     pub width: u32,
     /// Rows.
@@ -108,6 +111,12 @@ fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str
 }
 
 impl Plan {
+    /// What something of this run is called where a debugger or one of wgpu's errors shows it.
+    #[must_use]
+    pub fn label(&self, name: &str) -> String {
+        format!("{}.{name}", self.program)
+    }
+
     /// Plans a run and prepares the bytes that it binds. No GPU is involved.
     ///
     /// # Errors
@@ -168,6 +177,7 @@ impl Plan {
             buffers.push(Planned { what: "given", bytes });
         }
         let mut plan = Self {
+            program: closest_hit::NAME,
             width,
             height,
             rays,

@@ -96,14 +96,15 @@ impl GpuExecutor {
         if let Some(timers) = each {
             for (i, (&kernel, place)) in (0..).zip(passes.iter().zip(places)) {
                 let timestamp_writes = timers.writes(Some(2 * i), Some(2 * i + 1));
-                let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name()), timestamp_writes };
+                let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
+                let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes };
                 self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, None)?;
             }
             return Ok(());
         }
         let timestamp_writes = self.timers.as_ref().and_then(|t| t.writes(Some(0), Some(1)));
         let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("passes"), timestamp_writes });
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(self.program), timestamp_writes });
         for (&kernel, place) in passes.iter().zip(places) {
             self.dispatch(&mut pass, kernel, place, None)?;
         }
@@ -125,7 +126,8 @@ impl GpuExecutor {
             let last = first + a_band >= rows;
             let timestamp_writes =
                 self.timers.as_ref().and_then(|t| t.writes((first == 0).then_some(0), last.then_some(1)));
-            let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name()), timestamp_writes };
+            let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
+            let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes };
             self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, Some(a_band.min(rows - first)))?;
             // What is written to a uniform holds from the next submission on.
             if a_band < rows {
@@ -140,7 +142,8 @@ impl GpuExecutor {
     }
 
     fn encode_count(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(&self.counting.label), timestamp_writes: None };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
         pass.set_pipeline(&self.counting.pipeline);
         pass.set_bind_group(0, &self.counting.group, &[]);
         pass.dispatch_workgroups(self.width.div_ceil(16), self.height.div_ceil(16), 1);
@@ -154,6 +157,7 @@ impl GpuExecutor {
         rows: Option<u32>,
     ) -> Result<(), GpuError> {
         let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
+        pass.push_debug_group(&pipeline.label);
         pass.set_pipeline(&pipeline.pipeline);
         for (group, bind_group) in pipeline.groups.iter().enumerate() {
             pass.set_bind_group(group as u32, bind_group, &[]);
@@ -166,6 +170,7 @@ impl GpuExecutor {
                 pass.dispatch_workgroups(self.width.div_ceil(side), rows.unwrap_or(self.height.div_ceil(side)), 1);
             }
         }
+        pass.pop_debug_group();
         Ok(())
     }
 }

@@ -31,6 +31,8 @@ pub(super) struct Books {
     lists: [Option<List>; LISTS.len()],
     live_rays: Option<wgpu::Buffer>,
     texels: u32,
+    /// Name of the program, for labels.
+    program: &'static str,
 }
 
 /// The lists as they were after some pass.
@@ -92,7 +94,7 @@ impl Books {
         let buffer = |name: &'static str, usage| {
             let planned = plan.buffers.iter().find(|b| b.what == name)?;
             Some(device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(name),
+                label: Some(&plan.label(name)),
                 size: planned.bytes,
                 usage,
                 mapped_at_creation: false,
@@ -105,9 +107,15 @@ impl Books {
             let kernel = kernels.iter().copied().find(|kernel| kernel.info().list == Some(index))?;
             Some(List { kernel, slots: [slots(even)?, slots(odd)?], turn: 0 })
         };
-        let own = |label, usage| {
+        let own = |name, usage| {
+            let label = plan.label(name);
             let size = COUNT_SLOTS * COUNT_SLOT_BYTES;
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(&label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         Self {
             sent: own("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST),
@@ -115,6 +123,7 @@ impl Books {
             lists: std::array::from_fn(list),
             live_rays: buffer("live_rays", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             texels: plan.width * plan.height,
+            program: plan.program,
         }
     }
 
@@ -162,7 +171,8 @@ impl Books {
             let size = 4 * u64::from(list.kernel.live(counts));
             if size > 0 {
                 let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-                let label = Some("checkpoint of a list");
+                let label = format!("{}.{}, kept", self.program, LISTS[index].name);
+                let label = Some(label.as_str());
                 let rays =
                     device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false });
                 let first = 4 * u64::from(self.first_ray(index, list.turn));

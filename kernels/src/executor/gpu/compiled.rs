@@ -56,25 +56,25 @@ impl Pipelines {
 }
 
 fn compile(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compiled {
-    let name = variant.kernel.name();
+    let label = variant.label();
     let groups = variant.bindings.iter().map(|b| b.group + 1).max().unwrap_or(0);
     let layouts: Vec<_> = (0..groups)
         .map(|group| {
             let entries: Vec<_> = variant.bindings.iter().filter(|b| b.group == group).map(layout_entry).collect();
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(name), entries: &entries })
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries })
         })
         .collect();
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(name),
+        label: Some(&label),
         bind_group_layouts: &layouts.iter().map(Some).collect::<Vec<_>>(),
         immediate_size: 0,
     });
     let module = shader_module(device, variant, is_proved);
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(name),
+        label: Some(&label),
         layout: Some(&layout),
         module: &module,
-        entry_point: Some(name),
+        entry_point: Some(variant.kernel.name()),
         compilation_options: wgpu::PipelineCompilationOptions {
             zero_initialize_workgroup_memory: variant.kernel.role() != Role::Whole,
             ..Default::default()
@@ -86,8 +86,9 @@ fn compile(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compile
 
 /// A kernel without bounds checks where `is_proved` says that no index needs one, see the pipelines of a plan.
 fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
+    let label = variant.label();
     let descriptor = wgpu::ShaderModuleDescriptor {
-        label: Some(variant.kernel.name()),
+        label: Some(&label),
         source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(&variant.source)),
     };
     if !is_proved {

@@ -72,11 +72,12 @@ pub struct AdapterSummary {
     pub loops: Option<Loops>,
 }
 
-/// An instance without debug layers, and without validation of indirect dispatches: it costs a pass of
+/// An instance without debug layers, unless the environment asks for them (`WGPU_DEBUG=1` hands the names of all that is
+/// on the GPU to its driver, for RenderDoc and Nsight), and without validation of indirect dispatches: it costs a pass of
 /// its own, and the lists that kernels append to have room for every ray.
 fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor {
-        flags: wgpu::InstanceFlags::empty(),
+        flags: wgpu::InstanceFlags::empty().with_env(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     })
 }

@@ -10,6 +10,8 @@ pub(super) struct Fill {
     constants: wgpu::Buffer,
     values: Vec<u32>,
     given: Vec<(Stream, wgpu::Buffer)>,
+    /// Name of the program, for labels.
+    program: &'static str,
     width: u32,
     height: u32,
 }
@@ -18,7 +20,7 @@ impl Fill {
     pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> Self {
         let (values, part) = (fill_values(), (fill_rows(plan.width, plan.height) * pitch(plan.width)) as usize);
         let constants = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("fill"),
+            label: Some(&plan.label("fill")),
             size: fill_bytes(plan.width, plan.height),
             usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
@@ -26,7 +28,7 @@ impl Fill {
         for (i, &value) in values.iter().enumerate() {
             queue.write_buffer(&constants, 4 * (i * part) as u64, bytemuck::cast_slice(&vec![value; part]));
         }
-        Self { constants, values, given: Vec::new(), width: plan.width, height: plan.height }
+        Self { constants, values, given: Vec::new(), program: plan.program, width: plan.width, height: plan.height }
     }
 
     /// From now on these streams begin with these values.
@@ -34,7 +36,7 @@ impl Fill {
         let (width, padding) = (self.width as usize, (pitch(self.width) - self.width) as usize);
         for data in streams {
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("given"),
+                label: Some(&format!("{}.{}, given", self.program, data.stream.name())),
                 size: given_bytes(data.stream, self.width, self.height),
                 usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,

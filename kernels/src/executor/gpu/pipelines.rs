@@ -13,6 +13,8 @@ use crate::stream::Stream;
 
 pub(super) struct KernelPipeline {
     kernel: Kernel,
+    /// Names of program and kernel.
+    pub(super) label: String,
     pub(super) pipeline: wgpu::ComputePipeline,
     /// The streams that it changes.
     pub(super) writes: Vec<Stream>,
@@ -59,7 +61,7 @@ impl KernelPipeline {
         buffers: &[(&'static str, wgpu::Buffer)],
         books: &Books,
     ) -> Result<Self, GpuError> {
-        let name = variant.kernel.name();
+        let (name, label) = (variant.kernel.name(), variant.label());
         let (mut groups, mut live, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
         for (group, layout) in (0..).zip(&compiled.layouts) {
             let bindings: Vec<_> = variant.bindings.iter().filter(|b| b.group == group).collect();
@@ -69,7 +71,7 @@ impl KernelPipeline {
                     .zip(resources)
                     .map(|(b, resource)| wgpu::BindGroupEntry { binding: b.index, resource })
                     .collect();
-                let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout, entries: &entries };
+                let descriptor = wgpu::BindGroupDescriptor { label: Some(&label), layout, entries: &entries };
                 device.create_bind_group(&descriptor)
             };
             if group == LIVE_GROUP {
@@ -97,7 +99,7 @@ impl KernelPipeline {
             }
         }
         let writes = variant.written_streams().collect();
-        Ok(Self { kernel: variant.kernel, pipeline: compiled.pipeline, writes, groups, live, offsets })
+        Ok(Self { kernel: variant.kernel, label, pipeline: compiled.pipeline, writes, groups, live, offsets })
     }
 
     /// Binds the books for a pass.
@@ -132,18 +134,21 @@ fn view(binding: &Binding, streams: &[(Stream, wgpu::Texture)]) -> Option<wgpu::
 /// Counts the rays in each state after the fused kernel, which keeps no books: a global atomic for each
 /// of its small workgroups would cost it more than its shortest runs take.
 pub(super) struct Counting {
+    pub(super) label: String,
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) group: wgpu::BindGroup,
 }
 
 impl Counting {
-    pub(super) fn new(device: &wgpu::Device, state: &wgpu::Texture, books: &Books) -> Self {
+    pub(super) fn new(device: &wgpu::Device, plan: &Plan, state: &wgpu::Texture, books: &Books) -> Self {
+        let name = plan.label("count");
+        let label = Some(name.as_str());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("count"),
+            label,
             source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(include_str!("../../shared/count.wgsl"))),
         });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("count"),
+            label,
             layout: None,
             module: &module,
             entry_point: Some("count"),
@@ -156,14 +161,14 @@ impl Counting {
         });
         let sent = wgpu::BufferBinding { buffer: &books.sent, offset: 0, size: std::num::NonZeroU64::new(32) };
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("count"),
+            label,
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(sent) },
             ],
         });
-        Self { pipeline, group }
+        Self { label: name, pipeline, group }
     }
 }
 

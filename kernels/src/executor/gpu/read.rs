@@ -112,7 +112,7 @@ impl GpuExecutor {
         self.gpu.health()?;
         let scopes = self.gpu.push_scopes();
         let buffer = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("readback"),
+            label: Some(&format!("{}.readback", self.program)),
             size,
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,

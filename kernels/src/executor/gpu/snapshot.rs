@@ -67,7 +67,7 @@ impl GpuExecutor {
         let keep = |(stream, texture): &(Stream, wgpu::Texture)| {
             let copy = self.copies.of(*stream).unwrap_or_else(|| {
                 let copy = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some("checkpoint"),
+                    label: Some(&format!("{}.{}, kept", self.program, stream.name())),
                     size: texture.size(),
                     mip_level_count: 1,
                     sample_count: 1,

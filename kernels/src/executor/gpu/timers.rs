@@ -1,6 +1,7 @@
 //! Timestamps on the device's own clock: around every pass, or around a whole batch.
 
 use super::MOST_PASSES;
+use crate::plan::Plan;
 
 pub(super) struct Timers {
     pub(super) set: wgpu::QuerySet,
@@ -12,11 +13,11 @@ pub(super) struct Timers {
 }
 
 impl Timers {
-    pub(super) fn new(device: &wgpu::Device, period_ns: f64, each_pass: bool) -> Self {
+    pub(super) fn new(device: &wgpu::Device, plan: &Plan, period_ns: f64, each_pass: bool) -> Self {
         let count = 2 * MOST_PASSES as u32;
-        let buffer = |label, usage| {
+        let buffer = |name, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
+                label: Some(&plan.label(name)),
                 size: 8 * u64::from(count),
                 usage,
                 mapped_at_creation: false,
@@ -25,12 +26,12 @@ impl Timers {
         use wgpu::BufferUsages as U;
         Self {
             set: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("pass timers"),
+                label: Some(&plan.label("timers")),
                 ty: wgpu::QueryType::Timestamp,
                 count,
             }),
-            resolved: buffer("pass timers", U::QUERY_RESOLVE | U::COPY_SRC),
-            copy: buffer("pass timers, copy", U::COPY_DST | U::MAP_READ),
+            resolved: buffer("timers, resolved", U::QUERY_RESOLVE | U::COPY_SRC),
+            copy: buffer("timers, copy", U::COPY_DST | U::MAP_READ),
             period_ns,
             each_pass,
         }

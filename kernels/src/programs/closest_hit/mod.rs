@@ -19,6 +19,9 @@ pub mod walk;
 use crate::shared::{self, constants};
 use crate::tables::state;
 
+/// Its name in labels of what it has on a GPU.
+pub const NAME: &str = "closest_hit";
+
 /// WGSL modules that kernels import from, by name: `package::NAME`. `stack` groups of siblings have room on a ray's
 /// stack, and a dispatch has `turns` loop turns.
 #[must_use]
