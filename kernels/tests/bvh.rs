@@ -175,7 +175,7 @@ fn check_finds_what_is_broken() {
     assert_eq!(broken(&|t| t.growth = 2e-3), Err(BvhFault::Uncovered(0)));
     assert_eq!(broken(&|t| t.parents[5] ^= 1), Err(BvhFault::Parent(5)));
     // Another axis; there are three, the fourth value says that there are no triangles.
-    let turned = |t: &mut BvhData| t.nodes[0].link = (t.nodes[0].axis() as u32 + 1) % 3 << 30;
+    let turned = |t: &mut BvhData| t.nodes[0].link = ((t.nodes[0].axis() as u32 + 1) % 3) << 30;
     assert_eq!(broken(&turned), Err(BvhFault::Order(0)));
     assert_eq!(broken(&|t| t.nodes.swap(1, 2)), Err(BvhFault::Order(0)));
     assert_eq!(broken(&|t| t.nodes[0].first = 1 << 20), Err(BvhFault::Link(0)));
