@@ -104,6 +104,6 @@ mod tests {
                 Err(error) => break error.to_string(),
             }
         };
-        assert!(error.starts_with("error: the GPU device was lost"), "{error}");
+        assert!(error.starts_with("the GPU device was lost"), "{error}");
     }
 }
