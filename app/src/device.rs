@@ -76,6 +76,9 @@ pub(crate) fn open(choice: &AdapterChoice) -> Result<Arc<Gpu>, Error> {
 
 /// Compares its clock with ours.
 fn check_clock(gpu: &Arc<Gpu>) -> Result<(), Error> {
+    // A device lasts as long as the process: the thread that dropped it last would unload the driver, and where the
+    // process ends meanwhile, the driver's exit handlers are called when they are no longer there.
+    std::mem::forget(gpu.clone());
     Ok(block_on(Some(gpu), gpu.check_clock(now_ns))?)
 }
 

@@ -150,10 +150,10 @@ fn a_view_is_saved_and_read_back_and_nonsense_is_brought_into_range() {
         assert_eq!(serde_json::from_str::<Orbit>(&text).expect("a view"), orbit);
     }
     let mut far = orbit;
-    far.pose.pitch = f64::NAN;
+    far.pose.pitch = 1e300;
     far.pose.distance = -1.0;
     let read: Orbit = serde_json::from_str(&serde_json::to_string(&far).expect("text")).expect("a view");
-    assert!(read.pose.distance > 0.0 && read.pose.pitch.is_finite());
+    assert!(read.pose.distance > 0.0 && read.pose.pitch.abs() < 4.0);
     orbit.reset();
     assert_eq!(orbit, both_lenses()[0]);
     let scaled = orbit.scaled(8.0).scaled(0.125);

@@ -60,7 +60,7 @@ pub(crate) const TURN_BREAKS: [Break; 9] = {
 /// The same of what only runs with several samples a pixel compile, with a sampler.
 pub(crate) const SAMPLING_BREAKS: [(Kernel, Sampler, &str, &str); 8] = [
     (Kernel::Generate, Sampler::Sobol, "column ^= column >> 1u", "column = column >> 1u"),
-    (Kernel::Generate, Sampler::Sobol, "89287766u", "89287764u"),
+    (Kernel::Generate, Sampler::Sobol, "0x05526c56u", "0x05526c54u"),
     (Kernel::Generate, Sampler::Sobol, "hashed(sampling.seed)", "hashed(0u)"),
     (Kernel::Generate, Sampler::Random, "hashed(hashed(sample) + second_seed)", "hashed(sample + second_seed)"),
     (Kernel::Accumulate, Sampler::Sobol, "/ samples", "* 0.5"),
