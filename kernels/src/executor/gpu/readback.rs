@@ -1,5 +1,5 @@
 //! From the GPU to the host without blocking: a future that is ready once the device has been polled often enough, by
-//! whom [`super::poller`] says.
+//! whom `poller.rs` says.
 
 use std::sync::Arc;
 
