@@ -16,7 +16,8 @@ const WHILE_BUSY: Duration = Duration::from_micros(200);
 const WHILE_IDLE: Duration = Duration::from_millis(20);
 
 /// Runs a future to its end. Those of `raystep_kernels` become ready only while the device is polled, so this polls `gpu`
-/// whenever the future waits; without one it looks again every millisecond.
+/// whenever the future waits; without one it looks again every millisecond. From then on no thread
+/// of the device's own polls it.
 pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
     if let Some(gpu) = gpu {
         gpu.leave_polling_to_host();
