@@ -10,10 +10,10 @@ use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInner};
 
 use crate::compose::{ComposeError, compose};
-use crate::features::Features;
-use crate::kernel::Kernel;
+use crate::options::features::Features;
 use crate::programs::closest_hit;
-use crate::stream::{Stream, Texel};
+use crate::programs::closest_hit::kernels::Kernel;
+use crate::tables::stream::{Stream, Texel};
 
 /// What a binding is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -137,11 +137,13 @@ impl Variant {
     /// # Errors
     /// Where the WGSL in this crate is wrong.
     pub fn new(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
-        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(variant) = kept.get(&(kernel, *features)) {
+        let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(variant) = kept().get(&(kernel, *features)) {
             return Ok(variant.clone());
         }
+        // Nobody waits for this. Two may do it at once; their variants are the same.
         let variant = Self::reflected(kernel, features)?;
+        let mut kept = kept();
         if kept.len() >= MOST_KEPT {
             kept.clear();
         }

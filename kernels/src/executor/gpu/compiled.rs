@@ -37,11 +37,12 @@ impl Pipelines {
     /// The pipeline of a variant; without bounds checks where that is proved.
     pub(super) fn get(&self, device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compiled {
         let key = Key { source: variant.source.clone(), bindings: variant.bindings.clone(), is_proved };
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(compiled) = kept.get(&key) {
+        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(compiled) = kept().get(&key) {
             return compiled.clone();
         }
         let compiled = compile(device, variant, is_proved);
+        let mut kept = kept();
         if kept.len() >= MOST {
             kept.clear();
         }
