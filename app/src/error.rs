@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use raystep_kernels::grid::GridError;
 use raystep_kernels::plan::Bytes;
+use raystep_kernels::structures::grid::GridError;
 use raystep_kernels::{GpuError, Limits, PlanError, RenderError};
 use raystep_lab::stability::StabilityError;
 

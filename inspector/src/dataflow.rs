@@ -14,10 +14,11 @@
 mod layout;
 mod svg;
 
-use raystep_kernels::kernel::KernelInfo;
 use raystep_kernels::plan::Bytes;
+use raystep_kernels::programs::closest_hit::kernels::KernelInfo;
+use raystep_kernels::scene_data::buffers;
 use raystep_kernels::shader::{Binding, Resource};
-use raystep_kernels::{Kernel, Plan, Stream, buffer};
+use raystep_kernels::{Kernel, Plan, Stream};
 
 /// The graph and where it is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,6 +160,6 @@ fn stream_node(stream: Stream) -> Node {
 
 /// `None` for what is no scene data: the executor's own buffers.
 fn buffer_node(name: &'static str, bytes: u64) -> Option<Node> {
-    let info = buffer::info(name)?;
+    let info = buffers::info(name)?;
     Some(node(NodeKind::Buffer(info.name), info.name, Bytes(bytes).to_string(), info.element.into()))
 }

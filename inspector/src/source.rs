@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::RayState;
-use raystep_kernels::features::Features;
+use raystep_kernels::options::features::Features;
 use raystep_kernels::shader::Variant;
 
 pub use conditions::Case;

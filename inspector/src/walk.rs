@@ -21,7 +21,7 @@ use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::state;
+use raystep_kernels::tables::state;
 
 pub use aabb::Aabb;
 pub use cells::{CellVisit, Crossing, Entry};

@@ -3,8 +3,8 @@
 //! The tracer is the stream program of Mølhave's *Implementing a Ray Tracer on a GPU*: `generate` makes
 //! eye rays, `setup` finds each ray's first cell in a uniform grid, `traverse_grid` moves it to the next,
 //! `intersect` tests it against one triangle, `shade` colours it. What a ray waits for is in its
-//! [`state`]; what kernels read and write is in its [`stream`]s. Every kernel is a WGSL file with a twin in
-//! Rust beside it, and every list of them is one table.
+//! [`state`](tables::state); what kernels read and write is in its [`stream`](tables::stream)s. Every kernel is a WGSL
+//! file with its CPU reference kernel, its *twin*, in Rust beside it, and every list of them is one table.
 //!
 //! # A run, pass by pass
 //!
@@ -53,11 +53,3 @@ pub use renderer::image::Image;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
 pub use shared::samples::Sampler;
 pub use tables::stream::{Region, Stream, StreamData};
-
-// Where modules were before they had floors, until those who name them there are moved.
-pub use numbers::{real, units};
-pub use options::features;
-pub use programs::closest_hit::{kernels as kernel, schedule};
-pub use scene_data::buffers as buffer;
-pub use structures::{bvh, grid};
-pub use tables::{state, stream};

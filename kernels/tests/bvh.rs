@@ -5,7 +5,7 @@ mod scenes;
 
 use std::time::Instant;
 
-use raystep_kernels::bvh::{
+use raystep_kernels::structures::bvh::{
     self, BvhData, BvhError, BvhFault, BvhOptions, BvhQuality, EMPTY, MAX_LEAF, NO_NODE, TreeShape, WIDE_MAX_DEPTH,
     WideBvhData, build, build_wide,
 };

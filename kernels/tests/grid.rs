@@ -1,6 +1,6 @@
 //! The grid lists what a ray can meet, and little more.
 
-use raystep_kernels::grid::{self, GridError, GridSize, automatic_cells, build};
+use raystep_kernels::structures::grid::{self, GridError, GridSize, automatic_cells, build};
 
 /// Corners of pseudo-random triangles of a given size in the box [-1, 1] times `extent`.
 fn soup(count: usize, size: f32, extent: [f32; 3]) -> Vec<f32> {

@@ -3,9 +3,8 @@
 
 use std::mem::{offset_of, size_of};
 
-use raystep_kernels::bvh::BvhNode;
-use raystep_kernels::features::Features;
-use raystep_kernels::kernel::KERNELS;
+use raystep_kernels::options::features::Features;
+use raystep_kernels::programs::closest_hit::kernels::KERNELS;
 use raystep_kernels::shader::{Resource, Variant};
 use raystep_kernels::shared::camera::Camera;
 use raystep_kernels::shared::grid_walk::Grid;
@@ -13,6 +12,7 @@ use raystep_kernels::shared::samples::Sampling;
 use raystep_kernels::shared::scene::SceneInfo;
 use raystep_kernels::shared::shading::{Light, Material, Shading};
 use raystep_kernels::shared::texture::Texture;
+use raystep_kernels::structures::bvh::BvhNode;
 use raystep_kernels::{Kernel, Stream};
 
 /// All features off, then each alone, then all on, for grid, tree and none, robust and paper.

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use raystep_kernels::bvh::{self, BvhOptions, BvhQuality};
+use raystep_kernels::structures::bvh::{self, BvhOptions, BvhQuality};
 use raystep_scenes::{Scene, generate};
 
 /// The fastest of so many is what a quiet machine takes.

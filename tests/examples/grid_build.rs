@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use raystep_kernels::grid::{self, GridSize};
+use raystep_kernels::structures::grid::{self, GridSize};
 use raystep_scenes::generate;
 
 fn main() {

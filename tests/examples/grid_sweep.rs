@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::grid::automatic_cells;
+use raystep_kernels::structures::grid::automatic_cells;
 use raystep_kernels::{AdapterChoice, Device, Gpu, GridSize, Renderer, ScheduleKind, Skip};
 use raystep_lab::Machine;
 use raystep_lab::meter::{Meter, Turns, in_turn};

@@ -9,7 +9,9 @@ mod tree;
 
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::state::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, Tag, UNWRITTEN};
+use raystep_kernels::tables::state::{
+    BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, Tag, UNWRITTEN,
+};
 use scan::{Scan, same};
 
 /// What the words of a row said, in general.

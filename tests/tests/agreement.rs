@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use raystep_kernels::real::ulps;
+use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::{Accelerator, Renderer, ScheduleKind, Skip};
 use raystep_lab::judge::sample;
 use raystep_tests::ways::EVERY;

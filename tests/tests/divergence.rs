@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::stream::STATE_T;
+use raystep_kernels::tables::stream::STATE_T;
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, Renderer, ScheduleKind, Stream};
 use raystep_lab::divergence::{Against, Class, DivergenceMap, divergence};
 use raystep_tests::ways::{STEPPED, Way};

@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use breaks::{BREAKS, SAMPLING_BREAKS, TURN_BREAKS};
-use raystep_kernels::kernel::{KERNELS, transitions};
-use raystep_kernels::state;
+use raystep_kernels::programs::closest_hit::kernels::{KERNELS, transitions};
+use raystep_kernels::tables::state;
 use raystep_kernels::{
     Accelerator, Gpu, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, Sampler, Samples,
     ScheduleKind, Skip, Stream,

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use raystep_kernels::export::trace::ray_state;
 use raystep_kernels::{
     Accelerator, Device, Options, PassTotals, Region, RenderError, Renderer, Samples, ScheduleKind, Stream, StreamData,
-    state::STATES,
+    tables::state::STATES,
 };
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};

@@ -1,8 +1,9 @@
 //! Watches stop a run forward and back; what is changed by hand, or run by the twins, stays so wherever one goes.
 
 use raystep_inspector::{Fired, Session, Target, Watch, Way as Direction, go_on};
-use raystep_kernels::stream::{STATE_CELL, STATE_TAG};
-use raystep_kernels::{Accelerator, Device, Kernel, RenderError, Renderer, ScheduleKind, Stream, state};
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::stream::{STATE_CELL, STATE_TAG};
+use raystep_kernels::{Accelerator, Device, Kernel, RenderError, Renderer, ScheduleKind, Stream};
 use raystep_tests::sessions::{go, streams};
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};

@@ -1,8 +1,8 @@
 //! Robust numerics against f64 brute force: no missed, false or wrong hit but ties, on any scene.
 
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::state::TRAV;
-use raystep_kernels::stream::{STATE_T, STATE_TAG};
+use raystep_kernels::tables::state::TRAV;
+use raystep_kernels::tables::stream::{STATE_T, STATE_TAG};
 use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule, Stream};
 use raystep_lab::judge::Judge;
 use raystep_lab::reference::{Verdict, possible};

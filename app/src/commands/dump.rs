@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
-use raystep_kernels::stream::{STREAMS, StreamInfo};
+use raystep_kernels::tables::stream::{STREAMS, StreamInfo};
 use raystep_kernels::{Kernel, Pass, Stream, StreamData};
 use serde::Serialize;
 

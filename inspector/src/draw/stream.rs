@@ -1,8 +1,9 @@
 //! A stream as a picture, drawn from the stream's own texture: nothing is read back for it.
 
+use raystep_kernels::Stream;
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::stream::Texel;
-use raystep_kernels::{Stream, state};
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::stream::Texel;
 use serde::{Deserialize, Serialize};
 
 use super::picture::{FORMAT, filled};

@@ -188,7 +188,7 @@ fn stream(value: &str) -> Result<LinkStream, String> {
         None => (value, None),
     };
     let stream = Stream::from_name(name).ok_or_else(|| {
-        let names: Vec<_> = raystep_kernels::stream::STREAMS.iter().map(|s| s.name).collect();
+        let names: Vec<_> = raystep_kernels::tables::stream::STREAMS.iter().map(|s| s.name).collect();
         format!("one of {} is wanted", names.join(", "))
     })?;
     let layers = stream.info().layers;

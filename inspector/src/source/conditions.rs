@@ -5,9 +5,9 @@
 
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::RayState;
-use raystep_kernels::features::Features;
+use raystep_kernels::options::features::Features;
 use raystep_kernels::shared::constants::LIGHTS_SUMMED;
-use raystep_kernels::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, Tag, UNWRITTEN};
+use raystep_kernels::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, Tag, UNWRITTEN};
 
 /// A ray in one pass.
 #[derive(Clone, Copy, Debug)]

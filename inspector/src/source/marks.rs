@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 
 use raystep_kernels::Kernel;
 use raystep_kernels::compose::holds;
-use raystep_kernels::features::Features;
+use raystep_kernels::options::features::Features;
 
 use super::Mark;
 use super::block::{Block, Choice, Function, Kind, Statement, functions};

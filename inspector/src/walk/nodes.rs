@@ -5,7 +5,7 @@ use raystep_kernels::export::trace::{RayState, TraceRow};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::parent_of;
 use raystep_kernels::shared::constants::NO_NODE;
-use raystep_kernels::state;
+use raystep_kernels::tables::state;
 
 use super::{Aabb, WalkGeometry, is_kernel, is_walking};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use raystep_kernels::export::trace::{RayState, TraceRow};
-use raystep_kernels::real::Vec3;
+use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle, plane_hit};
 

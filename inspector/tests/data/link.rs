@@ -1,7 +1,7 @@
 //! Links come back as what they were written from, and no text makes reading one panic.
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
-use raystep_kernels::stream::STREAMS;
+use raystep_kernels::tables::stream::STREAMS;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
 
 struct Random(fastrand::Rng);

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use raystep_inspector::source::conditions::CONDITIONS;
 use raystep_inspector::source::{Class, Line, Mark, composed, conditions_in, kernel_file, lines};
 use raystep_kernels::export::trace::{RayState, ray_state};
-use raystep_kernels::kernel::KERNELS;
+use raystep_kernels::programs::closest_hit::kernels::KERNELS;
 use raystep_kernels::{Accelerator, Device, Kernel, Numerics, Options, Renderer, Samples, ScheduleKind};
 use raystep_scenes::{Scene, generate};
 
@@ -118,8 +118,9 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
                     let stores = ran(&lines, "textureStore(state, texel, 0,");
                     assert_eq!(stores.len(), 1, "{}: {stores:?}", what());
                     let store = &stores[0].text;
-                    let named =
-                        raystep_kernels::state::STATES.iter().find(|s| store.contains(&format!("({})", s.name)));
+                    let named = raystep_kernels::tables::state::STATES
+                        .iter()
+                        .find(|s| store.contains(&format!("({})", s.name)));
                     assert!(named.is_none_or(|s| s.tag == after.tag), "{}: {store}", what());
                     let moved = |part: &str| !ran(&lines, part).is_empty();
                     if kernel == Kernel::Intersect {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use raystep_kernels::bvh::{BvhData, BvhQuality, WideBvhData, WideContent, build, build_wide};
+use raystep_kernels::structures::bvh::{BvhData, BvhQuality, WideBvhData, WideContent, build, build_wide};
 
 use super::options;
 use super::scenes::{Random, needles, soup};

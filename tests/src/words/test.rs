@@ -1,6 +1,6 @@
 //! Words of a triangle's test, and of what follows where a list has ended.
 
-use raystep_kernels::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use raystep_kernels::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use raystep_lab::reference::possible;
 
 use super::geometry::{OnPlane, on_plane, ray};

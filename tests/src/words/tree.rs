@@ -1,6 +1,6 @@
 //! Words of the walk through the tree.
 
-use raystep_kernels::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use raystep_kernels::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 
 use super::geometry::{U, interval, ray};
 use super::scan::{Scan, same};
@@ -12,7 +12,9 @@ const NONE: u32 = u32::MAX;
 impl Row<'_> {
     /// The node whose child this is, looked for among all nodes.
     fn parent_of(&self, node: u32) -> u32 {
-        let has = |of: &raystep_kernels::bvh::BvhNode| of.count() == 0 && [of.first, of.first + 1].contains(&node);
+        let has = |of: &raystep_kernels::structures::bvh::BvhNode| {
+            of.count() == 0 && [of.first, of.first + 1].contains(&node)
+        };
         let parent = self.data.bvh_nodes.iter().position(has);
         if node == 0 { NONE } else { parent.map_or(NONE, |parent| parent as u32) }
     }

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use raystep_kernels::stream::{HIT_TRIANGLE, STATE_CELL, STATE_T, STATE_TAG};
-use raystep_kernels::{Kernel, RenderError, Renderer, Stream, StreamData, state};
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_CELL, STATE_T, STATE_TAG};
+use raystep_kernels::{Kernel, RenderError, Renderer, Stream, StreamData};
 
 use super::{Fired, Watch};
 

@@ -5,9 +5,10 @@ mod listing;
 use std::sync::Arc;
 
 use egui::RichText;
+use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, Trace};
-use raystep_kernels::kernel::KERNELS;
-use raystep_kernels::{Kernel, state};
+use raystep_kernels::programs::closest_hit::kernels::KERNELS;
+use raystep_kernels::tables::state;
 use serde::{Deserialize, Serialize};
 
 use super::ray::current_row;

@@ -1,8 +1,10 @@
 //! What the run needs, and what it does without, with the reason.
 
 use egui::{Align2, CollapsingHeader, Color32, FontId, Grid, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use raystep_kernels::Plan;
 use raystep_kernels::plan::{Because, Bytes};
-use raystep_kernels::{Plan, buffer, state};
+use raystep_kernels::scene_data::buffers;
+use raystep_kernels::tables::state;
 
 use crate::ui::pane::{Context, Panel};
 
@@ -149,7 +151,7 @@ fn buffers(ui: &mut Ui, plan: &Plan) {
         for planned in &plan.buffers {
             ui.monospace(planned.what);
             bytes(ui, planned.bytes);
-            match buffer::info(planned.what) {
+            match buffers::info(planned.what) {
                 Some(info) => ui.label(info.element),
                 None => ui.weak("the executor's own"),
             };

@@ -6,7 +6,7 @@ mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
 use look::Look;
-use raystep_kernels::stream::STATE_T;
+use raystep_kernels::tables::stream::STATE_T;
 use raystep_kernels::{Kernel, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
 

@@ -1,8 +1,9 @@
 //! Rays in each state over all passes, stacked; by pass, or by time on the device.
 
 use egui::{Color32, Pos2, Rect, Sense, Stroke, pos2, vec2};
-use raystep_kernels::state::{StateInfo, StateRole};
-use raystep_kernels::{Pass, state};
+use raystep_kernels::Pass;
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::state::{StateInfo, StateRole};
 use serde::{Deserialize, Serialize};
 
 use super::legend;

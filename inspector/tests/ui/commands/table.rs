@@ -7,7 +7,7 @@ use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::Stream;
 use raystep_kernels::export::csv::COLUMNS;
-use raystep_kernels::stream::STATE_T;
+use raystep_kernels::tables::stream::STATE_T;
 
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};

@@ -5,11 +5,11 @@ use std::borrow::Cow;
 use super::books::{Books, Place, is_dynamic};
 use super::compiled::Compiled;
 use super::{Gpu, GpuError};
-use crate::kernel::Kernel;
 use crate::plan::Plan;
+use crate::programs::closest_hit::kernels::Kernel;
 use crate::scene_data::SceneData;
 use crate::shader::{Binding, Resource, Variant};
-use crate::stream::Stream;
+use crate::tables::stream::Stream;
 
 pub(super) struct KernelPipeline {
     kernel: Kernel,

@@ -2,6 +2,7 @@
 //! loop turns.
 
 use crate::numbers::real::{Real, Vec3};
+use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::shared::camera::eye_ray;
@@ -10,7 +11,7 @@ use crate::shared::grid_walk::{GridRay, Walk};
 use crate::shared::vector::smallest3;
 use crate::shared::wide_walk::{MOST_LEVELS, NO_CHILD, TRAIL_WORDS, WideGroup, WideRay, trail_child, with_trail_child};
 use crate::tables::state::{ISECT_HIT, ISECT_NO_HIT, TRAV, TRAV_SETUP, UNWRITTEN};
-use crate::tables::stream::Stream::{self, Counters, Hit, RayDirection, RayOrigin, State};
+use crate::tables::stream::Stream::{self, Counters, Hit, State};
 use crate::tables::texels::Texels;
 
 impl<R: Real> Trace<R> {
@@ -230,7 +231,7 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let (origin, direction) = if features.eye_rays {
         eye_ray(&scene.camera, features.perspective, ray.x, ray.y)
     } else {
-        (ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection))
+        (load_origin(ray), load_direction(ray))
     };
     let has_end = features.any_hit && !features.eye_rays;
     let t = if has_end { ray.load(State, 1) } else { R::from_f32(INF) };

@@ -2,13 +2,14 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::grid_lists::list_ended;
+use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_CELL};
 use crate::shared::grid_walk::Walk;
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::shared::vector::smallest3;
 use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use crate::tables::stream::Stream::{Counters, Hit, RayDirection, RayOrigin, Scan, State, TMax};
+use crate::tables::stream::Stream::{Counters, Hit, Scan, State, TMax};
 use crate::tables::texels::Texels;
 
 /// Whether a cell lists a triangle: lists ascend.
@@ -86,8 +87,8 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let mut item = ray.load_u32(State, 3);
     let (first, count) = scene.list(cell);
 
-    let origin = ray.load_vec3(RayOrigin);
-    let direction = ray.load_vec3(RayDirection);
+    let origin = load_origin(ray);
+    let direction = load_direction(ray);
     let in_list = item < count;
     if in_list {
         let triangle = scene.listed(first + item);

@@ -8,6 +8,7 @@ pub mod generate;
 pub mod grid_lists;
 pub mod intersect;
 pub mod kernels;
+pub mod ray;
 pub mod schedule;
 pub mod setup;
 pub mod shade;

@@ -1,10 +1,11 @@
 //! Twin of `setup.wgsl`: finds where the ray's walk begins.
 
 use crate::numbers::real::Real;
+use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_NODE;
 use crate::tables::state::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
-use crate::tables::stream::Stream::{Counters, Previous, RayDirection, RayOrigin, State, TMax};
+use crate::tables::stream::Stream::{Counters, Previous, State, TMax};
 use crate::tables::texels::Texels;
 
 /// One ray's work.
@@ -22,7 +23,7 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if features.grid {
         let walk = {
             let rules = features.walk_rules();
-            scene.grid.enter(rules, &scene.grid.ray(rules, ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection)))
+            scene.grid.enter(rules, &scene.grid.ray(rules, load_origin(ray), load_direction(ray)))
         };
         if !walk.inside {
             ray.store_u32(State, 0, BACKGROUND);

@@ -1,13 +1,14 @@
 //! Twin of `shade.wgsl`: colours the ray from its hit, or gives it the background's colour.
 
 use crate::numbers::real::{Real, Vec3};
+use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::scene_data::SceneData;
 use crate::shared::constants::LIGHTS_SUMMED;
 use crate::shared::shading::{DIRECTIONAL, Light, NO_TEXTURE, SPOT};
 use crate::shared::texture::sample_texture;
 use crate::shared::vector::{cross3, dot3, unit3};
 use crate::tables::state::{BACKGROUND, DONE, SHADE};
-use crate::tables::stream::Stream::{Color, Hit, RayDirection, RayOrigin, State};
+use crate::tables::stream::Stream::{Color, Hit, State};
 use crate::tables::texels::Texels;
 
 /// Three floats at each corner, weighted.
@@ -60,8 +61,8 @@ pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         let triangle = ray.load_u32(Hit, 2);
         let index = if features.many_materials { scene.triangle_materials[triangle as usize] } else { 0 };
         let material = &scene.materials[index as usize];
-        let direction = ray.load_vec3(RayDirection);
-        let position = ray.load_vec3(RayOrigin) + direction * t;
+        let direction = load_direction(ray);
+        let position = load_origin(ray) + direction * t;
 
         let mut diffuse = Vec3::from_f32(material.base_color);
         let w = R::one() - u - v;

@@ -1,11 +1,12 @@
 //! Twin of `traverse_bvh.wgsl`: moves the ray to its next node of the tree.
 
 use crate::numbers::real::Real;
+use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
 use crate::shared::constants::{INF, NO_NODE};
 use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use crate::tables::stream::Stream::{Counters, Previous, RayDirection, RayOrigin, State};
+use crate::tables::stream::Stream::{Counters, Previous, State};
 use crate::tables::texels::Texels;
 
 /// One ray's work.
@@ -15,7 +16,7 @@ pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     let features = &scene.features;
 
-    let (origin, direction) = (ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection));
+    let (origin, direction) = (load_origin(ray), load_direction(ray));
     let inverse = finite_inverse(direction);
     let nearest_t: R = ray.load(State, 1);
     let has_hit = !features.any_hit && nearest_t < R::from_f32(INF);

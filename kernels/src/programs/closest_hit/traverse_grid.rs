@@ -1,11 +1,12 @@
 //! Twin of `traverse_grid.wgsl`: moves the ray to its next cell.
 
 use crate::numbers::real::Real;
+use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;
 use crate::shared::grid_walk::Walk;
 use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use crate::tables::stream::Stream::{Counters, RayDirection, RayOrigin, State, TMax};
+use crate::tables::stream::Stream::{Counters, State, TMax};
 use crate::tables::texels::Texels;
 
 /// One ray's work.
@@ -16,7 +17,7 @@ pub fn traverse_grid<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let (grid, features) = (&scene.grid, &scene.features);
     let rules = features.walk_rules();
-    let grid_ray = grid.ray(rules, ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection));
+    let grid_ray = grid.ray(rules, load_origin(ray), load_direction(ray));
     let nearest_t: R = ray.load(State, 1);
     // A hit beyond the cell's exit is kept; a later cell may hold a nearer one.
     let has_hit = !features.any_hit && nearest_t < R::from_f32(INF);

@@ -2,6 +2,7 @@
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::grid_lists::list_ended;
+use crate::programs::closest_hit::ray::{load_direction, load_origin};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
@@ -9,7 +10,7 @@ use crate::shared::constants::{NO_NODE, NO_TRIANGLE, NODES_A_STEP};
 use crate::shared::grid_walk::Walk;
 use crate::shared::vector::smallest3;
 use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, Tag};
-use crate::tables::stream::Stream::{Counters, Hit, Previous, RayDirection, RayOrigin, State, TMax};
+use crate::tables::stream::Stream::{Counters, Hit, Previous, State, TMax};
 use crate::tables::texels::Texels;
 
 /// A ray's place between two passes.
@@ -156,7 +157,7 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         return;
     }
     let features = &scene.features;
-    let mut trace = Trace::new(ray.load_vec3(RayOrigin), ray.load_vec3(RayDirection), ray.load(State, 1));
+    let mut trace = Trace::new(load_origin(ray), load_direction(ray), ray.load(State, 1));
     trace.triangle = ray.load_u32(Hit, 2);
     let before = (trace.triangle, trace.t);
     let mut place = Place { tag, cell: ray.load_u32(State, 2), item: ray.load_u32(State, 3), trace };

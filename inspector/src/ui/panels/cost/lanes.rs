@@ -1,7 +1,7 @@
 //! Useful lanes: of every 32 threads that a GPU launches together, how many have a ray to work on.
 
 use egui::Ui;
-use raystep_kernels::stream::STATE_TAG;
+use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, Pass, Plan, Stream};
 use raystep_lab::work::{LANES, Lanes, Launch};
 

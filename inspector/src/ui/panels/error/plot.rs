@@ -1,7 +1,8 @@
 //! Curves of shares over the device's time, on axes with round marks.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
-use raystep_kernels::{Pass, state};
+use raystep_kernels::Pass;
+use raystep_kernels::tables::state;
 use raystep_lab::judge::Judgement;
 
 use super::scales::{Shares, Unit, grouped, percent};

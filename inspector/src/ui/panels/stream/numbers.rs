@@ -1,8 +1,9 @@
 //! The numbers of texels, drawn in them where they are large enough.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
-use raystep_kernels::stream::STATE_TAG;
-use raystep_kernels::{Stream, state};
+use raystep_kernels::Stream;
+use raystep_kernels::tables::state;
+use raystep_kernels::tables::stream::STATE_TAG;
 
 use crate::ui::pane::Context;
 

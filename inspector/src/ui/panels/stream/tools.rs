@@ -1,7 +1,8 @@
 //! Above the picture: which stream and component, which colours and range, and what they mean.
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
-use raystep_kernels::{Stream, state};
+use raystep_kernels::Stream;
+use raystep_kernels::tables::state;
 use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
 use super::super::legend::entry;

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Slider, Stroke, StrokeKin
 use egui::{TextureOptions, Ui, Vec2, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::state;
+use raystep_kernels::tables::state;
 use raystep_lab::structure_stats::{Slice, triangles_in};
 
 use super::picture::{legend, picture};

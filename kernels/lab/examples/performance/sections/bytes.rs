@@ -210,7 +210,7 @@ fn texels(source: &str, call: &str) -> BTreeSet<(String, String)> {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::features::Features;
+    use raystep_kernels::options::features::Features;
 
     use super::*;
 

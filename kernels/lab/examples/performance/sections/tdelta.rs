@@ -4,7 +4,7 @@
 //! The traverse kernel with the paper's rules, as raystep composes it, against two made from its text, which load
 //! what it works out. All rays stay in TRAV, and none leaves the grid, so that every pass has all of them.
 
-use raystep_kernels::features::Features;
+use raystep_kernels::options::features::Features;
 use raystep_kernels::shader::Variant;
 use raystep_kernels::{Gpu, Kernel};
 use wgpu::util::DeviceExt as _;
