@@ -14,6 +14,7 @@ mod svg;
 mod tested;
 mod unfolded;
 
+use raystep_kernels::programs::closest_hit::states;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -191,7 +192,7 @@ impl WalkGeometry {
             tested: Vec::new(),
             hit: None,
             t: 0.0,
-            is_over: ray.is_some_and(|ray| state::is_decided(ray.tag)),
+            is_over: ray.is_some_and(|ray| states::STATES.is_decided(ray.tag)),
         }
     }
 
@@ -268,7 +269,7 @@ fn is_kernel(row: &TraceRow, kernel: Kernel) -> bool {
 
 /// Whether the ray is at work in a cell or at a node.
 fn is_walking(ray: &RayState) -> bool {
-    matches!(ray.tag, state::TRAV | state::ISECT_HIT | state::ISECT_NO_HIT)
+    matches!(ray.tag, states::TRAV | states::ISECT_HIT | states::ISECT_NO_HIT)
 }
 
 #[cfg(test)]

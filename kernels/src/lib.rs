@@ -9,7 +9,8 @@
 //! # A run, pass by pass
 //!
 //! ```
-//! use raystep_kernels::{Device, Options, RaySource, Renderer, Stream};
+//! use raystep_kernels::programs::closest_hit;
+//! use raystep_kernels::{Device, Options, RaySource, Renderer};
 //! use raystep_scenes::{Camera, Scene};
 //! # pollster::block_on(async {
 //! let scene = Scene::from_triangles(vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]]);
@@ -21,7 +22,7 @@
 //! while let Some(pass) = renderer.step().await? {
 //!     println!("{:>3} {:<14} {} rays", pass.index, pass.kernel.name(), pass.rays_in);
 //! }
-//! let hit = renderer.values(Stream::Hit).await?;
+//! let hit = renderer.values(closest_hit::streams::HIT).await?;
 //! assert_eq!(hit.get(2, 16 * 32 + 16), 0, "the centre pixel sees triangle 0");
 //! let image = renderer.image().await?;
 //! assert_eq!(image.pixels.len(), 32 * 32);
@@ -36,6 +37,7 @@ pub mod history;
 pub mod numbers;
 pub mod options;
 pub mod plan;
+pub mod program;
 pub mod programs;
 pub mod renderer;
 pub mod scene_data;
@@ -48,7 +50,7 @@ pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError
 pub use options::samples::Samples;
 pub use options::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
 pub use plan::{Limits, Loops, Plan, PlanError};
-pub use programs::closest_hit::kernels::Kernel;
+pub use program::{Kernel, Program};
 pub use renderer::image::Image;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
 pub use shared::samples::Sampler;

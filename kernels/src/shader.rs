@@ -11,8 +11,7 @@ use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInn
 
 use crate::compose::{ComposeError, compose};
 use crate::options::features::Features;
-use crate::programs::closest_hit;
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::program::Kernel;
 use crate::tables::stream::{Stream, Texel};
 
 /// What a binding is bound to.
@@ -36,6 +35,8 @@ pub enum Resource {
         /// Declared `read_write`, else `read`.
         writable: bool,
     },
+    /// What a pass is launched over: a uniform that the executor writes for each pass.
+    Launch,
 }
 
 /// One binding of a kernel's variant, as its WGSL declares and uses it.
@@ -53,6 +54,17 @@ pub struct Binding {
     pub reads: bool,
     /// The entry point writes it.
     pub writes: bool,
+}
+
+impl Binding {
+    /// The stream that is bound, if it is one.
+    #[must_use]
+    pub fn stream(&self) -> Option<Stream> {
+        match self.resource {
+            Resource::ReadStream(stream) | Resource::WriteStream { stream, .. } => Some(stream),
+            _ => None,
+        }
+    }
 }
 
 /// A uniform or storage struct as naga lays it out.
@@ -79,8 +91,12 @@ pub struct Variant {
     pub structs: Vec<StructLayout>,
 }
 
-/// The buffers of [`Resource::Live`], all but the last in slots, one a pass.
-pub const LIVE: [&str; 5] = ["sent", "own_list", "intersect_list", "traverse_list", "live_rays"];
+/// The buffers of [`Resource::Live`] that every program has; the others are the program's lists. All but `live_rays` have
+/// slots, one a pass.
+pub const LIVE: [&str; 3] = ["sent", "own_list", "live_rays"];
+
+/// The uniform of [`Resource::Launch`].
+pub const LAUNCH: &str = "launch";
 
 /// A kernel's source is not valid. This is a defect of raystep, not of a scene.
 #[derive(Debug, thiserror::Error)]
@@ -121,7 +137,7 @@ impl Variant {
     /// The names of its program and kernel, as debuggers and wgpu's errors show them.
     #[must_use]
     pub fn label(&self) -> String {
-        format!("{}.{}", closest_hit::NAME, self.kernel.name())
+        format!("{}.{}", self.kernel.program().name, self.kernel.name())
     }
 
     /// The streams that the kernel changes.
@@ -162,8 +178,8 @@ impl Variant {
         let entry = module
             .entry_points
             .iter()
-            .position(|e| e.stage == ShaderStage::Compute && e.name == name)
-            .ok_or_else(|| invalid(format!("no compute entry point named {name}")))?;
+            .position(|e| e.stage == ShaderStage::Compute && e.name == kernel.info().name)
+            .ok_or_else(|| invalid(format!("no compute entry point named {}", kernel.info().name)))?;
         let usage = info.get_entry_point(entry);
 
         let mut bindings = Vec::new();
@@ -173,12 +189,13 @@ impl Variant {
             if used.is_empty() {
                 continue;
             }
-            let resource = resource_of(&module, global, global_name)
-                .ok_or_else(|| ShaderError::UnknownBinding { kernel: name, name: global_name.clone() })?;
+            let global_name = kernel.bound(global_name);
+            let resource = resource_of(kernel, &module, global, global_name)
+                .ok_or_else(|| ShaderError::UnknownBinding { kernel: name, name: global_name.to_owned() })?;
             bindings.push(Binding {
                 group: at.group,
                 index: at.binding,
-                name: global_name.clone(),
+                name: global_name.to_owned(),
                 resource,
                 reads: used.contains(GlobalUse::READ),
                 writes: used.contains(GlobalUse::WRITE),
@@ -199,27 +216,34 @@ impl Variant {
 
 /// A kernel's file and the modules that it imports from, as one text with its options decided.
 fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError> {
-    let modules = closest_hit::modules(features.stack, features.turns);
+    let modules = (kernel.program().modules)(features);
+    let root = kernel.info().name;
     let options = features.list();
     let source = |name: &str| {
-        if name == kernel.name() {
+        if name == root {
             return Some(kernel.info().wgsl);
         }
         modules.iter().find(|(module, _)| *module == name).map(|(_, source)| source.as_ref())
     };
     let option = |name: &str| options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on);
-    compose(kernel.name(), kernel.name(), &source, &option)
+    compose(root, root, &source, &option)
 }
 
-fn resource_of(module: &Module, global: &naga::GlobalVariable, name: &str) -> Option<Resource> {
+fn resource_of(kernel: Kernel, module: &Module, global: &naga::GlobalVariable, name: &str) -> Option<Resource> {
+    let program = kernel.program();
     match global.space {
-        AddressSpace::Uniform => Some(Resource::Uniform),
-        AddressSpace::Storage { access } if LIVE.contains(&name) => {
+        AddressSpace::Uniform if name == LAUNCH => Some(Resource::Launch),
+        AddressSpace::Uniform => program.buffer(name).map(|_| Resource::Uniform),
+        AddressSpace::Storage { access }
+            if LIVE.contains(&name) || program.lists.iter().any(|list| list.name == name) =>
+        {
             Some(Resource::Live { writable: access.contains(StorageAccess::STORE) })
         }
-        AddressSpace::Storage { access } if access == StorageAccess::LOAD => Some(Resource::Storage),
+        AddressSpace::Storage { access } if access == StorageAccess::LOAD => {
+            program.buffer(name).map(|_| Resource::Storage)
+        }
         AddressSpace::Handle => {
-            let stream = Stream::from_name(name)?;
+            let stream = program.stream(name)?;
             let TypeInner::Image { arrayed: true, class, .. } = module.types[global.ty].inner else { return None };
             match class {
                 ImageClass::Sampled { .. } => Some(Resource::ReadStream(stream)),

@@ -1,6 +1,7 @@
 //! Every kernel composes, validates and binds what the tables know, in every combination of options that
 //! a run can ask for; uniforms lie where the host puts them.
 
+use raystep_kernels::programs::closest_hit::kernels;
 use std::mem::{offset_of, size_of};
 
 use raystep_kernels::options::features::Features;
@@ -89,12 +90,12 @@ fn waiting(features: Features) -> Features {
 /// Whether a run with these features has the kernel.
 fn has_kernel(features: &Features, kernel: Kernel) -> bool {
     match kernel {
-        Kernel::TraverseGrid => features.grid && !features.many_steps,
-        Kernel::TraverseBvh => features.bvh && !features.many_steps,
-        Kernel::Fused => !features.live_lists,
-        Kernel::Walk => features.live_lists && features.many_steps,
-        Kernel::Intersect if features.many_steps => false,
-        Kernel::Accumulate => features.samples,
+        kernels::TRAVERSE_GRID => features.grid && !features.many_steps,
+        kernels::TRAVERSE_BVH => features.bvh && !features.many_steps,
+        kernels::FUSED => !features.live_lists,
+        kernels::WALK => features.live_lists && features.many_steps,
+        kernels::INTERSECT if features.many_steps => false,
+        kernels::ACCUMULATE => features.samples,
         _ => true,
     }
 }
@@ -142,13 +143,13 @@ fn kernels_write_what_table_1_says() {
     use Stream::{Color, Hit, RayDirection, RayOrigin, State, TMax};
     let table = [
         // hit is set to "no triangle" with the ray; the paper discards fragments instead.
-        (Kernel::Generate, &[RayOrigin, RayDirection, State, Hit][..]),
+        (kernels::GENERATE, &[RayOrigin, RayDirection, State, Hit][..]),
         // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
-        (Kernel::Setup, &[State, TMax]),
-        (Kernel::TraverseGrid, &[State, TMax]),
-        (Kernel::Intersect, &[State, Hit]),
+        (kernels::SETUP, &[State, TMax]),
+        (kernels::TRAVERSE_GRID, &[State, TMax]),
+        (kernels::INTERSECT, &[State, Hit]),
         // The state becomes DONE, so that the live counts tell when the image is complete.
-        (Kernel::Shade, &[State, Color]),
+        (kernels::SHADE, &[State, Color]),
     ];
     let features = Features { robust: true, grid: true, clip: true, perspective: true, ..Features::default() };
     for (kernel, expected) in table {

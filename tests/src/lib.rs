@@ -1,5 +1,6 @@
 //! What the tests that cross crates share: the scenes of the repository, a GPU, and comparisons.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -139,7 +140,7 @@ pub fn values(renderer: &Renderer, stream: Stream) -> StreamData {
 /// What a run hit, in bits: t, u, v and triangle, each of every ray.
 #[must_use]
 pub fn hits(renderer: &Renderer) -> [Vec<u32>; 4] {
-    let (state, hit) = (values(renderer, Stream::State), values(renderer, Stream::Hit));
+    let (state, hit) = (values(renderer, streams::STATE), values(renderer, streams::HIT));
     [state.layer(1).to_vec(), hit.layer(0).to_vec(), hit.layer(1).to_vec(), hit.layer(2).to_vec()]
 }
 

@@ -1,5 +1,6 @@
 //! Rays with an end, as shadow rays are: whether anything lies before it, and nothing else, is what counts.
 
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, Renderer, Stream};
 use raystep_lab::rays::PrimaryHits;
@@ -22,7 +23,7 @@ struct Truth {
 /// The truth of every ray of a run that has not begun: its end is the t that it starts with.
 fn truth(renderer: &Renderer) -> Vec<Truth> {
     let [origins, directions, state] =
-        [Stream::RayOrigin, Stream::RayDirection, Stream::State].map(|s| values(renderer, s));
+        [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE].map(|s| values(renderer, s));
     let data = renderer.data();
     let of = |ray: usize| {
         let [origin, direction] = [&origins, &directions].map(|s| [0, 1, 2].map(|layer| s.get_f32(layer, ray)));
@@ -79,7 +80,7 @@ fn what_lies_before_a_rays_end_is_found_and_what_lies_behind_is_not() {
                 }
                 let renderer = traced(&scene, &way.of(&options), &device);
                 assert_eq!(renderer.unfinished(), 0, "{file} {name} {way}");
-                let (state, hit) = (values(&renderer, Stream::State), values(&renderer, Stream::Hit));
+                let (state, hit) = (values(&renderer, streams::STATE), values(&renderer, streams::HIT));
                 for (ray, truth) in truth.iter().enumerate() {
                     let (triangle, t) = (hit.get(2, ray), state.get_f32(1, ray));
                     let wrong = mistake(truth, triangle, t);

@@ -1,5 +1,6 @@
 //! The compact schedule with one step a pass is the paper's second strategy, but for what it launches.
 
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, ScheduleKind, Stream};
 use raystep_scenes::Scene;
 use raystep_tests::ways::Way;
@@ -17,7 +18,7 @@ fn lives(scene: &Scene, way: Way, device: &Device) -> (Vec<Vec<[u32; 4]>>, [Vec<
     let mut renderer = block_on(gpu, start).expect("a renderer");
     let mut lives: Vec<Vec<[u32; 4]>> = vec![Vec::new(); 21 * 19];
     loop {
-        let state = values(&renderer, Stream::State);
+        let state = values(&renderer, streams::STATE);
         for (ray, life) in lives.iter_mut().enumerate() {
             let now = [0, 1, 2, 3].map(|layer| state.get(layer, ray));
             if life.last() != Some(&now) {

@@ -1,5 +1,6 @@
 //! Devices that are not as one would wish: no timers, lost, too small.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -112,7 +113,7 @@ fn what_is_refused_is_named_after_its_program() {
         let device = Device::Gpu(gpu.clone());
         let mut renderer = Renderer::new(&scene, &stepped(&scene, 16, 16), &device).await.expect("a renderer");
         renderer.step().await.expect("a pass");
-        renderer.texture(Stream::TMax).expect("a stream of this run").destroy();
+        renderer.texture(streams::TMAX).expect("a stream of this run").destroy();
         let error = loop {
             match renderer.step().await {
                 Ok(Some(_)) => {}
@@ -144,7 +145,7 @@ fn a_lost_device_is_an_error_and_not_a_panic() {
         gpu.device.destroy();
         let step = renderer.step().await;
         assert!(matches!(step, Err(RenderError::Gpu(GpuError::Lost(_)))), "{step:?}");
-        let values = renderer.values(Stream::State).await;
+        let values = renderer.values(streams::STATE).await;
         assert!(matches!(values, Err(RenderError::Gpu(GpuError::Lost(_)))), "{:?}", values.err());
         let message = step.expect_err("lost").to_string();
         assert!(message.contains("lost") && message.contains("--device cpu") && !message.contains('\n'), "{message}");

@@ -1,8 +1,9 @@
 //! The divergence map: a broken kernel is named with its pass, and an honest device never parts.
 
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use std::ops::ControlFlow;
 
-use raystep_kernels::tables::stream::STATE_T;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, Renderer, ScheduleKind, Stream};
 use raystep_lab::divergence::{Against, Class, DivergenceMap, divergence};
 use raystep_tests::ways::{STEPPED, Way};
@@ -66,21 +67,21 @@ fn a_device_that_keeps_the_rules_parts_at_ties_only() {
 
 #[test]
 fn a_broken_kernel_is_named_with_its_pass() {
-    let map = compared(&room(STEPPED), change(Kernel::Intersect, "nearest_t <= exit", "nearest_t < 0.5 * exit"));
+    let map = compared(&room(STEPPED), change(kernels::INTERSECT, "nearest_t <= exit", "nearest_t < 0.5 * exit"));
     assert!(map.count(Class::Decision) > 100, "{:?}", map.counts());
     for ray in map.rays(Class::Decision) {
         let parting = map.first(Class::Decision, ray).expect("it parted");
-        assert_eq!((parting.kernel, map.kernels()[parting.pass]), (Kernel::Intersect, Kernel::Intersect));
-        assert_eq!((parting.against, parting.stream, parting.layer), (Against::Device, Stream::State, 0));
+        assert_eq!((parting.kernel, map.kernels()[parting.pass]), (kernels::INTERSECT, kernels::INTERSECT));
+        assert_eq!((parting.against, parting.stream, parting.layer), (Against::Device, streams::STATE, 0));
         assert_ne!(parting.theirs, parting.twin);
         assert_eq!(map.class(ray), Some(Class::Decision));
     }
 
-    let map = compared(&room(STEPPED), change(Kernel::Shade, "* diffuse", "* diffuse * 1.001"));
+    let map = compared(&room(STEPPED), change(kernels::SHADE, "* diffuse", "* diffuse * 1.001"));
     assert!(map.count(Class::Excess) > 100 && map.count(Class::Decision) == 0, "{:?}", map.counts());
     let last = map.kernels().len() - 1;
     for parting in map.rays(Class::Excess).filter_map(|ray| map.first(Class::Excess, ray)) {
-        assert_eq!((parting.kernel, parting.pass, parting.stream), (Kernel::Shade, last, Stream::Color));
+        assert_eq!((parting.kernel, parting.pass, parting.stream), (kernels::SHADE, last, streams::COLOR));
         assert!(parting.ulps.is_some_and(|ulps| ulps > 1000), "{parting:?}");
     }
 }
@@ -88,12 +89,12 @@ fn a_broken_kernel_is_named_with_its_pass() {
 #[test]
 fn another_rounding_is_told_from_a_defect() {
     // As a GPU may divide that is off by a unit in the last place.
-    let otherwise = change(Kernel::Intersect, "nearest_t = candidate.t", "nearest_t = candidate.t * 1.0000001");
+    let otherwise = change(kernels::INTERSECT, "nearest_t = candidate.t", "nearest_t = candidate.t * 1.0000001");
     let map = compared(&room(STEPPED), otherwise);
     let shown: Vec<_> = map.rays(Class::Rounding).filter_map(|ray| map.first(Class::Rounding, ray)).collect();
     assert!(shown.len() > 1000, "{:?}", map.counts());
-    for parting in shown.iter().filter(|p| p.stream == Stream::State) {
-        assert_eq!((parting.kernel, parting.layer), (Kernel::Intersect, STATE_T));
+    for parting in shown.iter().filter(|p| p.stream == streams::STATE) {
+        assert_eq!((parting.kernel, parting.layer), (kernels::INTERSECT, STATE_T));
         assert!(parting.ulps.is_some_and(|ulps| ulps <= 2), "{parting:?}");
     }
     assert_eq!((map.count(Class::Excess), map.count(Class::Decision)), (0, 0));

@@ -1,5 +1,6 @@
 //! The crates as somebody else's program uses them: no window, no command line, any executor.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::sync::mpsc;
 use std::time::Duration;
 
@@ -14,7 +15,7 @@ async fn seen_triangle() -> Result<u32, RenderError> {
     let device = Device::Gpu(Gpu::new(&AdapterChoice::Best).await?);
     let mut renderer = Renderer::new(&scene, &options, &device).await?;
     while renderer.step().await?.is_some() {}
-    Ok(renderer.values(Stream::Hit).await?.get(2, 16 * 32 + 16))
+    Ok(renderer.values(streams::HIT).await?.get(2, 16 * 32 + 16))
 }
 
 /// An executor that nobody polls a device for.

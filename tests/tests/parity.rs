@@ -2,6 +2,7 @@
 
 mod breaks;
 
+use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -226,7 +227,9 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     // The table of transitions is what happens: nothing else, and all of it.
     let listed: BTreeSet<_> = transitions().map(|(kernel, t)| (t.from, kernel, t.to)).collect();
     let named = |ways: Vec<&(u32, Kernel, u32)>| {
-        ways.iter().map(|w| format!("{} {} {}", state::name(w.0), w.1.name(), state::name(w.2))).collect::<Vec<_>>()
+        ways.iter()
+            .map(|w| format!("{} {} {}", states::STATES.name(w.0), w.1.name(), states::STATES.name(w.2)))
+            .collect::<Vec<_>>()
     };
     assert_eq!(named(sum.transitions.difference(&listed).collect()), [""; 0], "taken, but not listed");
     // The grid's box is a margin larger than the scene, so no hit of a real scene is left over when a ray leaves it:
@@ -246,14 +249,14 @@ fn a_hit_that_is_kept_survives_leaving_the_grid() {
             let mut renderer = Renderer::new(&scene, &options, &device).await.expect("a renderer");
             renderer.step().await.expect("generate");
             renderer.step().await.expect("setup");
-            let mut values = renderer.values(Stream::State).await.expect("state");
+            let mut values = renderer.values(streams::STATE).await.expect("state");
             let rays = 16 * 16;
-            values.bits[..rays].fill(state::TRAV);
+            values.bits[..rays].fill(states::TRAV);
             values.bits[rays..2 * rays].fill(0.5f32.to_bits());
             assert!(renderer.write(&values));
-            assert_eq!(renderer.live()[state::TRAV as usize], 256, "{name}");
-            while renderer.step().await.expect("a pass").is_some_and(|p| p.kernel != Kernel::TraverseGrid) {}
-            assert_eq!(renderer.live()[state::SHADE as usize], 256, "{name}");
+            assert_eq!(renderer.live()[states::TRAV as usize], 256, "{name}");
+            while renderer.step().await.expect("a pass").is_some_and(|p| p.kernel != kernels::TRAVERSE_GRID) {}
+            assert_eq!(renderer.live()[states::SHADE as usize], 256, "{name}");
         });
     }
 }
@@ -295,8 +298,8 @@ fn a_broken_kernel_is_named() {
     let lights = scene("lights.gltf");
     let (from, to) = ("LIGHTS_SUMMED + end", "LIGHTS_SUMMED + end + 1u");
     let options = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&lights, 40, 40));
-    let found = parity::compare_broken_in_turns(&gpu(), &lights, &options, 1, change(Kernel::Shade, from, to));
-    assert_eq!(found.breaches.first().map(|b| b.kernel), Some(Kernel::Shade), "lights are left out unnoticed");
+    let found = parity::compare_broken_in_turns(&gpu(), &lights, &options, 1, change(kernels::SHADE, from, to));
+    assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernels::SHADE), "lights are left out unnoticed");
     // What only some runs compile: several samples, rays that the kernel makes, and rays that end at any hit.
     for (kernel, sampler, from, to) in SAMPLING_BREAKS {
         let way = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8);
@@ -306,11 +309,11 @@ fn a_broken_kernel_is_named() {
         assert_eq!(first, Some(kernel), "{} with {to:?}", kernel.name());
     }
     let options = Options { samples: Samples { count: 2, ..Samples::default() }, ..room(STEPPED) };
-    let found = compare_broken(&options, Kernel::Accumulate, "atomicAdd(&sent_here[tag], 1u)", "");
+    let found = compare_broken(&options, kernels::ACCUMULATE, "atomicAdd(&sent_here[tag], 1u)", "");
     assert!(found.miscounts.first().is_some_and(|m| m.starts_with("accumulate")), "{:?}", found.miscounts);
     let own_rays = Options { shade: false, ..room(Way::new(Accelerator::Bvh, ScheduleKind::Fused, 1)) };
-    let found = compare_broken(&own_rays, Kernel::Fused, "0.5", "0.4995");
-    assert!(found.breaches.iter().any(|b| b.component == (Stream::State, 1)), "rays of its own went unnoticed");
+    let found = compare_broken(&own_rays, kernels::FUSED, "0.5", "0.4995");
+    assert!(found.breaches.iter().any(|b| b.component == (streams::STATE, 1)), "rays of its own went unnoticed");
     let rays = RaySource::Given(rays::segments(&scene("cornell-box.gltf"), 500, 3));
     let shadows = room(Way::new(Accelerator::Grid, ScheduleKind::Compact, 8));
     let shadows = Options { any_hit: true, shade: false, rays, ..shadows };
@@ -318,8 +321,8 @@ fn a_broken_kernel_is_named() {
         ("select(TRAV, BACKGROUND, nearest_t <= exit)", "select(TRAV, BACKGROUND, nearest_t < 0.5 * exit)"),
         ("candidate.t < trace.t", "true"),
     ] {
-        let found = compare_broken(&shadows, Kernel::Walk, from, to);
-        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(Kernel::Walk), "{to:?}");
+        let found = compare_broken(&shadows, kernels::WALK, from, to);
+        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernels::WALK), "{to:?}");
     }
 }
 
@@ -332,11 +335,11 @@ fn other_rounding_is_not_broken() {
     let scene = scene("teapot.glb");
     let (mut tolerated, mut undecided) = (0, 0);
     for (kernel, way, from, to) in [
-        (Kernel::Walk, Way::new(Grid, Compact, 8), "trace.t = candidate.t", "trace.t = candidate.t * 1.0000001"),
-        (Kernel::Walk, Way::new(Grid, Compact, 8), "- ray.origin)", "- ray.origin * 0.9999999)"),
-        (Kernel::Walk, Way::new(Grid, Compact, 8).leaping(), "ray.direction * t", "ray.direction * (t * 1.0000001)"),
-        (Kernel::Walk, Way::new(Bvh, Compact, 8), "(node.min - origin)", "(node.min * 0.9999999 - origin)"),
-        (Kernel::Fused, Way::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
+        (kernels::WALK, Way::new(Grid, Compact, 8), "trace.t = candidate.t", "trace.t = candidate.t * 1.0000001"),
+        (kernels::WALK, Way::new(Grid, Compact, 8), "- ray.origin)", "- ray.origin * 0.9999999)"),
+        (kernels::WALK, Way::new(Grid, Compact, 8).leaping(), "ray.direction * t", "ray.direction * (t * 1.0000001)"),
+        (kernels::WALK, Way::new(Bvh, Compact, 8), "(node.min - origin)", "(node.min * 0.9999999 - origin)"),
+        (kernels::FUSED, Way::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
     ] {
         let options = Options { counters: true, ..way.of(&options(&scene, 128, 128)) };
         let found = parity::compare_changed(&gpu(), &scene, &options, change(kernel, from, to));
@@ -352,16 +355,16 @@ fn other_rounding_is_not_broken() {
 fn broken_lists_and_books_show() {
     let [one, several] = [1, 8].map(|steps| room(Way::new(Accelerator::Grid, ScheduleKind::Compact, steps)));
     for (options, kernel, named) in [
-        (&one, Kernel::Setup, Kernel::Intersect),
-        (&one, Kernel::Intersect, Kernel::TraverseGrid),
-        (&several, Kernel::Setup, Kernel::Walk),
-        (&several, Kernel::Walk, Kernel::Walk),
+        (&one, kernels::SETUP, kernels::INTERSECT),
+        (&one, kernels::INTERSECT, kernels::TRAVERSE_GRID),
+        (&several, kernels::SETUP, kernels::WALK),
+        (&several, kernels::WALK, kernels::WALK),
     ] {
         // The last of a workgroup's rays takes another one's place.
         let found = compare_broken(options, kernel, "first_ray[list] + place", "first_ray[list] + min(place, 254u)");
         assert_eq!(found.breaches.first().map(|b| b.kernel), Some(named), "{} loses a ray", kernel.name());
     }
-    for (options, kernel) in [(&one, Kernel::TraverseGrid), (&several, Kernel::Walk)] {
+    for (options, kernel) in [(&one, kernels::TRAVERSE_GRID), (&several, kernels::WALK)] {
         let found = compare_broken(options, kernel, "place >= own_list[3]", "place + 1u >= own_list[3]");
         assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{} leaves a ray out", kernel.name());
         let found = compare_broken(options, kernel, "atomicAdd(&sent_here[tag], 1u)", "atomicAdd(&sent_here[tag], 2u)");

@@ -1,5 +1,6 @@
 //! What a scene does not need is neither compiled, bound, allocated nor uploaded.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::collections::BTreeSet;
 
 use raystep_kernels::{Accelerator, Device, Numerics, Plan, RaySource, Renderer, Stream};
@@ -79,11 +80,11 @@ fn code_for_lights_that_are_not_there_is_not_compiled() {
 #[test]
 fn without_a_view_nothing_is_shaded_and_without_a_grid_nothing_is_walked() {
     let hits = renderer("cornell-box.gltf", |o| o.shade = false);
-    assert!(!hits.plan().has_stream(Stream::Color) && !bound(hits.plan()).contains("materials"));
+    assert!(!hits.plan().has_stream(streams::COLOR) && !bound(hits.plan()).contains("materials"));
     let grid = renderer("cornell-box.gltf", |o| *o = STEPPED.of(o));
-    assert!(grid.plan().has_stream(Stream::TMax) && bound(grid.plan()).contains("grid_cells"));
+    assert!(grid.plan().has_stream(streams::TMAX) && bound(grid.plan()).contains("grid_cells"));
     let none = renderer("cornell-box.gltf", |o| *o = Way { accelerator: Accelerator::None, ..STEPPED }.of(o));
-    assert!(!none.plan().has_stream(Stream::TMax) && !bound(none.plan()).contains("grid_cells"));
+    assert!(!none.plan().has_stream(streams::TMAX) && !bound(none.plan()).contains("grid_cells"));
     let scene = scene("cornell-box.gltf");
     let mut given = options(&scene, 1, 1);
     given.rays = RaySource::Given(rays::random(&scene, 10, 1));
@@ -102,7 +103,7 @@ fn keeping_everything_changes_no_hit() {
             options.keep_all = true;
             let full = traced(&scene, &options, &Device::Gpu(gpu()));
             assert!(full.plan().bytes() > lean.plan().bytes(), "{file}");
-            for stream in [Stream::Hit, Stream::State] {
+            for stream in [streams::HIT, streams::STATE] {
                 let differ = differences(&values(&lean, stream), &values(&full, stream)).count();
                 assert_eq!(differ, 0, "{file} {numerics}: {}", stream.name());
             }

@@ -2,13 +2,22 @@
 
 mod traces;
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
+use raystep_kernels::Accelerator;
+use raystep_kernels::Device;
+use raystep_kernels::Options;
+use raystep_kernels::PassTotals;
+use raystep_kernels::Region;
+use raystep_kernels::RenderError;
+use raystep_kernels::Renderer;
+use raystep_kernels::Samples;
+use raystep_kernels::ScheduleKind;
+use raystep_kernels::Stream;
+use raystep_kernels::StreamData;
 use raystep_kernels::export::trace::ray_state;
-use raystep_kernels::{
-    Accelerator, Device, Options, PassTotals, Region, RenderError, Renderer, Samples, ScheduleKind, Stream, StreamData,
-    tables::state::STATES,
-};
+use raystep_kernels::programs::closest_hit::states::STATES;
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
 
@@ -134,9 +143,9 @@ fn a_part_of_a_stream_is_that_part() {
                     }
                 }
             }
-            let beside = renderer.region(Stream::State, Region { x: 64, ..region }).await;
+            let beside = renderer.region(streams::STATE, Region { x: 64, ..region }).await;
             assert!(matches!(beside, Err(RenderError::NoPixel { .. })), "{beside:?}");
-            let left_out = renderer.texels(&[Stream::State, Stream::Counters], 0, 0).await;
+            let left_out = renderer.texels(&[streams::STATE, streams::COUNTERS], 0, 0).await;
             assert!(matches!(left_out, Err(RenderError::NoStream("counters"))), "{left_out:?}");
             let ray = ray_state(&renderer, 65, 7).await.expect("a ray");
             assert!(ray.tmax[0].is_some() && ray.direction != [0.0; 3]);
@@ -157,7 +166,7 @@ fn a_future_of_a_run_can_go_to_another_thread() {
         can_move(renderer.run_to(9, |_| ControlFlow::Continue(()))).await.expect("passes");
         can_move(ray_state(&renderer, 4, 4)).await.expect("a ray");
         let kept = can_move(renderer.checkpoint()).await.expect("a checkpoint");
-        can_move(renderer.values(Stream::Hit)).await.expect("values");
+        can_move(renderer.values(streams::HIT)).await.expect("values");
         renderer.restore(&can_move(kept)).expect("the same run");
     });
 }

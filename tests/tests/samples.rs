@@ -1,6 +1,7 @@
 //! Several samples a pixel: the picture is the mean of the pictures of its samples, in every way to trace it, and
 //! one sample is what it always was.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_kernels::plan::PlanError;
@@ -47,7 +48,7 @@ fn one_sample_leaves_everything_out_and_says_why() {
         assert_eq!(names(&several), [names(&plain), vec!["accumulate"]].concat(), "{way}");
         assert!(!several.left_out.iter().any(|l| l.reason == "one sample a pixel"), "{way}\n{several}");
         let source: String = several.variants.iter().map(|v| v.source.as_str()).collect();
-        assert!(source.contains("scrambled") && several.has_stream(Stream::Accumulated), "{way}");
+        assert!(source.contains("scrambled") && several.has_stream(streams::ACCUMULATED), "{way}");
         let (random, _) = Plan::new(&scene, &with(&one, 2, Sampler::Random), &Limits::CPU).expect("a plan");
         assert!(random.variants.iter().all(|v| !v.source.contains("scrambled")), "{way}");
     }
@@ -69,7 +70,7 @@ fn through(camera: &Camera, [x, y]: [f64; 2]) -> Camera {
 }
 
 fn color(renderer: &Renderer, ray: usize) -> [f64; 3] {
-    let colors = values(renderer, Stream::Color);
+    let colors = values(renderer, streams::COLOR);
     [0, 1, 2].map(|layer| f64::from(colors.get_f32(layer, ray)))
 }
 
@@ -106,7 +107,7 @@ fn the_mean_of_four_is_that_of_four_pictures_of_one_sample() {
 }
 
 fn streams(renderer: &Renderer) -> [StreamData; 4] {
-    [Stream::Color, Stream::Accumulated, Stream::Hit, Stream::RayDirection].map(|s| values(renderer, s))
+    [streams::COLOR, streams::ACCUMULATED, streams::HIT, streams::RAY_DIRECTION].map(|s| values(renderer, s))
 }
 
 /// t differs by its rounding between kernels that are compiled apart on some GPUs, and colours with it; not on the

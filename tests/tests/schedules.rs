@@ -1,6 +1,7 @@
 //! Which kernels run, in what order, is data: the first passes of every schedule, and when a plan leaps.
 
 use raystep_kernels::plan::Because;
+use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Plan, ScheduleKind, Skip};
 use raystep_scenes::{Scene, generate};
 use raystep_tests::ways::{STEPPED, Way};
@@ -8,16 +9,16 @@ use raystep_tests::{options, scene, traced};
 
 fn letter(kernel: Kernel) -> char {
     match kernel {
-        Kernel::Generate => 'g',
-        Kernel::Setup => 's',
-        Kernel::Intersect => 'i',
+        kernels::GENERATE => 'g',
+        kernels::SETUP => 's',
+        kernels::INTERSECT => 'i',
         // To the next cell, to the next node.
-        Kernel::TraverseGrid => 'c',
-        Kernel::TraverseBvh => 'n',
-        Kernel::Walk => 'w',
-        Kernel::Fused => 'f',
-        Kernel::Shade => '*',
-        Kernel::Accumulate => '+',
+        kernels::TRAVERSE_GRID => 'c',
+        kernels::TRAVERSE_BVH => 'n',
+        kernels::WALK => 'w',
+        kernels::FUSED => 'f',
+        kernels::SHADE => '*',
+        kernels::ACCUMULATE => '+',
     }
 }
 

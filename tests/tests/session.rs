@@ -1,5 +1,6 @@
 //! Going back shows bit for bit what was there, however much of it is kept; a kernel and a turn are found.
 
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use std::ops::ControlFlow;
 
 use raystep_inspector::{Session, Target, go_on};
@@ -103,11 +104,11 @@ fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
     let device = Device::Cpu(None);
     block_on(None, async {
         let mut session = Session::new(&scene, &stepped(&scene, 16, 16), &device).await.expect("a session");
-        let traverse = Target::NextOf(Kernel::TraverseGrid);
+        let traverse = Target::NextOf(kernels::TRAVERSE_GRID);
         let first = go(&mut session, traverse).await;
         let second = go(&mut session, traverse).await;
-        assert!(first < second && session.passes()[second - 1].kernel == Kernel::TraverseGrid);
-        assert_eq!(go(&mut session, Target::PreviousOf(Kernel::TraverseGrid)).await, first);
+        assert!(first < second && session.passes()[second - 1].kernel == kernels::TRAVERSE_GRID);
+        assert_eq!(go(&mut session, Target::PreviousOf(kernels::TRAVERSE_GRID)).await, first);
         assert_eq!(go(&mut session, traverse).await, second, "from what is known");
 
         assert_eq!(session.select(16, 0), None, "outside");
@@ -151,7 +152,7 @@ fn turns_of_the_loop_begin_and_end() {
             for w in ends[1..ends.len() - 1].windows(2) {
                 let turn = &passes[w[0]..w[1]];
                 assert!(turn.iter().all(|p| p.iteration == turn[0].iteration), "{turn:?}");
-                assert_eq!(turn.iter().filter(|p| p.kernel == Kernel::TraverseGrid).count(), 1, "{schedule}");
+                assert_eq!(turn.iter().filter(|p| p.kernel == kernels::TRAVERSE_GRID).count(), 1, "{schedule}");
             }
             for &end in ends[..ends.len() - 1].iter().rev() {
                 assert_eq!(go(&mut session, Target::IterationStart).await, end, "{schedule}");
@@ -192,7 +193,7 @@ fn a_step_that_is_stopped_ends_at_a_whole_pass() {
         let options = STEPPED.of(&raystep_tests::options(&scene, 16, 16));
         let mut session = block_on(Some(gpu), Session::new(&scene, &options, &device)).expect("a session");
         block_on(Some(gpu), go(&mut session, Target::Pass(2)));
-        block_on(Some(gpu), session.edit(Stream::Hit, 0, 3, 3, 7)).expect("an edit");
+        block_on(Some(gpu), session.edit(streams::HIT, 0, 3, 3, 7)).expect("an edit");
         block_on(Some(gpu), go(&mut session, Target::Start));
         let seen = block_on(Some(gpu), history(&mut session));
         block_on(Some(gpu), go(&mut session, Target::Pass(6)));
@@ -205,7 +206,7 @@ fn a_step_that_is_stopped_ends_at_a_whole_pass() {
         block_on(Some(gpu), async {
             let place = go(&mut session, Target::Next).await;
             assert!(streams(&session).await == seen[place], "{name}: after {place}");
-            assert!(session.stream(Stream::State).await.is_ok());
+            assert!(session.stream(streams::STATE).await.is_ok());
         });
     }
 }
@@ -221,7 +222,7 @@ fn a_session_can_go_to_another_thread() {
         can_move(session.step(Target::Pass(4), &mut go_on)).await.expect("a step");
         can_move(session.follow(4, 4, &mut go_on)).await.expect("a life");
         can_move(session.twins_until(Some(2), &mut go_on)).await.expect("twins");
-        can_move(session.edit(Stream::Hit, 0, 0, 0, 1)).await.expect("an edit");
+        can_move(session.edit(streams::HIT, 0, 0, 0, 1)).await.expect("an edit");
         can_move(session.clear_edits(&mut go_on)).await.expect("no edit");
         let forward = raystep_inspector::Way::Forward;
         can_move(session.run_to_watch(&[], forward, &mut go_on)).await.expect("nothing");

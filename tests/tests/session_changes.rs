@@ -1,8 +1,10 @@
 //! Watches stop a run forward and back; what is changed by hand, or run by the twins, stays so wherever one goes.
 
 use raystep_inspector::{Fired, Session, Target, Watch, Way as Direction, go_on};
+use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
+use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use raystep_kernels::tables::state;
-use raystep_kernels::tables::stream::{STATE_CELL, STATE_TAG};
+use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Device, Kernel, RenderError, Renderer, ScheduleKind, Stream};
 use raystep_tests::sessions::{go, streams};
 use raystep_tests::ways::{STEPPED, Way};
@@ -91,7 +93,8 @@ fn the_ray_that_takes_too_many_steps_is_found() {
                 let fired = both_ways(&mut session, Watch::MoreSteps(3)).await;
                 let place = fired.first().expect("some walk far").place;
                 go(&mut session, Target::Pass(place)).await;
-                let walks = |p: &raystep_kernels::Pass| matches!(p.kernel, Kernel::TraverseGrid | Kernel::TraverseBvh);
+                let walks =
+                    |p: &raystep_kernels::Pass| matches!(p.kernel, kernels::TRAVERSE_GRID | kernels::TRAVERSE_BVH);
                 let passes = session.passes().iter().filter(|p| walks(p)).count();
                 assert_eq!(passes, 4, "{name} {way}: the fourth step of a ray that never waited");
                 assert_eq!(fired[0].value, "4 steps");
@@ -116,10 +119,10 @@ fn a_number_that_is_not_finite_is_found_where_it_came_in() {
     for (name, device) in devices() {
         block_on(gpu_of(&device), async {
             let mut session = new_session(STEPPED, &device).await;
-            go(&mut session, Target::NextOf(Kernel::TraverseGrid)).await;
+            go(&mut session, Target::NextOf(kernels::TRAVERSE_GRID)).await;
             let place = go(&mut session, Target::Next).await;
-            session.edit(Stream::TMax, 1, 5, 6, f32::NAN.to_bits()).await.expect("an edit");
-            session.edit(Stream::TMax, 2, 3, 2, (-1.0f32).to_bits()).await.expect("an edit");
+            session.edit(streams::TMAX, 1, 5, 6, f32::NAN.to_bits()).await.expect("an edit");
+            session.edit(streams::TMAX, 2, 3, 2, (-1.0f32).to_bits()).await.expect("an edit");
             go(&mut session, Target::End).await;
 
             let fired = run_to(&mut session, Watch::NonFinite, Direction::Back).await.expect("a NaN");
@@ -147,24 +150,24 @@ fn an_edit_is_made_again_wherever_one_goes() {
             block_on(gpu_of(&device), async {
                 let mut session = new_session(way, &device).await;
                 let last = go(&mut session, Target::End).await;
-                let image = session.stream(Stream::Color).await.expect("colours");
+                let image = session.stream(streams::COLOR).await.expect("colours");
                 let place = 9;
                 go(&mut session, Target::Pass(place)).await;
-                let before = session.stream(Stream::State).await.expect("state");
+                let before = session.stream(streams::STATE).await.expect("state");
                 // A ray that waits for the walk is sent to the background; another is moved to the first cell.
-                let walking = |i: &usize| before.get(STATE_TAG, *i) == state::TRAV;
+                let walking = |i: &usize| before.get(STATE_TAG, *i) == states::TRAV;
                 let rays: Vec<usize> = (0..192).filter(walking).take(2).collect();
                 let ([gone, moved], true) = ([rays[0], rays[1]], rays.len() == 2) else { panic!("nobody walks") };
                 let pixel = |ray: usize| ((ray % 16) as u32, (ray / 16) as u32);
                 let (x, y) = pixel(gone);
-                session.edit(Stream::State, STATE_TAG, x, y, state::BACKGROUND).await.expect("an edit");
-                session.edit(Stream::State, STATE_TAG, x, y, state::BACKGROUND).await.expect("the same again");
+                session.edit(streams::STATE, STATE_TAG, x, y, states::BACKGROUND).await.expect("an edit");
+                session.edit(streams::STATE, STATE_TAG, x, y, states::BACKGROUND).await.expect("the same again");
                 let (x, y) = pixel(moved);
-                session.edit(Stream::State, STATE_CELL, x, y, 0).await.expect("an edit");
+                session.edit(streams::STATE, STATE_CELL, x, y, 0).await.expect("an edit");
                 assert_eq!(session.edits().len(), 2);
                 assert_eq!(
-                    session.renderer().live()[state::BACKGROUND as usize],
-                    1 + before.layer(0).iter().filter(|&&t| t == state::BACKGROUND).count() as u32
+                    session.renderer().live()[states::BACKGROUND as usize],
+                    1 + before.layer(0).iter().filter(|&&t| t == states::BACKGROUND).count() as u32
                 );
                 assert_eq!(session.known().len(), place, "what was to come is not what will come");
 
@@ -172,8 +175,8 @@ fn an_edit_is_made_again_wherever_one_goes() {
                 while go(&mut session, Target::Next).await == place + seen.len() {
                     seen.push(streams(&session).await);
                 }
-                let changed = session.stream(Stream::Color).await.expect("colours");
-                let hit = session.stream(Stream::Hit).await.expect("hits");
+                let changed = session.stream(streams::COLOR).await.expect("colours");
+                let hit = session.stream(streams::HIT).await.expect("hits");
                 assert_eq!(hit.get(2, gone), u32::MAX, "{name} {way}: it hit nothing");
                 for ray in (0..192).filter(|ray| ![gone, moved].contains(ray)) {
                     assert_eq!(changed.get(0, ray), image.get(0, ray), "{name} {way}: only what was changed");
@@ -192,10 +195,10 @@ fn an_edit_is_made_again_wherever_one_goes() {
 
                 session.clear_edits(&mut go_on).await.expect("no edits");
                 assert_eq!(go(&mut session, Target::End).await, last);
-                assert!(session.stream(Stream::Color).await.expect("colours") == image, "{name} {way}: as before");
-                let outside = session.edit(Stream::Hit, 0, 16, 0, 0).await;
+                assert!(session.stream(streams::COLOR).await.expect("colours") == image, "{name} {way}: as before");
+                let outside = session.edit(streams::HIT, 0, 16, 0, 0).await;
                 assert!(matches!(outside, Err(RenderError::NoPixel { .. })), "{outside:?}");
-                let deep = session.edit(Stream::Hit, 3, 0, 0, 0).await;
+                let deep = session.edit(streams::HIT, 3, 0, 0, 0).await;
                 assert!(matches!(deep, Err(RenderError::NoLayer { .. })), "{deep:?}");
                 assert!(session.edits().is_empty());
             });

@@ -1,8 +1,10 @@
 //! Robust numerics against f64 brute force: no missed, false or wrong hit but ties, on any scene.
 
+use raystep_kernels::programs::closest_hit::states::TRAV;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::tables::state::TRAV;
-use raystep_kernels::tables::stream::{STATE_T, STATE_TAG};
+use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule, Stream};
 use raystep_lab::judge::Judge;
 use raystep_lab::reference::{Verdict, possible};
@@ -78,7 +80,7 @@ fn the_papers_numerics_lose_rays_where_theory_says_so() {
     let without = traced(&scene, &options, &Device::Gpu(gpu()));
     let all: Vec<usize> = (0..512 * 512).collect();
     let [in_grid, at_edges] = [&with_grid, &without].map(|renderer| mistakes_among(renderer, &all));
-    let (origins, directions) = (values(&with_grid, Stream::RayOrigin), values(&with_grid, Stream::RayDirection));
+    let (origins, directions) = (values(&with_grid, streams::RAY_ORIGIN), values(&with_grid, streams::RAY_DIRECTION));
     let ray = |ray: usize| [&origins, &directions].map(|s| [0, 1, 2].map(|axis| s.get_f32(axis, ray)));
 
     for mistake in &at_edges {
@@ -146,7 +148,7 @@ fn each_rule_left_out_is_missed() {
             let mut renderer = Renderer::new(&scene, &options, &Device::Gpu(gpu.clone())).await.expect("a renderer");
             let mut kept = 0;
             while renderer.step().await.expect("a pass").is_some() {
-                let state = renderer.values(Stream::State).await.expect("values");
+                let state = renderer.values(streams::STATE).await.expect("values");
                 let waits = |ray: &usize| state.get(STATE_TAG, *ray) == TRAV && state.get_f32(STATE_T, *ray) < INF;
                 kept += (0..256 * 256).filter(waits).count();
             }

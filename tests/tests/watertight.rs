@@ -1,5 +1,6 @@
 //! No ray gets between two triangles that share an edge, nor out at the last cell.
 
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Accelerator, GridSize, Stream};
 use raystep_tests::ways::FAST;
@@ -34,7 +35,7 @@ fn walls_that_are_the_bounds_lose_no_ray() {
             for way in FAST.iter().filter(|way| way.accelerator == Accelerator::Grid) {
                 let mut options = way.of(&options(&scene, 256, 256));
                 (options.shade, options.grid) = (false, GridSize::Cells(cells));
-                let hit = values(&traced(&scene, &options, &device), Stream::Hit);
+                let hit = values(&traced(&scene, &options, &device), streams::HIT);
                 // The room is open behind the camera only; every ray meets a wall.
                 let lost = hit.layer(2).iter().filter(|&&t| t == NO_TRIANGLE).count();
                 assert_eq!(lost, 0, "{name} {cells:?} {way}");

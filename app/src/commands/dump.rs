@@ -3,6 +3,7 @@
 mod left_out;
 mod wanted;
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -11,7 +12,8 @@ use clap::{Args, ValueEnum};
 use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
-use raystep_kernels::tables::stream::{STREAMS, StreamInfo};
+use raystep_kernels::programs::closest_hit::streams::STREAMS;
+use raystep_kernels::tables::stream::StreamInfo;
 use raystep_kernels::{Kernel, Pass, Stream, StreamData};
 use serde::Serialize;
 
@@ -166,7 +168,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
     let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
-        options.counters = args.counters || args.stream.contains(&Wanted::Stream(Stream::Counters));
+        options.counters = args.counters || args.stream.contains(&Wanted::Stream(streams::COUNTERS));
         let needs_shading = |s: &StreamInfo| is_wanted(s.stream) && needs_shading(s.stream, options.schedule);
         options.shade = STREAMS.iter().any(needs_shading) || options.samples.count > 1;
     })?;

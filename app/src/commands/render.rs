@@ -1,5 +1,6 @@
 //! `raystep render`
 
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use std::io::Cursor;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -147,12 +148,12 @@ fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<O
     }
     let (mut all, mut before) = (Vec::new(), CounterSums::default());
     while let Some(pass) = chosen.wait(renderer.step())? {
-        if matches!(pass.kernel, Kernel::Setup | Kernel::Fused) {
+        if matches!(pass.kernel, kernels::SETUP | kernels::FUSED) {
             // They count from 0 in every sample.
             before = CounterSums::default();
         }
         let after =
-            CounterSums::of(&chosen.wait(renderer.values(Stream::Counters))?, renderer.plan()).unwrap_or_default();
+            CounterSums::of(&chosen.wait(renderer.values(streams::COUNTERS))?, renderer.plan()).unwrap_or_default();
         all.push(PassWork {
             cells_visited: after.cells_visited.saturating_sub(before.cells_visited),
             triangles_tested: after.triangles_tested.saturating_sub(before.triangles_tested),
@@ -194,10 +195,10 @@ fn judge(report: &Report, running: &Running) -> Result<(), Error> {
 }
 
 fn counters(running: &Running) -> Result<Option<CounterSums>, Error> {
-    if !running.renderer.plan().has_stream(Stream::Counters) {
+    if !running.renderer.plan().has_stream(streams::COUNTERS) {
         return Ok(None);
     }
-    let values = running.chosen.wait(running.renderer.values(Stream::Counters))?;
+    let values = running.chosen.wait(running.renderer.values(streams::COUNTERS))?;
     Ok(CounterSums::of(&values, running.renderer.plan()))
 }
 

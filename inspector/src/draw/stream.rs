@@ -1,6 +1,7 @@
 //! A stream as a picture, drawn from the stream's own texture: nothing is read back for it.
 
 use raystep_kernels::Stream;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::state;
 use raystep_kernels::tables::stream::Texel;
@@ -92,11 +93,11 @@ impl Meaning {
     #[must_use]
     pub fn of(stream: Stream, layer: Option<usize>) -> Self {
         let Some(layer) = layer else {
-            return if stream == Stream::Color { Self::Color } else { Self::of(stream, Some(0)) };
+            return if stream == streams::COLOR { Self::Color } else { Self::of(stream, Some(0)) };
         };
         match (stream, layer) {
-            (Stream::State, 0) => Self::Tag,
-            (Stream::State, 3) | (Stream::Counters, _) => Self::Count,
+            (streams::STATE, 0) => Self::Tag,
+            (streams::STATE, 3) | (streams::COUNTERS, _) => Self::Count,
             _ if stream.is_float_layer(layer) => Self::Scalar,
             _ => Self::Id,
         }

@@ -1,6 +1,7 @@
 //! Whether the rays of a session's run can be judged.
 
 use raystep_kernels::Plan;
+use raystep_kernels::programs::closest_hit::streams;
 
 use super::Edit;
 
@@ -29,7 +30,7 @@ mod tests {
         let rays = RaySource::Camera { camera: scene.cameras[0].clone(), width: 16, height: 16 };
         let (plan, _) = Plan::new(&scene, &Options::new(rays), &Limits::CPU).expect("a plan");
         assert_eq!(why_not(&plan, &[], None), None);
-        let edit = Edit { place: 3, stream: Stream::Hit, layer: 0, x: 1, y: 1, bits: 0 };
+        let edit = Edit { place: 3, stream: streams::HIT, layer: 0, x: 1, y: 1, bits: 0 };
         assert!(why_not(&plan, &[edit], None).is_some_and(|why| why.contains("by hand")));
         assert!(why_not(&plan, &[], Some(3)).is_some_and(|why| why.contains("twins")));
     }

@@ -10,6 +10,7 @@ use crate::session::request::Request;
 use crate::session::{Model, Target, Way};
 use raystep_kernels::Stream;
 use raystep_kernels::export::trace::TraceRow;
+use raystep_kernels::programs::closest_hit::streams;
 
 impl Inspector {
     /// Whether a command would do anything now.
@@ -74,7 +75,7 @@ impl Inspector {
             C::GoToPixel => self.dialog = Some(Dialog::Pixel(String::new())),
             C::TypeRay => self.dialog = Some(Dialog::Ray(String::new())),
             C::EditTexel => {
-                let stream = self.shared.stream.unwrap_or(Stream::State);
+                let stream = self.shared.stream.unwrap_or(streams::STATE);
                 self.dialog = Some(Dialog::Edit(stream, 0, String::new()));
             }
             C::CopyLink => {

@@ -1,5 +1,6 @@
 //! What is taken away: exports, handed to the host to be saved.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::any::Any;
 use std::ops::ControlFlow;
 
@@ -32,7 +33,7 @@ impl Inspector {
             Command::ExportTrace => self.take_passes(exports::passes_trace),
             Command::ExportRay => self.model.life.as_ref().map(|life| exports::life_csv(life)),
             Command::ExportExr | Command::ExportNpy => {
-                let stream = self.shared.stream.unwrap_or(Stream::State);
+                let stream = self.shared.stream.unwrap_or(streams::STATE);
                 let write = if command == Command::ExportExr { exports::stream_exr } else { exports::stream_npy };
                 self.model.ask(Request::Job(EXPORTING, read(stream, write)));
                 None

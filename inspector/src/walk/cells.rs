@@ -4,6 +4,7 @@ use glam::DVec3;
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, TraceRow};
 use raystep_kernels::numbers::real::Vec3;
+use raystep_kernels::programs::closest_hit::{kernels, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::shared::grid_walk::smallest_axis;
@@ -75,15 +76,15 @@ pub struct Crossing {
 impl WalkGeometry {
     /// Follows a row that may bring the ray to another cell, or out of the grid.
     pub(super) fn move_to_cell(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
-        let starts = is_kernel(row, Kernel::Setup);
-        let steps = is_kernel(row, Kernel::TraverseGrid) || is_kernel(row, Kernel::Walk);
+        let starts = is_kernel(row, kernels::SETUP);
+        let steps = is_kernel(row, kernels::TRAVERSE_GRID) || is_kernel(row, kernels::WALK);
         if !starts && !steps {
             return;
         }
         let after = &row.after;
         let moved = starts || before.is_none_or(|before| before.cell_index != after.cell_index);
         // A pass of many steps may end the walk in the cell where it was, or in another one.
-        let left = is_kernel(row, Kernel::TraverseGrid) || moved || after.tag == state::BACKGROUND;
+        let left = is_kernel(row, kernels::TRAVERSE_GRID) || moved || after.tag == states::BACKGROUND;
         if steps && left {
             self.leave_cell();
         }

@@ -2,6 +2,7 @@
 
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::Trace;
+use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::scene_data::SceneData;
 
 use super::{is_kernel, is_walking};
@@ -47,7 +48,7 @@ pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
         if let Some(triangle) = row.tested {
             return Some(EventKind::Test(triangle));
         }
-        let moves = [Kernel::Setup, Kernel::TraverseGrid, Kernel::TraverseBvh, Kernel::Walk];
+        let moves = [kernels::SETUP, kernels::TRAVERSE_GRID, kernels::TRAVERSE_BVH, kernels::WALK];
         if !moves.iter().any(|&kernel| is_kernel(row, kernel)) || !(has_grid || data.features.bvh) {
             return None;
         }

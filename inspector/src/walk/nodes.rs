@@ -2,6 +2,7 @@
 
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, TraceRow};
+use raystep_kernels::programs::closest_hit::{kernels, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::parent_of;
 use raystep_kernels::shared::constants::NO_NODE;
@@ -39,7 +40,7 @@ impl WalkGeometry {
         self.current_node = is_walking(after).then_some(after.cell_index);
         let current = self.current_node.and_then(|node| data.bvh_nodes.get(node as usize));
         self.current_box = current.map(|node| Aabb::of_f32(node.min, node.max));
-        let Some(before) = before.filter(|_| is_kernel(row, Kernel::TraverseBvh)) else { return };
+        let Some(before) = before.filter(|_| is_kernel(row, kernels::TRAVERSE_BVH)) else { return };
         let index = before.cell_index;
         let Some(node) = data.bvh_nodes.get(index as usize) else { return };
         let parent = parent(data, index);
@@ -51,7 +52,7 @@ impl WalkGeometry {
         let went_down = after.previous == Some(index)
             && (after.cell_index == node.first || Some(after.cell_index) == node.first.checked_add(1))
             && is_walking(after);
-        let in_leaf = matches!(after.tag, state::ISECT_HIT | state::ISECT_NO_HIT);
+        let in_leaf = matches!(after.tag, states::ISECT_HIT | states::ISECT_NO_HIT);
         let bounds = Aabb::of_f32(node.min, node.max);
         self.nodes.push(NodeVisit {
             row: i,

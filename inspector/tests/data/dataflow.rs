@@ -1,6 +1,7 @@
 //! The data flow as it is drawn: what the paper's Table 1 says, and nothing over anything else.
 
 use raystep_inspector::dataflow::{Access, DataFlow, Edge, Node, NodeKind};
+use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::{Accelerator, Kernel, Limits, Options, Plan, ScheduleKind, Stream};
 use raystep_scenes::generate;
 
@@ -20,14 +21,14 @@ fn the_papers_schedule_is_drawn_as_table_1_says() {
     let table: [(Kernel, &[(Stream, Access)]); 5] = [
         // Hit is set to "no triangle" with the ray, and state read so that a ray is made once; the paper discards
         // fragments instead.
-        (Kernel::Generate, &[(RayOrigin, Write), (RayDirection, Write), (State, Update), (Hit, Write)]),
+        (kernels::GENERATE, &[(RayOrigin, Write), (RayDirection, Write), (State, Update), (Hit, Write)]),
         // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
-        (Kernel::Setup, &[(State, Update), (TMax, Write)]),
+        (kernels::SETUP, &[(State, Update), (TMax, Write)]),
         // In the paper hit is written whole by every pass; here only where a triangle is nearer.
-        (Kernel::Intersect, &[(State, Update), (Hit, Update)]),
-        (Kernel::TraverseGrid, &[(State, Update), (TMax, Update)]),
+        (kernels::INTERSECT, &[(State, Update), (Hit, Update)]),
+        (kernels::TRAVERSE_GRID, &[(State, Update), (TMax, Update)]),
         // The state becomes DONE, so that the live counts tell when the image is complete.
-        (Kernel::Shade, &[(State, Update), (Color, Write)]),
+        (kernels::SHADE, &[(State, Update), (Color, Write)]),
     ];
     let kernels: Vec<_> =
         graph.nodes.iter().map_while(|n| if let NodeKind::Kernel(k) = n.kind { Some(k) } else { None }).collect();
@@ -44,8 +45,8 @@ fn the_papers_schedule_is_drawn_as_table_1_says() {
         assert_eq!(written, expected, "{kernel:?}");
     }
     let reads = |kernel, label: &str| graph.of(kernel).any(|(n, access)| n.label == label && access == Access::Read);
-    assert!(reads(Kernel::Intersect, "ray_origin") && reads(Kernel::Intersect, "vertices"));
-    assert!(reads(Kernel::TraverseGrid, "grid") && !reads(Kernel::TraverseGrid, "grid_items"));
+    assert!(reads(kernels::INTERSECT, "ray_origin") && reads(kernels::INTERSECT, "vertices"));
+    assert!(reads(kernels::TRAVERSE_GRID, "grid") && !reads(kernels::TRAVERSE_GRID, "grid_items"));
     assert!(!graph.nodes.iter().any(|n| n.label == "sent" || n.label == "fill"), "the executor's books are no data");
 }
 
@@ -143,13 +144,13 @@ fn as_few_edges_cross_as_any_order_of_the_streams_allows() {
 fn the_svg_has_every_node_and_shows_where_the_run_is() {
     let scene = generate::cornell_box();
     let graph = graph(&options(&scene, Accelerator::Grid, ScheduleKind::Second, [8, 8]), &scene);
-    let svg = graph.svg(Some(Kernel::Intersect), &[(Kernel::Intersect, 4096), (Kernel::Setup, 77)]);
+    let svg = graph.svg(Some(kernels::INTERSECT), &[(kernels::INTERSECT, 4096), (kernels::SETUP, 77)]);
     for node in &graph.nodes {
         assert!(svg.contains(&format!(">{}</text>", node.label)), "{}", node.label);
     }
     assert!(svg.contains(">4096 rays</text>") && svg.contains(">77 rays</text>"));
     assert_eq!(svg.matches("stroke-width=\"4\"").count(), 1, "one kernel is the current one");
-    let faded = graph.edges.len() - graph.of(Kernel::Intersect).count();
+    let faded = graph.edges.len() - graph.of(kernels::INTERSECT).count();
     assert_eq!(svg.matches("stroke=\"#dcdcdc\"").count(), faded);
     assert_eq!(graph.svg(None, &[]).matches("stroke=\"#dcdcdc\"").count(), 0);
 }

@@ -1,5 +1,6 @@
 //! What is taken away has the formats of the command line, and names that every file system takes.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_inspector::exports::{self, Export};
@@ -59,7 +60,7 @@ fn exports_are_the_command_lines_formats() {
     let slices = events["traceEvents"].as_array().expect("events").iter().filter(|e| e["cat"] == "pass");
     assert_eq!(slices.count(), passes.len());
 
-    let hit = pollster::block_on(renderer.values(Stream::Hit)).expect("a stream");
+    let hit = pollster::block_on(renderer.values(streams::HIT)).expect("a stream");
     let npy = exports::stream_npy(&hit, Some(41)).expect("npy");
     assert_eq!((named(&npy).as_str(), npy.bytes.len()), ("pass-000041.hit.npy", 128 + 4 * 3 * 63));
     let exr = exports::stream_exr(&hit, None).expect("EXR");

@@ -1,7 +1,8 @@
 //! Links come back as what they were written from, and no text makes reading one panic.
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
-use raystep_kernels::tables::stream::STREAMS;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::STREAMS;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
 
 struct Random(fastrand::Rng);
@@ -118,7 +119,7 @@ fn a_link_reads_as_the_options_do() {
         accelerator: Accelerator::Bvh,
         ray: Some(LinkRay::Pixel([270, 256])),
         pass: Some(41),
-        stream: Some(LinkStream { stream: Stream::TMax, layer: Some(0) }),
+        stream: Some(LinkStream { stream: streams::TMAX, layer: Some(0) }),
         ..Link::default()
     };
     let text = "raystep:1?scene=scenes/cornell-box.gltf&accelerator=bvh&pixel=270,256&pass=41&stream=tmax.x";

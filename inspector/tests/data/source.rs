@@ -1,6 +1,7 @@
 //! The marks beside a kernel's lines: no condition without a meaning, and over whole traces they agree with what the
 //! ray did.
 
+use raystep_kernels::programs::closest_hit::kernels;
 use std::collections::BTreeSet;
 
 use raystep_inspector::source::conditions::CONDITIONS;
@@ -106,7 +107,7 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
                     let features = &renderer.plan().features;
                     let lines = kernel_file(kernel, features, Some((before, after)));
                     let what = || format!("{accelerator} {} {} > {}", kernel.name(), before.state, after.state);
-                    if kernel == Kernel::Accumulate {
+                    if kernel == kernels::ACCUMULATE {
                         // The last sample leaves the tag alone, and gives the mean to the picture.
                         let moved = |part: &str| !ran(&lines, part).is_empty();
                         assert_eq!(moved("textureStore(state, texel, 0, vec4u(UNWRITTEN))"), after.tag == 0);
@@ -123,17 +124,17 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
                         .find(|s| store.contains(&format!("({})", s.name)));
                     assert!(named.is_none_or(|s| s.tag == after.tag), "{}: {store}", what());
                     let moved = |part: &str| !ran(&lines, part).is_empty();
-                    if kernel == Kernel::Intersect {
+                    if kernel == kernels::INTERSECT {
                         assert_eq!(moved("item += 1u"), after.item == before.item + 1, "{}", what());
                         assert_eq!(moved("tag = ISECT_HIT;"), after.triangle != before.triangle, "{}", what());
                         let has_ended =
                             moved("tag = list_ended(") || moved("tag = TRAV;") || moved("tag = select(BACK");
                         assert_eq!(has_ended, after.tag < 3 || after.tag > 4, "{}", what());
                     }
-                    if kernel == Kernel::TraverseGrid {
+                    if kernel == kernels::TRAVERSE_GRID {
                         assert_eq!(moved("textureStore(tmax"), after.tag == 3 || after.tag == 4, "{}", what());
                     }
-                    if kernel == Kernel::Shade {
+                    if kernel == kernels::SHADE {
                         assert_eq!(moved("surface_normal(triangle, u, v)"), before.tag == 5, "{}", what());
                     }
                     ways += 1;
@@ -191,7 +192,7 @@ fn what_the_streams_do_not_tell_is_unknown() {
     let options = options(&scene, Accelerator::Grid, ScheduleKind::Second, [3, 2]);
     let mut seen = 0;
     follow(&scene, &options, |renderer, kernel, before, after| {
-        if kernel != Kernel::Shade {
+        if kernel != kernels::SHADE {
             return;
         }
         let lines = kernel_file(kernel, &renderer.plan().features, Some((before, after)));

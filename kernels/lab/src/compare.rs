@@ -1,6 +1,7 @@
 //! Two runs' values of a stream, one against the other: in numbers, ray by ray, and as a signed picture.
 
 use raystep_kernels::numbers::real::ulps;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::{Stream, StreamData};
 
@@ -157,8 +158,8 @@ mod tests {
     #[test]
     fn floats_are_as_far_apart_as_their_last_places_say() {
         let next = 1f32.next_up();
-        let a = stream(Stream::TMax, &[&[1.0, 2.0, 0.0, INF, 5.0, 1.0], &[0.0; 6], &[INF; 6]]);
-        let b = stream(Stream::TMax, &[&[next, 2.0, -0.0, 3.0, 4.5, next.next_up()], &[0.0; 6], &[INF; 6]]);
+        let a = stream(streams::TMAX, &[&[1.0, 2.0, 0.0, INF, 5.0, 1.0], &[0.0; 6], &[INF; 6]]);
+        let b = stream(streams::TMAX, &[&[next, 2.0, -0.0, 3.0, 4.5, next.next_up()], &[0.0; 6], &[INF; 6]]);
         let compared = Comparison::new(&a, &b).expect("comparable");
         let [x, y, z] = compared.layers()[..] else { panic!("three layers") };
         assert_eq!((x.differing, x.one_sided, x.first), (5, 1, Some(0)));
@@ -176,7 +177,7 @@ mod tests {
 
     #[test]
     fn ids_are_the_same_or_not() {
-        let (a, mut b) = (stream(Stream::Hit, &[&[0.5; 4][..]; 3]), stream(Stream::Hit, &[&[0.5; 4][..]; 3]));
+        let (a, mut b) = (stream(streams::HIT, &[&[0.5; 4][..]; 3]), stream(streams::HIT, &[&[0.5; 4][..]; 3]));
         b.bits[2 * 4 + 2] = u32::MAX;
         let compared = Comparison::new(&a, &b).expect("comparable");
         assert_eq!(compared.difference(2), Difference::Differs(vec![false, false, true, false]));
@@ -187,9 +188,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_compared_is_said() {
-        let a = stream(Stream::Hit, &[&[0.5; 4][..]; 3]);
-        let other = stream(Stream::TMax, &[&[0.5; 4][..]; 3]);
-        let small = stream(Stream::Hit, &[&[0.5; 3][..]; 3]);
+        let a = stream(streams::HIT, &[&[0.5; 4][..]; 3]);
+        let other = stream(streams::TMAX, &[&[0.5; 4][..]; 3]);
+        let small = stream(streams::HIT, &[&[0.5; 3][..]; 3]);
         let turned = StreamData { width: 1, height: 4, ..a.clone() };
         let error = |b| Comparison::new(&a, b).expect_err("not comparable").to_string();
         assert_eq!(error(&other), "stream \"hit\" cannot be compared with stream \"tmax\"");

@@ -6,10 +6,12 @@
 
 mod map;
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
-use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T};
+use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::{Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
 
 use crate::rounding::{Rounding, judging_bytes};
@@ -105,9 +107,9 @@ fn written(plan: &Plan, pass: &Pass) -> Vec<Stream> {
 /// Whether a component says which way a ray goes: its state, its cell or node, its place in a list, its triangle.
 fn is_decision(stream: Stream, layer: usize) -> bool {
     match stream {
-        Stream::State => layer != STATE_T,
-        Stream::Hit => layer == HIT_TRIANGLE,
-        Stream::Previous => true,
+        streams::STATE => layer != STATE_T,
+        streams::HIT => layer == HIT_TRIANGLE,
+        streams::PREVIOUS => true,
         _ => false,
     }
 }
@@ -185,7 +187,7 @@ mod tests {
             assert!(renderer.next_kernel().is_none());
             assert_eq!((map.width(), map.height()), (12, 9));
             // origin, direction, state, hit, colour; and for each component seven words.
-            let components = if renderer.plan().has_stream(Stream::TMax) { 19 } else { 16 };
+            let components = if renderer.plan().has_stream(streams::TMAX) { 19 } else { 16 };
             let bytes = divergence_bytes(renderer.plan()) / (12 * 9);
             assert_eq!(bytes, 4 * 7 * components + 65 + 8 + 4 * (3 * components + 3));
         });

@@ -8,12 +8,16 @@
 mod passes;
 mod report;
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_kernels::numbers::parallel::map_ranges;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::renderer::{RenderError, Renderer, found};
 use raystep_kernels::tables::state::is_decided;
-use raystep_kernels::tables::stream::{STATE_T, STATE_TAG, Stream, StreamData};
+use raystep_kernels::tables::stream::STATE_TAG;
+use raystep_kernels::tables::stream::Stream;
+use raystep_kernels::tables::stream::StreamData;
 
 use crate::rays::Random;
 use crate::reference::{BruteForce, Candidates, Mistake, candidates_of};
@@ -50,10 +54,10 @@ impl<'a> Traced<'a> {
     /// Where the plan left one of them out, or the device fails.
     pub async fn read(renderer: &'a Renderer) -> Result<Self, RenderError> {
         let streams = [
-            renderer.values(Stream::RayOrigin).await?,
-            renderer.values(Stream::RayDirection).await?,
-            renderer.values(Stream::State).await?,
-            renderer.values(Stream::Hit).await?,
+            renderer.values(streams::RAY_ORIGIN).await?,
+            renderer.values(streams::RAY_DIRECTION).await?,
+            renderer.values(streams::STATE).await?,
+            renderer.values(streams::HIT).await?,
         ];
         Ok(Self { renderer, streams })
     }
@@ -91,9 +95,9 @@ impl<'a> Traced<'a> {
         };
         Some(Hit {
             triangle,
-            t: exact(Stream::State, STATE_T, t),
-            u: exact(Stream::Hit, 0, hit.get_f32(0, ray)),
-            v: exact(Stream::Hit, 1, hit.get_f32(1, ray)),
+            t: exact(streams::STATE, STATE_T, t),
+            u: exact(streams::HIT, 0, hit.get_f32(0, ray)),
+            v: exact(streams::HIT, 1, hit.get_f32(1, ray)),
         })
     }
 

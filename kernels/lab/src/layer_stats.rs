@@ -1,5 +1,6 @@
 //! Statistics of one layer of a stream: what a picture's range, histogram and legend need.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::collections::HashSet;
 
 use raystep_kernels::Stream;
@@ -149,14 +150,15 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T};
+    use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
+    use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
     use super::*;
 
     #[test]
     fn floats_without_a_place_on_the_scale_are_counted_apart() {
         let values = [3.0, f32::NAN, -1.0, f32::INFINITY, f32::NEG_INFINITY, INF, INF, -f32::NAN, 1.0];
-        let stats = LayerStats::of(Stream::State, STATE_T, &values.map(f32::to_bits));
+        let stats = LayerStats::of(streams::STATE, STATE_T, &values.map(f32::to_bits));
         assert_eq!(stats.others, Others::Float { nan: 2, pos_inf: 1, neg_inf: 1, at_inf: 2 });
         assert_eq!((stats.texels, stats.ordinary, stats.unwritten), (9, 3, 2), "no t yet is INF");
         let span = stats.span.expect("three values");
@@ -170,7 +172,7 @@ mod tests {
     #[test]
     fn the_whole_range_of_f32_fits() {
         let values = [f32::MIN, f32::MAX, f32::MIN_POSITIVE].map(f32::to_bits);
-        let span = LayerStats::of(Stream::Color, 0, &values).span.expect("values");
+        let span = LayerStats::of(streams::COLOR, 0, &values).span.expect("values");
         assert_eq!((span.min, span.max), (f64::from(f32::MIN), f64::from(f32::MAX)));
         assert_eq!((span.histogram[0], span.histogram[BINS / 2], span.histogram[BINS - 1]), (1, 1, 1));
     }
@@ -179,7 +181,7 @@ mod tests {
     fn percentiles_are_those_of_the_sorted_values() {
         // 0 to 999 in a mixed order: 7 has no divisor in common with 1000.
         let values: Vec<u32> = (0..1000u32).map(|i| (7 * i % 1000) as f32).map(f32::to_bits).collect();
-        let span = LayerStats::of(Stream::TMax, 0, &values).span.expect("values");
+        let span = LayerStats::of(streams::TMAX, 0, &values).span.expect("values");
         assert_eq!(span.percentiles, [9.0, 499.0, 989.0]);
         assert_eq!(span.histogram.iter().sum::<u64>(), 1000);
         assert!(span.histogram.iter().all(|n| (3..=4).contains(n)), "{:?}", span.histogram);
@@ -187,24 +189,24 @@ mod tests {
 
     #[test]
     fn ids_are_counted_apart_from_none() {
-        let stats = LayerStats::of(Stream::Hit, HIT_TRIANGLE, &[5, NONE, 7, 5, NONE, NONE]);
+        let stats = LayerStats::of(streams::HIT, HIT_TRIANGLE, &[5, NONE, 7, 5, NONE, NONE]);
         assert_eq!(stats.others, Others::Integer { none: 3, distinct: Some(2) });
         assert_eq!((stats.ordinary, stats.unwritten), (3, 3));
         assert_eq!(stats.span.map(|s| (s.min, s.max)), Some((5.0, 7.0)));
 
         let most = MOST_DISTINCT as u32;
         for (ids, distinct) in [(most, Some(MOST_DISTINCT)), (most + 1, None), (2 * most, None)] {
-            let stats = LayerStats::of(Stream::Hit, HIT_TRIANGLE, &(0..ids).collect::<Vec<_>>());
+            let stats = LayerStats::of(streams::HIT, HIT_TRIANGLE, &(0..ids).collect::<Vec<_>>());
             assert_eq!(stats.others, Others::Integer { none: 0, distinct });
         }
     }
 
     #[test]
     fn nothing_has_no_range() {
-        assert_eq!(LayerStats::of(Stream::Color, 0, &[]).span, None);
-        let none = LayerStats::of(Stream::Previous, 0, &[NONE; 4]);
+        assert_eq!(LayerStats::of(streams::COLOR, 0, &[]).span, None);
+        let none = LayerStats::of(streams::PREVIOUS, 0, &[NONE; 4]);
         assert_eq!((none.ordinary, none.span), (0, None));
-        let one = LayerStats::of(Stream::Color, 0, &[2.5f32.to_bits()]).span.expect("a value");
+        let one = LayerStats::of(streams::COLOR, 0, &[2.5f32.to_bits()]).span.expect("a value");
         assert_eq!((one.min, one.max, one.percentiles, one.histogram[0]), (2.5, 2.5, [2.5; 3], 1));
     }
 }

@@ -1,5 +1,6 @@
 //! One-step parity: the twin starts from the GPU's streams before a pass, and both must agree after it.
 
+use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
@@ -113,13 +114,13 @@ pub async fn compare(
     let mut found = Parity::default();
 
     // What no kernel writes keeps the poison on both sides and shows where it should not.
-    let makes_rays = renderer.next_kernel() == Some(Kernel::Generate) || renderer.plan().features.eye_rays;
+    let makes_rays = renderer.next_kernel() == Some(kernels::GENERATE) || renderer.plan().features.eye_rays;
     let mut before = Vec::new();
     for &stream in &streams {
         let mut values = renderer.values(stream).await?;
         // Some streams begin with what they are cleared to: which kernel is next, how many samples there are, and that
         // no search has begun.
-        if makes_rays && ![Stream::State, Stream::Accumulated, Stream::Scan].contains(&stream) {
+        if makes_rays && ![streams::STATE, streams::ACCUMULATED, streams::SCAN].contains(&stream) {
             values.bits.fill(0x7fc0_dead);
             in_both(renderer.write(&values), stream)?;
         }
@@ -157,14 +158,14 @@ fn record(
 ) -> Result<(), OutOfMemory> {
     found.rays += u64::from(pass.rays_in);
     // A kernel that makes its rays itself finds them unwritten.
-    let unwritten = [state::UNWRITTEN, state::TRAV, state::ISECT_NO_HIT, state::ISECT_HIT];
-    let active = if rules.data.features.eye_rays && pass.kernel == Kernel::Fused {
+    let unwritten = [states::UNWRITTEN, states::TRAV, states::ISECT_NO_HIT, states::ISECT_HIT];
+    let active = if rules.data.features.eye_rays && pass.kernel == kernels::FUSED {
         &unwritten[..]
     } else {
         pass.kernel.info().takes
     };
-    let tags = after.iter().find(|(s, _)| s.stream == Stream::State).map(|(s, _)| s.layer(0)).unwrap_or_default();
-    let tags_before = rules.before.iter().find(|s| s.stream == Stream::State).map(|s| s.layer(0)).unwrap_or_default();
+    let tags = after.iter().find(|(s, _)| s.stream == streams::STATE).map(|(s, _)| s.layer(0)).unwrap_or_default();
+    let tags_before = rules.before.iter().find(|s| s.stream == streams::STATE).map(|s| s.layer(0)).unwrap_or_default();
     let mut counts = StateCounts::default();
     for (ray, &tag) in tags.iter().enumerate() {
         counts[tag as usize % state::COUNT] += 1;

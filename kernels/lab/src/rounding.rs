@@ -9,19 +9,25 @@ mod nudge;
 use raystep_kernels::Kernel;
 use raystep_kernels::numbers::real::{Vec3, ulps};
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::closest_hit::streams::ACCUMULATED_SAMPLES;
+use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
+use raystep_kernels::programs::closest_hit::streams::STATE_ITEM;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::finite_inverse;
 use raystep_kernels::shared::camera::eye_ray;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::shared::grid_walk::smallest_axis;
 use raystep_kernels::shared::vector::smallest3;
-use raystep_kernels::tables::stream::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T, Stream, StreamData};
+use raystep_kernels::tables::stream::Stream;
+use raystep_kernels::tables::stream::StreamData;
 
 use crate::reference::{Possible, possible};
 pub use judge::{Component, Judged, Verdict, judging_bytes};
 
 /// What a ray is made of.
-const RAY: [Stream; 2] = [Stream::RayDirection, Stream::RayOrigin];
+const RAY: [Stream; 2] = [streams::RAY_DIRECTION, streams::RAY_ORIGIN];
 
 /// The rays before a pass, and what f32 can decide about them.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +65,7 @@ impl Rounding<'_> {
 
     /// Most steps of a ray in the pass.
     fn steps(&self) -> u32 {
-        if self.kernel == Kernel::Walk { self.data.info.steps } else { 1 }
+        if self.kernel == kernels::WALK { self.data.info.steps } else { 1 }
     }
 
     /// The largest difference that WGSL's rounding rules allow for a float after one kernel: a division may
@@ -81,17 +87,17 @@ impl Rounding<'_> {
         let size = x.abs().max(y.abs()).max(1.0);
         let difference = f64::from((x - y).abs());
         match (stream, layer) {
-            (Stream::RayOrigin | Stream::RayDirection, _) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
-            (Stream::TMax, _) => ulps(a, b) <= 4 * u64::from(self.steps()),
-            (Stream::Place, 4..) | (Stream::Scan, 1..) => ulps(a, b) <= 4 * u64::from(self.data.features.turns),
-            (Stream::Hit, 0 | 1) => possible.is_some_and(|p| difference <= 2.0 * p.weight_bound),
-            (Stream::State, STATE_T) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
-            (Stream::Color, _) => {
+            (streams::RAY_ORIGIN | streams::RAY_DIRECTION, _) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
+            (streams::TMAX, _) => ulps(a, b) <= 4 * u64::from(self.steps()),
+            (streams::PLACE, 4..) | (streams::SCAN, 1..) => ulps(a, b) <= 4 * u64::from(self.data.features.turns),
+            (streams::HIT, 0 | 1) => possible.is_some_and(|p| difference <= 2.0 * p.weight_bound),
+            (streams::STATE, STATE_T) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
+            (streams::COLOR, _) => {
                 let cone = self.data.lights.iter().fold(1.0f32, |m, l| m.max(l.cone_scale));
-                let of_one_kernel = if self.kernel == Kernel::Accumulate { 4.0 } else { 64.0 * cone };
+                let of_one_kernel = if self.kernel == kernels::ACCUMULATE { 4.0 } else { 64.0 * cone };
                 (x - y).abs() <= of_one_kernel * f32::EPSILON * size
             }
-            (Stream::Accumulated, 0..ACCUMULATED_SAMPLES) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
+            (streams::ACCUMULATED, 0..ACCUMULATED_SAMPLES) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
             _ => false,
         }
     }
@@ -99,15 +105,15 @@ impl Rounding<'_> {
     /// The triangle that the pass tests, or `hit`, the one that a pass of many tests ends with, as f64 sees it.
     fn tested(&self, ray: usize, hit: u32) -> Option<Possible> {
         let (cell, item) =
-            (self.component(Stream::State, STATE_CELL, ray), self.component(Stream::State, STATE_ITEM, ray));
+            (self.component(streams::STATE, STATE_CELL, ray), self.component(streams::STATE, STATE_ITEM, ray));
         let [origin, direction] = self.ray(ray);
         let seen = |triangle| possible(&self.data.vertices, origin, direction, triangle);
         match self.kernel {
-            Kernel::Intersect => {
+            kernels::INTERSECT => {
                 let (first, count) = self.data.list(cell);
                 (item < count).then(|| seen(self.data.listed(first + item))).flatten()
             }
-            Kernel::Walk | Kernel::Fused => (hit < self.data.info.triangles).then(|| seen(hit)).flatten(),
+            kernels::WALK | kernels::FUSED => (hit < self.data.info.triangles).then(|| seen(hit)).flatten(),
             _ => None,
         }
     }
@@ -116,8 +122,8 @@ impl Rounding<'_> {
     fn grazes_a_box(&self, ray: usize, origin: [f64; 3], direction: [f64; 3]) -> bool {
         let [origin, direction] = [origin, direction].map(Vec3::<f64>::from);
         let inverse = finite_inverse(direction);
-        let nearest_t = f64::from(f32::from_bits(self.component(Stream::State, STATE_T, ray)));
-        let node = self.component(Stream::State, STATE_CELL, ray);
+        let nearest_t = f64::from(f32::from_bits(self.component(streams::STATE, STATE_T, ray)));
+        let node = self.component(streams::STATE, STATE_CELL, ray);
         let Some(node) = self.data.bvh_nodes.get(node as usize) else { return false };
         let growth = f64::from(self.data.growth);
         let meets = |by: f64| {
@@ -159,7 +165,7 @@ impl Rounding<'_> {
     /// Whether f32 cannot tell in which cell a leap over empty ones ends. It ends on a face of the empty cube: two
     /// faces that are crossed at nearly the same t are near the point where they are, too.
     fn leap_may_end_elsewhere(&self, ray: usize) -> bool {
-        let (grid, cell) = (&self.data.grid, self.component(Stream::State, STATE_CELL, ray));
+        let (grid, cell) = (&self.data.grid, self.component(streams::STATE, STATE_CELL, ray));
         let distance = self.data.empty_distance(cell);
         if distance <= 1 {
             return false;
@@ -179,21 +185,21 @@ impl Rounding<'_> {
         let [origin, direction] = self.ray(ray).map(|v| v.map(f64::from));
         let at = |t: f64| [0, 1, 2].map(|a| origin[a] + direction[a] * t);
         let by_a_triangle = |p: Possible| {
-            let exit = self.floats(Stream::TMax, ray).into_iter().fold(f32::INFINITY, f32::min);
-            let nearest = f32::from_bits(self.component(Stream::State, STATE_T, ray));
+            let exit = self.floats(streams::TMAX, ray).into_iter().fold(f32::INFINITY, f32::min);
+            let nearest = f32::from_bits(self.component(streams::STATE, STATE_T, ray));
             let close = |t: f32| (f64::from(t) - p.t).abs() <= 2.0 * p.t_bound;
             let in_cell = self.data.features.in_cell;
             !p.is_definite || close(exit) || close(nearest) || in_cell && self.near_plane(at(p.t), None)
         };
         match self.kernel {
-            Kernel::Setup => Some(self.walk_may_begin_elsewhere(ray)),
-            Kernel::Intersect => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
+            kernels::SETUP => Some(self.walk_may_begin_elsewhere(ray)),
+            kernels::INTERSECT => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
             // Many cells, boxes and triangles.
-            Kernel::Walk | Kernel::Fused => None,
-            Kernel::TraverseGrid if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
-            Kernel::TraverseBvh => Some(self.grazes_a_box(ray, origin, direction)),
+            kernels::WALK | kernels::FUSED => None,
+            kernels::TRAVERSE_GRID if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
+            kernels::TRAVERSE_BVH => Some(self.grazes_a_box(ray, origin, direction)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
-            Kernel::Generate | Kernel::TraverseGrid | Kernel::Shade | Kernel::Accumulate => Some(false),
+            kernels::GENERATE | kernels::TRAVERSE_GRID | kernels::SHADE | kernels::ACCUMULATE => Some(false),
         }
     }
 }

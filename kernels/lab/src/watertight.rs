@@ -1,9 +1,10 @@
 //! A closed mesh from inside: no ray may get out.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
+use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::stream::HIT_TRIANGLE;
 use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Renderer, Stream};
 use raystep_scenes::Scene;
 use raystep_scenes::generate::{self, GenerateError};
@@ -43,7 +44,7 @@ pub async fn misses(
         (options.shade, options.grid) = (false, grid);
         let mut renderer = Renderer::new(scene, &options, device).await?;
         renderer.run(|_| ControlFlow::Continue(())).await?;
-        let hit = renderer.values(Stream::Hit).await?;
+        let hit = renderer.values(streams::HIT).await?;
         let triangles = &hit.layer(HIT_TRIANGLE)[..renderer.plan().rays as usize];
         missed += triangles.iter().filter(|&&triangle| triangle == NO_TRIANGLE).count();
     }

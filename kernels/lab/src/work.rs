@@ -2,6 +2,7 @@
 
 mod lanes;
 
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Stream, StreamData};
@@ -75,7 +76,7 @@ impl Work {
 #[must_use]
 pub fn costs(counters: &StreamData, rays: usize, by: Measure) -> Option<Vec<u32>> {
     let layer = |layer: usize| &counters.layer(layer)[..rays.min(counters.layer(layer).len())];
-    (counters.stream == Stream::Counters).then(|| charged(by, layer(0), layer(1)))
+    (counters.stream == streams::COUNTERS).then(|| charged(by, layer(0), layer(1)))
 }
 
 fn charged(by: Measure, cells: &[u32], triangles: &[u32]) -> Vec<u32> {
@@ -204,12 +205,12 @@ mod tests {
             let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
             let mut work = Work::new(120);
             while let Some(kernel) = renderer.next_kernel() {
-                let state = renderer.values(Stream::State).await.expect("state");
+                let state = renderer.values(streams::STATE).await.expect("state");
                 work.add(kernel, state.layer(0));
                 renderer.step().await.expect("a pass");
             }
             renderer.run(|_| ControlFlow::Continue(())).await.expect("at the end");
-            let counters = renderer.values(Stream::Counters).await.expect("counters");
+            let counters = renderer.values(streams::COUNTERS).await.expect("counters");
             let triangles = costs(&counters, 120, Measure::Triangles).expect("counters");
             assert!(triangles.iter().any(|&n| n > 0));
             // A pass may find an empty list, and the first cell takes no step.
@@ -221,7 +222,7 @@ mod tests {
             let sum = costs(&counters, 120, Measure::Sum).expect("counters");
             assert!((0..120).all(|ray| sum[ray] == counted[ray] + triangles[ray]));
             assert_eq!(costs(&counters, 7, Measure::Sum).expect("counters"), sum[..7]);
-            let state = renderer.values(Stream::State).await.expect("state");
+            let state = renderer.values(streams::STATE).await.expect("state");
             assert_eq!(costs(&state, 120, Measure::Sum), None);
         });
     }

@@ -1,26 +1,55 @@
-//! The twins, on all cores: the same streams as the GPU executor, one row of texels a ray.
+//! The twins, on all cores: the same streams as the GPU executor, one row of texels an element.
+
+mod columns;
+
+use std::sync::Arc;
 
 use crate::executor::PassResult;
+use crate::executor::sizes::{Sizes, TooMany};
 use crate::numbers::parallel::for_chunks;
-use crate::numbers::real::Real;
 use crate::plan::{Bytes, Plan};
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::program::kernel::{ElementTwin, Precision};
+use crate::program::{Kernel, Twin};
 use crate::scene_data::SceneData;
+use crate::tables::elements::{Elements, Size};
 use crate::tables::kernel::Role;
 use crate::tables::state::{self, StateCounts};
-use crate::tables::stream::{Region, STATE_TAG, STREAMS, Stream, StreamData};
-use crate::tables::texels::{Layout, Texels};
+use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
+use crate::tables::texels::{Layout, MOST_STREAMS, Texels};
 
-/// Runs twins over the rays of a plan.
+/// Runs twins over the elements of a plan.
 #[derive(Clone, Debug)]
-pub struct CpuExecutor<R: Real> {
-    width: u32,
-    height: u32,
-    layout: Layout,
-    texels: Vec<R::Bits>,
-    /// Rays in each state, for every [`RAYS_PER_TASK`] rays: a pass leaves out those that have none for it.
+pub struct CpuExecutor<R: Precision> {
+    plan: Arc<Plan>,
+    sizes: Sizes,
+    /// One a set of elements, in the program's order.
+    rows: Vec<Rows<R>>,
+    /// Of each stream, by its index, the set.
+    set_of: [usize; MOST_STREAMS],
+    /// Elements in each state, for every [`ELEMENTS_PER_TASK`] of those that have states: a pass leaves out tasks that
+    /// have none for it.
     counts: Vec<StateCounts>,
     clock: Option<fn() -> u64>,
+}
+
+/// The streams of one set of elements.
+#[derive(Clone, Debug)]
+struct Rows<R: Precision> {
+    layout: Layout,
+    /// `None` for elements that are not counted yet.
+    size: Option<Size>,
+    texels: Vec<R::Bits>,
+}
+
+/// What keeps twins from running.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CpuError {
+    /// The streams do not fit.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
+    /// The run has found more elements than fit.
+    #[error(transparent)]
+    TooMany(#[from] TooMany),
 }
 
 /// The streams do not fit.
@@ -31,73 +60,157 @@ pub struct OutOfMemory {
     pub bytes: u64,
 }
 
-/// Rays a task: enough work to be worth a hand-over, few enough to balance.
-const RAYS_PER_TASK: usize = 512;
+/// Elements a task: enough work to be worth a hand-over, few enough to balance.
+const ELEMENTS_PER_TASK: usize = 512;
 
-impl<R: Real> CpuExecutor<R> {
+impl<R: Precision> Rows<R> {
+    /// Takes the memory for so many elements, all unwritten.
+    fn resize(&mut self, size: Option<Size>) -> Result<(), OutOfMemory> {
+        let count = size.map_or(0, |size| size.texels() as usize * self.layout.stride);
+        let bytes = (count * size_of::<R::Bits>()) as u64;
+        self.texels.clear();
+        self.texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
+        self.texels.resize(count, R::Bits::default());
+        self.size = size;
+        Ok(())
+    }
+
+    /// Every stream to its unwritten value.
+    fn clear(&mut self, streams: &[Stream]) {
+        let mut row = vec![R::Bits::default(); self.layout.stride];
+        for &stream in streams {
+            let Some(first) = self.layout.first[stream.index()] else { continue };
+            for (layer, &bits) in stream.info().unwritten.iter().enumerate() {
+                row[first + layer] = from_stream_bits::<R>(stream, layer, bits);
+            }
+        }
+        let stride = self.layout.stride.max(1);
+        for_chunks(&mut self.texels, ELEMENTS_PER_TASK * stride, |_, texels| {
+            texels.chunks_exact_mut(stride).for_each(|texel| texel.copy_from_slice(&row));
+        });
+    }
+}
+
+fn from_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: u32) -> R::Bits {
+    if stream.is_float_layer(layer) { R::from_f32(f32::from_bits(bits)).to_bits() } else { R::bits_from_u32(bits) }
+}
+
+fn to_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: R::Bits) -> u32 {
+    if stream.is_float_layer(layer) { (R::from_bits(bits).to_f64() as f32).to_bits() } else { R::bits_to_u32(bits) }
+}
+
+impl<R: Precision> CpuExecutor<R> {
     /// Takes the memory for the plan's streams; `clock`, in nanoseconds, times passes if there is one.
     ///
     /// # Errors
     /// Where the system has not that much memory.
-    pub fn new(plan: &Plan, clock: Option<fn() -> u64>) -> Result<Self, OutOfMemory> {
-        let layout = Layout::of(plan.streams.iter().map(|stream| stream.what));
-        let rays = plan.width as usize * plan.height as usize;
-        let (count, mut texels) = (rays * layout.stride, Vec::new());
-        let bytes = (count * size_of::<R::Bits>()) as u64;
-        texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
-        texels.resize(count, R::Bits::default());
-        let counts = vec![StateCounts::default(); rays.div_ceil(RAYS_PER_TASK)];
-        let mut executor = Self { width: plan.width, height: plan.height, layout, texels, counts, clock };
+    pub fn new(plan: &Arc<Plan>, clock: Option<fn() -> u64>) -> Result<Self, OutOfMemory> {
+        let sizes = Sizes::new(plan);
+        let mut rows = Vec::new();
+        for elements in plan.program.elements {
+            let own = plan.streams.iter().map(|s| s.what).filter(|s| s.info().elements.name == elements.name);
+            let mut own = Rows { layout: Layout::of(own), size: None, texels: Vec::new() };
+            own.resize(sizes.of(plan.program, elements))?;
+            rows.push(own);
+        }
+        let mut set_of = [0; MOST_STREAMS];
+        for stream in plan.program.streams() {
+            let set = plan.program.elements.iter().position(|e| e.name == stream.info().elements.name);
+            set_of[stream.index()] = set.unwrap_or(0);
+        }
+        let mut executor = Self { plan: plan.clone(), sizes, rows, set_of, counts: Vec::new(), clock };
         executor.clear();
         Ok(executor)
     }
 
-    /// Every stream to its unwritten value.
+    /// Every stream to its unwritten value, and every set that the run has counted to no size.
     pub fn clear(&mut self) {
-        let mut row = vec![R::Bits::default(); self.layout.stride];
-        for info in &STREAMS {
-            let Some(first) = self.layout.first[info.stream as usize] else { continue };
-            for (layer, &bits) in info.unwritten.iter().enumerate() {
-                row[first + layer] = Self::from_stream_bits(info.stream, layer, bits);
-            }
-        }
-        let stride = self.layout.stride.max(1);
-        for_chunks(&mut self.texels, RAYS_PER_TASK * stride, |_, texels| {
-            texels.chunks_exact_mut(stride).for_each(|texel| texel.copy_from_slice(&row));
-        });
+        // Less memory than before is not refused.
+        let _: Result<(), OutOfMemory> = self.resize(Sizes::new(&self.plan));
+        let streams: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).collect();
+        self.rows.iter_mut().for_each(|rows| rows.clear(&streams));
         self.count();
     }
 
-    fn from_stream_bits(stream: Stream, layer: usize, bits: u32) -> R::Bits {
-        if stream.is_float_layer(layer) { R::from_f32(f32::from_bits(bits)).to_bits() } else { R::bits_from_u32(bits) }
+    /// Gives sets of elements other sizes.
+    fn resize(&mut self, sizes: Sizes) -> Result<(), OutOfMemory> {
+        let streams: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).collect();
+        for (rows, elements) in self.rows.iter_mut().zip(self.plan.program.elements) {
+            let size = sizes.of(self.plan.program, elements);
+            if rows.size != size {
+                rows.resize(size)?;
+                rows.clear(&streams);
+            }
+        }
+        self.sizes = sizes;
+        Ok(())
     }
 
-    fn to_stream_bits(stream: Stream, layer: usize, bits: R::Bits) -> u32 {
-        if stream.is_float_layer(layer) { (R::from_bits(bits).to_f64() as f32).to_bits() } else { R::bits_to_u32(bits) }
+    /// How many elements a set has, and how they lie in its streams; `None` where that is not known yet.
+    #[must_use]
+    pub fn size(&self, elements: &Elements) -> Option<Size> {
+        self.sizes.of(self.plan.program, elements)
     }
 
-    /// Runs one pass over every ray that the kernel works on.
-    pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> PassResult {
+    /// The streams of the set that a stream belongs to, and where it lies in their rows; `None` where the plan left it
+    /// out.
+    fn rows_of(&self, stream: Stream) -> Option<(&Rows<R>, usize)> {
+        let rows = &self.rows[self.set_of[stream.index()]];
+        rows.layout.first[stream.index()].map(|first| (rows, first))
+    }
+
+    fn rows_of_mut(&mut self, stream: Stream) -> Option<(&mut Rows<R>, usize)> {
+        let rows = &mut self.rows[self.set_of[stream.index()]];
+        rows.layout.first[stream.index()].map(|first| (rows, first))
+    }
+
+    /// Runs one pass over every element that the kernel works on.
+    ///
+    /// # Errors
+    /// Where the run has found more elements than fit.
+    pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> Result<PassResult, CpuError> {
+        while let Some(unknown) = self.sizes.unknown(&self.plan, kernel) {
+            let count = self.rows_of(unknown.stream).and_then(|(rows, first)| rows.texels.get(first).copied());
+            let mut sizes = self.sizes.clone();
+            sizes.found(self.plan.program, unknown, count.map_or(0, R::bits_to_u32))?;
+            self.resize(sizes)?;
+        }
         let begin_ns = self.clock.map(|now| now());
-        let (twin, layout, stride) = (kernel.twin::<R>(), self.layout, self.layout.stride.max(1));
-        let width = self.width as usize;
-        let is_first = scene.features.eye_rays && kernel.role() == Role::Whole;
+        let threads_launched = match kernel.info().twin {
+            Twin::Element { f32, f64 } => self.run_elements(kernel, R::twin(f32, f64), scene),
+            Twin::Pass(twin) => {
+                twin(&mut columns::All(self), kernel, scene);
+                u64::from(self.size(kernel.instance().over).map_or(0, |size| size.count))
+            }
+        };
+        let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
+        let elements = self.size(kernel.instance().over).map_or(0, |size| size.count);
+        Ok(PassResult { kernel, counts: self.counts(), elements, threads_launched, begin_ns, duration_ns })
+    }
+
+    /// Calls a twin for each element of every task that has one for it; how often that is.
+    fn run_elements(&mut self, kernel: Kernel, twin: ElementTwin<R>, scene: &SceneData) -> u64 {
         let tag = self.tag();
-        let mut tasks: Vec<(usize, &mut [R::Bits], &mut StateCounts)> = self
+        let is_first = scene.features.eye_rays && kernel.role() == Role::Whole;
+        let set = self.plan.program.elements.iter().position(|e| e.name == kernel.instance().over.name);
+        let Some(rows) = set.map(|set| &mut self.rows[set]) else { return 0 };
+        let (layout, stride) = (rows.layout, rows.layout.stride.max(1));
+        let width = rows.size.map_or(1, |size| size.width as usize);
+        let mut tasks: Vec<(usize, &mut [R::Bits], &mut StateCounts)> = rows
             .texels
-            .chunks_mut(RAYS_PER_TASK * stride)
+            .chunks_mut(ELEMENTS_PER_TASK * stride)
             .zip(&mut self.counts)
             .enumerate()
             .filter(|(_, (_, counts))| is_first || kernel.live(counts) > 0)
-            .map(|(task, (texels, counts))| (task * RAYS_PER_TASK, texels, counts))
+            .map(|(task, (texels, counts))| (task * ELEMENTS_PER_TASK, texels, counts))
             .collect();
-        let threads_launched = tasks.iter().map(|(_, texels, _)| (texels.len() / stride) as u64).sum();
+        let calls = tasks.iter().map(|(_, texels, _)| (texels.len() / stride) as u64).sum();
         for_chunks(&mut tasks, 1, |_, tasks| {
             for (first, texels, counts) in tasks {
                 **counts = StateCounts::default();
                 for (i, row) in texels.chunks_exact_mut(stride).enumerate() {
-                    let ray = *first + i;
-                    let (x, y) = ((ray % width) as u32, (ray / width) as u32);
+                    let element = *first + i;
+                    let (x, y) = ((element % width) as u32, (element / width) as u32);
                     twin(&mut Texels::new(row, &layout, x, y), scene);
                     if let Some(tag) = tag {
                         counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
@@ -105,26 +218,31 @@ impl<R: Real> CpuExecutor<R> {
                 }
             }
         });
-        let duration_ns = begin_ns.zip(self.clock).map(|(begin, now)| now().saturating_sub(begin));
-        PassResult { kernel, counts: self.counts(), threads_launched, begin_ns, duration_ns }
+        calls
     }
 
     fn tag(&self) -> Option<usize> {
-        self.layout.first[Stream::State as usize].map(|first| first + STATE_TAG)
+        self.plan.program.state_stream().and_then(|stream| self.rows_of(stream)).map(|(_, first)| first + STATE_TAG)
     }
 
     /// Counts anew, after streams were replaced.
     fn count(&mut self) {
-        let (stride, Some(tag)) = (self.layout.stride.max(1), self.tag()) else { return };
-        for (texels, counts) in self.texels.chunks(RAYS_PER_TASK * stride).zip(&mut self.counts) {
-            *counts = StateCounts::default();
+        let Some((rows, first)) = self.plan.program.state_stream().and_then(|stream| self.rows_of(stream)) else {
+            return;
+        };
+        let tag = first + STATE_TAG;
+        let stride = rows.layout.stride.max(1);
+        let count = |texels: &[R::Bits]| {
+            let mut counts = StateCounts::default();
             for row in texels.chunks_exact(stride) {
                 counts[(R::bits_to_u32(row[tag]) as usize).min(state::COUNT - 1)] += 1;
             }
-        }
+            counts
+        };
+        self.counts = rows.texels.chunks(ELEMENTS_PER_TASK * stride).map(count).collect();
     }
 
-    /// How many rays are in each state.
+    /// How many elements are in each state.
     #[must_use]
     pub fn counts(&self) -> StateCounts {
         let mut sum = StateCounts::default();
@@ -137,67 +255,80 @@ impl<R: Real> CpuExecutor<R> {
     /// The values of a stream; f64 is rounded to f32. `None` where the plan left it out.
     #[must_use]
     pub fn read(&self, stream: Stream) -> Option<StreamData> {
-        self.read_region(stream, Region { x: 0, y: 0, width: self.width, height: self.height })
+        let Size { width, height, .. } = self.rows_of(stream)?.0.size?;
+        self.read_region(stream, Region { x: 0, y: 0, width, height })
     }
 
-    /// A part of a stream; `None` where the plan left the stream out or the image has no such part.
+    /// A part of a stream; `None` where the plan left the stream out or it has no such part.
     #[must_use]
     pub fn read_region(&self, stream: Stream, region: Region) -> Option<StreamData> {
-        let first = self.layout.first[stream as usize].filter(|_| region.is_in(self.width, self.height))?;
+        let (rows, first) = self.rows_of(stream)?;
+        let size = rows.size.filter(|size| region.is_in(size.width, size.height))?;
         let Region { x, y, width, height } = region;
-        let row_words = self.width as usize * self.layout.stride;
-        let (begin, end) = (x as usize * self.layout.stride, (x + width) as usize * self.layout.stride);
+        let stride = rows.layout.stride;
+        let row_words = size.width as usize * stride;
+        let (begin, end) = (x as usize * stride, (x + width) as usize * stride);
         let mut bits = Vec::with_capacity(width as usize * height as usize * stream.layers());
         for layer in 0..stream.layers() {
-            let rows = self.texels.chunks_exact(row_words).skip(y as usize).take(height as usize);
-            let texels = rows.flat_map(|row| row[begin..end].chunks_exact(self.layout.stride));
-            bits.extend(texels.map(|texel| Self::to_stream_bits(stream, layer, texel[first + layer])));
+            let rows = rows.texels.chunks_exact(row_words).skip(y as usize).take(height as usize);
+            let texels = rows.flat_map(|row| row[begin..end].chunks_exact(stride));
+            bits.extend(texels.map(|texel| to_stream_bits::<R>(stream, layer, texel[first + layer])));
         }
         Some(StreamData { stream, width, height, bits })
     }
 
-    /// One ray's texels in some streams; `None` where the plan left one of them out or the image has no such pixel.
+    /// One element's texels in some streams; `None` where the plan left one of them out or it has no such texel.
     #[must_use]
     pub fn read_texels(&self, streams: &[Stream], x: u32, y: u32) -> Option<Vec<Vec<u32>>> {
         let read = |&stream: &Stream| self.read_region(stream, Region { x, y, width: 1, height: 1 }).map(|d| d.bits);
         streams.iter().map(read).collect()
     }
 
-    /// A float component of a ray at the executor's own precision.
+    /// A float component of an element at the executor's own precision.
     #[must_use]
-    pub fn component(&self, stream: Stream, layer: usize, ray: usize) -> Option<R> {
-        let first = self.layout.first[stream as usize]?;
-        self.texels.get(ray * self.layout.stride + first + layer).map(|&bits| R::from_bits(bits))
+    pub fn component(&self, stream: Stream, layer: usize, element: usize) -> Option<R> {
+        let (rows, first) = self.rows_of(stream)?;
+        rows.texels.get(element * rows.layout.stride + first + layer).map(|&bits| R::from_bits(bits))
     }
 
     /// A copy, to come back to.
     pub(crate) fn snapshot(&self) -> Result<Self, OutOfMemory> {
-        let mut texels = Vec::new();
         let bytes = self.bytes();
-        texels.try_reserve_exact(self.texels.len()).map_err(|_| OutOfMemory { bytes })?;
-        texels.extend_from_slice(&self.texels);
-        let Self { width, height, layout, texels: _, ref counts, clock } = *self;
-        Ok(Self { width, height, layout, texels, counts: counts.clone(), clock })
+        let copy = |rows: &Rows<R>| {
+            let mut texels = Vec::new();
+            texels.try_reserve_exact(rows.texels.len()).map_err(|_| OutOfMemory { bytes })?;
+            texels.extend_from_slice(&rows.texels);
+            Ok(Rows { layout: rows.layout, size: rows.size, texels })
+        };
+        let rows = self.rows.iter().map(copy).collect::<Result<_, _>>()?;
+        let (plan, sizes, counts) = (self.plan.clone(), self.sizes.clone(), self.counts.clone());
+        Ok(Self { plan, sizes, rows, set_of: self.set_of, counts, clock: self.clock })
     }
 
     /// Back to a copy of an executor of the same plan.
-    pub(crate) fn restore(&mut self, snapshot: &Self) {
-        self.texels.copy_from_slice(&snapshot.texels);
-        self.counts.copy_from_slice(&snapshot.counts);
+    pub(crate) fn restore(&mut self, snapshot: &Self) -> Result<(), OutOfMemory> {
+        self.resize(snapshot.sizes.clone())?;
+        for (rows, kept) in self.rows.iter_mut().zip(&snapshot.rows) {
+            rows.texels.copy_from_slice(&kept.texels);
+        }
+        self.counts.clone_from(&snapshot.counts);
+        Ok(())
     }
 
     /// What the streams take.
     pub(crate) fn bytes(&self) -> u64 {
-        size_of_val(self.texels.as_slice()) as u64
+        self.rows.iter().map(|rows| size_of_val(rows.texels.as_slice()) as u64).sum()
     }
 
-    /// Replaces one component of one ray. False where the plan left the stream out or the image has no such pixel.
+    /// Replaces one component of one element. False where the plan left the stream out or it has no such texel.
     pub(crate) fn write_component(&mut self, stream: Stream, layer: usize, x: u32, y: u32, bits: u32) -> bool {
-        let is_there = x < self.width && y < self.height && layer < stream.layers();
-        let Some(first) = self.layout.first[stream as usize].filter(|_| is_there) else { return false };
-        let ray = y as usize * self.width as usize + x as usize;
-        self.texels[ray * self.layout.stride + first + layer] = Self::from_stream_bits(stream, layer, bits);
-        if stream == Stream::State && layer == STATE_TAG {
+        let Some((rows, first)) = self.rows_of_mut(stream) else { return false };
+        let Some(size) = rows.size.filter(|s| x < s.width && y < s.height && layer < stream.layers()) else {
+            return false;
+        };
+        let element = y as usize * size.width as usize + x as usize;
+        rows.texels[element * rows.layout.stride + first + layer] = from_stream_bits::<R>(stream, layer, bits);
+        if Some(stream) == self.plan.program.state_stream() && layer == STATE_TAG {
             self.count();
         }
         true
@@ -205,17 +336,21 @@ impl<R: Real> CpuExecutor<R> {
 
     /// Replaces a stream. False where the plan left it out or the size differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
-        let Some(first) = self.layout.first[data.stream as usize] else { return false };
-        let rays = self.width as usize * self.height as usize;
-        if (data.width, data.height) != (self.width, self.height) || data.bits.len() != rays * data.stream.layers() {
+        let stream = data.stream;
+        let Some((rows, first)) = self.rows_of_mut(stream) else { return false };
+        let is_same = |size: &Size| {
+            (data.width, data.height) == (size.width, size.height)
+                && data.bits.len() as u64 == size.texels() * stream.layers() as u64
+        };
+        if !rows.size.as_ref().is_some_and(is_same) {
             return false;
         }
-        for layer in 0..data.stream.layers() {
-            for (row, &bits) in self.texels.chunks_exact_mut(self.layout.stride).zip(data.layer(layer)) {
-                row[first + layer] = Self::from_stream_bits(data.stream, layer, bits);
+        for layer in 0..stream.layers() {
+            for (row, &bits) in rows.texels.chunks_exact_mut(rows.layout.stride).zip(data.layer(layer)) {
+                row[first + layer] = from_stream_bits::<R>(stream, layer, bits);
             }
         }
-        if data.stream == Stream::State {
+        if Some(stream) == self.plan.program.state_stream() {
             self.count();
         }
         true

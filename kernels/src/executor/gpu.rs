@@ -19,6 +19,9 @@ pub mod readback;
 mod snapshot;
 mod timers;
 
+use crate::executor::sizes::Sizes;
+use crate::program::Kernel;
+use crate::tables::elements::{Elements, Size};
 use std::sync::Arc;
 
 use wgpu::util::DeviceExt as _;
@@ -30,13 +33,12 @@ pub use error::GpuError;
 use fill::Fill;
 pub use gate::Held;
 pub use load::Load;
-use pipelines::{Counting, Pipelines};
+use pipelines::{Bindable, Pipelines};
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;
 
 use crate::options::Accelerator;
-use crate::options::features::Features;
 use crate::plan::Plan;
 use crate::scene_data::SceneData;
 use crate::shared::constants::TURNS_A_TEST;
@@ -46,15 +48,12 @@ use crate::tables::stream::{STATE_TAG, Stream, StreamData, Texel};
 /// Runs kernels over the rays of a plan.
 pub struct GpuExecutor {
     gpu: Arc<Gpu>,
-    /// Name of the program, for labels.
-    program: &'static str,
-    width: u32,
-    height: u32,
+    plan: Arc<Plan>,
+    sizes: Sizes,
     streams: Vec<(Stream, wgpu::Texture)>,
     buffers: Vec<(&'static str, wgpu::Buffer)>,
     pipelines: Pipelines,
     books: Books,
-    counting: Counting,
     fill: Fill,
     timers: Option<Timers>,
     device_ns: Option<u64>,
@@ -62,8 +61,6 @@ pub struct GpuExecutor {
     copies: Copies,
     /// Rays that one dispatch of a kernel that is launched in bands traces at most.
     rays_a_dispatch: u64,
-    /// The options of the kernels.
-    features: Features,
 }
 
 /// Most passes of one submission: one slot each for counts.
@@ -75,45 +72,43 @@ impl GpuExecutor {
     ///
     /// # Errors
     /// Where the device refuses or is lost.
-    pub async fn new(gpu: Arc<Gpu>, plan: &Plan, data: &SceneData, timed: bool) -> Result<Self, GpuError> {
+    pub async fn new(gpu: Arc<Gpu>, plan: &Arc<Plan>, data: &SceneData, timed: bool) -> Result<Self, GpuError> {
         gpu.health()?;
         let device = &gpu.device;
         let scopes = gpu.push_scopes();
-        let streams: Vec<_> = plan.streams.iter().map(|s| (s.what, stream_texture(device, plan, s.what))).collect();
+        let sizes = Sizes::new(plan);
+        let streams = plan.streams.iter().filter_map(|s| Some((s.what, stream_texture(device, plan, &sizes, s.what)?)));
+        let streams: Vec<_> = streams.collect();
         let mut buffers = Vec::new();
         for planned in &plan.buffers {
-            let Some(contents) = data.bytes(planned.what) else { continue };
-            let is_uniform = crate::scene_data::buffers::info(planned.what).is_some_and(|b| b.is_uniform);
-            let kind = if is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+            let Some(info) = plan.program.buffer(planned.what) else { continue };
+            let contents = info.contents(data);
+            let kind = if info.is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
             let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
             let descriptor =
                 wgpu::util::BufferInitDescriptor { label: Some(&plan.label(planned.what)), contents, usage };
             buffers.push((planned.what, device.create_buffer_init(&descriptor)));
         }
         let books = Books::new(device, plan);
-        let pipelines = Pipelines::new(&gpu, plan, &streams, &buffers, &books, data)?;
-        let state = streams.iter().find(|(s, _)| *s == Stream::State).map(|(_, t)| t);
-        let counting = Counting::new(device, plan, state.ok_or(GpuError::Missing("state"))?, &books);
+        let bindable = Bindable { device, streams: &streams, buffers: &buffers, books: &books };
+        let pipelines = Pipelines::new(&gpu, plan, data, &bindable)?;
         let fill = Fill::new(device, &gpu.queue, plan);
         let timers = gpu.clock_period_ns().map(|period_ns| Timers::new(device, plan, period_ns, timed));
         let rays_a_dispatch = rays_a_dispatch(gpu.info.device_type, plan);
         let mut executor = Self {
-            program: plan.program,
+            plan: plan.clone(),
+            sizes,
             gpu,
-            width: plan.width,
-            height: plan.height,
             streams,
             buffers,
             pipelines,
             books,
-            counting,
             fill,
             timers,
             device_ns: Some(0),
             host_ns: Some(0),
             copies: Copies::default(),
             rays_a_dispatch,
-            features: plan.features,
         };
         executor.clear();
         if let Err(error) = executor.gpu.pop_scopes(scopes).await {
@@ -164,8 +159,48 @@ impl GpuExecutor {
         self.host_ns
     }
 
-    /// Every stream to its unwritten value.
+    /// How many elements a set has, and how they lie in its streams; `None` where that is not known yet.
+    #[must_use]
+    pub fn size(&self, elements: &Elements) -> Option<Size> {
+        self.sizes.of(self.plan.program, elements)
+    }
+
+    /// What a kernel is launched over.
+    fn launched_over(&self, kernel: Kernel) -> Size {
+        self.size(kernel.instance().over).unwrap_or(Size { width: 0, height: 0, count: 0 })
+    }
+
+    /// Gives sets of elements other sizes: their streams are made anew, and are unwritten.
+    fn resize(&mut self, sizes: Sizes) -> Result<(), GpuError> {
+        let program = self.plan.program;
+        let before = std::mem::replace(&mut self.sizes, sizes);
+        let is_new = |stream: Stream| {
+            let elements = stream.info().elements;
+            before.of(program, elements) != self.sizes.of(program, elements)
+        };
+        self.streams.retain(|(stream, _)| !is_new(*stream));
+        let mut new = Vec::new();
+        for planned in self.plan.streams.iter().filter(|s| is_new(s.what)) {
+            self.copies.forget(planned.what);
+            new.extend(
+                stream_texture(&self.gpu.device, &self.plan, &self.sizes, planned.what).map(|t| (planned.what, t)),
+            );
+        }
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.fill.clear(&mut encoder, &new);
+        self.gpu.submit([encoder.finish()]);
+        self.streams.extend(new);
+        let Self { gpu, streams, buffers, books, .. } = self;
+        self.pipelines.bind(&Bindable { device: &gpu.device, streams, buffers, books }, is_new)
+    }
+
+    /// Every stream to its unwritten value, and every set that the run has counted to no size.
     pub fn clear(&mut self) {
+        let sizes = Sizes::new(&self.plan);
+        if sizes != self.sizes {
+            // What has no size is bound by no kernel, so that nothing can be missing.
+            let _: Result<(), GpuError> = self.resize(sizes);
+        }
         self.books.clear();
         self.copies.forget_all();
         self.device_ns = self.timers.as_ref().map(|_| 0);
@@ -196,8 +231,8 @@ impl GpuExecutor {
     /// Replaces one component of one ray, but not its tag, which lists follow from. False where the plan left the
     /// stream out or the image has no such pixel.
     pub(crate) fn write_component(&mut self, stream: Stream, layer: usize, x: u32, y: u32, bits: u32) -> bool {
-        let is_there = x < self.width && y < self.height && layer < stream.layers();
-        let Some(texture) = self.texture(stream).filter(|_| is_there) else { return false };
+        let is_there = |t: &&wgpu::Texture| x < t.width() && y < t.height() && layer < stream.layers();
+        let Some(texture) = self.texture(stream).filter(is_there) else { return false };
         let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
         self.upload(texture, wgpu::Origin3d { x, y, z: layer as u32 }, size, &[bits]);
         self.copies.forget(stream);
@@ -207,16 +242,15 @@ impl GpuExecutor {
     /// Replaces a stream. False where the plan left it out or the size differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
         let Some(texture) = self.texture(data.stream) else { return false };
-        let layers = data.stream.layers() as u32;
-        let texels = self.width as usize * self.height as usize * layers as usize;
-        if (data.width, data.height) != (self.width, self.height) || data.bits.len() != texels {
+        let size = texture.size();
+        let texels = size.width as usize * size.height as usize * size.depth_or_array_layers as usize;
+        if (data.width, data.height) != (size.width, size.height) || data.bits.len() != texels {
             return false;
         }
-        let size = wgpu::Extent3d { width: self.width, height: self.height, depth_or_array_layers: layers };
         self.upload(texture, wgpu::Origin3d::ZERO, size, &data.bits);
         self.copies.forget(data.stream);
-        if data.stream == Stream::State {
-            self.books.relist(&self.gpu.queue, data.layer(STATE_TAG), self.width);
+        if Some(data.stream) == self.plan.program.state_stream() {
+            self.books.relist(&self.gpu.queue, data.layer(STATE_TAG), data.width);
         }
         true
     }
@@ -236,18 +270,20 @@ fn rays_a_dispatch(kind: wgpu::DeviceType, plan: &Plan) -> u64 {
     }
 }
 
-fn stream_texture(device: &wgpu::Device, plan: &Plan, stream: Stream) -> wgpu::Texture {
+/// `None` for a stream of elements that are not counted yet.
+fn stream_texture(device: &wgpu::Device, plan: &Plan, sizes: &Sizes, stream: Stream) -> Option<wgpu::Texture> {
     use wgpu::TextureUsages as U;
-    device.create_texture(&wgpu::TextureDescriptor {
+    let Size { width, height, .. } = sizes.of(plan.program, stream.info().elements)?;
+    Some(device.create_texture(&wgpu::TextureDescriptor {
         label: Some(&plan.label(stream.name())),
-        size: wgpu::Extent3d { width: plan.width, height: plan.height, depth_or_array_layers: stream.layers() as u32 },
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: stream.layers() as u32 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: stream_format(stream),
         usage: U::STORAGE_BINDING | U::TEXTURE_BINDING | U::COPY_SRC | U::COPY_DST,
         view_formats: &[],
-    })
+    }))
 }
 
 /// The texture format of a stream.

@@ -2,9 +2,11 @@
 
 pub mod cpu;
 pub mod gpu;
+pub(crate) mod sizes;
 
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::program::Kernel;
 use crate::tables::state::StateCounts;
+pub use sizes::TooMany;
 
 /// What one pass did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +15,8 @@ pub struct PassResult {
     pub kernel: Kernel,
     /// Rays in each state after it.
     pub counts: StateCounts,
+    /// Elements that it was launched over.
+    pub elements: u32,
     /// Threads launched, see [`crate::Pass::threads_launched`].
     pub threads_launched: u64,
     /// When it began, on the executor's clock; `None` where passes were not timed.

@@ -271,8 +271,11 @@ impl<W: Write> PassesCsv<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::programs::closest_hit::kernels::Kernel;
-    use crate::tables::state::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+    use crate::program::Kernel;
+    use crate::programs::closest_hit::states::ISECT_HIT;
+    use crate::programs::closest_hit::states::ISECT_NO_HIT;
+    use crate::programs::closest_hit::states::SHADE;
+    use crate::programs::closest_hit::states::TRAV;
 
     fn run(timer: Option<Timer>) -> RunContext {
         RunContext {
@@ -298,7 +301,7 @@ mod tests {
         Pass {
             index: 2,
             iteration: 1,
-            kernel: Kernel::Intersect,
+            kernel: kernels::INTERSECT,
             rays_in: 72,
             counts,
             threads_launched: 128,

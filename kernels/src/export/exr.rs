@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn a_stream_keeps_its_bits_and_types() {
         let bits = vec![1.5f32.to_bits(), 2.5f32.to_bits(), 0, 1.0f32.to_bits(), 0xffff_ffff, 0x0100_0001];
-        let data = StreamData { stream: Stream::Hit, width: 2, height: 1, bits };
+        let data = StreamData { stream: streams::HIT, width: 2, height: 1, bits };
         let mut file = Cursor::new(Vec::new());
         write_stream(&mut file, &data).expect("memory");
         let channels = read(file.into_inner());

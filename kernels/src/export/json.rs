@@ -1,5 +1,6 @@
 //! A run's summary, as values that serialise to JSON. Unknown is `null`, never 0.
 
+use crate::programs::closest_hit::streams;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -7,10 +8,11 @@ use serde::Serialize;
 use crate::executor::gpu::{AdapterSummary, Gpu};
 pub use crate::plan::GridSummary;
 use crate::plan::{Loops, Plan, Structure};
+use crate::program::Program;
 pub use crate::renderer::KernelSummary;
 use crate::renderer::RayHit;
 use crate::tables::kernel::Role;
-use crate::tables::state::{self, StateCounts};
+use crate::tables::state::StateCounts;
 use crate::tables::stream::{Stream, Texel};
 
 /// Version of the JSON objects here.
@@ -172,7 +174,7 @@ impl CounterSums {
     #[must_use]
     pub fn of(data: &crate::tables::stream::StreamData, plan: &Plan) -> Option<Self> {
         let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
-        (data.stream == Stream::Counters).then(|| Self {
+        (data.stream == streams::COUNTERS).then(|| Self {
             cells_visited: sum(0),
             triangles_tested: sum(1),
             repeated_tests: plan
@@ -206,8 +208,8 @@ pub struct CheckSummary {
 
 /// Rays in each state, by the state's name.
 #[must_use]
-pub fn states(counts: &StateCounts) -> BTreeMap<&'static str, u32> {
-    counts.iter().enumerate().map(|(tag, &n)| (state::name(tag as u32), n)).collect()
+pub fn states(program: &Program, counts: &StateCounts) -> BTreeMap<&'static str, u32> {
+    program.states.iter().zip(counts).map(|(state, &n)| (state.name, n)).collect()
 }
 
 /// A stream's row of the table, for readers of a dump.

@@ -52,7 +52,7 @@ mod tests {
     #[test]
     fn the_header_is_padded_and_the_bits_are_kept() {
         let bits: Vec<u32> = (0..3 * 2 * 5).map(|i| 0x7fc0_0000 + i).collect();
-        for (stream, kind) in [(Stream::RayOrigin, "<f4"), (Stream::Hit, "<u4")] {
+        for (stream, kind) in [(streams::RAY_ORIGIN, "<f4"), (streams::HIT, "<u4")] {
             let data = StreamData { stream, width: 5, height: 2, bits: bits.clone() };
             let mut file = Vec::new();
             write_stream(&mut file, &data).expect("memory");

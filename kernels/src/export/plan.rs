@@ -5,11 +5,10 @@ use serde::Serialize;
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
 use crate::options::Accelerator;
 use crate::plan::{Because, Plan, Planned, Structure, element};
-use crate::programs::closest_hit::kernels::Kernel;
-use crate::programs::closest_hit::schedule::Step;
+use crate::program::Kernel;
+use crate::program::schedule::Step;
 use crate::scene_data::SceneData;
 use crate::shader::{Resource, Variant};
-use crate::tables::state;
 
 /// A plan, for `raystep plan --json`.
 #[derive(Clone, Debug, Serialize)]
@@ -118,20 +117,24 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
             name: b.name.clone(),
             kind: match b.resource {
                 Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
-                Resource::Uniform => "uniform",
+                Resource::Uniform | Resource::Launch => "uniform",
                 Resource::Storage | Resource::Live { .. } => "buffer",
             },
             reads: b.reads,
             writes: b.writes,
         });
         PlannedKernel {
-            name: info.name,
+            name: variant.kernel.name(),
             summary: info.summary,
-            rays_in: info.takes.iter().map(|&tag| state::name(tag)).collect(),
+            rays_in: info.takes.iter().map(|&tag| plan.program.states.name(tag)).collect(),
             bindings: bindings.collect(),
         }
     };
-    let buffer = |b: &Planned<&'static str>| PlannedBuffer { name: b.what, element: element(b.what), bytes: b.bytes };
+    let buffer = |b: &Planned<&'static str>| PlannedBuffer {
+        name: b.what,
+        element: element(plan.program, b.what),
+        bytes: b.bytes,
+    };
     let left_out = plan.left_out.iter().map(|item| LeftOutSummary {
         what: item.what.clone(),
         because: match item.because {

@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use super::csv::{RunContext, rays_out};
 use crate::renderer::Pass;
-use crate::tables::state::{self, COUNT, StateCounts};
+use crate::tables::state::{COUNT, StateCounts};
 
 /// One run is one process.
 const PROCESS: u32 = 1;
@@ -135,7 +135,7 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
             // A counter keeps its value until the next event.
             if rays != std::mem::replace(&mut shown[tag], rays) {
                 let args = BTreeMap::from([("rays", rays.into())]);
-                let name = format!("rays in {}", state::name(tag as u32));
+                let name = format!("rays in {}", pass.kernel.program().states.name(tag as u32));
                 events.push(Event { ph: 'C', dur: None, ..slice(name, "rays", PASSES, end, 0, args) });
             }
         }
@@ -192,16 +192,16 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
-    use crate::programs::closest_hit::kernels::Kernel;
+    use crate::program::Kernel;
 
     fn pass(index: usize, time: Option<(u64, u64)>, shaded: u32) -> Pass {
         let mut counts = [0; COUNT];
-        counts[state::SHADE as usize] = shaded;
-        counts[state::TRAV as usize] = 10 - shaded;
+        counts[states::SHADE as usize] = shaded;
+        counts[states::TRAV as usize] = 10 - shaded;
         Pass {
             index,
             iteration: 1,
-            kernel: Kernel::Intersect,
+            kernel: kernels::INTERSECT,
             rays_in: 10,
             counts,
             threads_launched: 64,

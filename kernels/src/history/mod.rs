@@ -1,52 +1,16 @@
 //! The history of one ray: a row for every pass that worked on it, read from the executor's own streams, and
 //! why it did what it did, in words and numbers.
 
-mod explain;
-
 use std::ops::ControlFlow;
 
 use serde::Serialize;
 
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::program::Kernel;
+use crate::programs::closest_hit::explain::explain;
+pub use crate::programs::closest_hit::ray_state::RayState;
 use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
-use crate::shared::constants::{INF, NO_TRIANGLE};
-use crate::tables::state::{self, Tag};
-use crate::tables::stream::{ACCUMULATED_SAMPLES, Stream};
-use explain::explain;
-
-/// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct RayState {
-    /// Where the ray starts.
-    pub origin: [f32; 3],
-    /// Where it goes.
-    pub direction: [f32; 3],
-    /// The tag's name.
-    pub state: &'static str,
-    /// Tag of the state stream.
-    #[serde(skip)]
-    pub tag: Tag,
-    /// Nearest t so far.
-    pub t: Option<f32>,
-    /// 1-D index of the cell, or index of the tree's node.
-    pub cell_index: u32,
-    /// The tree's node before this one; `None` without a tree.
-    pub previous: Option<u32>,
-    /// Offset into the cell's list.
-    pub item: u32,
-    /// t at which the ray leaves its cell, per axis; `None` for an axis that it never crosses.
-    pub tmax: [Option<f32>; 3],
-    /// Triangle hit so far.
-    pub triangle: Option<u32>,
-    /// Weights of vertices 1 and 2 at the hit.
-    pub barycentric: Option<[f32; 2]>,
-    /// Linear colour.
-    pub color: Option<[f32; 3]>,
-    /// Samples in the pixel's mean; absent where a pixel has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub samples: Option<u32>,
-}
+use crate::tables::stream::Stream;
 
 /// What one pass did to the ray.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -140,38 +104,10 @@ pub async fn trace(
 /// # Errors
 /// Where the image has no such pixel, or the device fails.
 pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, RenderError> {
-    use Stream::{Accumulated, Color, Hit, Previous, RayDirection, RayOrigin, State, TMax};
     let plan = renderer.plan();
-    let optional = [RayOrigin, RayDirection, TMax, Previous, Color, Accumulated];
-    let streams: Vec<Stream> =
-        [State, Hit].into_iter().chain(optional.into_iter().filter(|&s| plan.has_stream(s))).collect();
+    let streams: Vec<Stream> = RayState::STREAMS.into_iter().filter(|&s| plan.has_stream(s)).collect();
     let texels = renderer.texels(&streams, x, y).await?;
-    let texel = |stream: Stream| streams.iter().position(|&s| s == stream).map(|i| &texels[i]);
-    let floats = |stream: Stream| texel(stream).map(|t| [t[0], t[1], t[2]].map(f32::from_bits));
-    let (state, hit) = (&texels[0], &texels[1]);
-    let origin = floats(RayOrigin).unwrap_or_default();
-    let direction = floats(RayDirection).unwrap_or_default();
-    let tmax = floats(TMax);
-    let previous = texel(Previous).map(|texel| texel[0]);
-    let tag = state[0];
-    let color = if tag == state::DONE { floats(Color) } else { None };
-    let t = f32::from_bits(state[1]);
-    let is_hit = hit[2] != NO_TRIANGLE;
-    Ok(RayState {
-        origin,
-        direction,
-        state: state::name(tag),
-        tag,
-        t: (t < INF).then_some(t),
-        cell_index: state[2],
-        item: state[3],
-        previous,
-        tmax: tmax.map_or([None; 3], |v| v.map(|t| (t < INF).then_some(t))),
-        triangle: is_hit.then_some(hit[2]),
-        barycentric: is_hit.then(|| [f32::from_bits(hit[0]), f32::from_bits(hit[1])]),
-        color,
-        samples: texel(Accumulated).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
-    })
+    Ok(RayState::of(|stream| streams.iter().position(|&s| s == stream).map(|i| texels[i].as_slice())))
 }
 
 impl TraceRow {

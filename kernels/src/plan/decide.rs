@@ -5,13 +5,10 @@ use raystep_scenes::{Light, Projection, Scene};
 use super::{Because, LeftOut, Plan};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::reasons::{EYE_RAYS, FUSED, NO_SHADE, ONE_SAMPLE, Reason, Run};
+use crate::options::reasons::{Reason, Run};
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
-use crate::programs::closest_hit::kernels::KERNELS;
-use crate::scene_data::buffers::BUFFERS;
 use crate::scene_data::traced_camera;
 use crate::shared::samples::Sampler;
-use crate::tables::stream::{STREAMS, Stream};
 
 /// Decides every option of the kernels.
 pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerator, units: Units) -> Features {
@@ -78,29 +75,18 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
 
 /// Everything that the tables have and the plan has not.
 pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
-    use Because::{Options as O, Scene as S};
+    use Because::Scene as S;
     let mut all = Vec::new();
     let mut add = |what: String, (because, reason): Reason| all.push(LeftOut { what, because, reason });
     let run = Run { options, features: &plan.features, accelerator: plan.accelerator };
-    let (is_fused, other) = (run.is_fused(), run.other_accelerator());
-    for k in KERNELS.iter().filter(|k| plan.variant(k.kernel).is_none()) {
-        add(format!("kernel {}", k.name), (k.why_absent)(&run));
+    let program = plan.program;
+    for kernel in program.kernels().filter(|&kernel| plan.variant(kernel).is_none()) {
+        add(format!("kernel {}", kernel.name()), (kernel.info().why_absent)(&run));
     }
-    for s in STREAMS.iter().filter(|s| !plan.has_stream(s.stream)) {
-        let why = match s.stream {
-            Stream::Counters => (O, "counters are not asked for"),
-            Stream::Color => NO_SHADE,
-            Stream::Accumulated => ONE_SAMPLE,
-            Stream::Place | Stream::Trail => (O, "no walk needs more loop turns than one dispatch has"),
-            Stream::Scan => (O, "no search for repeated tests needs more loop turns than one dispatch has"),
-            Stream::RayOrigin | Stream::RayDirection => EYE_RAYS,
-            _ if is_fused => FUSED,
-            Stream::TMax if plan.features.grid => (O, "several steps a pass: worked out from the cell"),
-            _ => other,
-        };
-        add(format!("stream {}", s.name), why);
+    for stream in program.streams().filter(|&stream| !plan.has_stream(stream)) {
+        add(format!("stream {}", stream.name()), (stream.info().why_absent)(&run));
     }
-    for b in BUFFERS.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
+    for b in program.buffers.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
         add(format!("buffer {}", b.name), (b.why_absent)(&run));
     }
     let f = &plan.features;

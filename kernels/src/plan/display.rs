@@ -5,9 +5,8 @@ use std::fmt;
 use super::structure::Structure;
 use super::{Because, Plan};
 use crate::numbers::bytes::Bytes;
-use crate::scene_data::buffers;
+use crate::program::Program;
 use crate::shader::Resource;
-use crate::tables::state;
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -17,10 +16,11 @@ impl fmt::Display for Plan {
 }
 
 /// What an element of a buffer is, be it one that the GPU executor keeps for itself.
-pub(crate) fn element(name: &str) -> &'static str {
-    match (buffers::info(name), name) {
+pub(crate) fn element(program: &Program, name: &str) -> &'static str {
+    match (program.buffer(name), name) {
         (Some(info), _) => info.element,
         (None, "fill") => "u32 texels: what streams begin with",
+        (None, "launch") => "256 bytes a pass: how many elements it is launched over",
         (None, "given") => "rays from outside: what some streams begin with",
         (None, "live_rays") => "u32 a ray in the list of a kernel: x and y << 16",
         (None, "sent" | "sent_copy") => "256 bytes a pass: how many rays it sent to each state",
@@ -49,8 +49,8 @@ impl Plan {
         writeln!(f, "\nkernels")?;
         for variant in &self.variants {
             let info = variant.kernel.info();
-            let states: Vec<_> = info.takes.iter().map(|&t| state::name(t)).collect();
-            writeln!(f, "  {:<14} {} (rays in {})", info.name, info.summary, states.join(", "))?;
+            let states: Vec<_> = info.takes.iter().map(|&t| self.program.states.name(t)).collect();
+            writeln!(f, "  {:<14} {} (rays in {})", variant.kernel.name(), info.summary, states.join(", "))?;
             for binding in &variant.bindings {
                 let access = match (binding.reads, binding.writes) {
                     (true, true) => "updates",
@@ -59,7 +59,7 @@ impl Plan {
                 };
                 let kind = match binding.resource {
                     Resource::ReadStream(_) | Resource::WriteStream { .. } => "stream",
-                    Resource::Uniform => "uniform",
+                    Resource::Uniform | Resource::Launch => "uniform",
                     Resource::Storage | Resource::Live { .. } => "buffer",
                 };
                 writeln!(f, "    {access} {kind:<7} {}", binding.name)?;
@@ -79,7 +79,7 @@ impl Plan {
         }
         writeln!(f, "\nbuffers")?;
         for b in &self.buffers {
-            writeln!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(b.what))?;
+            writeln!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(self.program, b.what))?;
         }
         writeln!(f, "  {:<19} {:>10}", "in all", Bytes(self.bytes()).to_string())?;
         writeln!(f, "\nleft out")?;

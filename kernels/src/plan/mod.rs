@@ -18,15 +18,17 @@ use raystep_scenes::Scene;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
+use crate::program::Kernel;
+use crate::program::Program;
+use crate::program::schedule::Schedule;
 use crate::programs::closest_hit;
-use crate::programs::closest_hit::kernels::{Kernel, LISTS};
-use crate::programs::closest_hit::schedule::Schedule;
 use crate::scene_data::SceneData;
-use crate::scene_data::buffers::BUFFERS;
-use crate::shader::Variant;
+use crate::shader::{LAUNCH, ShaderError, Variant};
 use crate::shared::scene::SceneInfo;
+use crate::tables::elements::{Elements, Size};
+use crate::tables::kernel::Role;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS, LIVE_REGIONS, fill_bytes, given_bytes};
-use crate::tables::stream::{INPUTS, STREAMS, Stream};
+use crate::tables::stream::Stream;
 
 pub use crate::numbers::bytes::Bytes;
 pub use crate::options::reasons::Because;
@@ -49,6 +51,15 @@ pub struct Planned<T> {
     pub bytes: u64,
 }
 
+/// A set of elements of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlannedSet {
+    /// Which one.
+    pub what: &'static Elements,
+    /// Its size; `None` where the run finds it.
+    pub size: Option<Size>,
+}
+
 /// Something that a run does without.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
@@ -63,8 +74,14 @@ pub struct LeftOut {
 /// A run, before it starts.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Name of the program that it runs.
-    pub program: &'static str,
+    /// The program that it runs.
+    pub program: &'static Program,
+    /// The program's sets of elements.
+    pub sets: Vec<PlannedSet>,
+    /// Longest side of a stream's texture.
+    pub image_side: u32,
+    /// Most elements of a set.
+    pub most_elements: u64,
     /// Texels a row of every stream.
     pub width: u32,
     /// Rows.
@@ -92,14 +109,17 @@ pub struct Plan {
     pub pass_bound: u64,
 }
 
-/// The buffers in which the GPU executor keeps the passes' books, as far as kernels bind them.
-fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str>> {
+/// The buffers in which the GPU executor counts and lists elements, as far as kernels bind them.
+fn housekeeping(program: &Program, bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str>> {
     let slots = COUNT_SLOTS * COUNT_SLOT_BYTES;
     let mut all = Vec::new();
     let mut add = |what, bytes| all.push(Planned { what, bytes });
     add("sent", slots);
     add("sent_copy", slots);
-    for list in LISTS.iter().filter(|list| bound.contains(list.name)) {
+    if bound.contains(LAUNCH) {
+        add(LAUNCH, slots);
+    }
+    for list in program.lists.iter().filter(|list| bound.contains(list.name)) {
         for slots in list.slots {
             add(slots, COUNT_SLOTS * COUNT_SLOT_BYTES / 2 + COUNT_SLOT_BYTES);
         }
@@ -110,11 +130,46 @@ fn housekeeping(bound: &BTreeSet<&str>, texels: u64) -> Vec<Planned<&'static str
     all
 }
 
+/// The kernels of a schedule, as they will be compiled, and the one that counts for those that do not.
+fn variants(program: &'static Program, schedule: &Schedule, features: &Features) -> Result<Vec<Variant>, ShaderError> {
+    let mut kernels = schedule.kernels();
+    if kernels.iter().any(|kernel| kernel.is_counted_anew(features)) {
+        kernels.extend(program.kernels().find(|kernel| kernel.role() == Role::Count));
+    }
+    kernels.into_iter().map(|kernel| Variant::new(kernel, features)).collect()
+}
+
+fn planned_streams(program: &'static Program, sets: &[PlannedSet], bound: &BTreeSet<&str>) -> Vec<Planned<Stream>> {
+    let bytes = |stream: Stream| {
+        let size = sets.iter().find(|set| set.what.name == stream.info().elements.name).and_then(|set| set.size);
+        size.and_then(|size| stream.bytes(size.texels())).unwrap_or(0)
+    };
+    let bound = program.streams().filter(|stream| bound.contains(stream.name()));
+    bound.map(|what| Planned { what, bytes: bytes(what) }).collect()
+}
+
+fn planned_buffers(
+    program: &Program,
+    bound: &BTreeSet<&str>,
+    data: &SceneData,
+    limits: &Limits,
+) -> Result<Vec<Planned<&'static str>>, PlanError> {
+    let mut buffers = Vec::new();
+    for info in program.buffers.iter().filter(|b| bound.contains(b.name)) {
+        let bytes = info.contents(data).len() as u64;
+        if !info.is_uniform {
+            check_buffer(info.name, bytes, limits)?;
+        }
+        buffers.push(Planned { what: info.name, bytes });
+    }
+    Ok(buffers)
+}
+
 impl Plan {
     /// What something of this run is called where a debugger or one of wgpu's errors shows it.
     #[must_use]
     pub fn label(&self, name: &str) -> String {
-        format!("{}.{name}", self.program)
+        format!("{}.{name}", self.program.name)
     }
 
     /// Plans a run and prepares the bytes that it binds. No GPU is involved.
@@ -142,9 +197,9 @@ impl Plan {
         let features = features;
         let pass_bound = Walk { features: &features, structure: &structure, triangles }.most_passes(is_fused);
 
-        let schedule = Schedule::of(options, accelerator, &features);
-        let variants =
-            schedule.kernels().into_iter().map(|k| Variant::new(k, &features)).collect::<Result<Vec<_>, _>>()?;
+        let program = &closest_hit::PROGRAM;
+        let schedule = closest_hit::schedule::of(options, accelerator, &features);
+        let variants = variants(program, &schedule, &features)?;
         let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
         if bound.contains("texels") {
             check_texels(scene, limits)?;
@@ -154,30 +209,22 @@ impl Plan {
         let is_bound = |name: &str| bound.contains(name);
         let data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
 
-        let streams = STREAMS
-            .iter()
-            .filter(|s| bound.contains(s.name))
-            .map(|s| Planned {
-                what: s.stream,
-                bytes: u64::from(width) * u64::from(height) * 4 * s.layers.len() as u64,
-            })
-            .collect();
-        let mut buffers = Vec::new();
-        for info in BUFFERS.iter().filter(|b| bound.contains(b.name)) {
-            let bytes = data.bytes(info.name).map_or(0, |b| b.len() as u64);
-            if !info.is_uniform {
-                check_buffer(info.name, bytes, limits)?;
-            }
-            buffers.push(Planned { what: info.name, bytes });
-        }
-        buffers.extend(housekeeping(&bound, u64::from(width) * u64::from(height)));
-        buffers.push(Planned { what: "fill", bytes: fill_bytes(width, height) });
+        let size = Size { width, height, count: rays as u32 };
+        let sets = vec![PlannedSet { what: program.elements[0], size: Some(size) }];
+        let streams = planned_streams(program, &sets, &bound);
+        let mut buffers = planned_buffers(program, &bound, &data, limits)?;
+        buffers.extend(housekeeping(program, &bound, size.texels()));
+        buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
         if given {
-            let bytes = INPUTS.iter().map(|&stream| given_bytes(stream, width, height)).sum();
+            let inputs = program.course.map_or(&[][..], |course| course.inputs);
+            let bytes = inputs.iter().map(|&stream| given_bytes(stream, width, height)).sum();
             buffers.push(Planned { what: "given", bytes });
         }
         let mut plan = Self {
-            program: closest_hit::NAME,
+            program,
+            sets,
+            image_side: limits.image_side,
+            most_elements: limits.rays,
             width,
             height,
             rays,
@@ -195,7 +242,13 @@ impl Plan {
         Ok((plan, data))
     }
 
-    /// Bytes of all streams and buffers.
+    /// The size of the set that the run is about.
+    #[must_use]
+    pub fn size(&self) -> Size {
+        Size { width: self.width, height: self.height, count: self.rays as u32 }
+    }
+
+    /// Bytes of all streams and buffers whose size is known.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.streams.iter().map(|s| s.bytes).sum::<u64>() + self.buffers.iter().map(|b| b.bytes).sum::<u64>()

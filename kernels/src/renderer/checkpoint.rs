@@ -8,7 +8,7 @@ use super::{Executor, RenderError, Renderer};
 use crate::executor::cpu::CpuExecutor;
 use crate::executor::gpu::Snapshot;
 use crate::plan::Plan;
-use crate::programs::closest_hit::schedule::Cursor;
+use crate::program::schedule::Cursor;
 use crate::tables::state::StateCounts;
 
 /// Everything that the passes to come depend on, after some pass of a run. What runs on a GPU is kept on the GPU.
@@ -92,9 +92,9 @@ impl Renderer {
             return Err(RenderError::OtherRun);
         }
         match (&mut self.executor, &checkpoint.kept) {
-            (Executor::Gpu(e), Kept::Gpu(snapshot)) if snapshot.is_on(e.gpu()) => e.restore(snapshot),
-            (Executor::Cpu(e), Kept::Cpu(kept)) => e.restore(kept),
-            (Executor::CpuF64(e), Kept::CpuF64(kept)) => e.restore(kept),
+            (Executor::Gpu(e), Kept::Gpu(snapshot)) if snapshot.is_on(e.gpu()) => e.restore(snapshot)?,
+            (Executor::Cpu(e), Kept::Cpu(kept)) => e.restore(kept)?,
+            (Executor::CpuF64(e), Kept::CpuF64(kept)) => e.restore(kept)?,
             _ => return Err(RenderError::OtherRun),
         }
         self.cursor = checkpoint.cursor.clone();

@@ -15,7 +15,7 @@ impl Renderer {
             Executor::Cpu(e) => e.write(data),
             Executor::CpuF64(e) => e.write(data),
         };
-        if is_written && data.stream == Stream::State {
+        if is_written && Some(data.stream) == self.plan.program.state_stream() {
             // Which kernel is next follows from the counts.
             self.counts = StateCounts::default();
             data.layer(STATE_TAG).iter().for_each(|&tag| self.counts[(tag as usize).min(state::COUNT - 1)] += 1);
@@ -38,11 +38,11 @@ impl Renderer {
         if layer >= stream.layers() {
             return Err(RenderError::NoLayer { stream: stream.name(), layer });
         }
-        let is_tag = stream == Stream::State && layer == STATE_TAG;
+        let is_tag = Some(stream) == self.plan.program.state_stream() && layer == STATE_TAG;
         match &mut self.executor {
             // Counts and lists of live rays follow from every ray's tag.
             Executor::Gpu(_) if is_tag => {
-                let mut data = self.values(Stream::State).await?;
+                let mut data = self.values(stream).await?;
                 data.bits[y as usize * data.width as usize + x as usize] = bits;
                 self.write(&data);
             }

@@ -3,10 +3,12 @@
 use crate::numbers::units::exp2;
 use crate::options::Ray;
 use crate::plan::Plan;
+use crate::programs::closest_hit::streams::INPUTS;
+use crate::programs::closest_hit::streams::STATE_T;
 use crate::scene_data::{SceneData, traced_ray};
 use crate::shared::constants::INF;
-use crate::tables::state;
-use crate::tables::stream::{INPUTS, STATE_T, Stream, StreamData};
+use crate::tables::stream::Stream;
+use crate::tables::stream::StreamData;
 
 /// Rays from outside, as streams, and the exponent of each one's t.
 pub(super) struct GivenRays {
@@ -32,7 +34,7 @@ impl GivenRays {
                 streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();
                 streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
             }
-            streams[2].bits[i] = state::BORN;
+            streams[2].bits[i] = plan.program.course.map_or(0, |course| course.born);
             if any_hit {
                 // What lies behind the ray's end at t = 1 does not count.
                 streams[2].bits[STATE_T * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();

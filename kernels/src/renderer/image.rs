@@ -1,8 +1,9 @@
 //! The picture: linear light in memory and EXR, sRGB in PNG.
 
 use crate::numbers::srgb::linear_to_srgb;
+use crate::programs::closest_hit::streams::HIT_TRIANGLE;
 use crate::shared::constants::NO_TRIANGLE;
-use crate::tables::stream::{HIT_TRIANGLE, StreamData};
+use crate::tables::stream::StreamData;
 
 /// A linear image, rows from the top.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,14 +13,17 @@ use std::sync::Arc;
 
 use raystep_scenes::Scene;
 
-use crate::executor::cpu::{CpuExecutor, OutOfMemory};
+use crate::executor::TooMany;
+use crate::executor::cpu::{CpuError, CpuExecutor, OutOfMemory};
 use crate::executor::gpu::{Gpu, GpuError, GpuExecutor};
 use crate::options::{Options, RaySource};
 use crate::plan::{Limits, Plan, PlanError};
-use crate::programs::closest_hit::kernels::Kernel;
-use crate::programs::closest_hit::schedule::Cursor;
+use crate::program::Course;
+use crate::program::Kernel;
+use crate::program::schedule::Cursor;
 use crate::scene_data::SceneData;
-use crate::tables::state::{self, StateCounts};
+use crate::tables::state::StateCounts;
+use crate::tables::state::Tag;
 use crate::tables::stream::Region;
 pub use checkpoint::Checkpoint;
 use given::GivenRays;
@@ -72,6 +75,9 @@ pub enum RenderError {
     /// The system has not enough memory for the twins' streams.
     #[error(transparent)]
     Memory(#[from] OutOfMemory),
+    /// The run has found more elements than fit.
+    #[error(transparent)]
+    TooMany(#[from] TooMany),
     /// The caller's progress function asked to stop.
     #[error("cancelled after {passes} passes")]
     Cancelled {
@@ -105,6 +111,15 @@ pub enum RenderError {
     /// A pass that was submitted ahead changed something. This is a defect of raystep.
     #[error("pass {0}, submitted ahead of its turn, was not idle")]
     Overshoot(usize),
+}
+
+impl From<CpuError> for RenderError {
+    fn from(error: CpuError) -> Self {
+        match error {
+            CpuError::Memory(error) => Self::Memory(error),
+            CpuError::TooMany(error) => Self::TooMany(error),
+        }
+    }
 }
 
 /// One pass that has run.
@@ -254,15 +269,22 @@ impl Renderer {
                     };
                 }
                 let rays = given.exponents.len() as u32;
-                self.counts[state::BORN as usize] = rays;
-                self.counts[state::UNBORN as usize] = texels - rays;
+                self.count_in(|course| course.born, rays);
+                self.count_in(|course| course.unborn, texels - rays);
             }
             // The fused kernel's rays wait for nobody to make them.
-            None if self.plan.features.eye_rays => self.counts[state::BORN as usize] = texels,
-            None => self.counts[state::UNBORN as usize] = texels,
+            None if self.plan.features.eye_rays => self.count_in(|course| course.born, texels),
+            None => self.count_in(|course| course.unborn, texels),
         }
         if let Some(ray) = self.alone {
             self.leave_out_others(ray);
+        }
+    }
+
+    /// So many elements are in a state, where the program has states.
+    fn count_in(&mut self, state: impl Fn(&Course) -> Tag, elements: u32) {
+        if let Some(course) = &self.plan.program.course {
+            self.counts[state(course) as usize] = elements;
         }
     }
 

@@ -1,10 +1,9 @@
 //! A run of one ray alone: the same plan, the same kernels and the same texel, with every other ray left out.
 
 use super::{RenderError, Renderer};
-use crate::programs::closest_hit::schedule::Step;
+use crate::program::schedule::Step;
 use crate::tables::kernel::Role;
-use crate::tables::state;
-use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
+use crate::tables::stream::{Region, STATE_TAG, StreamData};
 
 impl Renderer {
     /// Whether a ray alone goes through the same passes, by the same numbers, as it does beside all others: so it is
@@ -20,7 +19,9 @@ impl Renderer {
             Step::RunUntilIdle(kernel) => kernel.is_walk(),
             Step::LoopWhileActive(_, body) => body.iter().all(runs_once),
         };
-        !self.plan.features.samples && self.plan.schedule.steps.iter().all(is_the_same_for_all)
+        self.plan.program.course.is_some()
+            && !self.plan.features.samples
+            && self.plan.schedule.steps.iter().all(is_the_same_for_all)
     }
 
     /// Back to before the first pass, with one ray alone: no kernel works on any other, until the next
@@ -29,7 +30,8 @@ impl Renderer {
     /// # Errors
     /// Where the image has no such pixel.
     pub fn restart_alone(&mut self, x: u32, y: u32) -> Result<bool, RenderError> {
-        self.check_part(&[Stream::State], Region { x, y, width: 1, height: 1 })?;
+        let state = self.plan.program.state_stream();
+        self.check_part(state.as_slice(), Region { x, y, width: 1, height: 1 })?;
         self.alone = self.can_go_alone().then_some([x, y]);
         self.begin();
         Ok(self.alone.is_some())
@@ -39,17 +41,18 @@ impl Renderer {
     pub(super) fn leave_out_others(&mut self, [x, y]: [u32; 2]) {
         let (width, height) = (self.plan.width, self.plan.height);
         let texels = width as usize * height as usize;
+        let Some(course) = self.plan.program.course else { return };
         let unwritten = || {
-            let layers = Stream::State.info().unwritten.iter();
+            let layers = course.stream.info().unwritten.iter();
             layers.flat_map(|&bits| std::iter::repeat_n(bits, texels)).collect()
         };
-        let given = self.given.as_ref().and_then(|given| given.streams.iter().find(|s| s.stream == Stream::State));
+        let given = self.given.as_ref().and_then(|given| given.streams.iter().find(|s| s.stream == course.stream));
         let bits = given.map_or_else(unwritten, |given| given.bits.clone());
-        let mut state = StreamData { stream: Stream::State, width, height, bits };
+        let mut state = StreamData { stream: course.stream, width, height, bits };
         let ray = y as usize * width as usize + x as usize;
         for (i, tag) in state.bits[STATE_TAG * texels..(STATE_TAG + 1) * texels].iter_mut().enumerate() {
             // What is done waits for no kernel.
-            *tag = if i == ray { *tag } else { state::DONE };
+            *tag = if i == ray { *tag } else { course.done };
         }
         self.write(&state);
     }

@@ -5,9 +5,8 @@ use std::ops::ControlFlow;
 use super::{Executor, Pass, Progress, RenderError, Renderer};
 use crate::executor::PassResult;
 use crate::executor::gpu::MOST_PASSES;
-use crate::programs::closest_hit::kernels::Kernel;
-use crate::tables::state;
-use crate::tables::stream::{STATE_TAG, Stream};
+use crate::program::Kernel;
+use crate::tables::stream::STATE_TAG;
 
 /// Rays times passes of one submission at most, or two passes.
 const RAYS_A_BATCH: u64 = 1 << 26;
@@ -143,8 +142,8 @@ impl Renderer {
         self.is_ahead = true;
         let results: Vec<PassResult> = match &mut self.executor {
             Executor::Gpu(e) => e.run(&guess, &self.counts).await?,
-            Executor::Cpu(e) => vec![e.run(guess[0], &self.data)],
-            Executor::CpuF64(e) => vec![e.run(guess[0], &self.data)],
+            Executor::Cpu(e) => vec![e.run(guess[0], &self.data)?],
+            Executor::CpuF64(e) => vec![e.run(guess[0], &self.data)?],
         };
         let mut recorded = 0;
         for result in &results {
@@ -156,7 +155,10 @@ impl Renderer {
                 }
                 break;
             }
-            let rays_in = result.kernel.live(&self.counts);
+            let rays_in = match result.kernel.info().takes {
+                [] => result.elements,
+                _ => result.kernel.live(&self.counts),
+            };
             self.cursor = ahead;
             self.counts = result.counts;
             self.records.push(Pass {
@@ -189,11 +191,12 @@ impl Renderer {
             self.cursor.leave_walk(&self.plan.schedule);
             return Ok(());
         }
-        let mut state = self.values(Stream::State).await?;
+        let Some(course) = self.plan.program.course else { return Ok(()) };
+        let mut state = self.values(course.stream).await?;
         let rays = state.layer(STATE_TAG).len();
         let tags = &mut state.bits[STATE_TAG * rays..(STATE_TAG + 1) * rays];
-        for tag in tags.iter_mut().filter(|tag| state::is_walking(**tag)) {
-            *tag = state::GIVEN_UP;
+        for tag in tags.iter_mut().filter(|tag| self.plan.program.states.is_walking(**tag)) {
+            *tag = course.given_up;
             self.unfinished += 1;
         }
         self.write(&state);
@@ -201,7 +204,16 @@ impl Renderer {
     }
 
     fn undecided(&self) -> u64 {
-        state::walking(&self.counts)
+        self.plan.program.states.walking(&self.counts)
+    }
+
+    /// Elements whose result is known; of a program without states, the share of its passes that have run.
+    fn decided(&self) -> u64 {
+        if self.plan.program.course.is_some() {
+            return self.plan.program.states.decided(&self.counts);
+        }
+        let (done, all) = (self.pass_count() as u64, self.plan.schedule.steps.len().max(1) as u64);
+        self.plan.rays * done.min(all) / all
     }
 
     /// How far the run is.
@@ -209,7 +221,7 @@ impl Renderer {
     pub fn progress(&self) -> Progress {
         Progress {
             passes: self.pass_count(),
-            rays_decided: state::decided(&self.counts),
+            rays_decided: self.decided(),
             rays: self.plan.rays,
             samples: self.samples(),
             samples_wanted: self.samples_wanted(),
@@ -261,10 +273,10 @@ mod tests {
                     );
                 }
                 assert_eq!(times, samples.count, "rays reach the bound in every sample");
-                let ended = u64::from(renderer.live()[state::DONE as usize]);
+                let ended = u64::from(renderer.live()[states::DONE as usize]);
                 assert_eq!(ended + renderer.undecided(), 400);
                 if samples.count > 1 {
-                    let counts = renderer.values(Stream::Accumulated).await?;
+                    let counts = renderer.values(streams::ACCUMULATED).await?;
                     let complete = counts.layer(4).iter().filter(|&&n| f32::from_bits(n) == 4.0).count();
                     assert_eq!((complete as u64, ended, renderer.samples()), (400, 400, 4), "nobody lags");
                 }
@@ -284,7 +296,7 @@ mod tests {
         let outcome = pollster::block_on(async {
             let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
             renderer.run(|_| ControlFlow::Continue(())).await?;
-            let begins = |pass: &Pass| pass.kernel == Kernel::Generate;
+            let begins = |pass: &Pass| pass.kernel == kernels::GENERATE;
             let longest = renderer.passes().split(begins).map(<[Pass]>::len).max().unwrap_or(0);
             let (image, passes) = (renderer.image().await?, renderer.pass_count());
             renderer.restart();

@@ -2,9 +2,14 @@
 
 use super::{Executor, RenderError, Renderer};
 use crate::numbers::units::exp2;
+use crate::programs::closest_hit::streams;
+use crate::programs::closest_hit::streams::HIT_TRIANGLE;
+use crate::programs::closest_hit::streams::STATE_T;
 use crate::renderer::image::Image;
 use crate::shared::constants::{INF, NO_TRIANGLE};
-use crate::tables::stream::{HIT_TRIANGLE, Region, STATE_T, Stream, StreamData};
+use crate::tables::stream::Region;
+use crate::tables::stream::Stream;
+use crate::tables::stream::StreamData;
 
 /// What one ray hit, in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,10 +104,10 @@ impl Renderer {
     /// Where the run does not shade, or the device fails.
     pub async fn image(&self) -> Result<Image, RenderError> {
         if self.plan.features.samples {
-            return Ok(Image::from_mean(&self.values(Stream::Accumulated).await?));
+            return Ok(Image::from_mean(&self.values(streams::ACCUMULATED).await?));
         }
-        let color = self.values(Stream::Color).await?;
-        let hit = self.values(Stream::Hit).await?;
+        let color = self.values(streams::COLOR).await?;
+        let hit = self.values(streams::HIT).await?;
         Ok(Image::from_streams(&color, &hit))
     }
 
@@ -120,8 +125,8 @@ impl Renderer {
     /// # Errors
     /// Where the device fails.
     pub async fn hits(&self) -> Result<Vec<Option<RayHit>>, RenderError> {
-        let hit = self.values(Stream::Hit).await?;
-        let state = self.values(Stream::State).await?;
+        let hit = self.values(streams::HIT).await?;
+        let state = self.values(streams::STATE).await?;
         let hit_of = |i: usize| {
             let (triangle, t) = found(&state, &hit, i)?;
             Some(RayHit { t: f64::from(t) * self.t_scale(i), u: hit.get_f32(0, i), v: hit.get_f32(1, i), triangle })

@@ -1,6 +1,6 @@
 //! A scene as kernels read it: the bytes of every uniform and storage buffer that a run binds.
 
-pub mod buffers;
+pub mod buffer;
 mod error;
 mod indices;
 mod shading;
@@ -90,11 +90,14 @@ pub struct SceneData {
 impl std::fmt::Debug for SceneData {
     /// Sizes only: the contents of a scene fill no log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut sizes = f.debug_struct("SceneData");
-        for info in buffers::BUFFERS {
-            sizes.field(info.name, &self.bytes(info.name).map_or(0, <[u8]>::len));
-        }
-        sizes.finish()
+        f.debug_struct("SceneData")
+            .field("triangles", &self.info.triangles)
+            .field("grid_cells", &self.grid_cells.len())
+            .field("grid_items", &self.grid_items.len())
+            .field("bvh_nodes", &self.bvh_nodes.len())
+            .field("wide_nodes", &self.wide_nodes.len())
+            .field("packed_triangles", &self.packed_triangles.len())
+            .finish_non_exhaustive()
     }
 }
 
@@ -138,15 +141,6 @@ impl SceneData {
     #[must_use]
     pub fn empty_distance(&self, cell: u32) -> i32 {
         (self.grid_distances[cell as usize / 4] >> (8 * (cell % 4)) & 0xff) as i32
-    }
-
-    /// The bytes of a buffer, by name; a storage buffer that would be empty gets 16 zero bytes, since
-    /// nothing can be bound to nothing. `None` for a name that the table does not have.
-    #[must_use]
-    pub fn bytes(&self, name: &str) -> Option<&[u8]> {
-        const EMPTY: &[u8] = &[0; 80];
-        let bytes = (buffers::info(name)?.bytes)(self);
-        Some(if bytes.is_empty() { EMPTY } else { bytes })
     }
 
     /// The bytes of a run whose structure and features are decided: what `wanted` names, and the structure. `scene` must

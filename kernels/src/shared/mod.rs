@@ -19,7 +19,6 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("camera", include_str!("camera.wgsl")),
     ("samples", include_str!("samples.wgsl")),
     ("scene", include_str!("scene.wgsl")),
-    ("live", include_str!("live.wgsl")),
     ("bvh_walk", include_str!("bvh_walk.wgsl")),
     ("wide_walk", include_str!("wide_walk.wgsl")),
     ("packed_triangles", include_str!("packed_triangles.wgsl")),

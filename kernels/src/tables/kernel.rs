@@ -32,6 +32,10 @@ pub enum Role {
     Finish,
     /// Adds a sample's result to those before it; the last kernel of every sample.
     Sample,
+    /// Counts the elements in each state, after a kernel that does not count them itself.
+    Count,
+    /// Does its work once, on every element.
+    Once,
 }
 
 impl Role {
@@ -50,6 +54,8 @@ pub enum Launch {
     /// In bands of rows, each a dispatch and a submission of its own: a ray may take long there, and systems take the
     /// GPU away from a dispatch that lasts. It is not submitted together with other passes.
     Bands,
+    /// In one dispatch, over elements that lie one after the other.
+    List,
 }
 
 /// How the host learns where a kernel has sent its rays.
@@ -62,6 +68,8 @@ pub enum Counts {
     AllTo(Tag),
     /// It does not count: the rays in each state are counted anew after it.
     Anew,
+    /// Its elements have no states.
+    None,
 }
 
 /// A list of the rays that wait for a kernel.

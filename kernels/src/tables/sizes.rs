@@ -1,6 +1,7 @@
 //! Sizes of the buffers that the GPU executor keeps for itself: what the plan counts and the executor allocates.
 
-use crate::tables::stream::{STREAMS, Stream};
+use crate::tables::elements::Size;
+use crate::tables::stream::{Stream, StreamInfo};
 
 /// Passes of one batch at most: one slot each in the GPU executor's housekeeping buffers.
 pub const COUNT_SLOTS: u64 = 256;
@@ -8,6 +9,8 @@ pub const COUNT_SLOTS: u64 = 256;
 pub const COUNT_SLOT_BYTES: u64 = 256;
 /// Texels of each constant with which the GPU executor fills streams.
 pub const FILL_TEXELS: u32 = 1 << 18;
+/// Texels of the longest row of any texture.
+const LONGEST_ROW: u64 = 1 << 15;
 /// Lists of rays that exist at a time: for each of two kernels the one that it works on, and the next.
 pub const LIVE_REGIONS: u64 = 4;
 
@@ -16,9 +19,9 @@ pub(crate) fn pitch(width: u32) -> u32 {
     width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4)
 }
 
-/// The values that streams begin with.
-pub(crate) fn fill_values() -> Vec<u32> {
-    let mut values: Vec<u32> = STREAMS.iter().flat_map(|s| s.unwritten).copied().collect();
+/// The values that a program's streams begin with.
+pub(crate) fn fill_values(streams: &[StreamInfo]) -> Vec<u32> {
+    let mut values: Vec<u32> = streams.iter().flat_map(|s| s.unwritten).copied().collect();
     values.sort_unstable();
     values.dedup();
     values
@@ -29,9 +32,15 @@ pub(crate) fn fill_rows(width: u32, height: u32) -> u32 {
     (FILL_TEXELS / pitch(width)).clamp(1, height)
 }
 
-/// Bytes of the constants.
-pub(crate) fn fill_bytes(width: u32, height: u32) -> u64 {
-    4 * u64::from(pitch(width)) * u64::from(fill_rows(width, height)) * fill_values().len() as u64
+/// Words of each constant, where the program's first set of elements is of this size: at least a row of any other set.
+pub(crate) fn fill_words(size: Size, sets: usize) -> u64 {
+    let words = u64::from(pitch(size.width)) * u64::from(fill_rows(size.width, size.height));
+    if sets > 1 { words.max(LONGEST_ROW) } else { words }
+}
+
+/// Bytes of the constants of a program with these streams and so many sets of elements.
+pub(crate) fn fill_bytes(size: Size, sets: usize, streams: &[StreamInfo]) -> u64 {
+    4 * fill_words(size, sets) * fill_values(streams).len() as u64
 }
 
 /// Bytes of the copy of a given stream.

@@ -1,67 +1,17 @@
-//! Every per-ray stream, in one table.
+//! What a program keeps for each of its elements: streams.
 //!
-//! A stream is a 2D-array texture: one texel a ray, one layer a component, `r32float` or `r32uint`.
-//! Pixel (x, y) is texel (x, y); row 0 is at the top. A kernel updates its own texel in place.
-//!
-//! ```text
-//! ray_origin    f32  x  y  z             traced units
-//! ray_direction f32  x  y  z             traced units per unit of t; not normalised
-//! state         u32  tag  nearest-t  cell  item      while lights are summed: item is 2³¹ + how many
-//! tmax          f32  x  y  z             t
-//! previous      u32  node                index of the tree's node before this one
-//! hit           u32  u  v  triangle      u, v as f32 bits
-//! color         f32  r  g  b             linear light
-//! counters      u32  cells  triangles  repeated
-//! accumulated   f32  r  g  b  a  samples mean so far, linear light; a: share of samples that hit
-//! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax (f32 bits)
-//! trail         u32  levels 0, 8, 16, 24  4 bits a level
-//! scan          u32  cell  tx  ty  tz    cell, tmax (f32 bits)
-//! ```
-//!
-//! Lengths are in *traced units*: scene units times a power of two, see [`crate::numbers::units`]. `t` is the
-//! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
-//! of a primary ray is its depth.
-//!
-//! The last three are what a ray needs to go on in the next dispatch, where a walk or a search may take more loop turns
-//! than one dispatch has (see [`crate::plan::Limits`]).
-//!
-//! With several samples a pixel, every sample's ray uses the same texels: all streams but `accumulated` hold the
-//! latest sample's, at the end of a run the last one's. Only `color` is given the mean then.
+//! A stream is a 2D-array texture: one texel an element, one layer a component, `r32float` or `r32uint`. Elements that
+//! are an image's pixels have pixel (x, y) in texel (x, y), row 0 at the top; others fill the rows one after the other.
+//! A kernel updates its own texel in place.
 
-use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+use std::fmt;
+use std::hash::{Hash, Hasher};
 
-use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
+use serde::{Serialize, Serializer};
 
-/// A per-ray stream.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stream {
-    /// Where the ray starts.
-    RayOrigin,
-    /// Where it goes.
-    RayDirection,
-    /// Tag, nearest t, cell, item offset.
-    State,
-    /// t at which the ray leaves its cell, per axis.
-    #[serde(rename = "tmax")]
-    TMax,
-    /// Node visited before this one.
-    Previous,
-    /// Barycentrics and triangle of the nearest hit.
-    Hit,
-    /// Shaded colour.
-    Color,
-    /// Cells visited, triangles tested, repeated tests.
-    Counters,
-    /// Mean colour and coverage of the samples so far, and their number.
-    Accumulated,
-    /// Where in the grid a ray waits for the next dispatch of `fused`, where that does not follow from its cell.
-    Place,
-    /// Where in the wide tree it does: the child entered last on each level.
-    Trail,
-    /// Where the search for repeated tests waits for the next dispatch.
-    Scan,
-}
+use super::elements::Elements;
+use crate::options::reasons::{Reason, Run};
 
 /// What a texel component is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,13 +22,15 @@ pub enum Texel {
     U32,
 }
 
-/// A row of the table.
+/// A row of a program's table of streams.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamInfo {
-    /// Which stream.
-    pub stream: Stream,
+    /// Its place in the table.
+    pub index: usize,
     /// Its name in WGSL, files and options.
     pub name: &'static str,
+    /// What it has a texel for.
+    pub elements: &'static Elements,
     /// Component type.
     pub texel: Texel,
     /// One name a layer.
@@ -89,131 +41,92 @@ pub struct StreamInfo {
     pub unit: &'static str,
     /// What each layer holds before any kernel has written it (bits).
     pub unwritten: &'static [u32],
+    /// Why a run does without it.
+    pub why_absent: fn(&Run<'_>) -> Reason,
 }
 
-const fn row(
-    stream: Stream,
-    name: &'static str,
-    texel: Texel,
-    layers: &'static [&'static str],
-    float_layers: &'static [usize],
-    unit: &'static str,
-    unwritten: &'static [u32],
-) -> StreamInfo {
-    StreamInfo { stream, name, texel, layers, float_layers, unit, unwritten }
-}
-
-/// Layer of the `state` stream: the tag.
+/// Layer of a program's stream of states that holds the tag.
 pub const STATE_TAG: usize = 0;
-/// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
-pub const STATE_T: usize = 1;
-/// Layer of the `state` stream: 1-D index of the cell, or index of the node.
-pub const STATE_CELL: usize = 2;
-/// Layer of the `state` stream: offset into the cell's or leaf's triangle list.
-pub const STATE_ITEM: usize = 3;
-/// Layer of the `hit` stream: the triangle, [`NO_TRIANGLE`] without a hit.
-pub const HIT_TRIANGLE: usize = 2;
-/// Layer of the `accumulated` stream: the samples in the mean; exact, as a float counts to 2²⁴.
-pub const ACCUMULATED_SAMPLES: usize = 4;
 
-/// Every stream.
-pub const STREAMS: [StreamInfo; 12] = [
-    row(Stream::RayOrigin, "ray_origin", Texel::F32, &["x", "y", "z"], &[], "traced units", &[0; 3]),
-    row(Stream::RayDirection, "ray_direction", Texel::F32, &["x", "y", "z"], &[], "traced units per t", &[0; 3]),
-    row(
-        Stream::State,
-        "state",
-        Texel::U32,
-        &["tag", "t", "cell", "item"],
-        &[STATE_T],
-        "tag, t as f32 bits, 1-D index, count",
-        &[0, INF.to_bits(), 0, 0],
-    ),
-    row(Stream::TMax, "tmax", Texel::F32, &["x", "y", "z"], &[], "t", &[0; 3]),
-    row(Stream::Previous, "previous", Texel::U32, &["node"], &[], "index of a node", &[NO_NODE]),
-    row(
-        Stream::Hit,
-        "hit",
-        Texel::U32,
-        &["u", "v", "triangle"],
-        &[0, 1],
-        "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
-        &[0, 0, NO_TRIANGLE],
-    ),
-    row(Stream::Color, "color", Texel::F32, &["r", "g", "b"], &[], "linear light", &[0; 3]),
-    row(Stream::Counters, "counters", Texel::U32, &["cells", "triangles", "repeated"], &[], "count", &[0; 3]),
-    row(
-        Stream::Accumulated,
-        "accumulated",
-        Texel::F32,
-        &["r", "g", "b", "a", "samples"],
-        &[],
-        "linear light, share of samples that hit, count",
-        &[0; 5],
-    ),
-    row(
-        Stream::Place,
-        "place",
-        Texel::U32,
-        &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"],
-        &[4, 5, 6],
-        "cell coordinates, count of cells, t as f32 bits",
-        &[0; 7],
-    ),
-    row(
-        Stream::Trail,
-        "trail",
-        Texel::U32,
-        &["levels_0", "levels_8", "levels_16", "levels_24"],
-        &[],
-        "child entered last, 4 bits a level",
-        &[0; 4],
-    ),
-    row(
-        Stream::Scan,
-        "scan",
-        Texel::U32,
-        &["cell", "tmax_x", "tmax_y", "tmax_z"],
-        &[1, 2, 3],
-        "1-D index, t as f32 bits",
-        &[NO_CELL, 0, 0, 0],
-    ),
-];
-
-/// The streams that rays from outside begin with.
-pub const INPUTS: [Stream; 3] = [Stream::RayOrigin, Stream::RayDirection, Stream::State];
+/// A stream of a program: a row of its table.
+#[derive(Clone, Copy)]
+pub struct Stream(&'static StreamInfo);
 
 impl Stream {
+    /// The stream of a row.
+    #[must_use]
+    pub const fn of(info: &'static StreamInfo) -> Self {
+        Self(info)
+    }
     /// Its row of the table.
     #[must_use]
     pub const fn info(self) -> &'static StreamInfo {
-        &STREAMS[self as usize]
+        self.0
+    }
+    /// Its place in its program's table.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0.index
     }
     /// Its name.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        self.info().name
+        self.0.name
     }
     /// Components a texel.
     #[must_use]
     pub const fn layers(self) -> usize {
-        self.info().layers.len()
+        self.0.layers.len()
     }
-    /// The stream with this name.
+    /// Bytes for so many texels on the GPU; `None` where that overflows.
     #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        STREAMS.iter().find(|s| s.name == name).map(|s| s.stream)
-    }
-    /// Bytes for `rays` rays on the GPU; `None` where that overflows.
-    #[must_use]
-    pub fn bytes(self, rays: u64) -> Option<u64> {
-        rays.checked_mul(4 * self.layers() as u64)
+    pub fn bytes(self, texels: u64) -> Option<u64> {
+        texels.checked_mul(4 * self.layers() as u64)
     }
     /// Whether a layer holds a float, as such or as bits.
     #[must_use]
     pub fn is_float_layer(self, layer: usize) -> bool {
-        let info = self.info();
-        info.texel == Texel::F32 || info.float_layers.contains(&layer)
+        self.0.texel == Texel::F32 || self.0.float_layers.contains(&layer)
+    }
+}
+
+impl PartialEq for Stream {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.0, other.0)
+    }
+}
+
+impl Eq for Stream {}
+
+impl PartialOrd for Stream {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Stream {
+    /// In the order of their table; streams of two programs in any.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |stream: &Self| (stream.0.index, std::ptr::from_ref(stream.0).addr());
+        key(self).cmp(&key(other))
+    }
+}
+
+impl Hash for Stream {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        std::ptr::from_ref(self.0).hash(state);
+    }
+}
+
+impl fmt::Debug for Stream {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for Stream {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
     }
 }
 
@@ -272,16 +185,27 @@ impl StreamData {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// A program's table of streams, and a constant for each of them.
+macro_rules! streams {
+    ($($(#[doc = $doc:literal])* $stream:ident of $elements:ident: $name:literal $texel:ident $layers:expr, floats: $floats:expr, unit: $unit:literal, unwritten: $unwritten:expr, why_absent: $why:expr;)*) => {
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        enum Index { $($stream),* }
 
-    #[test]
-    fn the_table_is_in_the_order_of_the_enum_and_complete() {
-        for (i, info) in STREAMS.iter().enumerate() {
-            assert_eq!(info.stream as usize, i, "{}", info.name);
-            assert_eq!(info.layers.len(), info.unwritten.len(), "{}", info.name);
-            assert_eq!(Stream::from_name(info.name), Some(info.stream));
-        }
-    }
+        /// Every stream.
+        pub static STREAMS: [$crate::tables::stream::StreamInfo; [$(Index::$stream as usize),*].len()] =
+            [$($crate::tables::stream::StreamInfo {
+                index: Index::$stream as usize,
+                name: $name,
+                elements: &$elements,
+                texel: $crate::tables::stream::Texel::$texel,
+                layers: $layers,
+                float_layers: $floats,
+                unit: $unit,
+                unwritten: $unwritten,
+                why_absent: $why,
+            }),*];
+
+        $($(#[doc = $doc])* pub const $stream: Stream = Stream::of(&STREAMS[Index::$stream as usize]);)*
+    };
 }
+pub(crate) use streams;

@@ -1,13 +1,16 @@
 //! The texels of one ray, as a CPU kernel reads and writes them.
 
 use crate::numbers::real::{Real, Vec3};
-use crate::tables::stream::{STREAMS, Stream};
+use crate::tables::stream::Stream;
+
+/// Most streams of a program.
+pub const MOST_STREAMS: usize = 32;
 
 /// Where the components of each stream lie in a ray's row of texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     /// Index of each stream's first component; `None` for a stream that the plan left out.
-    pub(crate) first: [Option<usize>; STREAMS.len()],
+    pub(crate) first: [Option<usize>; MOST_STREAMS],
     /// Components of a row.
     pub(crate) stride: usize,
 }
@@ -15,9 +18,9 @@ pub(crate) struct Layout {
 impl Layout {
     /// These streams, side by side.
     pub(crate) fn of(streams: impl Iterator<Item = Stream>) -> Self {
-        let mut layout = Self { first: [None; STREAMS.len()], stride: 0 };
+        let mut layout = Self { first: [None; MOST_STREAMS], stride: 0 };
         for stream in streams {
-            layout.first[stream as usize] = Some(layout.stride);
+            layout.first[stream.index()] = Some(layout.stride);
             layout.stride += stream.layers();
         }
         layout
@@ -41,7 +44,7 @@ impl<'a, R: Real> Texels<'a, R> {
     }
     fn index(&self, stream: Stream, layer: usize) -> usize {
         // A stream that the plan left out is never asked for: the twins branch on the same options.
-        self.layout.first[stream as usize].map_or(usize::MAX, |first| first + layer)
+        self.layout.first[stream.index()].map_or(usize::MAX, |first| first + layer)
     }
     /// A float component.
     #[must_use]
@@ -74,4 +77,15 @@ impl<'a, R: Real> Texels<'a, R> {
         self.store(stream, 1, value.y);
         self.store(stream, 2, value.z);
     }
+}
+
+/// The streams of a run, as a CPU kernel reads and writes them whose elements look at each other. What is left out, or
+/// lies beyond a set's end, reads as 0 and is not written.
+pub trait Columns {
+    /// How many elements a stream has a texel for.
+    fn len(&self, stream: Stream) -> usize;
+    /// An integer component.
+    fn load(&self, stream: Stream, layer: usize, element: usize) -> u32;
+    /// Stores an integer component.
+    fn store(&mut self, stream: Stream, layer: usize, element: usize, value: u32);
 }

@@ -1,5 +1,6 @@
 //! Triangles in memory, traced on the GPU, pass by pass.
 
+use raystep_kernels::programs::closest_hit::{streams};
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, RenderError, Renderer, Stream};
 use raystep_scenes::{Camera, Scene};
 
@@ -13,7 +14,7 @@ fn main() -> Result<(), RenderError> {
         while let Some(pass) = renderer.step().await? {
             println!("{:>3} {:<14} {} rays", pass.index, pass.kernel.name(), pass.rays_in);
         }
-        let hit = renderer.values(Stream::Hit).await?;
+        let hit = renderer.values(streams::HIT).await?;
         println!("the centre pixel sees triangle {}", hit.get(2, 32 * 64 + 32));
         Ok(())
     })

@@ -1,6 +1,7 @@
 //! More work for one ray than an adapter gives a thread in one dispatch: lists of tens and hundreds of thousands of
 //! triangles, and as many lights. Mesa's software Vulkan ends loops after 65,535 turns, without a word.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
@@ -82,7 +83,7 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
                 Options { counters: true, shade: true, grid: GridSize::Cells(cells), ..way.of(&along(&scene, 8)) };
             let [on_gpu, on_cpu] = [&device, &Device::Cpu(Option::None)].map(|device| {
                 let renderer = run(&scene, &options, device, Option::None);
-                values(&renderer, Stream::Counters)
+                values(&renderer, streams::COUNTERS)
             });
             // Behind a hit that was found meanwhile, a walk that goes on enters fewer boxes.
             let exact = way.accelerator != Accelerator::Bvh || way.is_stepped();
@@ -111,7 +112,7 @@ fn repeated_tests_are_counted_by_a_search_of_several_dispatches() {
     let in_turns = run(&scene, &options, &Device::Gpu(gpu()), Some(&limits));
     let whole = run(&scene, &options, &Device::Cpu(None), Option::None);
     assert!(in_turns.plan().features.resumes_scan && !whole.plan().features.resumes_scan);
-    let [ours, theirs] = [&in_turns, &whole].map(|renderer| values(renderer, Stream::Counters));
+    let [ours, theirs] = [&in_turns, &whole].map(|renderer| values(renderer, streams::COUNTERS));
     assert_eq!(ours, theirs);
     assert!(theirs.layer(2).iter().any(|&repeated| repeated > 100), "{:?}", theirs.layer(2));
     assert!(in_turns.passes().len() > whole.passes().len(), "no search took a second dispatch");
@@ -126,7 +127,7 @@ fn all_lights_are_summed() {
     scene.lights.push(Light::Point { position: [0.3, 0.2, 3.0], color: [1.0, 0.5, 0.25], intensity: 1.0 });
     for way in EVERY {
         let options = way.of(&options(&scene, 9, 9));
-        let picture = |(_, device)| values(&run(&scene, &options, &device, Option::None), Stream::Color);
+        let picture = |(_, device)| values(&run(&scene, &options, &device, Option::None), streams::COLOR);
         let pictures: Vec<_> = devices().into_iter().map(picture).collect();
         assert!(pictures[0].layer(0).iter().any(|&red| f32::from_bits(red) > 0.1), "{way}: dark");
         // A sum of one light and 69,999 zeros: 64 roundings, as for any kernel that colours. Software rounds as the CPU.
@@ -157,7 +158,7 @@ fn the_number_of_loop_turns_changes_no_hit() {
                     assert!(parts.plan().features.resumes >= resumes, "{file} {name} {way} {turns}");
                     assert!(!resumes || parts.passes().len() > whole.passes().len(), "{file} {name} {way}");
                     assert_eq!(hits(&parts), hits(&whole), "{file} {name} {way}, {turns} turns");
-                    assert_eq!(values(&parts, Stream::Color), values(&whole, Stream::Color), "{file} {name} {way}");
+                    assert_eq!(values(&parts, streams::COLOR), values(&whole, streams::COLOR), "{file} {name} {way}");
                 }
             }
         }
@@ -176,7 +177,7 @@ fn what_fits_one_dispatch_is_compiled_as_without_a_limit() {
         for (many, without) in many.variants.iter().zip(&without.variants) {
             assert_eq!(many.source, without.source, "{way}: {}", many.kernel.name());
         }
-        assert!(![Stream::Place, Stream::Trail, Stream::Scan].iter().any(|&s| many.has_stream(s)), "{way}");
+        assert!(![streams::PLACE, streams::TRAIL, streams::SCAN].iter().any(|&s| many.has_stream(s)), "{way}");
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use raystep_kernels::export::trace::{Rays, Trace, TraceRow, trace};
-use raystep_kernels::tables::state::DONE;
+use raystep_kernels::programs::closest_hit::states::DONE;
 use raystep_kernels::{Accelerator, Device, Numerics, Options, Ray, RaySource, Renderer, Samples, ScheduleKind};
 use raystep_scenes::Scene;
 use raystep_tests::ways::{STEPPED, Way};

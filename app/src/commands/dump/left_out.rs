@@ -1,6 +1,7 @@
 //! Passes that a dump does without, and what they are called.
 
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Kernel, ScheduleKind, Stream};
 
 use crate::session::Running;
@@ -12,8 +13,8 @@ pub(super) const NOT_NEEDED: &str = "it changes no stream that is asked for";
 /// or, with the fused kernel, it holds the rays that are made for shading.
 pub(super) fn needs_shading(stream: Stream, schedule: ScheduleKind) -> bool {
     match stream {
-        Stream::State | Stream::Color | Stream::Accumulated => true,
-        Stream::RayOrigin | Stream::RayDirection => !schedule.is_stepped(),
+        streams::STATE | streams::COLOR | streams::ACCUMULATED => true,
+        streams::RAY_ORIGIN | streams::RAY_DIRECTION => !schedule.is_stepped(),
         _ => false,
     }
 }
@@ -30,7 +31,7 @@ pub(super) struct LeftOut {
 impl LeftOut {
     pub(super) fn of(plan: &Plan) -> Self {
         let missing = |kernel: &Kernel| plan.variant(*kernel).is_none();
-        Self { first: Some(Kernel::Generate).filter(missing), last: Some(Kernel::Shade).filter(missing) }
+        Self { first: Some(kernels::GENERATE).filter(missing), last: Some(kernels::SHADE).filter(missing) }
     }
 
     /// Numbers before that of the renderer's first pass.

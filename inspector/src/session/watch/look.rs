@@ -1,11 +1,19 @@
 //! Streams before and after a pass, and what watches make of the difference.
 
+use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use std::collections::BTreeMap;
 
+use raystep_kernels::programs::closest_hit::states::BACKGROUND;
+use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
+use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
+use raystep_kernels::programs::closest_hit::states::SHADE;
+use raystep_kernels::programs::closest_hit::states::TRAV;
+use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
+use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
 use raystep_kernels::tables::state;
-use raystep_kernels::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_CELL, STATE_T, STATE_TAG};
+use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, RenderError, Renderer, Stream, StreamData};
 
 use super::{Fired, Watch};
@@ -30,9 +38,9 @@ fn needed(renderer: &Renderer, watches: &[Watch]) -> Vec<Stream> {
     let is_needed = |stream: Stream| {
         watches.iter().any(|watch| match watch {
             Watch::NonFinite => (0..stream.layers()).any(|layer| stream.is_float_layer(layer)),
-            Watch::TMaxBackwards => matches!(stream, Stream::TMax | Stream::State),
-            Watch::MoreSteps(_) if plan.has_stream(Stream::Counters) => stream == Stream::Counters,
-            Watch::MoreSteps(_) => stream == Stream::State,
+            Watch::TMaxBackwards => matches!(stream, streams::TMAX | streams::STATE),
+            Watch::MoreSteps(_) if plan.has_stream(streams::COUNTERS) => stream == streams::COUNTERS,
+            Watch::MoreSteps(_) => stream == streams::STATE,
             Watch::RayState | Watch::RayHit | Watch::RayCell => false,
         })
     };
@@ -47,7 +55,7 @@ impl Look {
     /// Whether the watches can only be told by what happened since the first pass.
     pub(super) fn needs_start(renderer: &Renderer, watches: &[Watch]) -> bool {
         let counts = watches.iter().any(|watch| matches!(watch, Watch::MoreSteps(_)));
-        counts && !renderer.plan().has_stream(Stream::Counters)
+        counts && !renderer.plan().has_stream(streams::COUNTERS)
     }
 
     pub(super) async fn new(
@@ -83,7 +91,7 @@ impl Look {
             let now = renderer.values(stream).await?;
             before.insert(stream, std::mem::replace(data, now));
         }
-        let steps_before = self.count_steps(pass.kernel, before.get(&Stream::State));
+        let steps_before = self.count_steps(pass.kernel, before.get(&streams::STATE));
         let mut ray_before = None;
         if let Some((pixel, texels)) = &mut self.ray {
             let now = ray_texels(renderer, *pixel).await?;
@@ -102,8 +110,8 @@ impl Look {
                 Watch::TMaxBackwards => backwards(&before, &self.streams),
                 Watch::MoreSteps(most) => match (&self.steps, &steps_before) {
                     (Some(now), Some(before)) => more_steps(before, now, most),
-                    _ => before.get(&Stream::Counters).and_then(|before| {
-                        more_steps(before.layer(0), self.streams.get(&Stream::Counters)?.layer(0), most)
+                    _ => before.get(&streams::COUNTERS).and_then(|before| {
+                        more_steps(before.layer(0), self.streams.get(&streams::COUNTERS)?.layer(0), most)
                     }),
                 },
                 Watch::RayState | Watch::RayHit | Watch::RayCell => {
@@ -121,8 +129,8 @@ impl Look {
     /// Counts a pass's steps; returns the counts before it, where the pass makes steps.
     fn count_steps(&mut self, kernel: Kernel, before: Option<&StreamData>) -> Option<Vec<u32>> {
         let (steps, before) = (self.steps.as_mut()?, before?);
-        let now = self.streams.get(&Stream::State)?;
-        if !matches!(kernel, Kernel::TraverseGrid | Kernel::TraverseBvh) {
+        let now = self.streams.get(&streams::STATE)?;
+        if !matches!(kernel, kernels::TRAVERSE_GRID | kernels::TRAVERSE_BVH) {
             return None;
         }
         let earlier = steps.clone();
@@ -135,7 +143,7 @@ impl Look {
 }
 
 async fn ray_texels(renderer: &Renderer, [x, y]: [u32; 2]) -> Result<[Vec<u32>; 2], RenderError> {
-    let mut texels = renderer.texels(&[Stream::State, Stream::Hit], x, y).await?.into_iter();
+    let mut texels = renderer.texels(&[streams::STATE, streams::HIT], x, y).await?.into_iter();
     Ok([texels.next().unwrap_or_default(), texels.next().unwrap_or_default()])
 }
 
@@ -166,9 +174,9 @@ fn non_finite(before: &BTreeMap<Stream, StreamData>, now: &BTreeMap<Stream, Stre
 }
 
 fn backwards(before: &BTreeMap<Stream, StreamData>, now: &BTreeMap<Stream, StreamData>) -> Option<Found> {
-    let (tmax_before, tmax) = (before.get(&Stream::TMax)?, now.get(&Stream::TMax)?);
+    let (tmax_before, tmax) = (before.get(&streams::TMAX)?, now.get(&streams::TMAX)?);
     // A pass that writes no state leaves the tags as they are.
-    let state = before.get(&Stream::State).or(now.get(&Stream::State))?;
+    let state = before.get(&streams::STATE).or(now.get(&streams::STATE))?;
     let is_less = |axis: usize, ray: usize| tmax.get_f32(axis, ray) < tmax_before.get_f32(axis, ray);
     let walks = |ray: usize| matches!(state.get(STATE_TAG, ray), TRAV | ISECT_NO_HIT | ISECT_HIT);
     let rays = tmax.layer(0).len();
@@ -190,7 +198,7 @@ fn ray_change(renderer: &Renderer, watch: Watch, before: &[Vec<u32>; 2], now: &[
     match watch {
         Watch::RayState => {
             let (from, to) = both(STATE_TAG).filter(|(from, to)| from != to)?;
-            Some(format!("{} > {}", state::name(from), state::name(to)))
+            Some(format!("{} > {}", states::STATES.name(from), states::STATES.name(to)))
         }
         Watch::RayCell => {
             let (from, to) = both(STATE_CELL).filter(|(from, to)| from != to)?;

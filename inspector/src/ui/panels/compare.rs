@@ -5,6 +5,7 @@ mod placed;
 
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
 
 use crate::draw::stream::{self, Colors, Meaning};
@@ -52,7 +53,7 @@ pub(in crate::ui) struct Compare {
 impl Default for Compare {
     fn default() -> Self {
         Self {
-            stream: Stream::Hit,
+            stream: streams::HIT,
             layer: 2,
             pictures: Default::default(),
             stills: Default::default(),
@@ -122,7 +123,7 @@ impl Panel for Compare {
         let has = |stream: Stream| a.plan.has_stream(stream) && b.plan.has_stream(stream);
         let streams: Vec<Stream> = a.plan.streams.iter().map(|s| s.what).filter(|&s| has(s)).collect();
         if !streams.contains(&self.stream) {
-            (self.stream, self.layer) = (Stream::State, 0);
+            (self.stream, self.layer) = (streams::STATE, 0);
         }
         self.choose_stream(ui, &streams);
         let seen = |settings: &Settings| (settings.size, settings.view, settings.ray);

@@ -8,6 +8,7 @@ use egui::{RichText, ScrollArea, Ui};
 use egui_extras::{Column, TableBuilder};
 use lanes::LanesView;
 use raystep_kernels::Stream;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_lab::work::{CostOrder, Measure, costs};
 use serde::{Deserialize, Serialize};
 
@@ -175,7 +176,7 @@ impl Cost {
             self.sorted = None;
         }
         let is_at_end = cx.model.next.is_none() && cx.model.place == cx.model.passes.len();
-        let has_counters = cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(Stream::Counters));
+        let has_counters = cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(streams::COUNTERS));
         if let Some(wanted) = of
             && is_at_end
             && has_counters
@@ -207,7 +208,7 @@ impl Cost {
                 }
             }
         });
-        if !cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(Stream::Counters)) {
+        if !cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(streams::COUNTERS)) {
             ui.label("this run does not count what rays cost: turn counters on in the options");
             if ui.button("Options").clicked() {
                 cx.todo.push(Command::Show(PaneKind::Options));
@@ -320,7 +321,7 @@ fn sort(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
         if renderer.next_kernel().is_some() {
             return Ok(Box::new((of, None::<Sorted>)) as _);
         }
-        let counters = job.session.stream(Stream::Counters).await.map_err(|error| error.to_string())?;
+        let counters = job.session.stream(streams::COUNTERS).await.map_err(|error| error.to_string())?;
         let sorted = costs(&counters, rays, of.measure).map(|costs| {
             let order = CostOrder::new(costs);
             let dearest = [0.01, 0.1].map(|share| order.share_of_dearest(share));

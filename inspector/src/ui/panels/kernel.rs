@@ -2,6 +2,7 @@
 
 mod listing;
 
+use raystep_kernels::programs::closest_hit::states;
 use std::sync::Arc;
 
 use egui::RichText;
@@ -142,7 +143,7 @@ fn before_and_after(life: &Trace, row: usize) -> Option<(RayState, RayState)> {
     let before = row.checked_sub(1).and_then(|i| life.rows.get(i)).map(|row| row.after);
     let unknown = || {
         let tag =
-            state::STATES.iter().find(|state| state.name == now.state_before).map_or(state::UNBORN, |state| state.tag);
+            states::STATES.iter().find(|state| state.name == now.state_before).map_or(state::UNBORN, |state| state.tag);
         RayState { tag, state: now.state_before, ..now.after }
     };
     Some((before.unwrap_or_else(unknown), now.after))

@@ -3,6 +3,7 @@
 use egui::{Align2, CollapsingHeader, Color32, FontId, Grid, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use raystep_kernels::Plan;
 use raystep_kernels::plan::{Because, Bytes};
+use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::buffers;
 use raystep_kernels::tables::state;
 
@@ -115,7 +116,7 @@ fn kernels(ui: &mut Ui, plan: &Plan) {
                 let bound = variant.bindings.iter().filter(|b| wanted(b.reads, b.writes));
                 bound.map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
             };
-            let states: Vec<_> = info.takes.iter().map(|&tag| state::name(tag)).collect();
+            let states: Vec<_> = info.takes.iter().map(|&tag| states::STATES.name(tag)).collect();
             ui.monospace(info.name).on_hover_text(format!("{}\nworks on rays in {}", info.summary, states.join(", ")));
             ui.label(format!("{} bindings", variant.bindings.len())).on_hover_text(format!(
                 "reads: {}\nwrites: {}\nupdates in place: {}",

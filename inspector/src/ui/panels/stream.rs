@@ -6,7 +6,8 @@ mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
 use look::Look;
-use raystep_kernels::tables::stream::STATE_T;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Kernel, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
 
@@ -73,8 +74,8 @@ impl Panel for StreamView {
             (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
         }
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
-        let is_shaded = cx.model.last_pass().is_some_and(|pass| pass.kernel == Kernel::Shade);
-        let stream = self.stream(&streams, if is_shaded { Stream::Color } else { Stream::State });
+        let is_shaded = cx.model.last_pass().is_some_and(|pass| pass.kernel == kernels::SHADE);
+        let stream = self.stream(&streams, if is_shaded { streams::COLOR } else { streams::STATE });
         cx.shared.stream = Some(stream);
         if self.pinned.is_none() {
             let (zoom, pan) = (self.look.scale, Some(self.look.center));
@@ -217,7 +218,7 @@ impl StreamView {
 
     fn colors(&self, stream: Stream, layer: usize) -> Colors {
         self.look.colors.unwrap_or(match (stream, layer) {
-            (Stream::TMax, _) | (Stream::State, STATE_T) => Colors::Magma,
+            (streams::TMAX, _) | (streams::STATE, STATE_T) => Colors::Magma,
             _ => Colors::Viridis,
         })
     }

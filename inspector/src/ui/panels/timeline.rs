@@ -2,6 +2,7 @@
 
 use egui::{Color32, Pos2, Rect, Sense, Stroke, pos2, vec2};
 use raystep_kernels::Pass;
+use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::tables::state;
 use raystep_kernels::tables::state::{StateInfo, StateRole};
 use serde::{Deserialize, Serialize};
@@ -46,7 +47,7 @@ impl Panel for Timeline {
             ui.selectable_value(&mut self.scale, Scale::Passes, "by pass");
             ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.scale, Scale::Time, "by device time"));
             ui.separator();
-            for state in state::STATES.iter().skip(1) {
+            for state in states::STATES.iter().skip(1) {
                 legend::entry(ui, color(state.tag as usize), state.name, state.meaning);
             }
         });
@@ -112,7 +113,7 @@ fn about(ui: &mut egui::Ui, pass: &Pass) {
     if let Some(ns) = pass.duration_ns {
         ui.label(format!("{:.1} µs on the device", ns as f64 / 1e3));
     }
-    for StateInfo { tag, name, .. } in state::STATES {
+    for StateInfo { tag, name, .. } in states::STATES {
         let count = pass.counts[tag as usize];
         if count > 0 {
             ui.label(format!("{count} {name} after it"));
@@ -141,7 +142,7 @@ impl Timeline {
             let mut bottom = rect.bottom();
             // Waiting rays at the bottom, finished ones on top: what is left to do sinks.
             let is_shown = |state: &&StateInfo| matches!(state.role, StateRole::Active | StateRole::Resolved);
-            for tag in state::STATES.iter().filter(is_shown).map(|state| state.tag) {
+            for tag in states::STATES.iter().filter(is_shown).map(|state| state.tag) {
                 let share = passes[i].counts[tag as usize] as f32 / rays.max(1) as f32;
                 let top = bottom - share * rect.height();
                 let bar = Rect::from_min_max(pos2(left, top), pos2(right.max(left + 0.5), bottom));

@@ -7,7 +7,8 @@ use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::Stream;
 use raystep_kernels::export::csv::COLUMNS;
-use raystep_kernels::tables::stream::STATE_T;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -319,12 +320,12 @@ fn play(stage: &mut Stage) -> f64 {
 }
 
 fn exposure(stage: &mut Stage) -> f64 {
-    stage.show_stream(Stream::Color, "rgb");
+    stage.show_stream(streams::COLOR, "rgb");
     stage.number("exposure")
 }
 
 fn range(stage: &mut Stage) -> f64 {
-    stage.show_stream(Stream::State, Stream::State.info().layers[STATE_T]);
+    stage.show_stream(streams::STATE, streams::STATE.info().layers[STATE_T]);
     stage.number("from")
 }
 

@@ -4,6 +4,7 @@
 //! they are. A run that is not watched submits passes ahead of knowing whether they are needed; without lists of
 //! live rays each of those launches every ray, and first has them in every turn of its loop.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -239,7 +240,7 @@ impl Meter<'_> {
         let renderer = machine.wait(Renderer::new(&group.viewed.scene, &options, machine.device()));
         let mut renderer = renderer.ok()?;
         let Ok(Ended::Done(_)) = machine.run(&mut renderer, self.bounds().1) else { return None };
-        let counters = machine.wait(renderer.values(Stream::Counters)).ok()?;
+        let counters = machine.wait(renderer.values(streams::COUNTERS)).ok()?;
         Some((CounterSums::of(&counters, renderer.plan())?, renderer.plan().rays))
     }
 

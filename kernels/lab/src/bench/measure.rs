@@ -1,5 +1,6 @@
 //! Building configurations and running them in turn.
 
+use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -208,12 +209,12 @@ impl<'a> Bench<'a> {
     fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
         let (scene, machine) = (&group.subject.scene, self.machine());
         let (plan, data) = Plan::new(scene, options, &machine.limits()).ok()?;
-        if !plan.has_stream(Stream::Counters) {
+        if !plan.has_stream(streams::COUNTERS) {
             return None;
         }
         let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device)).ok()?;
         machine.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
-        CounterSums::of(&machine.wait(renderer.values(Stream::Counters)).ok()?, renderer.plan())
+        CounterSums::of(&machine.wait(renderer.values(streams::COUNTERS)).ok()?, renderer.plan())
     }
 
     /// Runs what is built, in turn, and forgets it.

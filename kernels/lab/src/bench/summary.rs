@@ -26,6 +26,7 @@
 //!
 //! Percentiles are those of [`crate::statistics::PERCENTILES`].
 
+use raystep_kernels::programs::closest_hit::kernels;
 use std::io::{Read, Write};
 
 use raystep_kernels::renderer::Pass;
@@ -232,7 +233,7 @@ mod tests {
         let pass = |rays_in, threads_launched| Pass {
             index: 0,
             iteration: 0,
-            kernel: Kernel::Intersect,
+            kernel: kernels::INTERSECT,
             rays_in,
             counts: StateCounts::default(),
             threads_launched,

@@ -2,7 +2,8 @@
 
 use raystep_kernels::executor::cpu::OutOfMemory;
 use raystep_kernels::numbers::real::ulps;
-use raystep_kernels::tables::stream::STREAMS;
+use raystep_kernels::programs::closest_hit::streams::STREAMS;
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Kernel, Plan, Stream};
 
 use crate::rounding::{Component, Judged, Verdict};
@@ -270,25 +271,25 @@ mod tests {
         let mut map =
             DivergenceMap { width: 3, height: 2, kernels: Vec::new(), classes: [const { None }; 5], refused: None };
         let float =
-            |ours, is_allowed| Component { stream: Stream::State, layer: 1, ours, twin: 0x3f80_0000, is_allowed };
-        let tag = Component { stream: Stream::State, layer: 0, ours: 5, twin: 2, is_allowed: false };
+            |ours, is_allowed| Component { stream: streams::STATE, layer: 1, ours, twin: 0x3f80_0000, is_allowed };
+        let tag = Component { stream: streams::STATE, layer: 0, ours: 5, twin: 2, is_allowed: false };
         let mut pass = |kernel, ray, verdict, components: &[Component], against| {
             map.begin(kernel);
             map.record(against, &Judged { ray, verdict, components });
         };
-        pass(Kernel::Generate, 4, Verdict::Rounding, &[float(0x3f80_0003, true)], Against::Device);
-        pass(Kernel::Setup, 4, Verdict::Tie, &[float(0x3f80_0001, true), tag], Against::F64);
-        pass(Kernel::Intersect, 4, Verdict::Breach, &[float(0x4000_0000, false)], Against::Device);
-        pass(Kernel::Intersect, 4, Verdict::Breach, &[float(0x4000_0000, false), tag], Against::Device);
-        pass(Kernel::Intersect, 4, Verdict::Rounding, &[float(0x3f80_0001, true)], Against::Device);
-        pass(Kernel::Intersect, 1, Verdict::Breach, &[tag], Against::F64);
+        pass(kernels::GENERATE, 4, Verdict::Rounding, &[float(0x3f80_0003, true)], Against::Device);
+        pass(kernels::SETUP, 4, Verdict::Tie, &[float(0x3f80_0001, true), tag], Against::F64);
+        pass(kernels::INTERSECT, 4, Verdict::Breach, &[float(0x4000_0000, false)], Against::Device);
+        pass(kernels::INTERSECT, 4, Verdict::Breach, &[float(0x4000_0000, false), tag], Against::Device);
+        pass(kernels::INTERSECT, 4, Verdict::Rounding, &[float(0x3f80_0001, true)], Against::Device);
+        pass(kernels::INTERSECT, 1, Verdict::Breach, &[tag], Against::F64);
 
         let seen: Vec<_> = map.partings(4).iter().map(|p| (p.class, p.pass, p.kernel, p.layer, p.ulps)).collect();
         let expected = [
-            (Class::Rounding, 0, Kernel::Generate, 1, Some(3)),
-            (Class::Tie, 1, Kernel::Setup, 0, None),
-            (Class::Excess, 2, Kernel::Intersect, 1, Some(0x80_0000)),
-            (Class::Decision, 3, Kernel::Intersect, 0, None),
+            (Class::Rounding, 0, kernels::GENERATE, 1, Some(3)),
+            (Class::Tie, 1, kernels::SETUP, 0, None),
+            (Class::Excess, 2, kernels::INTERSECT, 1, Some(0x80_0000)),
+            (Class::Decision, 3, kernels::INTERSECT, 0, None),
         ];
         assert_eq!(seen, expected);
         assert_eq!((map.class(4), map.class(1), map.class(0)), (Some(Class::Decision), Some(Class::Precision), None));

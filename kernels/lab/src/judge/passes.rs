@@ -5,6 +5,7 @@
 //! any more, so each ray is judged once, at the end; only for those that are wrong is it looked up when they were
 //! resolved, by running the same passes again.
 
+use raystep_kernels::programs::closest_hit::{states, streams};
 use std::ops::ControlFlow;
 
 use raystep_kernels::tables::state;
@@ -71,7 +72,7 @@ impl Judgement {
 /// Why the rays of a run cannot be judged, in a line; `None` where they can.
 #[must_use]
 pub fn why_not(plan: &Plan) -> Option<&'static str> {
-    let needed = [Stream::RayOrigin, Stream::RayDirection, Stream::State, Stream::Hit];
+    let needed = [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::HIT];
     if plan.features.any_hit {
         Some("not judged: a ray ends at the first hit that is found, whether or not it is the nearest")
     } else if plan.features.samples {
@@ -135,9 +136,9 @@ pub async fn judge_passes(
         }
         let part = AGAIN + (WHOLE - AGAIN) * i as u64 / places.len() as u64;
         renderer.run_to(place, |_| progress(part, WHOLE)).await?;
-        let now = renderer.values(Stream::State).await?;
+        let now = renderer.values(streams::STATE).await?;
         for wrong in judgement.wrong.iter_mut().filter(|wrong| wrong.resolved_by.is_none()) {
-            wrong.resolved_by = state::is_decided(now.get(STATE_TAG, wrong.ray)).then_some(place);
+            wrong.resolved_by = states::STATES.is_decided(now.get(STATE_TAG, wrong.ray)).then_some(place);
         }
     }
     judgement.wrong.sort_by_key(|wrong| (wrong.resolved_by.unwrap_or(usize::MAX), wrong.ray));
@@ -154,7 +155,7 @@ fn places(passes: &[Pass], most: usize) -> Vec<usize> {
     let mut before = 0;
     let mut all = Vec::new();
     for (pass, place) in passes.iter().zip(1..) {
-        let now = state::decided(&pass.counts);
+        let now = states::STATES.decided(&pass.counts);
         if now != before {
             all.push(place);
         }
@@ -201,7 +202,7 @@ mod tests {
         assert_eq!((robust.rays, robust.counts.rays(), robust.wrong.len()), (64 * 64, 64 * 64, 0));
         assert_eq!(robust.counts.errors(), 0);
         assert!(robust.counts.same > 4000, "{robust:?}");
-        let counts: Vec<u64> = passes.iter().map(|pass| state::decided(&pass.counts)).collect();
+        let counts: Vec<u64> = passes.iter().map(|pass| states::STATES.decided(&pass.counts)).collect();
         assert!(counts.is_sorted() && counts[0] == 0, "{counts:?}");
         assert_eq!(counts.last(), Some(&(64 * 64)));
 
@@ -229,8 +230,8 @@ mod tests {
             for (place, is_so) in [(before, false), (by, true)] {
                 run.restart();
                 pollster::block_on(run.run_to(place, |_| ControlFlow::Continue(()))).expect("a run");
-                let now = pollster::block_on(run.values(Stream::State)).expect("its states");
-                assert_eq!(state::is_decided(now.get(STATE_TAG, wrong.ray)), is_so, "{wrong:?} after {place}");
+                let now = pollster::block_on(run.values(streams::STATE)).expect("its states");
+                assert_eq!(states::STATES.is_decided(now.get(STATE_TAG, wrong.ray)), is_so, "{wrong:?} after {place}");
             }
         }
     }

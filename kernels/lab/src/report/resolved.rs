@@ -4,6 +4,7 @@
 //! each which rays are resolved. Kernels are deterministic, so both have the same passes. A resolved ray's hit does not
 //! change any more: each ray is judged once, at the end.
 
+use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -193,7 +194,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
             .set("pass_index", r.pass)
             .set("kernel", passes[r.pass].kernel.name())
             .set("time_ns", ends_ns[r.pass])
-            .set("resolved_rays", state::decided(&passes[r.pass].counts))
+            .set("resolved_rays", states::STATES.decided(&passes[r.pass].counts))
             .set("judged_resolved_rays", resolved.len())
             .set("judged_wrong_rays", count(Verdict::is_error))
             .set("judged_undecided_rays", count(|v| v == Verdict::Tie))
@@ -279,7 +280,7 @@ fn read_back(
     let mut before = 0;
     renderer.restart();
     for (index, pass) in passes.iter().enumerate() {
-        let now = state::decided(&pass.counts);
+        let now = states::STATES.decided(&pass.counts);
         let is_last = index + 1 == passes.len();
         if now == before && !is_last {
             continue;
@@ -287,8 +288,8 @@ fn read_back(
         work.reporter.part("reading back", index as u64, passes.len() as u64);
         work.machine().wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
         if now != before || is_last {
-            let tags = work.machine().wait(renderer.values(Stream::State))?;
-            let is_done = |&ray: &usize| state::is_decided(tags.get(STATE_TAG, ray));
+            let tags = work.machine().wait(renderer.values(streams::STATE))?;
+            let is_done = |&ray: &usize| states::STATES.is_decided(tags.get(STATE_TAG, ray));
             read.push(ReadBack { pass: index, is_resolved: judge.sample().iter().map(is_done).collect() });
         }
         before = now;
@@ -375,7 +376,7 @@ mod tests {
         let pass = |begin_ns, duration_ns| Pass {
             index: 0,
             iteration: 0,
-            kernel: Kernel::Setup,
+            kernel: kernels::SETUP,
             rays_in: 0,
             counts: state::StateCounts::default(),
             threads_launched: 0,

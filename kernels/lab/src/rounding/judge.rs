@@ -3,8 +3,11 @@
 use raystep_kernels::Kernel;
 use raystep_kernels::executor::cpu::OutOfMemory;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::stream::{HIT_TRIANGLE, Stream, StreamData};
+use raystep_kernels::tables::stream::Stream;
+use raystep_kernels::tables::stream::StreamData;
 
 use super::Rounding;
 
@@ -12,7 +15,7 @@ use super::Rounding;
 const TOGETHER: usize = 4096;
 
 /// Layer of the `counters` stream: tests of a triangle that an earlier cell held, too.
-const REPEATED: (Stream, usize) = (Stream::Counters, 2);
+const REPEATED: (Stream, usize) = (streams::COUNTERS, 2);
 
 /// What the differences of a ray's components mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -83,7 +86,7 @@ impl Rounding<'_> {
             .map(|(ours, twin, layer)| (ours.stream, layer, ours.layer(layer), twin.layer(layer)))
             .collect();
         let rays = layers.iter().map(|(_, _, ours, twin)| ours.len().min(twin.len())).min().unwrap_or(0);
-        let hits = after.iter().map(|[_, twin]| twin).find(|s| s.stream == Stream::Hit);
+        let hits = after.iter().map(|[_, twin]| twin).find(|s| s.stream == streams::HIT);
         let gather = |ray: usize, components: &mut Vec<Component>| {
             components.clear();
             let mut possible = None;
@@ -128,7 +131,7 @@ impl Rounding<'_> {
 
     /// The count of repeated tests walks from the start again, through another first cell perhaps.
     fn is_other_count(&self, ray: usize, components: &[Component]) -> bool {
-        self.kernel == Kernel::Intersect
+        self.kernel == kernels::INTERSECT
             && components.iter().filter(|c| !c.is_allowed).all(|c| (c.stream, c.layer) == REPEATED)
             && self.walk_may_begin_elsewhere(ray)
     }

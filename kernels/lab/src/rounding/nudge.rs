@@ -3,9 +3,12 @@
 
 use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::stream::{HIT_TRIANGLE, Stream, StreamData};
+use raystep_kernels::tables::stream::Stream;
+use raystep_kernels::tables::stream::StreamData;
 
 use super::{RAY, Rounding};
 
@@ -78,7 +81,7 @@ impl Rounding<'_> {
 
     fn is_same(&self, (moved, at): (&[StreamData], usize), (after, ray): (&[&StreamData], usize)) -> bool {
         let of = |stream: Stream| moved.iter().find(|s| s.stream == stream);
-        let possible = self.tested(ray, of(Stream::Hit).map_or(NO_TRIANGLE, |s| s.get(HIT_TRIANGLE, at)));
+        let possible = self.tested(ray, of(streams::HIT).map_or(NO_TRIANGLE, |s| s.get(HIT_TRIANGLE, at)));
         after.iter().filter(|s| !RAY.contains(&s.stream)).all(|now| {
             (0..now.stream.layers()).all(|layer| {
                 let (a, b) = (of(now.stream).map_or(0, |s| s.get(layer, at)), now.get(layer, ray));

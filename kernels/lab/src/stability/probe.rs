@@ -7,9 +7,12 @@
 use raystep_kernels::export::csv;
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::renderer::{Device, Renderer};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_T, Stream};
+use raystep_kernels::tables::stream::Stream;
 
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, Workload, make};
@@ -102,7 +105,7 @@ pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device
     let scene = &workloads[usize::from(pipeline.is_camera)].scene;
     let mut renderer = Renderer::new(scene, &pipeline.options, device).await?;
     renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
-    let (state, hit) = (renderer.values(Stream::State).await?, renderer.values(Stream::Hit).await?);
+    let (state, hit) = (renderer.values(streams::STATE).await?, renderer.values(streams::HIT).await?);
     let rays = renderer.plan().rays as usize;
     let of = |ray| [hit.get(HIT_TRIANGLE, ray), state.get(STATE_T, ray), hit.get(0, ray), hit.get(1, ray)];
     Ok(Bits { rays: (0..rays).map(of).collect() })

@@ -1,7 +1,7 @@
 //! What became of every ray of a variant.
 
+use raystep_kernels::programs::closest_hit::streams::STREAMS;
 use raystep_kernels::renderer::{RenderError, Renderer};
-use raystep_kernels::tables::stream::STREAMS;
 
 use crate::judge::{Cracks, Hit, Judge, Judged, Traced};
 use crate::reference::{Counts, Possible, Verdict, is_edge_on};

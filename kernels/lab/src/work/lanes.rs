@@ -1,6 +1,7 @@
 //! Useful lanes: of the threads that a GPU launches together, how many have a ray to work on.
 
 use raystep_kernels::options::features::Features;
+use raystep_kernels::programs::closest_hit::{kernels, states};
 use raystep_kernels::tables::state::{self, Tag};
 use raystep_kernels::{Kernel, Pass, Plan};
 
@@ -67,7 +68,7 @@ impl Lanes {
             return None;
         }
         let is_active = |tag: &Tag| match kernel {
-            Kernel::Fused if plan.features.eye_rays => *tag == state::UNWRITTEN || *tag == state::TRAV_SETUP,
+            kernels::FUSED if plan.features.eye_rays => *tag == states::UNWRITTEN || *tag == states::TRAV_SETUP,
             _ => kernel.info().takes.contains(tag),
         };
         let side = kernel.workgroup();
@@ -116,7 +117,9 @@ impl Lanes {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::tables::state::{ISECT_HIT, ISECT_NO_HIT, TRAV};
+    use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
+    use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
+    use raystep_kernels::programs::closest_hit::states::TRAV;
     use raystep_kernels::{Limits, Options, RaySource, ScheduleKind};
     use raystep_scenes::generate;
 
@@ -151,35 +154,35 @@ mod tests {
         for (x, y, tag) in [(9, 5, ISECT_HIT), (15, 7, ISECT_NO_HIT), (8, 8, ISECT_HIT), (39, 19, ISECT_HIT)] {
             tags[y * 40 + x] = tag;
         }
-        let lanes = Lanes::of(&pass(Kernel::Intersect, 4, 0), &plan, &tags).expect("the right size");
+        let lanes = Lanes::of(&pass(kernels::INTERSECT, 4, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.launch, lanes.histogram[1], lanes.histogram[2]), (Launch::Tiles, 2, 1));
         // Workgroups of 16 x 16 cover 48 x 32 pixels.
         assert_eq!((lanes.groups(), lanes.working()), (48 * 32 / 32, 4));
         assert_eq!((lanes.mean(), lanes.mean_where_any()), (4.0 / 48.0, 4.0 / 3.0));
 
-        let lanes = Lanes::of(&pass(Kernel::TraverseGrid, 796, 0), &plan, &tags).expect("the right size");
+        let lanes = Lanes::of(&pass(kernels::TRAVERSE_GRID, 796, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.working(), lanes.histogram[32], lanes.histogram[31]), (796, 22, 2));
         // Workgroups of 8 x 8 cover 40 x 24 pixels, and nobody waits for this kernel.
-        let lanes = Lanes::of(&pass(Kernel::Shade, 0, 0), &plan, &tags).expect("the right size");
+        let lanes = Lanes::of(&pass(kernels::SHADE, 0, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.groups(), lanes.histogram[0], lanes.mean_where_any()), (30, 30, 0.0));
-        assert_eq!(Lanes::of(&pass(Kernel::Shade, 0, 0), &plan, &tags[1..]), None);
+        assert_eq!(Lanes::of(&pass(kernels::SHADE, 0, 0), &plan, &tags[1..]), None);
     }
 
     #[test]
     fn lists_are_dense() {
         let plan = planned(ScheduleKind::Compact, 1, 40, 20);
         for (rays, full, rest) in [(0, 0, 0), (32, 1, 0), (70, 2, 6)] {
-            let lanes = Lanes::of(&pass(Kernel::Intersect, rays, 2048), &plan, &[]).expect("a list");
+            let lanes = Lanes::of(&pass(kernels::INTERSECT, rays, 2048), &plan, &[]).expect("a list");
             assert_eq!((lanes.launch, lanes.histogram[32], lanes.working()), (Launch::List, full, u64::from(rays)));
             assert_eq!(lanes.groups(), 64, "every thread launched is in a group");
             assert!(rest == 0 || lanes.histogram[rest] == 1);
         }
         // Twins launch otherwise, and nothing is said of threads that are not there.
-        let lanes = Lanes::of(&pass(Kernel::Intersect, 70, 0), &plan, &[]).expect("a list");
+        let lanes = Lanes::of(&pass(kernels::INTERSECT, 70, 0), &plan, &[]).expect("a list");
         assert_eq!((lanes.groups(), lanes.histogram[0]), (3, 0));
         // Set-up works on every pixel, listed or not; the rays that the fused kernel makes are not yet written.
-        let tags = vec![state::TRAV_SETUP; 800];
-        let lanes = Lanes::of(&pass(Kernel::Setup, 800, 0), &plan, &tags).expect("the right size");
+        let tags = vec![states::TRAV_SETUP; 800];
+        let lanes = Lanes::of(&pass(kernels::SETUP, 800, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.launch, lanes.working()), (Launch::Tiles, 800));
     }
 }

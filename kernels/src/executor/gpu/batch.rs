@@ -1,12 +1,13 @@
 //! One submission of passes after the other, and what each pass did.
 
-use super::books::{Place, counts_after, read_sent};
+use super::books::{Place, counts_after, list_groups, read_sent};
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
 use crate::executor::gpu::readback::Readback;
-use crate::programs::closest_hit::kernels::Kernel;
-use crate::tables::kernel::Launch;
+use crate::program::Kernel;
+use crate::tables::elements::Size;
+use crate::tables::kernel::{Launch, Role};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
 
@@ -22,6 +23,7 @@ impl GpuExecutor {
     pub async fn run(&mut self, passes: &[Kernel], counts: &StateCounts) -> Result<Vec<PassResult>, GpuError> {
         self.gpu.health()?;
         let passes = &passes[..passes.len().min(MOST_PASSES)];
+        let passes = self.sized(passes).await?;
         let count = passes.len() as u64;
         if passes.is_empty() {
             return Ok(Vec::new());
@@ -30,7 +32,8 @@ impl GpuExecutor {
         let begin = host_clock.map(|now| now());
         self.forget_written(passes);
         let scopes = self.gpu.push_scopes();
-        let places = self.books.lay_out(&self.gpu.queue, passes, counts);
+        let sizes: Vec<Size> = passes.iter().map(|&kernel| self.launched_over(kernel)).collect();
+        let places = self.books.lay_out(&self.gpu.queue, passes, counts, &sizes);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.books.sent, 0, Some(count * COUNT_SLOT_BYTES));
         match passes {
@@ -40,9 +43,9 @@ impl GpuExecutor {
             _ => self.encode_all(&mut encoder, passes, &places)?,
         }
         // Those that are counted anew are submitted alone.
-        let is_counted_anew = matches!(passes, [kernel] if kernel.is_counted_anew(&self.features));
+        let is_counted_anew = matches!(passes, [kernel] if kernel.is_counted_anew(&self.plan.features));
         if is_counted_anew {
-            self.encode_count(&mut encoder);
+            self.encode_count(&mut encoder)?;
         }
         encoder.copy_buffer_to_buffer(&self.books.sent, 0, &self.books.copy, 0, count * COUNT_SLOT_BYTES);
         let time_bytes = self.timers.as_ref().map_or(0, |t| 8 * u64::from(t.queries(count as u32)));
@@ -70,10 +73,12 @@ impl GpuExecutor {
         }
         let mut now = *counts;
         let mut results = Vec::with_capacity(passes.len());
-        for (((&kernel, place), sent), (begin_ns, duration_ns)) in passes.iter().zip(&places).zip(sent).zip(times) {
-            let threads_launched = place.threads(kernel, &now, self.width, self.height);
+        let launched = passes.iter().zip(&places).zip(sizes);
+        for ((((&kernel, place), size), sent), (begin_ns, duration_ns)) in launched.zip(sent).zip(times) {
+            let threads_launched = place.threads(kernel, &now, size);
+            let elements = size.count;
             now = if is_counted_anew { sent } else { counts_after(kernel, &now, &sent) };
-            results.push(PassResult { kernel, counts: now, threads_launched, begin_ns, duration_ns });
+            results.push(PassResult { kernel, counts: now, elements, threads_launched, begin_ns, duration_ns });
         }
         Ok(results)
     }
@@ -103,8 +108,8 @@ impl GpuExecutor {
             return Ok(());
         }
         let timestamp_writes = self.timers.as_ref().and_then(|t| t.writes(Some(0), Some(1)));
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(self.program), timestamp_writes });
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(self.plan.program.name), timestamp_writes });
         for (&kernel, place) in passes.iter().zip(places) {
             self.dispatch(&mut pass, kernel, place, None)?;
         }
@@ -119,8 +124,9 @@ impl GpuExecutor {
         place: &Place,
     ) -> Result<wgpu::CommandEncoder, GpuError> {
         let side = kernel.workgroup();
-        let rows = self.height.div_ceil(side);
-        let a_band = (self.rays_a_dispatch / u64::from(self.width * side)).clamp(1, u64::from(rows)) as u32;
+        let size = self.launched_over(kernel);
+        let rows = size.height.div_ceil(side);
+        let a_band = (self.rays_a_dispatch / u64::from(size.width * side)).clamp(1, u64::from(rows)) as u32;
         let scene = self.buffer("scene").ok_or(GpuError::Missing("scene"))?;
         for first in (0..rows).step_by(a_band as usize) {
             let last = first + a_band >= rows;
@@ -141,12 +147,31 @@ impl GpuExecutor {
         Ok(encoder)
     }
 
-    fn encode_count(&self, encoder: &mut wgpu::CommandEncoder) {
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(&self.counting.label), timestamp_writes: None };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&self.counting.pipeline);
-        pass.set_bind_group(0, &self.counting.group, &[]);
-        pass.dispatch_workgroups(self.width.div_ceil(16), self.height.div_ceil(16), 1);
+    /// Counts the elements in each state, after the batch's only pass.
+    fn encode_count(&self, encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
+        let counter = self.plan.program.kernels().find(|kernel| kernel.role() == Role::Count);
+        let counter = counter.ok_or(GpuError::Missing("count"))?;
+        let label = self.pipelines.get(counter).map(|pipeline| pipeline.label.as_str());
+        let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes: None };
+        self.dispatch(&mut encoder.begin_compute_pass(&descriptor), counter, &Place::default(), None)
+    }
+
+    /// As many of these passes as can be submitted together: none but the first may wait for elements to be counted, and
+    /// their number is read first.
+    async fn sized<'a>(&mut self, passes: &'a [Kernel]) -> Result<&'a [Kernel], GpuError> {
+        let Some(&first) = passes.first() else { return Ok(passes) };
+        while let Some(unknown) = self.sizes.unknown(&self.plan, first) {
+            let found = self.read_texels(&[unknown.stream], 0, 0).await?;
+            let count = found.and_then(|texels| texels.first()?.first().copied());
+            let mut sizes = self.sizes.clone();
+            sizes.found(self.plan.program, unknown, count.ok_or(GpuError::Missing(unknown.stream.name()))?)?;
+            let scopes = self.gpu.push_scopes();
+            let resized = self.resize(sizes);
+            self.gpu.pop_scopes(scopes).await?;
+            resized?;
+        }
+        let known = passes.iter().take_while(|&&kernel| self.sizes.unknown(&self.plan, kernel).is_none()).count();
+        Ok(&passes[..known])
     }
 
     fn dispatch(
@@ -158,17 +183,15 @@ impl GpuExecutor {
     ) -> Result<(), GpuError> {
         let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
         pass.push_debug_group(&pipeline.label);
-        pass.set_pipeline(&pipeline.pipeline);
-        for (group, bind_group) in pipeline.groups.iter().enumerate() {
-            pass.set_bind_group(group as u32, bind_group, &[]);
-        }
-        pipeline.set_live(pass, place);
+        pipeline.set(pass, place)?;
+        let (size, side) = (self.launched_over(kernel), kernel.workgroup());
         match self.books.arguments(place) {
             Some((buffer, offset)) => pass.dispatch_workgroups_indirect(buffer, offset),
-            None => {
-                let side = kernel.workgroup();
-                pass.dispatch_workgroups(self.width.div_ceil(side), rows.unwrap_or(self.height.div_ceil(side)), 1);
+            None if kernel.info().launch == Launch::List => {
+                let [x, y] = list_groups(size.count.div_ceil(side));
+                pass.dispatch_workgroups(x, y, 1);
             }
+            None => pass.dispatch_workgroups(size.width.div_ceil(side), rows.unwrap_or(size.height.div_ceil(side)), 1),
         }
         pass.pop_debug_group();
         Ok(())

@@ -1,8 +1,12 @@
 //! The passes' books: how many rays each pass sent where, and the lists of live rays.
 
 use crate::plan::Plan;
-use crate::programs::closest_hit::kernels::{Kernel, LISTS};
+use crate::program::Kernel;
+use crate::program::Program;
+use crate::shader::{Binding, LAUNCH, Resource};
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
+use crate::tables::elements::Size;
+use crate::tables::kernel::Launch;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS};
 use crate::tables::state::{COUNT, StateCounts, Tag};
 
@@ -28,17 +32,18 @@ struct List {
 pub(super) struct Books {
     pub(super) sent: wgpu::Buffer,
     pub(super) copy: wgpu::Buffer,
-    lists: [Option<List>; LISTS.len()],
+    /// What passes are launched over, where a kernel asks for it.
+    launches: Option<wgpu::Buffer>,
+    lists: Vec<Option<List>>,
     live_rays: Option<wgpu::Buffer>,
     texels: u32,
-    /// Name of the program, for labels.
-    program: &'static str,
+    program: &'static Program,
 }
 
 /// The lists as they were after some pass.
 pub(super) struct KeptLists {
-    turns: [u64; LISTS.len()],
-    rays: [Option<wgpu::Buffer>; LISTS.len()],
+    turns: Vec<u64>,
+    rays: Vec<Option<wgpu::Buffer>>,
 }
 
 impl KeptLists {
@@ -49,27 +54,31 @@ impl KeptLists {
 }
 
 /// Where one pass finds its slots.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Place {
     /// Pass within the batch.
     sent: u32,
     /// Pass of its own kernel within the batch.
     own: u32,
     /// The lists to which it sends rays, counted as passes of those kernels within the batch.
-    next: [u32; LISTS.len()],
+    next: Vec<u32>,
     list: Option<usize>,
 }
 
 impl Place {
-    /// Which of the four bind groups it takes.
+    /// Which of its bind groups it takes: bit i is the parity of list i.
     pub(super) fn group(&self) -> usize {
-        (self.next[0] % 2 + 2 * (self.next[1] % 2)) as usize
+        self.next.iter().rev().fold(0, |group, next| 2 * group + (next % 2) as usize)
     }
 
     /// Threads that the pass launches when these rays are in each state before it.
-    pub(super) fn threads(&self, kernel: Kernel, before: &StateCounts, width: u32, height: u32) -> u64 {
+    pub(super) fn threads(&self, kernel: Kernel, before: &StateCounts, size: Size) -> u64 {
+        let Size { width, height, count } = size;
         match self.list {
             Some(_) => u64::from(rows_of(kernel.live(before))) * u64::from(RAYS_A_ROW),
+            None if kernel.info().launch == Launch::List => {
+                u64::from(count).next_multiple_of(kernel.workgroup().into())
+            }
             None => {
                 let side = kernel.workgroup();
                 u64::from(width.next_multiple_of(side)) * u64::from(height.next_multiple_of(side))
@@ -78,11 +87,11 @@ impl Place {
     }
 
     /// Dynamic offset of a binding, by name; `None` for one without.
-    pub(super) fn offset(&self, name: &str) -> Option<u32> {
+    pub(super) fn offset(&self, program: &Program, name: &str) -> Option<u32> {
         let slot = match name {
-            "sent" => self.sent,
+            "sent" | LAUNCH => self.sent,
             "own_list" => self.own / 2,
-            _ => self.next[list_named(name)?] / 2,
+            _ => self.next.get(list_named(program, name)?).copied()? / 2,
         };
         Some(slot * COUNT_SLOT_BYTES as u32)
     }
@@ -103,7 +112,7 @@ impl Books {
         let slots = |name| buffer(name, U::STORAGE | U::INDIRECT | U::COPY_DST);
         let kernels = plan.schedule.kernels();
         let list = |index: usize| {
-            let [even, odd] = LISTS[index].slots;
+            let [even, odd] = plan.program.lists[index].slots;
             let kernel = kernels.iter().copied().find(|kernel| kernel.info().list == Some(index))?;
             Some(List { kernel, slots: [slots(even)?, slots(odd)?], turn: 0 })
         };
@@ -120,7 +129,8 @@ impl Books {
         Self {
             sent: own("sent", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             copy: own("sent_copy", U::COPY_DST | U::MAP_READ),
-            lists: std::array::from_fn(list),
+            launches: buffer(LAUNCH, U::UNIFORM | U::COPY_DST),
+            lists: (0..plan.program.lists.len()).map(list).collect(),
             live_rays: buffer("live_rays", U::STORAGE | U::COPY_SRC | U::COPY_DST),
             texels: plan.width * plan.height,
             program: plan.program,
@@ -130,7 +140,8 @@ impl Books {
     /// Names and bytes of its buffers.
     pub(super) fn allocated(&self) -> Vec<(&'static str, u64)> {
         let mut all = vec![("sent", self.sent.size()), ("sent_copy", self.copy.size())];
-        for (list, info) in self.lists.iter().zip(&LISTS) {
+        all.extend(self.launches.iter().map(|b| (LAUNCH, b.size())));
+        for (list, info) in self.lists.iter().zip(self.program.lists) {
             let Some(list) = list else { continue };
             all.extend(info.slots.into_iter().zip(&list.slots).map(|(name, b)| (name, b.size())));
         }
@@ -140,15 +151,17 @@ impl Books {
 
     /// What a kernel binds under a name, in the bind group for these slots; see [`Place::group`].
     pub(super) fn binding(&self, kernel: Kernel, name: &str, group: usize) -> Option<wgpu::BindingResource<'_>> {
-        let parity = [group % 2, group / 2];
-        let slots = |list: usize, parity: usize| Some(&self.lists[list].as_ref()?.slots[parity]);
+        let parity = |list: usize| group >> list & 1;
+        let slots = |list: usize, parity: usize| Some(&self.lists.get(list)?.as_ref()?.slots[parity]);
         let buffer = match name {
             "sent" => &self.sent,
-            "own_list" => kernel.info().list.and_then(|list| slots(list, 1 - parity[list]))?,
+            LAUNCH => self.launches.as_ref()?,
+            "own_list" => kernel.info().list.and_then(|list| slots(list, 1 - parity(list)))?,
             "live_rays" => return self.live_rays.as_ref().map(wgpu::Buffer::as_entire_binding),
-            _ => list_named(name).and_then(|list| slots(list, parity[list]))?,
+            _ => list_named(self.program, name).and_then(|list| slots(list, parity(list)))?,
         };
-        let size = std::num::NonZeroU64::new(4 * COUNT as u64);
+        let bytes = if name == LAUNCH { LAUNCH_BYTES } else { 4 * COUNT as u64 };
+        let size = std::num::NonZeroU64::new(bytes);
         Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
     }
 
@@ -164,14 +177,15 @@ impl Books {
         encoder: &mut wgpu::CommandEncoder,
         counts: &StateCounts,
     ) -> KeptLists {
-        let mut kept = KeptLists { turns: [0; LISTS.len()], rays: Default::default() };
+        let none = || self.lists.iter().map(|_| None).collect();
+        let mut kept = KeptLists { turns: vec![0; self.lists.len()], rays: none() };
         for (index, list) in self.lists.iter().enumerate() {
             let (Some(list), Some(live_rays)) = (list, &self.live_rays) else { continue };
             kept.turns[index] = list.turn;
             let size = 4 * u64::from(list.kernel.live(counts));
             if size > 0 {
                 let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-                let label = format!("{}.{}, kept", self.program, LISTS[index].name);
+                let label = format!("{}.{}, kept", self.program.name, self.program.lists[index].name);
                 let label = Some(label.as_str());
                 let rays =
                     device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false });
@@ -185,7 +199,7 @@ impl Books {
 
     /// Copies the lists back.
     pub(super) fn restore(&mut self, encoder: &mut wgpu::CommandEncoder, kept: &KeptLists) {
-        for index in 0..LISTS.len() {
+        for index in 0..self.lists.len() {
             let Some(list) = &mut self.lists[index] else { continue };
             list.turn = kept.turns[index];
             if let (Some(live_rays), Some(rays)) = (&self.live_rays, &kept.rays[index]) {
@@ -218,12 +232,24 @@ impl Books {
     }
 
     /// Lays out a batch: the place of each pass, with the slots written so that they can be read and added to.
-    pub(super) fn lay_out(&mut self, queue: &wgpu::Queue, passes: &[Kernel], counts: &StateCounts) -> Vec<Place> {
-        let mut run = [0u32; LISTS.len()];
+    /// `sizes` are what the kernels are launched over.
+    pub(super) fn lay_out(
+        &mut self,
+        queue: &wgpu::Queue,
+        passes: &[Kernel],
+        counts: &StateCounts,
+        sizes: &[Size],
+    ) -> Vec<Place> {
+        if let Some(launches) = &self.launches {
+            let words: Vec<u32> =
+                passes.iter().zip(sizes).flat_map(|(&kernel, &size)| launch_words(kernel, size)).collect();
+            queue.write_buffer(launches, 0, bytemuck::cast_slice(&words));
+        }
+        let mut run = vec![0u32; self.lists.len()];
         let mut places = Vec::with_capacity(passes.len());
         for (sent, &kernel) in (0..).zip(passes) {
             let list = kernel.info().list.filter(|&l| self.lists[l].is_some());
-            let mut place = Place { sent, own: 0, next: run, list };
+            let mut place = Place { sent, own: 0, next: run.clone(), list };
             if let Some(list) = list {
                 place.own = run[list];
                 run[list] += 1;
@@ -257,13 +283,35 @@ impl Books {
 }
 
 /// The list whose slots kernels bind under this name.
-fn list_named(name: &str) -> Option<usize> {
-    LISTS.iter().position(|list| list.name == name)
+fn list_named(program: &Program, name: &str) -> Option<usize> {
+    program.lists.iter().position(|list| list.name == name)
 }
 
-/// Whether a name is one of the slots: there is one a pass.
-pub(super) fn is_dynamic(name: &str) -> bool {
-    name == "sent" || name == "own_list" || list_named(name).is_some()
+/// Whether there is one of it a pass, at an offset of its own.
+pub(super) fn is_dynamic(binding: &Binding) -> bool {
+    match binding.resource {
+        Resource::Launch => true,
+        Resource::Live { .. } => binding.name != "live_rays",
+        _ => false,
+    }
+}
+
+/// Bytes of the uniform `launch`.
+const LAUNCH_BYTES: u64 = 16;
+
+/// A slot of the uniform `launch`: elements, the kernel's parameter, and workgroups, each of a block of elements.
+fn launch_words(kernel: Kernel, size: Size) -> [u32; COUNT_SLOT_BYTES as usize / 4] {
+    let mut words = [0; COUNT_SLOT_BYTES as usize / 4];
+    let blocks = size.count.div_ceil(kernel.workgroup());
+    words[..3].copy_from_slice(&[size.count, kernel.instance().parameter, blocks]);
+    words
+}
+
+/// Workgroups along x and y that are `blocks` in all, and some more: none is longer than WebGPU promises.
+pub(super) fn list_groups(blocks: u32) -> [u32; 2] {
+    const MOST: u32 = 65_535;
+    let rows = blocks.div_ceil(MOST).max(1);
+    [blocks.div_ceil(rows), rows]
 }
 
 /// Counts after a pass, from those before it and what it sent.

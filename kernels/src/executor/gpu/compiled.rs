@@ -75,7 +75,7 @@ fn compile(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compile
         label: Some(&label),
         layout: Some(&layout),
         module: &module,
-        entry_point: Some(variant.kernel.name()),
+        entry_point: Some(variant.kernel.info().name),
         compilation_options: wgpu::PipelineCompilationOptions {
             zero_initialize_workgroup_memory: variant.kernel.role() != Role::Whole,
             ..Default::default()
@@ -137,9 +137,10 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
             view_dimension: wgpu::TextureViewDimension::D2Array,
         },
         Resource::Uniform => buffer_type(wgpu::BufferBindingType::Uniform, false),
+        Resource::Launch => buffer_type(wgpu::BufferBindingType::Uniform, true),
         Resource::Storage => buffer_type(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Resource::Live { writable } => {
-            buffer_type(wgpu::BufferBindingType::Storage { read_only: !writable }, is_dynamic(&binding.name))
+            buffer_type(wgpu::BufferBindingType::Storage { read_only: !writable }, is_dynamic(binding))
         }
     };
     wgpu::BindGroupLayoutEntry { binding: binding.index, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }

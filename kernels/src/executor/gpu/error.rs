@@ -1,5 +1,7 @@
 //! What can go wrong with a device.
 
+use crate::executor::TooMany;
+
 /// Something is wrong with the device.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
@@ -29,6 +31,9 @@ pub enum GpuError {
     /// Something was asked for that the plan left out.
     #[error("{0:?} is not part of this run's plan")]
     Missing(&'static str),
+    /// The run has found more elements than fit.
+    #[error(transparent)]
+    TooMany(#[from] TooMany),
 }
 
 impl From<wgpu::Error> for GpuError {

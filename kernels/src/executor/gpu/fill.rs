@@ -1,7 +1,7 @@
 //! What every stream begins with, kept on the GPU: a restart copies it and uploads nothing.
 
 use crate::plan::Plan;
-use crate::tables::sizes::{fill_bytes, fill_rows, fill_values, given_bytes, pitch};
+use crate::tables::sizes::{fill_bytes, fill_values, fill_words, given_bytes, pitch};
 use crate::tables::stream::{Stream, StreamData};
 
 /// Constant texels, and the streams that were given.
@@ -12,32 +12,33 @@ pub(super) struct Fill {
     given: Vec<(Stream, wgpu::Buffer)>,
     /// Name of the program, for labels.
     program: &'static str,
-    width: u32,
-    height: u32,
+    /// Words of a part.
+    part: u64,
 }
 
 impl Fill {
     pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> Self {
-        let (values, part) = (fill_values(), (fill_rows(plan.width, plan.height) * pitch(plan.width)) as usize);
+        let (size, sets, streams) = (plan.size(), plan.sets.len(), plan.program.streams);
+        let (values, part) = (fill_values(streams), fill_words(size, sets) as usize);
         let constants = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(&plan.label("fill")),
-            size: fill_bytes(plan.width, plan.height),
+            size: fill_bytes(size, sets, streams),
             usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         for (i, &value) in values.iter().enumerate() {
             queue.write_buffer(&constants, 4 * (i * part) as u64, bytemuck::cast_slice(&vec![value; part]));
         }
-        Self { constants, values, given: Vec::new(), program: plan.program, width: plan.width, height: plan.height }
+        Self { constants, values, part: part as u64, given: Vec::new(), program: plan.program.name }
     }
 
     /// From now on these streams begin with these values.
     pub(super) fn give(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, streams: &[StreamData]) {
-        let (width, padding) = (self.width as usize, (pitch(self.width) - self.width) as usize);
         for data in streams {
+            let (width, padding) = (data.width as usize, (pitch(data.width) - data.width) as usize);
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(&format!("{}.{}, given", self.program, data.stream.name())),
-                size: given_bytes(data.stream, self.width, self.height),
+                size: given_bytes(data.stream, data.width, data.height),
                 usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
@@ -62,10 +63,9 @@ impl Fill {
 
     /// Every stream to what it begins with.
     pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, streams: &[(Stream, wgpu::Texture)]) {
-        let (width, height, pitch) = (self.width, self.height, pitch(self.width));
-        let band = fill_rows(width, height);
-        let part = 4 * u64::from(band) * u64::from(pitch);
+        let part = 4 * self.part;
         let mut copy = |buffer: &wgpu::Buffer, offset, texture: &wgpu::Texture, first, rows, layer| {
+            let (width, pitch) = (texture.width(), pitch(texture.width()));
             encoder.copy_buffer_to_texture(
                 wgpu::TexelCopyBufferInfo {
                     buffer,
@@ -83,6 +83,8 @@ impl Fill {
             );
         };
         for (stream, texture) in streams {
+            let (height, pitch) = (texture.height(), pitch(texture.width()));
+            let band = (self.part as u32 / pitch).clamp(1, height);
             let given = self.given.iter().find(|(s, _)| s == stream).map(|(_, buffer)| buffer);
             for (layer, value) in (0u32..).zip(stream.info().unwritten) {
                 if let Some(buffer) = given {

@@ -1,47 +1,71 @@
 //! Pipelines and bind groups, made from what reflection says of each variant: the host binds by name.
 
-use std::borrow::Cow;
-
 use super::books::{Books, Place, is_dynamic};
 use super::compiled::Compiled;
 use super::{Gpu, GpuError};
 use crate::plan::Plan;
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::shader::{Binding, Resource, Variant};
+use crate::tables::kernel::Role;
 use crate::tables::stream::Stream;
 
 pub(super) struct KernelPipeline {
     kernel: Kernel,
     /// Names of program and kernel.
     pub(super) label: String,
-    pub(super) pipeline: wgpu::ComputePipeline,
+    compiled: Compiled,
+    bindings: Vec<Binding>,
     /// The streams that it changes.
     pub(super) writes: Vec<Stream>,
+    /// What is bound; `None` until each of its streams has its size.
+    bound: Option<Bound>,
+}
+
+struct Bound {
     /// Groups 0 and 1: streams, and scene data.
-    pub(super) groups: Vec<wgpu::BindGroup>,
-    /// Group 2: the books, one for each combination of even and odd slots; empty where it binds none.
+    groups: Vec<wgpu::BindGroup>,
+    /// Group 2: counters and lists, one for each combination of even and odd slots; empty where it binds none.
     live: Vec<wgpu::BindGroup>,
     /// Names in group 2 that have dynamic offsets, in order.
     offsets: Vec<String>,
 }
 
+/// Everything that pipelines bind.
+pub(super) struct Bindable<'a> {
+    pub(super) device: &'a wgpu::Device,
+    pub(super) streams: &'a [(Stream, wgpu::Texture)],
+    pub(super) buffers: &'a [(&'static str, wgpu::Buffer)],
+    pub(super) books: &'a Books,
+}
+
 pub(super) struct Pipelines(Vec<KernelPipeline>);
 
 impl Pipelines {
-    pub(super) fn new(
-        gpu: &Gpu,
-        plan: &Plan,
-        streams: &[(Stream, wgpu::Texture)],
-        buffers: &[(&'static str, wgpu::Buffer)],
-        books: &Books,
-        data: &SceneData,
-    ) -> Result<Self, GpuError> {
-        let pipeline = |v| {
-            let compiled = gpu.compiled.get(&gpu.device, v, is_proved(plan, v, data));
-            KernelPipeline::new(&gpu.device, v, compiled, streams, buffers, books)
+    pub(super) fn new(gpu: &Gpu, plan: &Plan, data: &SceneData, bindable: &Bindable<'_>) -> Result<Self, GpuError> {
+        let pipeline = |variant: &Variant| {
+            let compiled = gpu.compiled.get(&gpu.device, variant, is_proved(plan, variant, data));
+            let (kernel, label, bindings) = (variant.kernel, variant.label(), variant.bindings.clone());
+            let writes = variant.written_streams().collect();
+            KernelPipeline { kernel, label, compiled, bindings, writes, bound: None }
         };
-        plan.variants.iter().map(pipeline).collect::<Result<_, _>>().map(Self)
+        let mut pipelines = Self(plan.variants.iter().map(pipeline).collect());
+        pipelines.bind(bindable, |_| true)?;
+        Ok(pipelines)
+    }
+
+    /// Binds what each pipeline names, where one of its streams is `new`; not where one has no size yet.
+    pub(super) fn bind(&mut self, bindable: &Bindable<'_>, new: impl Fn(Stream) -> bool) -> Result<(), GpuError> {
+        for pipeline in &mut self.0 {
+            let streams: Vec<Stream> = pipeline.bindings.iter().filter_map(Binding::stream).collect();
+            let has = |stream: &Stream| bindable.streams.iter().any(|(s, _)| s == stream);
+            if !streams.iter().all(has) {
+                pipeline.bound = None;
+            } else if streams.iter().any(|&stream| new(stream)) {
+                pipeline.bound = Some(Bound::new(pipeline, bindable)?);
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn get(&self, kernel: Kernel) -> Option<&KernelPipeline> {
@@ -49,76 +73,73 @@ impl Pipelines {
     }
 }
 
-/// The group of the books.
+/// The group of counters, lists and launches.
 const LIVE_GROUP: u32 = 2;
 
-impl KernelPipeline {
-    fn new(
-        device: &wgpu::Device,
-        variant: &Variant,
-        compiled: Compiled,
-        streams: &[(Stream, wgpu::Texture)],
-        buffers: &[(&'static str, wgpu::Buffer)],
-        books: &Books,
-    ) -> Result<Self, GpuError> {
-        let (name, label) = (variant.kernel.name(), variant.label());
+impl Bound {
+    fn new(of: &KernelPipeline, with: &Bindable<'_>) -> Result<Self, GpuError> {
+        let (kernel, label) = (of.kernel, Some(of.label.as_str()));
+        let missing = || GpuError::Missing(kernel.name());
         let (mut groups, mut live, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
-        for (group, layout) in (0..).zip(&compiled.layouts) {
-            let bindings: Vec<_> = variant.bindings.iter().filter(|b| b.group == group).collect();
+        for (group, layout) in (0..).zip(&of.compiled.layouts) {
+            let bindings: Vec<_> = of.bindings.iter().filter(|b| b.group == group).collect();
             let make = |resources: Vec<wgpu::BindingResource<'_>>| {
                 let entries: Vec<_> = bindings
                     .iter()
                     .zip(resources)
                     .map(|(b, resource)| wgpu::BindGroupEntry { binding: b.index, resource })
                     .collect();
-                let descriptor = wgpu::BindGroupDescriptor { label: Some(&label), layout, entries: &entries };
-                device.create_bind_group(&descriptor)
+                with.device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
             };
             if group == LIVE_GROUP {
-                let names = bindings.iter().map(|b| &b.name).filter(|name| is_dynamic(name));
-                offsets = names.cloned().collect::<Vec<_>>();
-                for slots in 0..4 {
-                    let resources: Option<Vec<_>> =
-                        bindings.iter().map(|b| books.binding(variant.kernel, &b.name, slots)).collect();
-                    live.push(make(resources.ok_or(GpuError::Missing(name))?));
+                offsets = bindings.iter().filter(|b| is_dynamic(b)).map(|b| b.name.clone()).collect();
+                for slots in 0..1 << kernel.program().lists.len() {
+                    let resource = |b: &&Binding| with.books.binding(kernel, &b.name, slots);
+                    let resources: Option<Vec<_>> = bindings.iter().map(resource).collect();
+                    live.push(make(resources.ok_or_else(missing)?));
                 }
             } else {
-                let views = bindings.iter().map(|b| view(b, streams)).collect::<Vec<_>>();
+                let views = bindings.iter().map(|b| view(b, with.streams)).collect::<Vec<_>>();
                 let mut resources = Vec::new();
                 for (binding, view) in bindings.iter().zip(&views) {
+                    let buffer = || with.buffers.iter().find(|(n, _)| *n == binding.name);
                     resources.push(match view {
                         Some(view) => wgpu::BindingResource::TextureView(view),
-                        None => buffers
-                            .iter()
-                            .find(|(n, _)| *n == binding.name)
-                            .map(|(_, b)| b.as_entire_binding())
-                            .ok_or(GpuError::Missing(name))?,
+                        None => buffer().map(|(_, b)| b.as_entire_binding()).ok_or_else(missing)?,
                     });
                 }
                 groups.push(make(resources));
             }
         }
-        let writes = variant.written_streams().collect();
-        Ok(Self { kernel: variant.kernel, label, pipeline: compiled.pipeline, writes, groups, live, offsets })
-    }
-
-    /// Binds the books for a pass.
-    pub(super) fn set_live(&self, pass: &mut wgpu::ComputePass<'_>, place: &Place) {
-        if let Some(group) = self.live.get(place.group()) {
-            let offsets: Vec<u32> = self.offsets.iter().filter_map(|name| place.offset(name)).collect();
-            pass.set_bind_group(LIVE_GROUP, group, &offsets);
-        }
+        Ok(Self { groups, live, offsets })
     }
 }
 
-/// Whether no index of this kernel needs a check: it is the fused kernel as this crate composes it for the plan's
+impl KernelPipeline {
+    /// Sets pipeline and bindings for a pass.
+    pub(super) fn set(&self, pass: &mut wgpu::ComputePass<'_>, place: &Place) -> Result<(), GpuError> {
+        let bound = self.bound.as_ref().ok_or(GpuError::Missing(self.kernel.name()))?;
+        pass.set_pipeline(&self.compiled.pipeline);
+        for (group, bind_group) in (0..).zip(&bound.groups) {
+            pass.set_bind_group(group, bind_group, &[]);
+        }
+        if let Some(group) = bound.live.get(place.group()) {
+            let offset = |name: &String| place.offset(self.kernel.program(), name);
+            let offsets: Vec<u32> = bound.offsets.iter().filter_map(offset).collect();
+            pass.set_bind_group(LIVE_GROUP, group, &offsets);
+        }
+        Ok(())
+    }
+}
+
+/// Whether no index of this kernel needs a check: it is the kernel of a ray's whole course as this crate composes it for the plan's
 /// options, be it that somebody has changed the plan, and what it indexes holds for just these options. Where a walk
 /// resumes, it indexes by what its streams hold, which anybody may have written: that is not proved.
 fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
-    variant.kernel == Kernel::Fused
+    variant.kernel.role() == Role::Whole
         && !plan.features.resumes
         && data.indices_hold(&plan.features)
-        && Variant::new(Kernel::Fused, &plan.features)
+        && Variant::new(variant.kernel, &plan.features)
             .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
 }
 
@@ -131,47 +152,6 @@ fn view(binding: &Binding, streams: &[(Stream, wgpu::Texture)]) -> Option<wgpu::
     }))
 }
 
-/// Counts the rays in each state after the fused kernel, which keeps no books: a global atomic for each
-/// of its small workgroups would cost it more than its shortest runs take.
-pub(super) struct Counting {
-    pub(super) label: String,
-    pub(super) pipeline: wgpu::ComputePipeline,
-    pub(super) group: wgpu::BindGroup,
-}
-
-impl Counting {
-    pub(super) fn new(device: &wgpu::Device, plan: &Plan, state: &wgpu::Texture, books: &Books) -> Self {
-        let name = plan.label("count");
-        let label = Some(name.as_str());
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label,
-            source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(include_str!("../../shared/count.wgsl"))),
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label,
-            layout: None,
-            module: &module,
-            entry_point: Some("count"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-        let view = state.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        let sent = wgpu::BufferBinding { buffer: &books.sent, offset: 0, size: std::num::NonZeroU64::new(32) };
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(sent) },
-            ],
-        });
-        Self { label: name, pipeline, group }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use raystep_scenes::{Camera, generate};
@@ -179,6 +159,7 @@ mod tests {
     use super::*;
     use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
     use crate::plan::Limits;
+    use crate::programs::closest_hit::kernels;
 
     /// What is compiled without checks is the very shader that the proof is about, over the very data.
     #[test]
@@ -193,9 +174,9 @@ mod tests {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
             let (plan, data) = plan(accelerator, ScheduleKind::Fused);
             for variant in &plan.variants {
-                assert_eq!(is_proved(&plan, variant, &data), variant.kernel == Kernel::Fused, "{accelerator}");
+                assert_eq!(is_proved(&plan, variant, &data), variant.kernel == kernels::FUSED, "{accelerator}");
             }
-            let fused = plan.variant(Kernel::Fused).expect("fused");
+            let fused = plan.variant(kernels::FUSED).expect("fused");
             let mut changed = fused.clone();
             changed.source += "// not ours\n";
             assert!(!is_proved(&plan, &changed, &data), "{accelerator}: another text");
@@ -204,13 +185,13 @@ mod tests {
             assert!(!is_proved(&plan, &changed, &data), "{accelerator}: other bindings");
             let mut resumes = plan.clone();
             resumes.features.resumes = true;
-            let variant = Variant::new(Kernel::Fused, &resumes.features).expect("a variant");
+            let variant = Variant::new(kernels::FUSED, &resumes.features).expect("a variant");
             assert!(!is_proved(&resumes, &variant, &data), "{accelerator}: places that streams hold");
             let mut broken = data.clone();
             broken.packed_triangles.clear();
             assert!(!is_proved(&plan, fused, &broken), "{accelerator}: data that does not hold");
             if accelerator != Accelerator::Grid {
-                let other = of_grid.variant(Kernel::Fused).expect("fused");
+                let other = of_grid.variant(kernels::FUSED).expect("fused");
                 assert!(!is_proved(&plan, other, &data), "{accelerator}: a shader of other options");
             }
         }

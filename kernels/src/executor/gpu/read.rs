@@ -20,7 +20,9 @@ impl GpuExecutor {
     /// # Errors
     /// Where the device is lost or refuses.
     pub async fn read(&self, stream: Stream) -> Result<Option<StreamData>, GpuError> {
-        self.read_region(stream, Region { x: 0, y: 0, width: self.width, height: self.height }).await
+        let Some(texture) = self.texture(stream) else { return Ok(None) };
+        let region = Region { x: 0, y: 0, width: texture.width(), height: texture.height() };
+        self.read_region(stream, region).await
     }
 
     /// A part of a stream; `None` where the plan left the stream out or the image has no such part.
@@ -29,7 +31,7 @@ impl GpuExecutor {
     /// Where the device is lost or refuses.
     pub async fn read_region(&self, stream: Stream, region: Region) -> Result<Option<StreamData>, GpuError> {
         let Region { x, y, width, height } = region;
-        let Some(texture) = self.texture(stream).filter(|_| region.is_in(self.width, self.height)) else {
+        let Some(texture) = self.texture(stream).filter(|t| region.is_in(t.width(), t.height())) else {
             return Ok(None);
         };
         let layers = stream.layers() as u32;
@@ -75,7 +77,10 @@ impl GpuExecutor {
     /// Where the device is lost or refuses.
     pub async fn read_texels(&self, streams: &[Stream], x: u32, y: u32) -> Result<Option<Vec<Vec<u32>>>, GpuError> {
         let textures: Option<Vec<_>> = streams.iter().map(|&s| Some((s, self.texture(s)?))).collect();
-        let Some(textures) = textures.filter(|_| x < self.width && y < self.height) else { return Ok(None) };
+        let is_there = |textures: &Vec<(Stream, &wgpu::Texture)>| {
+            textures.iter().all(|(_, texture)| x < texture.width() && y < texture.height())
+        };
+        let Some(textures) = textures.filter(is_there) else { return Ok(None) };
         let bytes = TEXEL_BYTES * streams.iter().map(|s| s.layers() as u64).sum::<u64>();
         if bytes == 0 {
             return Ok(Some(Vec::new()));
@@ -112,7 +117,7 @@ impl GpuExecutor {
         self.gpu.health()?;
         let scopes = self.gpu.push_scopes();
         let buffer = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(&format!("{}.readback", self.program)),
+            label: Some(&format!("{}.readback", self.plan.program.name)),
             size,
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,

@@ -5,7 +5,8 @@ use std::sync::{Arc, Weak};
 
 use super::books::KeptLists;
 use super::{GpuError, GpuExecutor, stream_format};
-use crate::programs::closest_hit::kernels::Kernel;
+use crate::executor::sizes::Sizes;
+use crate::program::Kernel;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::Stream;
 
@@ -14,6 +15,7 @@ pub(crate) struct Snapshot {
     gpu: Arc<super::Gpu>,
     streams: Vec<(Stream, Arc<wgpu::Texture>)>,
     lists: KeptLists,
+    sizes: Sizes,
     device_ns: Option<u64>,
     host_ns: Option<u64>,
 }
@@ -67,7 +69,7 @@ impl GpuExecutor {
         let keep = |(stream, texture): &(Stream, wgpu::Texture)| {
             let copy = self.copies.of(*stream).unwrap_or_else(|| {
                 let copy = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some(&format!("{}.{}, kept", self.program, stream.name())),
+                    label: Some(&format!("{}.{}, kept", self.plan.program.name, stream.name())),
                     size: texture.size(),
                     mip_level_count: 1,
                     sample_count: 1,
@@ -87,11 +89,14 @@ impl GpuExecutor {
         self.gpu.pop_scopes(scopes).await?;
         self.note_copies(&streams);
         let Self { device_ns, host_ns, .. } = *self;
-        Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, device_ns, host_ns })
+        Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, sizes: self.sizes.clone(), device_ns, host_ns })
     }
 
     /// Streams and lists to what they were. The snapshot is of the same plan, on the same device.
-    pub(crate) fn restore(&mut self, snapshot: &Snapshot) {
+    pub(crate) fn restore(&mut self, snapshot: &Snapshot) -> Result<(), GpuError> {
+        if snapshot.sizes != self.sizes {
+            self.resize(snapshot.sizes.clone())?;
+        }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         for (stream, copy) in &snapshot.streams {
             let is_there = self.copies.of(*stream).is_some_and(|there| Arc::ptr_eq(&there, copy));
@@ -103,6 +108,7 @@ impl GpuExecutor {
         self.gpu.submit([encoder.finish()]);
         self.note_copies(&snapshot.streams);
         (self.device_ns, self.host_ns) = (snapshot.device_ns, snapshot.host_ns);
+        Ok(())
     }
 
     fn note_copies(&mut self, streams: &[(Stream, Arc<wgpu::Texture>)]) {

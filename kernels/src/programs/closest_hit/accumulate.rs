@@ -9,11 +9,13 @@
 //! error of some 1e-3 m at an edge.
 
 use crate::numbers::real::Real;
+use crate::programs::closest_hit::states::DONE;
+use crate::programs::closest_hit::states::UNWRITTEN;
+use crate::programs::closest_hit::streams::ACCUMULATED_SAMPLES;
+use crate::programs::closest_hit::streams::HIT_TRIANGLE;
+use crate::programs::closest_hit::streams::{ACCUMULATED, COLOR, HIT, STATE};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;
-use crate::tables::state::{DONE, UNWRITTEN};
-use crate::tables::stream::Stream::{Accumulated, Color, Hit, State};
-use crate::tables::stream::{ACCUMULATED_SAMPLES, HIT_TRIANGLE};
 use crate::tables::texels::Texels;
 
 /// The mean of so many samples, from the mean of those before the last and the last.
@@ -23,27 +25,27 @@ pub fn moved<R: Real>(mean_before: R, sample: R, samples: R) -> R {
 
 /// One ray's work.
 pub fn accumulate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
-    let before: R = ray.load(Accumulated, ACCUMULATED_SAMPLES);
+    let before: R = ray.load(ACCUMULATED, ACCUMULATED_SAMPLES);
     let wanted = R::from_i32(scene.sampling.samples as i32);
-    if ray.load_u32(State, 0) != DONE || before >= wanted {
+    if ray.load_u32(STATE, 0) != DONE || before >= wanted {
         return;
     }
 
     let samples = before + R::one();
-    let is_hit = ray.load_u32(Hit, HIT_TRIANGLE) != NO_TRIANGLE;
+    let is_hit = ray.load_u32(HIT, HIT_TRIANGLE) != NO_TRIANGLE;
     for layer in 0..3 {
-        let mean = moved(ray.load(Accumulated, layer), ray.load(Color, layer), samples);
-        ray.store(Accumulated, layer, mean);
+        let mean = moved(ray.load(ACCUMULATED, layer), ray.load(COLOR, layer), samples);
+        ray.store(ACCUMULATED, layer, mean);
     }
-    let alpha = moved(ray.load(Accumulated, 3), if is_hit { R::one() } else { R::zero() }, samples);
-    ray.store(Accumulated, 3, alpha);
-    ray.store(Accumulated, ACCUMULATED_SAMPLES, samples);
+    let alpha = moved(ray.load(ACCUMULATED, 3), if is_hit { R::one() } else { R::zero() }, samples);
+    ray.store(ACCUMULATED, 3, alpha);
+    ray.store(ACCUMULATED, ACCUMULATED_SAMPLES, samples);
     if samples < wanted {
-        ray.store_u32(State, 0, UNWRITTEN);
+        ray.store_u32(STATE, 0, UNWRITTEN);
         return;
     }
     for layer in 0..3 {
-        ray.store(Color, layer, ray.load(Accumulated, layer));
+        ray.store(COLOR, layer, ray.load(ACCUMULATED, layer));
     }
 }
 

@@ -3,6 +3,13 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::states::ISECT_HIT;
+use crate::programs::closest_hit::states::ISECT_NO_HIT;
+use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::states::TRAV_SETUP;
+use crate::programs::closest_hit::states::UNWRITTEN;
+use crate::programs::closest_hit::streams;
+use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::shared::camera::eye_ray;
@@ -10,8 +17,6 @@ use crate::shared::constants::{INF, NO_TRIANGLE, WIDE_MAX_DEPTH};
 use crate::shared::grid_walk::{GridRay, Walk};
 use crate::shared::vector::smallest3;
 use crate::shared::wide_walk::{MOST_LEVELS, NO_CHILD, TRAIL_WORDS, WideGroup, WideRay, trail_child, with_trail_child};
-use crate::tables::state::{ISECT_HIT, ISECT_NO_HIT, TRAV, TRAV_SETUP, UNWRITTEN};
-use crate::tables::stream::Stream::{self, Counters, Hit, State};
 use crate::tables::texels::Texels;
 
 impl<R: Real> Trace<R> {
@@ -23,7 +28,7 @@ impl<R: Real> Trace<R> {
         // robust leaves the grid long before; the paper's rules may run over a face again and again.
         let mut bound = 4 * grid.cells.iter().sum::<i32>() + 64;
         if features.in_cell && !features.keeps_no_tmax() && wait.before {
-            bound = ray.load_u32(Stream::Place, 3) as i32;
+            bound = ray.load_u32(streams::PLACE, 3) as i32;
         }
         while walk.inside {
             let index = grid.cell_index(walk.cell);
@@ -79,7 +84,7 @@ impl<R: Real> Trace<R> {
         let mut path = [0; TRAIL_WORDS];
         if wait.before {
             for (word, bits) in path.iter_mut().enumerate() {
-                *bits = ray.load_u32(Stream::Trail, word);
+                *bits = ray.load_u32(streams::TRAIL, word);
             }
             // Down to where the ray waits: a sibling that would come later, and whose box is met, waits again.
             for level in 0..wait.item {
@@ -144,7 +149,7 @@ impl<R: Real> Trace<R> {
             }
             if self.is_spent(scene) {
                 for (word, &bits) in path.iter().enumerate() {
-                    ray.store_u32(Stream::Trail, word, bits);
+                    ray.store_u32(streams::TRAIL, word, bits);
                 }
                 wait.at(node, group.bits >> 8 & 0xff);
                 return;
@@ -193,8 +198,8 @@ impl Wait {
             let cell = grid.cell_of_index(self.cell);
             return Walk { cell, tmax: grid.cell_exit(cell, grid_ray), inside: true };
         }
-        let cell = [0, 1, 2].map(|layer| ray.load_u32(Stream::Place, layer) as i32);
-        let [x, y, z] = [4, 5, 6].map(|layer| ray.load(Stream::Place, layer));
+        let cell = [0, 1, 2].map(|layer| ray.load_u32(streams::PLACE, layer) as i32);
+        let [x, y, z] = [4, 5, 6].map(|layer| ray.load(streams::PLACE, layer));
         Walk { cell, tmax: Vec3::new(x, y, z), inside: true }
     }
 }
@@ -206,11 +211,11 @@ fn keep_place<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, walk: &Walk<R
         return;
     }
     for (layer, cell) in walk.cell.into_iter().enumerate() {
-        ray.store_u32(Stream::Place, layer, cell as u32);
+        ray.store_u32(streams::PLACE, layer, cell as u32);
     }
-    ray.store_u32(Stream::Place, 3, if scene.features.in_cell { left as u32 } else { 0 });
+    ray.store_u32(streams::PLACE, 3, if scene.features.in_cell { left as u32 } else { 0 });
     for (layer, tmax) in (4..).zip(walk.tmax.to_array()) {
-        ray.store(Stream::Place, layer, tmax);
+        ray.store(streams::PLACE, layer, tmax);
     }
 }
 
@@ -219,13 +224,13 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let features = &scene.features;
     let mut wait = Wait::default();
     if features.resumes {
-        let tag = ray.load_u32(State, 0);
+        let tag = ray.load_u32(STATE, 0);
         wait.before = tag == TRAV || tag == ISECT_NO_HIT || tag == ISECT_HIT;
         let is_new = tag == if features.eye_rays { UNWRITTEN } else { TRAV_SETUP };
         if !wait.before && !is_new {
             return;
         }
-    } else if !features.eye_rays && ray.load_u32(State, 0) != TRAV_SETUP {
+    } else if !features.eye_rays && ray.load_u32(STATE, 0) != TRAV_SETUP {
         return;
     }
     let (origin, direction) = if features.eye_rays {
@@ -234,14 +239,14 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         (load_origin(ray), load_direction(ray))
     };
     let has_end = features.any_hit && !features.eye_rays;
-    let t = if has_end { ray.load(State, 1) } else { R::from_f32(INF) };
+    let t = if has_end { ray.load(STATE, 1) } else { R::from_f32(INF) };
     let mut trace = Trace::new(origin, direction, t);
     if wait.before {
-        (trace.t, trace.u, trace.v) = (ray.load(State, 1), ray.load(Hit, 0), ray.load(Hit, 1));
-        trace.triangle = ray.load_u32(Hit, 2);
-        (wait.cell, wait.item) = (ray.load_u32(State, 2), ray.load_u32(State, 3));
+        (trace.t, trace.u, trace.v) = (ray.load(STATE, 1), ray.load(HIT, 0), ray.load(HIT, 1));
+        trace.triangle = ray.load_u32(HIT, 2);
+        (wait.cell, wait.item) = (ray.load_u32(STATE, 2), ray.load_u32(STATE, 3));
         if features.counters {
-            (trace.cells, trace.tests) = (ray.load_u32(Counters, 0), ray.load_u32(Counters, 1));
+            (trace.cells, trace.tests) = (ray.load_u32(COUNTERS, 0), ray.load_u32(COUNTERS, 1));
         }
     }
     if features.grid {
@@ -252,9 +257,9 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         trace.through_all(&mut wait, scene);
     }
 
-    ray.store(Hit, 0, trace.u);
-    ray.store(Hit, 1, trace.v);
-    ray.store_u32(Hit, 2, trace.triangle);
+    ray.store(HIT, 0, trace.u);
+    ray.store(HIT, 1, trace.v);
+    ray.store_u32(HIT, 2, trace.triangle);
     let tag = if !wait.after {
         trace.ended_as()
     } else if features.bvh {
@@ -265,14 +270,14 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         ISECT_HIT
     };
     if wait.after {
-        ray.store_u32(State, 2, wait.cell);
-        ray.store_u32(State, 3, wait.item);
+        ray.store_u32(STATE, 2, wait.cell);
+        ray.store_u32(STATE, 3, wait.item);
     }
-    ray.store_u32(State, 0, tag);
-    ray.store(State, 1, trace.t);
+    ray.store_u32(STATE, 0, tag);
+    ray.store(STATE, 1, trace.t);
     if features.counters {
-        ray.store_u32(Counters, 0, trace.cells);
-        ray.store_u32(Counters, 1, trace.tests);
-        ray.store_u32(Counters, 2, 0);
+        ray.store_u32(COUNTERS, 0, trace.cells);
+        ray.store_u32(COUNTERS, 1, trace.tests);
+        ray.store_u32(COUNTERS, 2, 0);
     }
 }

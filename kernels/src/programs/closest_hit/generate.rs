@@ -1,24 +1,25 @@
 //! Twin of `generate.wgsl`: makes a ray for every pixel.
 
 use crate::numbers::real::Real;
+use crate::programs::closest_hit::states::TRAV_SETUP;
+use crate::programs::closest_hit::states::UNWRITTEN;
+use crate::programs::closest_hit::streams::ACCUMULATED_SAMPLES;
+use crate::programs::closest_hit::streams::{ACCUMULATED, HIT, RAY_DIRECTION, RAY_ORIGIN, STATE};
 use crate::scene_data::SceneData;
 use crate::shared::camera::{eye_ray, eye_ray_at};
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::shared::samples::jitter;
-use crate::tables::state::{TRAV_SETUP, UNWRITTEN};
-use crate::tables::stream::ACCUMULATED_SAMPLES;
-use crate::tables::stream::Stream::{Accumulated, Hit, RayDirection, RayOrigin, State};
 use crate::tables::texels::Texels;
 
 /// One ray's work.
 pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
-    if ray.load_u32(State, 0) != UNWRITTEN {
+    if ray.load_u32(STATE, 0) != UNWRITTEN {
         return;
     }
     let (camera, is_perspective) = (&scene.camera, scene.features.perspective);
     let (origin, direction) = if scene.features.samples {
         // The next sample's number is how many there are.
-        let sample = ray.load(Accumulated, ACCUMULATED_SAMPLES).to_i32() as u32;
+        let sample = ray.load(ACCUMULATED, ACCUMULATED_SAMPLES).to_i32() as u32;
         let place = jitter(scene.features.sampler(), [ray.x, ray.y], sample, scene.sampling.seed).map(R::from_f32);
         let place = [R::from_i32(ray.x as i32) + place[0], R::from_i32(ray.y as i32) + place[1]];
         eye_ray_at(camera, is_perspective, place)
@@ -26,13 +27,13 @@ pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         eye_ray(camera, is_perspective, ray.x, ray.y)
     };
 
-    ray.store_vec3(RayOrigin, origin);
-    ray.store_vec3(RayDirection, direction);
-    ray.store(Hit, 0, R::zero());
-    ray.store(Hit, 1, R::zero());
-    ray.store_u32(Hit, 2, NO_TRIANGLE);
-    ray.store_u32(State, 0, TRAV_SETUP);
-    ray.store(State, 1, R::from_f32(INF));
-    ray.store_u32(State, 2, 0);
-    ray.store_u32(State, 3, 0);
+    ray.store_vec3(RAY_ORIGIN, origin);
+    ray.store_vec3(RAY_DIRECTION, direction);
+    ray.store(HIT, 0, R::zero());
+    ray.store(HIT, 1, R::zero());
+    ray.store_u32(HIT, 2, NO_TRIANGLE);
+    ray.store_u32(STATE, 0, TRAV_SETUP);
+    ray.store(STATE, 1, R::from_f32(INF));
+    ray.store_u32(STATE, 2, 0);
+    ray.store_u32(STATE, 3, 0);
 }

@@ -2,7 +2,11 @@
 
 use crate::numbers::real::Real;
 use crate::options::features::Features;
-use crate::tables::state::{BACKGROUND, ISECT_HIT, SHADE, TRAV, Tag};
+use crate::programs::closest_hit::states::BACKGROUND;
+use crate::programs::closest_hit::states::ISECT_HIT;
+use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::states::TRAV;
+use crate::tables::state::Tag;
 
 /// A cell's list has ended; `exit` is the t at which the ray leaves the cell.
 pub fn list_ended<R: Real>(features: &Features, tag: Tag, nearest_t: R, exit: R) -> Tag {

@@ -3,13 +3,17 @@
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::grid_lists::list_ended;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::states::BACKGROUND;
+use crate::programs::closest_hit::states::ISECT_HIT;
+use crate::programs::closest_hit::states::ISECT_NO_HIT;
+use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::streams::{COUNTERS, HIT, SCAN, STATE, TMAX};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_CELL};
 use crate::shared::grid_walk::Walk;
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::shared::vector::smallest3;
-use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use crate::tables::stream::Stream::{Counters, Hit, Scan, State, TMax};
 use crate::tables::texels::Texels;
 
 /// Whether a cell lists a triangle: lists ascend.
@@ -21,9 +25,9 @@ fn is_listed(scene: &SceneData, triangle: u32, cell: u32) -> bool {
 /// Keeps where the search is for the next dispatch.
 fn keep_scan<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, cell: u32, tmax: Vec3<R>) {
     if scene.features.resumes_scan {
-        ray.store_u32(Scan, 0, cell);
+        ray.store_u32(SCAN, 0, cell);
         for (layer, tmax) in (1..).zip(tmax.to_array()) {
-            ray.store(Scan, layer, tmax);
+            ray.store(SCAN, layer, tmax);
         }
     }
 }
@@ -44,9 +48,9 @@ fn repetition<R: Real>(
     let bound = grid.cells[0] + grid.cells[1] + grid.cells[2] + 2;
     let mut turns = 0;
     if features.resumes_scan {
-        let begun = texels.load_u32(Scan, 0);
+        let begun = texels.load_u32(SCAN, 0);
         if begun != NO_CELL {
-            let [x, y, z] = [1, 2, 3].map(|layer| texels.load(Scan, layer));
+            let [x, y, z] = [1, 2, 3].map(|layer| texels.load(SCAN, layer));
             walk = Walk { cell: grid.cell_of_index(begun), tmax: Vec3::new(x, y, z), inside: true };
         }
     }
@@ -75,16 +79,16 @@ fn repetition<R: Real>(
 
 /// One ray's work.
 pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
-    let mut tag = ray.load_u32(State, 0);
+    let mut tag = ray.load_u32(STATE, 0);
     if tag != ISECT_NO_HIT && tag != ISECT_HIT {
         return;
     }
     let features = &scene.features;
 
-    let nearest_before: R = ray.load(State, 1);
+    let nearest_before: R = ray.load(STATE, 1);
     let mut nearest_t = nearest_before;
-    let cell = ray.load_u32(State, 2);
-    let mut item = ray.load_u32(State, 3);
+    let cell = ray.load_u32(STATE, 2);
+    let mut item = ray.load_u32(STATE, 3);
     let (first, count) = scene.list(cell);
 
     let origin = load_origin(ray);
@@ -105,30 +109,30 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             candidate.t < nearest_t
                 && scene.grid.is_in_cell(origin + direction * candidate.t, scene.grid.cell_of_index(cell))
         } else if features.robust && !features.any_hit {
-            is_nearer(candidate.t, triangle, nearest_t, ray.load_u32(Hit, 2))
+            is_nearer(candidate.t, triangle, nearest_t, ray.load_u32(HIT, 2))
         } else {
             candidate.t < nearest_t
         };
         if candidate.is_hit && accepted {
-            ray.store(Hit, 0, candidate.u);
-            ray.store(Hit, 1, candidate.v);
-            ray.store_u32(Hit, 2, triangle);
+            ray.store(HIT, 0, candidate.u);
+            ray.store(HIT, 1, candidate.v);
+            ray.store_u32(HIT, 2, triangle);
             nearest_t = candidate.t;
             tag = ISECT_HIT;
         }
         item += 1;
         if features.counters {
-            ray.store_u32(Counters, 1, ray.load_u32(Counters, 1) + 1);
+            ray.store_u32(COUNTERS, 1, ray.load_u32(COUNTERS, 1) + 1);
         }
         if features.grid && features.counters {
-            ray.store_u32(Counters, 2, ray.load_u32(Counters, 2) + u32::from(repeated));
+            ray.store_u32(COUNTERS, 2, ray.load_u32(COUNTERS, 2) + u32::from(repeated));
         }
     }
 
     let ended = if features.robust { item >= count } else { !in_list };
     if ended {
         tag = if features.grid {
-            let exit = if !features.in_cell { smallest3(ray.load_vec3(TMax)) } else { R::from_f32(INF) };
+            let exit = if !features.in_cell { smallest3(ray.load_vec3(TMAX)) } else { R::from_f32(INF) };
             list_ended(features, tag, nearest_t, exit)
         } else if features.bvh {
             TRAV
@@ -142,8 +146,8 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         if features.any_hit {
             tag = SHADE;
         }
-        ray.store(State, 1, nearest_t);
+        ray.store(STATE, 1, nearest_t);
     }
-    ray.store_u32(State, 0, tag);
-    ray.store_u32(State, 3, item);
+    ray.store_u32(STATE, 0, tag);
+    ray.store_u32(STATE, 3, item);
 }

@@ -3,36 +3,85 @@
 //! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run.
 
 pub mod accumulate;
+pub mod buffers;
+pub mod conditions;
+pub mod count;
+pub mod elements;
+pub mod explain;
 pub mod fused;
 pub mod generate;
 pub mod grid_lists;
 pub mod intersect;
 pub mod kernels;
 pub mod ray;
+pub mod ray_state;
 pub mod schedule;
 pub mod setup;
 pub mod shade;
+pub mod states;
+pub mod streams;
 pub mod tracing;
 pub mod traverse_bvh;
 pub mod traverse_grid;
 pub mod walk;
 
+use std::borrow::Cow;
+
+use conditions::Condition;
+use ray_state::RayState;
+
+use crate::options::features::Features;
+use crate::program::{Course, Kernel, Program};
+use crate::scene_data::SceneData;
 use crate::shared::{self, constants};
-use crate::tables::state;
 
-/// Its name in labels of what it has on a GPU.
-pub const NAME: &str = "closest_hit";
+/// The program.
+pub static PROGRAM: Program = Program {
+    name: "closest_hit",
+    summary: "every ray to its closest hit, and its colour from there",
+    elements: &[&elements::RAYS],
+    streams: &streams::STREAMS,
+    states: states::STATES,
+    course: Some(Course {
+        stream: streams::STATE,
+        inputs: &streams::INPUTS,
+        unborn: states::UNWRITTEN,
+        born: states::TRAV_SETUP,
+        given_up: states::BACKGROUND,
+        done: states::DONE,
+    }),
+    buffers: buffers::BUFFERS,
+    lists: &kernels::LISTS,
+    kernels: &kernels::KERNELS,
+    modules,
+};
 
-/// WGSL modules that kernels import from, by name: `package::NAME`. `stack` groups of siblings have room on a ray's
-/// stack, and a dispatch has `turns` loop turns.
+/// What this program alone says of one of its kernels.
+pub struct Own {
+    /// The triangle that a pass tested, and why it left a ray as it did.
+    pub explain: fn(&SceneData, &RayState, &RayState) -> (Option<u32>, String),
+    /// What the conditions of its file mean for a ray's streams.
+    pub conditions: &'static [Condition],
+}
+
+/// What this program says of a kernel; `None` for another program's.
 #[must_use]
-pub(crate) fn modules(stack: u32, turns: u32) -> Vec<(&'static str, String)> {
+pub fn own(kernel: Kernel) -> Option<&'static Own> {
+    std::ptr::eq(kernel.program(), &PROGRAM).then(|| &kernels::OWN[kernel.instance().index])
+}
+
+/// WGSL modules that kernels import from, by name: `package::NAME`.
+fn modules(features: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
+        ("live", include_str!("live.wgsl")),
         ("ray", include_str!("ray.wgsl")),
         ("grid_lists", include_str!("grid_lists.wgsl")),
         ("tracing", include_str!("tracing.wgsl")),
     ];
-    let mut all = vec![("constants", constants::wgsl_module(stack, turns)), ("state", state::wgsl_module())];
-    all.extend(shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, source.to_owned())));
-    all
+    let made = [
+        ("constants", Cow::Owned(constants::wgsl_module(features.stack, features.turns))),
+        ("state", Cow::Owned(states::STATES.wgsl_module())),
+    ];
+    let shared = shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source)));
+    made.into_iter().chain(shared).collect()
 }

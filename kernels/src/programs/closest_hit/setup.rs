@@ -2,23 +2,26 @@
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::states::BACKGROUND;
+use crate::programs::closest_hit::states::ISECT_NO_HIT;
+use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::states::TRAV_SETUP;
+use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE, TMAX};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_NODE;
-use crate::tables::state::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
-use crate::tables::stream::Stream::{Counters, Previous, State, TMax};
 use crate::tables::texels::Texels;
 
 /// One ray's work.
 pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
-    if ray.load_u32(State, 0) != TRAV_SETUP {
+    if ray.load_u32(STATE, 0) != TRAV_SETUP {
         return;
     }
     let features = &scene.features;
 
     if features.counters {
-        ray.store_u32(Counters, 0, 0);
-        ray.store_u32(Counters, 1, 0);
-        ray.store_u32(Counters, 2, 0);
+        ray.store_u32(COUNTERS, 0, 0);
+        ray.store_u32(COUNTERS, 1, 0);
+        ray.store_u32(COUNTERS, 2, 0);
     }
     if features.grid {
         let walk = {
@@ -26,24 +29,24 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             scene.grid.enter(rules, &scene.grid.ray(rules, load_origin(ray), load_direction(ray)))
         };
         if !walk.inside {
-            ray.store_u32(State, 0, BACKGROUND);
+            ray.store_u32(STATE, 0, BACKGROUND);
             return;
         }
         if !(features.many_steps && features.keeps_no_tmax()) {
-            ray.store_vec3(TMax, walk.tmax);
+            ray.store_vec3(TMAX, walk.tmax);
         }
-        ray.store_u32(State, 2, scene.grid.cell_index(walk.cell));
+        ray.store_u32(STATE, 2, scene.grid.cell_index(walk.cell));
         if features.counters {
-            ray.store_u32(Counters, 0, 1);
+            ray.store_u32(COUNTERS, 0, 1);
         }
     }
     if features.bvh {
-        ray.store_u32(Previous, 0, NO_NODE);
-        ray.store_u32(State, 2, 0);
+        ray.store_u32(PREVIOUS, 0, NO_NODE);
+        ray.store_u32(STATE, 2, 0);
     }
-    ray.store_u32(State, 3, 0);
+    ray.store_u32(STATE, 3, 0);
     ray.store_u32(
-        State,
+        STATE,
         0,
         match features.bvh {
             true if scene.info.triangles == 0 => BACKGROUND,

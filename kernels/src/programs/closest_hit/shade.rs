@@ -2,13 +2,15 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::states::BACKGROUND;
+use crate::programs::closest_hit::states::DONE;
+use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::streams::{COLOR, HIT, STATE};
 use crate::scene_data::SceneData;
 use crate::shared::constants::LIGHTS_SUMMED;
 use crate::shared::shading::{DIRECTIONAL, Light, NO_TEXTURE, SPOT};
 use crate::shared::texture::sample_texture;
 use crate::shared::vector::{cross3, dot3, unit3};
-use crate::tables::state::{BACKGROUND, DONE, SHADE};
-use crate::tables::stream::Stream::{Color, Hit, State};
 use crate::tables::texels::Texels;
 
 /// Three floats at each corner, weighted.
@@ -47,7 +49,7 @@ fn received<R: Real>(light: &Light, position: Vec3<R>, normal: Vec3<R>) -> Vec3<
 
 /// One ray's work.
 pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
-    let tag = ray.load_u32(State, 0);
+    let tag = ray.load_u32(STATE, 0);
     if tag != SHADE && tag != BACKGROUND {
         return;
     }
@@ -55,10 +57,10 @@ pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let mut rgb = Vec3::from_f32(scene.shading.background);
     if tag == SHADE {
-        let t: R = ray.load(State, 1);
-        let u: R = ray.load(Hit, 0);
-        let v: R = ray.load(Hit, 1);
-        let triangle = ray.load_u32(Hit, 2);
+        let t: R = ray.load(STATE, 1);
+        let u: R = ray.load(HIT, 0);
+        let v: R = ray.load(HIT, 1);
+        let triangle = ray.load_u32(HIT, 2);
         let index = if features.many_materials { scene.triangle_materials[triangle as usize] } else { 0 };
         let material = &scene.materials[index as usize];
         let direction = load_direction(ray);
@@ -85,10 +87,10 @@ pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             rgb = Vec3::splat(R::zero());
             let (mut first, mut end) = (0, scene.shading.lights);
             if features.resumes_light {
-                let item = ray.load_u32(State, 3);
+                let item = ray.load_u32(STATE, 3);
                 if item >= LIGHTS_SUMMED {
                     first = item - LIGHTS_SUMMED;
-                    rgb = ray.load_vec3(Color);
+                    rgb = ray.load_vec3(COLOR);
                 }
                 end = end.min(first + features.turns);
             }
@@ -96,8 +98,8 @@ pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
                 rgb = rgb + received(light, position, normal);
             }
             if end < scene.shading.lights {
-                ray.store_vec3(Color, rgb);
-                ray.store_u32(State, 3, LIGHTS_SUMMED + end);
+                ray.store_vec3(COLOR, rgb);
+                ray.store_u32(STATE, 3, LIGHTS_SUMMED + end);
                 return;
             }
         } else {
@@ -108,6 +110,6 @@ pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             rgb = rgb + Vec3::from_f32(material.emissive);
         }
     }
-    ray.store_vec3(Color, rgb);
-    ray.store_u32(State, 0, DONE);
+    ray.store_vec3(COLOR, rgb);
+    ray.store_u32(STATE, 0, DONE);
 }

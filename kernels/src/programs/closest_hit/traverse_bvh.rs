@@ -2,32 +2,36 @@
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::states::BACKGROUND;
+use crate::programs::closest_hit::states::ISECT_HIT;
+use crate::programs::closest_hit::states::ISECT_NO_HIT;
+use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE};
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
 use crate::shared::constants::{INF, NO_NODE};
-use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
-use crate::tables::stream::Stream::{Counters, Previous, State};
 use crate::tables::texels::Texels;
 
 /// One ray's work.
 pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
-    if ray.load_u32(State, 0) != TRAV {
+    if ray.load_u32(STATE, 0) != TRAV {
         return;
     }
     let features = &scene.features;
 
     let (origin, direction) = (load_origin(ray), load_direction(ray));
     let inverse = finite_inverse(direction);
-    let nearest_t: R = ray.load(State, 1);
+    let nearest_t: R = ray.load(STATE, 1);
     let has_hit = !features.any_hit && nearest_t < R::from_f32(INF);
-    let here = Visit { node: ray.load_u32(State, 2), previous: ray.load_u32(Previous, 0), in_leaf: false };
+    let here = Visit { node: ray.load_u32(STATE, 2), previous: ray.load_u32(PREVIOUS, 0), in_leaf: false };
     let at = next_node(&scene.bvh_nodes, &scene.bvh_parents, here, origin, direction, inverse, nearest_t);
 
     if features.counters {
-        ray.store_u32(Counters, 0, ray.load_u32(Counters, 0) + 1);
+        ray.store_u32(COUNTERS, 0, ray.load_u32(COUNTERS, 0) + 1);
     }
     if at.node == NO_NODE {
-        ray.store_u32(State, 0, if has_hit { SHADE } else { BACKGROUND });
+        ray.store_u32(STATE, 0, if has_hit { SHADE } else { BACKGROUND });
         return;
     }
     let tag = match (at.in_leaf, has_hit) {
@@ -35,8 +39,8 @@ pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         (true, false) => ISECT_NO_HIT,
         (true, true) => ISECT_HIT,
     };
-    ray.store_u32(State, 0, tag);
-    ray.store_u32(State, 2, at.node);
-    ray.store_u32(State, 3, 0);
-    ray.store_u32(Previous, 0, at.previous);
+    ray.store_u32(STATE, 0, tag);
+    ray.store_u32(STATE, 2, at.node);
+    ray.store_u32(STATE, 3, 0);
+    ray.store_u32(PREVIOUS, 0, at.previous);
 }

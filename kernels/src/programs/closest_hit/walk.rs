@@ -3,14 +3,19 @@
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::grid_lists::list_ended;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::states::BACKGROUND;
+use crate::programs::closest_hit::states::ISECT_HIT;
+use crate::programs::closest_hit::states::ISECT_NO_HIT;
+use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::streams::{COUNTERS, HIT, PREVIOUS, STATE, TMAX};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
 use crate::shared::constants::{NO_NODE, NO_TRIANGLE, NODES_A_STEP};
 use crate::shared::grid_walk::Walk;
 use crate::shared::vector::smallest3;
-use crate::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, Tag};
-use crate::tables::stream::Stream::{Counters, Hit, Previous, State, TMax};
+use crate::tables::state::Tag;
 use crate::tables::texels::Texels;
 
 /// A ray's place between two passes.
@@ -33,7 +38,7 @@ impl<R: Real> Place<R> {
         let grid_ray = grid.ray(rules, self.trace.origin, self.trace.direction);
         let cell = grid.cell_of_index(self.cell);
         // robust: from the cell each time, so there is nothing to keep.
-        let tmax = if features.keeps_no_tmax() { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(TMax) };
+        let tmax = if features.keeps_no_tmax() { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(TMAX) };
         let mut walk = Walk { cell, tmax, inside: true };
         let mut waits = false;
         for _ in 0..scene.info.steps {
@@ -81,14 +86,14 @@ impl<R: Real> Place<R> {
             self.trace.cells += 1;
         }
         if !features.keeps_no_tmax() {
-            ray.store_vec3(TMax, walk.tmax);
+            ray.store_vec3(TMAX, walk.tmax);
         }
     }
 
     fn through_tree(&mut self, ray: &mut Texels<'_, R>, scene: &SceneData) {
         let (origin, direction) = (self.trace.origin, self.trace.direction);
         let inverse = finite_inverse(direction);
-        let mut at = Visit { node: self.cell, previous: ray.load_u32(Previous, 0), in_leaf: false };
+        let mut at = Visit { node: self.cell, previous: ray.load_u32(PREVIOUS, 0), in_leaf: false };
         let mut step = 0;
         let mut waits = false;
         while step < NODES_A_STEP * scene.info.steps && at.node != NO_NODE {
@@ -127,7 +132,7 @@ impl<R: Real> Place<R> {
             self.tag = self.trace.ended_as();
         } else {
             self.cell = at.node;
-            ray.store_u32(Previous, 0, at.previous);
+            ray.store_u32(PREVIOUS, 0, at.previous);
         }
     }
 
@@ -152,15 +157,15 @@ impl<R: Real> Place<R> {
 
 /// One ray's work.
 pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
-    let tag = ray.load_u32(State, 0);
+    let tag = ray.load_u32(STATE, 0);
     if tag != TRAV && tag != ISECT_NO_HIT && tag != ISECT_HIT {
         return;
     }
     let features = &scene.features;
-    let mut trace = Trace::new(load_origin(ray), load_direction(ray), ray.load(State, 1));
-    trace.triangle = ray.load_u32(Hit, 2);
+    let mut trace = Trace::new(load_origin(ray), load_direction(ray), ray.load(STATE, 1));
+    trace.triangle = ray.load_u32(HIT, 2);
     let before = (trace.triangle, trace.t);
-    let mut place = Place { tag, cell: ray.load_u32(State, 2), item: ray.load_u32(State, 3), trace };
+    let mut place = Place { tag, cell: ray.load_u32(STATE, 2), item: ray.load_u32(STATE, 3), trace };
     if features.grid {
         place.through_grid(ray, scene);
     } else if features.bvh {
@@ -171,21 +176,21 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let trace = &place.trace;
     if (trace.triangle, trace.t) != before {
-        ray.store(Hit, 0, trace.u);
-        ray.store(Hit, 1, trace.v);
-        ray.store_u32(Hit, 2, trace.triangle);
-        ray.store(State, 1, trace.t);
+        ray.store(HIT, 0, trace.u);
+        ray.store(HIT, 1, trace.v);
+        ray.store_u32(HIT, 2, trace.triangle);
+        ray.store(STATE, 1, trace.t);
     }
-    ray.store_u32(State, 0, place.tag);
+    ray.store_u32(STATE, 0, place.tag);
     let is_through_all = !features.grid && !features.bvh;
     if !is_through_all {
-        ray.store_u32(State, 2, place.cell);
+        ray.store_u32(STATE, 2, place.cell);
     }
     if features.resumes || is_through_all {
-        ray.store_u32(State, 3, place.item);
+        ray.store_u32(STATE, 3, place.item);
     }
     if features.counters {
-        ray.store_u32(Counters, 0, ray.load_u32(Counters, 0) + trace.cells);
-        ray.store_u32(Counters, 1, ray.load_u32(Counters, 1) + trace.tests);
+        ray.store_u32(COUNTERS, 0, ray.load_u32(COUNTERS, 0) + trace.cells);
+        ray.store_u32(COUNTERS, 1, ray.load_u32(COUNTERS, 1) + trace.tests);
     }
 }

@@ -1,6 +1,7 @@
 //! Useful lanes: of every 32 threads that a GPU launches together, how many have a ray to work on.
 
 use egui::Ui;
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, Pass, Plan, Stream};
 use raystep_lab::work::{LANES, Lanes, Launch};
@@ -139,7 +140,7 @@ fn count(job: JobContext<'_>, of: Of, kernel: Kernel) -> JobFuture<'_> {
         if job.session.place() != of.place || renderer.next_kernel() != Some(kernel) {
             return Ok(Box::new((of, None::<Lanes>)) as _);
         }
-        let state = job.session.stream(Stream::State).await.map_err(|error| error.to_string())?;
+        let state = job.session.stream(streams::STATE).await.map_err(|error| error.to_string())?;
         let lanes = Lanes::of(&ahead(of.place, kernel, 0), renderer.plan(), state.layer(STATE_TAG));
         Ok(Box::new((of, lanes)) as _)
     })
@@ -162,14 +163,14 @@ mod tests {
 
     #[test]
     fn a_pass_from_a_list_is_told_by_itself_and_any_other_before_it_runs() {
-        let (walk, setup) = (ahead(3, Kernel::Intersect, 70), ahead(1, Kernel::Setup, 128));
+        let (walk, setup) = (ahead(3, kernels::INTERSECT, 70), ahead(1, kernels::SETUP, 128));
         let compact = plan(ScheduleKind::Compact);
-        let next = Some(Kernel::TraverseGrid);
+        let next = Some(kernels::TRAVERSE_GRID);
         assert_eq!(which(&compact, Some(&walk), next), Some(Which::Last));
-        assert_eq!(which(&compact, Some(&setup), next), Some(Which::Next(Kernel::TraverseGrid)));
-        assert_eq!(which(&compact, None, Some(Kernel::Generate)), Some(Which::Next(Kernel::Generate)));
+        assert_eq!(which(&compact, Some(&setup), next), Some(Which::Next(kernels::TRAVERSE_GRID)));
+        assert_eq!(which(&compact, None, Some(kernels::GENERATE)), Some(Which::Next(kernels::GENERATE)));
         let second = plan(ScheduleKind::Second);
-        assert_eq!(which(&second, Some(&walk), next), Some(Which::Next(Kernel::TraverseGrid)));
+        assert_eq!(which(&second, Some(&walk), next), Some(Which::Next(kernels::TRAVERSE_GRID)));
         assert_eq!(which(&second, Some(&walk), None), None);
     }
 }

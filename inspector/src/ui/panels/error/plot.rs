@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
+use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::tables::state;
 use raystep_lab::judge::Judgement;
 
@@ -44,7 +45,7 @@ impl<'a> Curve<'a> {
     }
 
     fn resolved(&self, place: usize) -> u64 {
-        place.checked_sub(1).map_or(0, |last| state::decided(&self.passes[last].counts)).min(self.rays)
+        place.checked_sub(1).map_or(0, |last| states::STATES.decided(&self.passes[last].counts)).min(self.rays)
     }
 
     fn unresolved_share(&self, place: usize) -> f64 {

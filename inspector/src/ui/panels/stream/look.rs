@@ -1,6 +1,7 @@
 //! What of a stream view is saved.
 
 use raystep_kernels::Stream;
+use raystep_kernels::programs::closest_hit::streams;
 use serde::{Deserialize, Serialize};
 
 use crate::draw::stream::Colors;
@@ -43,6 +44,6 @@ impl Default for Look {
 impl Look {
     /// Whether the view shows a colour, where it shows this stream.
     pub(super) fn is_color(&self, stream: Option<Stream>) -> bool {
-        self.layer.is_none() && self.stream.or(stream) == Some(Stream::Color)
+        self.layer.is_none() && self.stream.or(stream) == Some(streams::COLOR)
     }
 }

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
 use raystep_kernels::Stream;
+use raystep_kernels::programs::closest_hit::{states, streams};
 use raystep_kernels::tables::state;
 use raystep_kernels::tables::stream::STATE_TAG;
 
@@ -58,8 +59,8 @@ pub(super) fn draw(
 
 /// A component as people read it.
 fn text(stream: Stream, layer: usize, bits: u32) -> String {
-    if stream == Stream::State && layer == STATE_TAG {
-        return state::name(bits).into();
+    if stream == streams::STATE && layer == STATE_TAG {
+        return states::STATES.name(bits).into();
     }
     if stream.is_float_layer(layer) {
         let value = f32::from_bits(bits);

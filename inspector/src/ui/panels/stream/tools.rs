@@ -2,6 +2,7 @@
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
 use raystep_kernels::Stream;
+use raystep_kernels::programs::closest_hit::{states, streams};
 use raystep_kernels::tables::state;
 use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
@@ -33,11 +34,11 @@ impl StreamView {
                     .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "stream"));
             }
             let names = stream.info().layers;
-            if stream == Stream::Color && ui.selectable_label(layer.is_none(), "rgb").clicked() {
+            if stream == streams::COLOR && ui.selectable_label(layer.is_none(), "rgb").clicked() {
                 (self.look.layer, self.look.range) = (None, None);
             }
             for (i, name) in names.iter().enumerate() {
-                let is_shown = layer == Some(i) || layer.is_none() && i == 0 && stream != Stream::Color;
+                let is_shown = layer == Some(i) || layer.is_none() && i == 0 && stream != streams::COLOR;
                 if ui.selectable_label(is_shown, *name).clicked() {
                     (self.look.layer, self.look.range) = (Some(i), None);
                 }
@@ -82,7 +83,7 @@ impl StreamView {
     pub(super) fn legend(&self, ui: &mut egui::Ui, stream: Stream, layer: usize, meaning: Meaning) {
         ui.horizontal_wrapped(|ui| {
             if meaning == Meaning::Tag {
-                for state in &state::STATES {
+                for state in &states::STATES {
                     let [r, g, b] = STATE_COLORS[state.tag as usize];
                     entry(ui, Color32::from_rgb(r, g, b), state.name, state.meaning);
                 }

@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle};
 use egui::{TextureOptions, Ui, Vec2, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
+use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::state;
 use raystep_lab::structure_stats::{Slice, triangles_in};
@@ -192,7 +193,7 @@ fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
         }
     }
     // Where the ray has been brought to, it has not yet worked.
-    let now = current_row(life, place).and_then(|i| life.rows.get(i)).filter(|row| row.after.tag > state::TRAV_SETUP);
+    let now = current_row(life, place).and_then(|i| life.rows.get(i)).filter(|row| row.after.tag > states::TRAV_SETUP);
     if let Some(cell) = now.map(|row| data.grid.cell_of_index(row.after.cell_index))
         && let Some(next) = visits.iter().position(|v| !v.has_run)
         && visits[next].cell == cell

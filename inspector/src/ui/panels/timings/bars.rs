@@ -2,6 +2,7 @@
 
 use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
+use raystep_kernels::programs::closest_hit::kernels;
 
 use super::duration;
 use crate::ui::pane::Context;
@@ -109,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_dearest_pass_of_a_column_is_never_lost() {
-        let mut passes: Vec<Pass> = (0..1000).map(|i| pass(i, Kernel::Intersect, 1, Some(10))).collect();
+        let mut passes: Vec<Pass> = (0..1000).map(|i| pass(i, kernels::INTERSECT, 1, Some(10))).collect();
         passes[777].duration_ns = Some(5000);
         passes[3].duration_ns = None;
         let all = columns(&passes, 100);

@@ -1,5 +1,6 @@
 //! Bytes that passes move, against what the device copies, and what a pass costs that moves none.
 
+use raystep_kernels::programs::closest_hit::kernels;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
@@ -135,7 +136,8 @@ fn empty<'a>(machine: &'a Machine, size: (u32, u32)) -> Result<Vec<Job<'a>>, Str
         for passes in [32usize, 128, 256] {
             let executor = machine.wait(GpuExecutor::new(gpu.clone(), &plan, &data, false));
             let mut executor = executor.map_err(|e| e.to_string())?;
-            let kernels: Vec<_> = [Kernel::Intersect, Kernel::TraverseGrid].into_iter().cycle().take(passes).collect();
+            let kernels: Vec<_> =
+                [kernels::INTERSECT, kernels::TRAVERSE_GRID].into_iter().cycle().take(passes).collect();
             let repeat = move || {
                 executor.clear();
                 machine.keep_clocks();
@@ -217,10 +219,11 @@ mod tests {
     #[test]
     fn texels_of_a_step_through_the_grid() {
         let features = Features { robust: true, grid: true, perspective: true, ..Features::default() };
-        let variant = Variant::new(Kernel::TraverseGrid, &features).expect("a kernel");
+        let variant = Variant::new(kernels::TRAVERSE_GRID, &features).expect("a kernel");
         // Loads: origin and direction 6, state tag, t and cell 3, tmax 3. Stores: tmax 3, state tag, cell, item 3.
         assert_eq!(bytes_a_ray(&variant), Ok(4 * (12 + 6)));
-        let listed = Variant::new(Kernel::TraverseGrid, &Features { live_lists: true, ..features }).expect("a kernel");
+        let listed =
+            Variant::new(kernels::TRAVERSE_GRID, &Features { live_lists: true, ..features }).expect("a kernel");
         assert_eq!(bytes_a_ray(&listed), Ok(4 * (12 + 6) + 8));
     }
 }

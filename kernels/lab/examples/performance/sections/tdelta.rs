@@ -5,6 +5,7 @@
 //! what it works out. All rays stay in TRAV, and none leaves the grid, so that every pass has all of them.
 
 use raystep_kernels::options::features::Features;
+use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::shader::Variant;
 use raystep_kernels::{Gpu, Kernel};
 use wgpu::util::DeviceExt as _;
@@ -85,7 +86,7 @@ struct Steps {
 impl Steps {
     fn new(gpu: &Gpu, size: (u32, u32), (_, ray, constants): &Loading) -> Result<Self, String> {
         let features = Features { grid: true, perspective: true, ..Features::default() };
-        let mut variant = Variant::new(Kernel::TraverseGrid, &features).map_err(|e| e.to_string())?;
+        let mut variant = Variant::new(kernels::TRAVERSE_GRID, &features).map_err(|e| e.to_string())?;
         // A ray that is not intersected in between goes on at once.
         let source =
             replaced(&variant.source, "let tag = select(ISECT_NO_HIT, ISECT_HIT, has_hit);", "let tag = TRAV;")?;

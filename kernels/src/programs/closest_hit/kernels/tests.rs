@@ -1,6 +1,7 @@
 //! The rows against each other and against the WGSL.
 
 use super::*;
+use crate::programs::closest_hit::kernels;
 
 #[test]
 fn the_table_is_in_the_order_of_the_enum() {
@@ -18,7 +19,7 @@ fn every_row_sends_what_it_takes_and_no_state_is_a_dead_end() {
         }
         for send in info.sends {
             // The fused kernel also takes rays that nothing has made yet, where it makes them itself.
-            let is_own = info.takes.contains(&send.from) || (info.kernel, send.from) == (Kernel::Fused, UNWRITTEN);
+            let is_own = info.takes.contains(&send.from) || (info.kernel, send.from) == (kernels::FUSED, UNWRITTEN);
             assert!(is_own && taken.contains(&send.to), "{}: {send:?}", info.name);
         }
         if let Some(to) = info.kernel.sends_all_to() {
@@ -31,7 +32,7 @@ fn every_row_sends_what_it_takes_and_no_state_is_a_dead_end() {
 fn workgroups_are_those_of_the_wgsl() {
     let features = Features { robust: true, watertight: true, grid: true, ..Features::default() };
     for info in KERNELS {
-        let features = Features { bvh: info.kernel == Kernel::TraverseBvh, ..features };
+        let features = Features { bvh: info.kernel == kernels::TRAVERSE_BVH, ..features };
         let features = Features { grid: !features.bvh, samples: info.role == Role::Sample, ..features };
         let is_walk = info.role == Role::Walk;
         let features = Features { live_lists: is_walk, many_steps: is_walk, ..features };

@@ -1,7 +1,11 @@
 //! Orders of kernels, without a GPU.
 
 use super::*;
-use crate::tables::state::{self, DONE, ISECT_NO_HIT, SHADE, TRAV};
+use crate::programs::closest_hit::states::DONE;
+use crate::programs::closest_hit::states::ISECT_NO_HIT;
+use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::states::TRAV;
+use crate::tables::state;
 
 fn counts(isect: u32, trav: u32, shade: u32) -> StateCounts {
     let mut c = StateCounts::default();
@@ -87,15 +91,15 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
         {
             let mut cursor = Cursor::start();
             let mut unwritten = counts(5, 5, 0);
-            unwritten[state::UNWRITTEN as usize] = 1;
+            unwritten[states::UNWRITTEN as usize] = 1;
             while !cursor.next(&schedule, &unwritten).expect("a walk").is_walk() {
                 let mut outside = cursor.clone();
                 outside.leave_walk(&schedule);
-                assert!(outside == cursor || outside.next(&schedule, &unwritten) == Some(Kernel::Shade));
+                assert!(outside == cursor || outside.next(&schedule, &unwritten) == Some(kernels::SHADE));
             }
             cursor.next(&schedule, &unwritten);
             cursor.leave_walk(&schedule);
-            assert_eq!(cursor.next(&schedule, &unwritten), Some(Kernel::Shade), "{kind} {accelerator}");
+            assert_eq!(cursor.next(&schedule, &unwritten), Some(kernels::SHADE), "{kind} {accelerator}");
             let again = cursor.clone();
             cursor.leave_walk(&schedule);
             assert_eq!(cursor, again, "there is nothing to leave");
@@ -109,7 +113,7 @@ fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
     let guesses = |schedule: &Schedule, most: usize| {
         let mut cursor = Cursor::start();
         let mut unwritten = StateCounts::default();
-        unwritten[state::UNWRITTEN as usize] = 9;
+        unwritten[states::UNWRITTEN as usize] = 9;
         let first = cursor.guess(schedule, &unwritten, most);
         while cursor.next(schedule, &unwritten) != Some(Shade) {}
         // Right before it, as far as counts go.
@@ -136,10 +140,10 @@ fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
 fn a_guess_never_leaves_the_loop() {
     let schedule = Schedule::new(ScheduleKind::First, Accelerator::Grid, false, true, false, false);
     let mut cursor = Cursor::start();
-    assert_eq!(cursor.guess(&schedule, &counts(0, 0, 0), 8), [Kernel::Generate]);
+    assert_eq!(cursor.guess(&schedule, &counts(0, 0, 0), 8), [kernels::GENERATE]);
     cursor.next(&schedule, &counts(0, 0, 0));
     cursor.next(&schedule, &counts(0, 0, 0));
-    assert_eq!(cursor.guess(&schedule, &counts(5, 0, 0), 4), [Kernel::Intersect; 4]);
+    assert_eq!(cursor.guess(&schedule, &counts(5, 0, 0), 4), [kernels::INTERSECT; 4]);
 }
 
 #[test]
@@ -150,7 +154,7 @@ fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
         cursor.next(&schedule, &counts(0, 0, 0));
     }
     // Rays that this step takes to a leaf are tested before the next one.
-    assert_eq!(cursor.guess(&schedule, &counts(0, 9, 0), 8), [Kernel::TraverseBvh]);
+    assert_eq!(cursor.guess(&schedule, &counts(0, 9, 0), 8), [kernels::TRAVERSE_BVH]);
     cursor.next(&schedule, &counts(0, 9, 0));
-    assert_eq!(cursor.guess(&schedule, &counts(4, 5, 0), 3), [Kernel::Intersect; 3]);
+    assert_eq!(cursor.guess(&schedule, &counts(4, 5, 0), 3), [kernels::INTERSECT; 3]);
 }

@@ -1,7 +1,8 @@
-// How many rays are in each state: for the fused kernel, which keeps no books itself.
+// Counts the rays in each state, after a kernel that does not count them itself: a global atomic for each of the fused
+// kernel's small workgroups would cost it more than its shortest runs take.
 
 @group(0) @binding(0) var state: texture_2d_array<u32>;
-@group(0) @binding(1) var<storage, read_write> sent: array<atomic<u32>, 8>;
+@group(2) @binding(0) var<storage, read_write> sent: array<atomic<u32>, 8>;
 
 var<workgroup> in_workgroup: array<atomic<u32>, 8>;
 

@@ -1,23 +1,27 @@
 //! The test of a triangle, and what follows where a list has ended.
 
+use super::super::ray_state::RayState;
+use super::super::states;
 use super::grid::leap_from;
 use super::has_new_hit;
-use crate::history::RayState;
 use crate::numbers::real::Vec3;
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, PAPER_EPSILON};
 use crate::shared::triangle::{Candidate, Shear, hit_triangle, plane_hit};
 use crate::shared::vector::{cross3, dot3};
-use crate::tables::state;
 
 /// Which triangle was tested, what became of it, and where the ray goes from there.
-pub(super) fn explain_intersect(data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
+pub(in super::super) fn explain_intersect(
+    data: &SceneData,
+    before: &RayState,
+    after: &RayState,
+) -> (Option<u32>, String) {
     let (first, count) = data.list(before.cell_index);
     let tested = (before.item < count).then(|| data.listed(first + before.item));
     if let Some(triangle) = tested.filter(|_| after.item == before.item && after.tag == before.tag) {
         return (None, format!("triangle {triangle}: looked for in the cells before this one, not all of them yet"));
     }
-    let is_still_here = matches!(after.tag, state::ISECT_HIT | state::ISECT_NO_HIT);
+    let is_still_here = matches!(after.tag, states::ISECT_HIT | states::ISECT_NO_HIT);
     let next = (!is_still_here).then(|| explain_end(data, before, after, tested, count));
     let test = tested.map(|triangle| explain_test(data, before, after, triangle));
     (tested, test.into_iter().chain(next).collect::<Vec<_>>().join("; "))
@@ -36,13 +40,13 @@ fn explain_end(data: &SceneData, before: &RayState, after: &RayState, tested: Op
     };
     let on = if leap_from(data, before.cell_index) > 1 { "on past empty cells" } else { "on to the next cell" };
     match after.tag {
-        state::TRAV if features.bvh => "the leaf is done".into(),
-        state::SHADE if features.any_hit => "any hit ends the ray".into(),
-        state::SHADE if !features.grid => format!("{ended}: the nearest hit is accepted"),
-        state::SHADE if features.in_cell => format!("{ended} with a hit: accepted"),
-        state::SHADE => format!("{ended}: t {t} <= exit {exit}, accepted"),
-        state::BACKGROUND if features.grid => format!("{ended}: the ray ends at t {t} <= exit {exit}, nothing hit"),
-        state::BACKGROUND => format!("{ended}: nothing hit"),
+        states::TRAV if features.bvh => "the leaf is done".into(),
+        states::SHADE if features.any_hit => "any hit ends the ray".into(),
+        states::SHADE if !features.grid => format!("{ended}: the nearest hit is accepted"),
+        states::SHADE if features.in_cell => format!("{ended} with a hit: accepted"),
+        states::SHADE => format!("{ended}: t {t} <= exit {exit}, accepted"),
+        states::BACKGROUND if features.grid => format!("{ended}: the ray ends at t {t} <= exit {exit}, nothing hit"),
+        states::BACKGROUND => format!("{ended}: nothing hit"),
         _ if after.triangle.is_some() => format!("{ended}: t {t} is beyond the exit {exit}, kept; {on}"),
         _ => format!("{ended}: {on}"),
     }

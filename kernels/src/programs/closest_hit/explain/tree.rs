@@ -1,21 +1,21 @@
 //! The walk through the tree: a node's box, and where the ray goes from it.
 
+use super::super::ray_state::RayState;
+use super::super::states;
 use super::listing;
-use crate::history::RayState;
 use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::parent_of;
 use crate::shared::constants::NO_NODE;
-use crate::tables::state;
 
 /// One step from node to node. Whether the ray meets the node's box is told by where it went.
 pub(super) fn explain_node(data: &SceneData, before: &RayState, after: &RayState) -> String {
     let (at, to) = (before.cell_index, after.cell_index);
     let parent = |node: u32| data.bvh_parents.get(node as usize).map_or(NO_NODE, |&above| parent_of(above));
-    let is_entered = matches!(after.tag, state::ISECT_HIT | state::ISECT_NO_HIT);
-    let goes_down = after.tag == state::TRAV && to != at && parent(to) == at;
+    let is_entered = matches!(after.tag, states::ISECT_HIT | states::ISECT_NO_HIT);
+    let goes_down = after.tag == states::TRAV && to != at && parent(to) == at;
     let next = match after.tag {
-        state::BACKGROUND => "the tree is done; nothing hit".into(),
-        state::SHADE => "the tree is done; the kept hit is the nearest".into(),
+        states::BACKGROUND => "the tree is done; nothing hit".into(),
+        states::SHADE => "the tree is done; the kept hit is the nearest".into(),
         _ if is_entered => {
             format!("a leaf, {}", listing(data.bvh_nodes.get(at as usize).map_or(0, |node| node.count() as usize)))
         }

@@ -1,45 +1,12 @@
-//! Every buffer of scene data and every uniform, in one table. Per-ray data is in [`crate::tables::stream`].
+//! Every buffer of scene data and every uniform, in one table. What is kept for each ray is in [`super::streams`].
 
 use bytemuck::{bytes_of, cast_slice};
 
-use super::SceneData;
 use crate::options::reasons::{Because, FUSED, GIVEN, MANY_STEPS, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED};
-
-/// A row of the table.
-#[derive(Clone, Copy, Debug)]
-pub struct BufferInfo {
-    /// Its name in WGSL, files and reports.
-    pub name: &'static str,
-    /// A uniform, else read-only storage.
-    pub is_uniform: bool,
-    /// What an element is, with its unit.
-    pub element: &'static str,
-    /// Its bytes; none where a run does without it.
-    pub bytes: fn(&SceneData) -> &[u8],
-    /// Why a run does without it.
-    pub why_absent: fn(&Run<'_>) -> Reason,
-}
-
-const fn uniform(
-    name: &'static str,
-    element: &'static str,
-    bytes: fn(&SceneData) -> &[u8],
-    why_absent: fn(&Run<'_>) -> Reason,
-) -> BufferInfo {
-    BufferInfo { name, is_uniform: true, element, bytes, why_absent }
-}
-
-const fn storage(
-    name: &'static str,
-    element: &'static str,
-    bytes: fn(&SceneData) -> &[u8],
-    why_absent: fn(&Run<'_>) -> Reason,
-) -> BufferInfo {
-    BufferInfo { name, is_uniform: false, element, bytes, why_absent }
-}
+use crate::scene_data::buffer::{BufferInfo, storage, uniform};
 
 /// Every buffer.
-pub const BUFFERS: &[BufferInfo] = &[
+pub static BUFFERS: &[BufferInfo] = &[
     uniform("camera", "eye, view plane, pixel size; traced units", |data| bytes_of(&data.camera), |_| GIVEN),
     uniform(
         "grid",
@@ -182,10 +149,4 @@ fn of_leaps(run: &Run<'_>) -> Reason {
 /// Why what rays step through a binary tree by is left out.
 fn of_binary_tree(run: &Run<'_>) -> Reason {
     if run.is_fused() { FUSED } else { run.other_accelerator() }
-}
-
-/// The row with this name.
-#[must_use]
-pub fn info(name: &str) -> Option<&'static BufferInfo> {
-    BUFFERS.iter().find(|b| b.name == name)
 }

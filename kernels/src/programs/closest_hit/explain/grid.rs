@@ -1,19 +1,19 @@
 //! The walk through the grid: where it starts, steps, leaps over empty cells, and the paper's way over a face.
 
+use super::super::ray_state::RayState;
+use super::super::states;
 use super::listing;
-use crate::history::RayState;
 use crate::numbers::real::Vec3;
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;
 use crate::shared::grid_walk::{GridRay, smallest_axis};
-use crate::tables::state;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Where the walk starts.
 pub(super) fn explain_start(data: &SceneData, after: &RayState) -> String {
     let robust = data.features.robust;
-    if after.tag == state::BACKGROUND {
+    if after.tag == states::BACKGROUND {
         let misses = "misses the grid's box";
         let outside = "starts outside of the grid, which the paper's rules do not handle";
         return if robust { misses } else { outside }.into();
@@ -30,9 +30,9 @@ pub(super) fn explain_step(data: &SceneData, before: &RayState, after: &RayState
     let distance = leap_from(data, before.cell_index);
     let how = if distance > 1 { leap(data, before, after, distance) } else { step(data, before, after) };
     match after.tag {
-        state::BACKGROUND => format!("{how}; nothing hit"),
-        state::SHADE => format!("{how}; the kept hit is the nearest"),
-        state::ISECT_HIT => format!("{how}, {}; the hit is kept", listing_of(data, after.cell_index)),
+        states::BACKGROUND => format!("{how}; nothing hit"),
+        states::SHADE => format!("{how}; the kept hit is the nearest"),
+        states::ISECT_HIT => format!("{how}, {}; the hit is kept", listing_of(data, after.cell_index)),
         _ => format!("{how}, {}", listing_of(data, after.cell_index)),
     }
 }
@@ -107,7 +107,7 @@ fn leap(data: &SceneData, before: &RayState, after: &RayState, distance: i32) ->
 }
 
 fn has_left(after: &RayState) -> bool {
-    matches!(after.tag, state::BACKGROUND | state::SHADE)
+    matches!(after.tag, states::BACKGROUND | states::SHADE)
 }
 
 fn ray_of(data: &SceneData, ray: &RayState) -> GridRay<f32> {

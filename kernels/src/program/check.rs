@@ -1,0 +1,220 @@
+//! What must hold of a program before anything runs it, each with an error of its own.
+
+use std::collections::BTreeSet;
+
+use super::Program;
+use crate::tables::elements::Count;
+use crate::tables::kernel::{Counts, Role};
+use crate::tables::state::{COUNT, StateRole, Tag};
+use crate::tables::texels::MOST_STREAMS;
+
+/// Something wrong with a program.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// Two rows of a table have one name.
+    #[error("{program}: two {what} are called {name:?}")]
+    Twice {
+        /// The program.
+        program: &'static str,
+        /// The table.
+        what: &'static str,
+        /// The name.
+        name: &'static str,
+    },
+    /// A row does not stand at its own index.
+    #[error("{program}: {name} does not stand at its own place of the table")]
+    Place {
+        /// The program.
+        program: &'static str,
+        /// The row.
+        name: &'static str,
+    },
+    /// A table is longer than executors have room for.
+    #[error("{program} has {count} {what}, at most {most} fit")]
+    TooMany {
+        /// The program.
+        program: &'static str,
+        /// The table.
+        what: &'static str,
+        /// Its rows.
+        count: usize,
+        /// Most rows.
+        most: usize,
+    },
+    /// A row names a state, list, set or stream that the program does not have.
+    #[error("{program}: {of} names {missing}, which the program does not have")]
+    Missing {
+        /// The program.
+        program: &'static str,
+        /// Whose row it is.
+        of: &'static str,
+        /// What it names.
+        missing: String,
+    },
+    /// A stream does not say what each layer begins with.
+    #[error("{program}: stream {stream} has {layers} layers and {unwritten} values to begin with")]
+    Layers {
+        /// The program.
+        program: &'static str,
+        /// The stream.
+        stream: &'static str,
+        /// Its layers.
+        layers: usize,
+        /// Its unwritten values.
+        unwritten: usize,
+    },
+    /// A kernel takes a state and sends it nowhere, or sends from a state that it does not take.
+    #[error("{program}: kernel {kernel} {problem} {state}")]
+    Transition {
+        /// The program.
+        program: &'static str,
+        /// The kernel.
+        kernel: &'static str,
+        /// What is wrong.
+        problem: &'static str,
+        /// The state.
+        state: &'static str,
+    },
+    /// No kernel sends elements to a state.
+    #[error("{program}: no element is ever in state {state}")]
+    Unreached {
+        /// The program.
+        program: &'static str,
+        /// The state.
+        state: &'static str,
+    },
+    /// No kernel takes elements out of a state.
+    #[error("{program}: no kernel takes elements from state {state}")]
+    DeadEnd {
+        /// The program.
+        program: &'static str,
+        /// The state.
+        state: &'static str,
+    },
+}
+
+impl Program {
+    /// Everything that is wrong with it; empty where it can run.
+    #[must_use]
+    pub fn faults(&'static self) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        self.check_tables(&mut faults);
+        self.check_streams(&mut faults);
+        self.check_kernels(&mut faults);
+        self.check_states(&mut faults);
+        faults
+    }
+
+    fn check_tables(&'static self, faults: &mut Vec<Fault>) {
+        let program = self.name;
+        let tables: [(&'static str, Vec<&'static str>, usize); 5] = [
+            ("kernels", self.kernels.iter().map(|k| k.name).collect(), usize::MAX),
+            ("streams", self.streams.iter().map(|s| s.name).collect(), MOST_STREAMS),
+            ("states", self.states.iter().map(|s| s.name).collect(), COUNT),
+            ("buffers", self.buffers.iter().map(|b| b.name).collect(), usize::MAX),
+            ("sets of elements", self.elements.iter().map(|e| e.name).collect(), usize::MAX),
+        ];
+        for (what, names, most) in tables {
+            if names.len() > most {
+                faults.push(Fault::TooMany { program, what, count: names.len(), most });
+            }
+            let mut seen = BTreeSet::new();
+            faults.extend(names.into_iter().filter(|n| !seen.insert(*n)).map(|name| Fault::Twice {
+                program,
+                what,
+                name,
+            }));
+        }
+        let kernels = self.kernels.iter().enumerate().map(|(i, k)| (i, k.index, k.name));
+        let streams = self.streams.iter().enumerate().map(|(i, s)| (i, s.index, s.name));
+        let states = self.states.iter().enumerate().map(|(i, s)| (i, s.tag as usize, s.name));
+        let out_of_place = kernels.chain(streams).chain(states).filter(|(i, index, _)| i != index);
+        faults.extend(out_of_place.map(|(.., name)| Fault::Place { program, name }));
+    }
+
+    fn check_streams(&'static self, faults: &mut Vec<Fault>) {
+        let program = self.name;
+        let has = |name: &str| self.elements(name).is_some();
+        for stream in self.streams {
+            let (layers, unwritten) = (stream.layers.len(), stream.unwritten.len());
+            if layers != unwritten || layers == 0 {
+                faults.push(Fault::Layers { program, stream: stream.name, layers, unwritten });
+            }
+            if !has(stream.elements.name) {
+                let missing = format!("elements {:?}", stream.elements.name);
+                faults.push(Fault::Missing { program, of: stream.name, missing });
+            }
+        }
+        for elements in self.elements {
+            let missing = match elements.count {
+                Count::Found { in_stream } if self.stream(in_stream).is_none() => format!("stream {in_stream:?}"),
+                Count::Per { of, .. } if !has(of) => format!("elements {of:?}"),
+                _ => continue,
+            };
+            faults.push(Fault::Missing { program, of: elements.name, missing });
+        }
+    }
+
+    fn check_kernels(&'static self, faults: &mut Vec<Fault>) {
+        let program = self.name;
+        for kernel in self.kernels() {
+            let (info, of) = (kernel.info(), kernel.name());
+            let mut missing = |missing: String| faults.push(Fault::Missing { program, of, missing });
+            if self.elements(kernel.instance().over.name).is_none() {
+                missing(format!("elements {:?}", kernel.instance().over.name));
+            }
+            if info.list.is_some_and(|list| list >= self.lists.len()) {
+                missing(format!("list {}", info.list.unwrap_or_default()));
+            }
+            for (_, bound) in kernel.instance().binds {
+                if self.stream(bound).is_none() && self.buffer(bound).is_none() {
+                    missing(format!("{bound:?}"));
+                }
+            }
+            let tags = info.takes.iter().chain(info.sends.iter().flat_map(|send| [&send.from, &send.to]));
+            for tag in tags.filter(|&&tag| self.states.role(tag).is_none()) {
+                missing(format!("state {tag}"));
+            }
+        }
+    }
+
+    fn check_states(&'static self, faults: &mut Vec<Fault>) {
+        let (program, name) = (self.name, |tag: Tag| self.states.name(tag));
+        let unborn = self.course.map(|course| course.unborn);
+        for kernel in self.kernels() {
+            let info = kernel.info();
+            let mut add = |problem, tag| {
+                faults.push(Fault::Transition { program, kernel: kernel.name(), problem, state: name(tag) });
+            };
+            for &tag in info.takes {
+                if !info.sends.iter().any(|send| send.from == tag) {
+                    add("sends nothing on from", tag);
+                }
+            }
+            for send in info.sends {
+                // A kernel for an element's whole course may also make it.
+                let makes = info.role == Role::Whole && Some(send.from) == unborn;
+                if !info.takes.contains(&send.from) && !makes {
+                    add("does not take what it sends on from", send.from);
+                }
+                if let Counts::AllTo(to) = info.counts
+                    && send.to != to
+                    && send.to != send.from
+                {
+                    add("does not send all elements to", to);
+                }
+            }
+        }
+        let sent: BTreeSet<Tag> = self.transitions().map(|(_, send)| send.to).collect();
+        let taken: BTreeSet<Tag> = self.kernels().flat_map(|kernel| kernel.info().takes).copied().collect();
+        let begins: Vec<Tag> = self.course.iter().flat_map(|course| [course.unborn, course.born]).collect();
+        for state in self.states.iter() {
+            if !sent.contains(&state.tag) && !begins.contains(&state.tag) {
+                faults.push(Fault::Unreached { program, state: state.name });
+            }
+            if !taken.contains(&state.tag) && state.role != StateRole::Finished {
+                faults.push(Fault::DeadEnd { program, state: state.name });
+            }
+        }
+    }
+}

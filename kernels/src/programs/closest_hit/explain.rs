@@ -1,0 +1,128 @@
+//! Why a pass left a ray as it did. What the streams before and after the pass tell is taken from them; what they do
+//! not keep, such as the t of a missed triangle or of a leap, is worked out again by the kernels' own functions for
+//! the host. Where a device rounds otherwise than the host, what the device did is what is said.
+
+mod grid;
+mod test;
+mod tree;
+
+use super::ray_state::RayState;
+use super::states;
+use crate::program::Kernel;
+use crate::scene_data::SceneData;
+use crate::shared::constants::{LIGHTS_SUMMED, NO_TRIANGLE, NODES_A_STEP};
+use grid::{cell_at, explain_start, explain_step};
+pub(super) use test::explain_intersect as of_intersect;
+use tree::explain_node;
+
+/// What a pass did to a ray: the triangle that it tested, if it tested one, and why it left the ray as it did.
+pub(super) type Why = (Option<u32>, String);
+
+/// Which triangle a pass tested, and why it left the ray as it did; nothing for a kernel of another program.
+#[must_use]
+pub fn explain(kernel: Kernel, data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
+    super::own(kernel).map_or_else(Default::default, |own| (own.explain)(data, before, after))
+}
+
+pub(super) fn of_generate(data: &SceneData, before: &RayState, _: &RayState) -> Why {
+    let why = match data.features.samples {
+        true => format!("sample {}: a ray through its place in the pixel", before.samples.unwrap_or_default() + 1),
+        false => "a ray through the pixel's centre".into(),
+    };
+    (None, why)
+}
+
+pub(super) fn of_accumulate(data: &SceneData, _: &RayState, after: &RayState) -> Why {
+    let samples = after.samples.unwrap_or_default();
+    let next = if after.tag == states::DONE { "the picture has it" } else { "on to the next sample" };
+    (None, format!("mean of {samples} of {} samples: {next}", data.sampling.samples))
+}
+
+pub(super) fn of_shade(data: &SceneData, before: &RayState, after: &RayState) -> Why {
+    if after.tag == states::SHADE {
+        let summed = after.item.saturating_sub(LIGHTS_SUMMED);
+        let triangle = before.triangle.unwrap_or(NO_TRIANGLE);
+        let lights = data.shading.lights;
+        return (None, format!("equation (1) at triangle {triangle}: {summed} of {lights} lights summed so far"));
+    }
+    let rgb = after.color.unwrap_or_default();
+    let source = match before.triangle.filter(|_| before.tag == states::SHADE) {
+        Some(triangle) => format!("equation (1) at triangle {triangle}"),
+        None => "nothing was hit: background".into(),
+    };
+    (None, format!("{source}: r {:.3} g {:.3} b {:.3}", rgb[0], rgb[1], rgb[2]))
+}
+
+pub(super) fn of_fused(_: &SceneData, _: &RayState, _: &RayState) -> Why {
+    (None, "the whole walk in one kernel".into())
+}
+
+pub(super) fn of_setup(data: &SceneData, _: &RayState, after: &RayState) -> Why {
+    (None, explain_setup(data, after))
+}
+
+pub(super) fn of_traverse_grid(data: &SceneData, before: &RayState, after: &RayState) -> Why {
+    (None, explain_step(data, before, after))
+}
+
+pub(super) fn of_traverse_bvh(data: &SceneData, before: &RayState, after: &RayState) -> Why {
+    (None, explain_node(data, before, after))
+}
+
+pub(super) fn of_walk(data: &SceneData, before: &RayState, after: &RayState) -> Why {
+    (None, explain_walk(data, before, after))
+}
+
+pub(super) fn of_count(_: &SceneData, _: &RayState, _: &RayState) -> Why {
+    (None, String::new())
+}
+
+fn explain_setup(data: &SceneData, after: &RayState) -> String {
+    match (data.features.grid, data.features.bvh) {
+        (true, _) => explain_start(data, after),
+        _ if data.info.triangles == 0 => "no triangles: there is nothing to hit".into(),
+        (_, true) => format!("starts at the root of {} nodes", data.bvh_nodes.len()),
+        _ => format!("no grid: all {} triangles are tested", data.info.triangles),
+    }
+}
+
+fn explain_walk(data: &SceneData, before: &RayState, after: &RayState) -> String {
+    let features = &data.features;
+    let steps = data.info.steps;
+    let most = match (features.grid, features.bvh) {
+        (true, _) if features.skip => format!("up to {steps} steps or leaps"),
+        (true, _) => format!("up to {steps} steps"),
+        (_, true) => format!("up to {} nodes", u64::from(NODES_A_STEP) * u64::from(steps)),
+        _ => format!("up to {steps} triangles"),
+    };
+    let next = match after.tag {
+        states::BACKGROUND => "over, nothing hit".into(),
+        states::SHADE if features.any_hit => "over, any hit ends the ray".into(),
+        states::SHADE => "over, the nearest hit is found".into(),
+        _ if features.grid => format!("now in {}", cell_at(data, after.cell_index)),
+        _ if features.bvh => format!("now at node {}", after.cell_index),
+        _ => format!("{} of {} triangles tested", after.item, data.info.triangles),
+    };
+    let found = match (after.triangle, after.t) {
+        (Some(triangle), Some(t)) if has_new_hit(before, after) => {
+            let nearer = if before.triangle.is_some() { "nearer " } else { "" };
+            format!("; a {nearer}hit of triangle {triangle} at t {t}")
+        }
+        _ => String::new(),
+    };
+    format!("{most}: {next}{found}")
+}
+
+/// Whether the pass accepted a hit. Another triangle at the same t counts too: the order of hits is (t, triangle).
+fn has_new_hit(before: &RayState, after: &RayState) -> bool {
+    (before.triangle, before.t) != (after.triangle, after.t)
+}
+
+/// A list of so many triangles, after the name of what has it.
+fn listing(count: usize) -> String {
+    match count {
+        0 => "which is empty".into(),
+        1 => "which lists 1 triangle".into(),
+        _ => format!("which lists {count} triangles"),
+    }
+}

@@ -1,0 +1,77 @@
+//! A ray between two passes: its texels, decoded.
+
+use serde::Serialize;
+
+use super::states::{DONE, STATES};
+use super::streams::{
+    ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_ORIGIN, STATE, STATE_CELL,
+    STATE_ITEM, STATE_T, TMAX,
+};
+use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::tables::state::Tag;
+use crate::tables::stream::{STATE_TAG, Stream};
+
+/// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RayState {
+    /// Where the ray starts.
+    pub origin: [f32; 3],
+    /// Where it goes.
+    pub direction: [f32; 3],
+    /// The tag's name.
+    pub state: &'static str,
+    /// Tag of the state stream.
+    #[serde(skip)]
+    pub tag: Tag,
+    /// Nearest t so far.
+    pub t: Option<f32>,
+    /// 1-D index of the cell, or index of the tree's node.
+    pub cell_index: u32,
+    /// The tree's node before this one; `None` without a tree.
+    pub previous: Option<u32>,
+    /// Offset into the cell's list.
+    pub item: u32,
+    /// t at which the ray leaves its cell, per axis; `None` for an axis that it never crosses.
+    pub tmax: [Option<f32>; 3],
+    /// Triangle hit so far.
+    pub triangle: Option<u32>,
+    /// Weights of vertices 1 and 2 at the hit.
+    pub barycentric: Option<[f32; 2]>,
+    /// Linear colour.
+    pub color: Option<[f32; 3]>,
+    /// Samples in the pixel's mean; absent where a pixel has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u32>,
+}
+
+impl RayState {
+    /// The streams that it is decoded from, as far as a run has them.
+    pub const STREAMS: [Stream; 8] = [STATE, HIT, RAY_ORIGIN, RAY_DIRECTION, TMAX, PREVIOUS, COLOR, ACCUMULATED];
+
+    /// From its texels, one word a layer; `None` for a stream that the run leaves out.
+    pub fn of<'a>(texel: impl Fn(Stream) -> Option<&'a [u32]>) -> Self {
+        let word = |stream: Stream, layer: usize| {
+            let absent = stream.info().unwritten[layer];
+            texel(stream).and_then(|texel| texel.get(layer)).copied().unwrap_or(absent)
+        };
+        let floats = |stream: Stream| texel(stream).map(|t| [t[0], t[1], t[2]].map(f32::from_bits));
+        let (tag, triangle) = (word(STATE, STATE_TAG), word(HIT, HIT_TRIANGLE));
+        let t = f32::from_bits(word(STATE, STATE_T));
+        let is_hit = triangle != NO_TRIANGLE;
+        Self {
+            origin: floats(RAY_ORIGIN).unwrap_or_default(),
+            direction: floats(RAY_DIRECTION).unwrap_or_default(),
+            state: STATES.name(tag),
+            tag,
+            t: (t < INF).then_some(t),
+            cell_index: word(STATE, STATE_CELL),
+            item: word(STATE, STATE_ITEM),
+            previous: texel(PREVIOUS).map(|texel| texel[0]),
+            tmax: floats(TMAX).map_or([None; 3], |v| v.map(|t| (t < INF).then_some(t))),
+            triangle: is_hit.then_some(triangle),
+            barycentric: is_hit.then(|| [word(HIT, 0), word(HIT, 1)].map(f32::from_bits)),
+            color: if tag == DONE { floats(COLOR) } else { None },
+            samples: texel(ACCUMULATED).map(|texel| f32::from_bits(texel[ACCUMULATED_SAMPLES]) as u32),
+        }
+    }
+}

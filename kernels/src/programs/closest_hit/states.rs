@@ -1,0 +1,67 @@
+//! Where a ray is: the tags of the stream `state`.
+
+use crate::tables::state::{StateInfo, StateRole, States, Tag};
+
+/// Not yet generated: what a cleared texture holds.
+pub const UNWRITTEN: Tag = 0;
+/// Waits for the set-up kernel.
+pub const TRAV_SETUP: Tag = 1;
+/// Goes on to the next voxel or node.
+pub const TRAV: Tag = 2;
+/// Tests the triangles of its voxel; nothing hit so far.
+pub const ISECT_NO_HIT: Tag = 3;
+/// Tests the triangles of its voxel; the nearest hit so far is kept.
+pub const ISECT_HIT: Tag = 4;
+/// Waits to be shaded from its hit.
+pub const SHADE: Tag = 5;
+/// Waits to be given the background's colour.
+pub const BACKGROUND: Tag = 6;
+/// Finished.
+pub const DONE: Tag = 7;
+
+const fn row(tag: Tag, name: &'static str, role: StateRole, colour: [u8; 3], meaning: &'static str) -> StateInfo {
+    StateInfo { tag, name, role, colour, meaning }
+}
+
+/// Every state.
+pub const STATES: States = States(&[
+    row(UNWRITTEN, "UNWRITTEN", StateRole::Unborn, [40, 40, 46], "no ray yet"),
+    row(TRAV_SETUP, "TRAV_SETUP", StateRole::Active, [190, 174, 212], "waits for the set-up kernel"),
+    row(TRAV, "TRAV", StateRole::Active, [56, 108, 176], "goes on to the next voxel or node"),
+    row(
+        ISECT_NO_HIT,
+        "ISECT_NO_HIT",
+        StateRole::Active,
+        [253, 192, 134],
+        "tests its voxel's triangles, nothing hit yet",
+    ),
+    row(
+        ISECT_HIT,
+        "ISECT_HIT",
+        StateRole::Active,
+        [240, 120, 40],
+        "tests its voxel's triangles, the nearest hit is kept",
+    ),
+    row(SHADE, "SHADE", StateRole::Resolved, [127, 201, 127], "waits to be shaded from its hit"),
+    row(
+        BACKGROUND,
+        "BACKGROUND",
+        StateRole::Resolved,
+        [102, 102, 120],
+        "hit nothing, waits for the background's colour",
+    ),
+    row(DONE, "DONE", StateRole::Finished, [225, 225, 230], "finished"),
+]);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_a_rays_course() {
+        assert!(STATES.0.is_sorted_by_key(|state| state.role as u8));
+        assert_eq!((STATES.name(99), STATES.role(99), STATES.is_decided(99)), ("?", None, false));
+        let counts = [1, 2, 4, 8, 16, 32, 64, 128];
+        assert_eq!((STATES.walking(&counts), STATES.decided(&counts)), (30, 224));
+    }
+}

@@ -1,0 +1,100 @@
+//! Every per-ray stream, in one table.
+//!
+//! ```text
+//! ray_origin    f32  x  y  z             traced units
+//! ray_direction f32  x  y  z             traced units per unit of t; not normalised
+//! state         u32  tag  nearest-t  cell  item      while lights are summed: item is 2³¹ + how many
+//! tmax          f32  x  y  z             t
+//! previous      u32  node                index of the tree's node before this one
+//! hit           u32  u  v  triangle      u, v as f32 bits
+//! color         f32  r  g  b             linear light
+//! counters      u32  cells  triangles  repeated
+//! accumulated   f32  r  g  b  a  samples mean so far, linear light; a: share of samples that hit
+//! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax (f32 bits)
+//! trail         u32  levels 0, 8, 16, 24  4 bits a level
+//! scan          u32  cell  tx  ty  tz    cell, tmax (f32 bits)
+//! ```
+//!
+//! Lengths are in *traced units*: scene units times a power of two, see [`crate::numbers::units`]. `t` is the
+//! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
+//! of a primary ray is its depth.
+//!
+//! The last three are what a ray needs to go on in the next dispatch, where a walk or a search may take more loop turns
+//! than one dispatch has (see [`crate::plan::Limits`]).
+//!
+//! With several samples a pixel, every sample's ray uses the same texels: all streams but `accumulated` hold the
+//! latest sample's, at the end of a run the last one's. Only `color` is given the mean then.
+
+use super::elements::RAYS;
+use crate::options::reasons::{Because, EYE_RAYS, FUSED, NO_SHADE, ONE_SAMPLE, Reason, Run};
+use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
+use crate::tables::stream::{Stream, streams};
+
+/// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
+pub const STATE_T: usize = 1;
+/// Layer of the `state` stream: 1-D index of the cell, or index of the node.
+pub const STATE_CELL: usize = 2;
+/// Layer of the `state` stream: offset into the cell's or leaf's triangle list.
+pub const STATE_ITEM: usize = 3;
+/// Layer of the `hit` stream: the triangle, [`NO_TRIANGLE`] without a hit.
+pub const HIT_TRIANGLE: usize = 2;
+/// Layer of the `accumulated` stream: the samples in the mean; exact, as a float counts to 2²⁴.
+pub const ACCUMULATED_SAMPLES: usize = 4;
+
+/// No ray waits for another dispatch.
+const NO_WALK_WAITS: Reason = (Because::Options, "no walk needs more loop turns than one dispatch has");
+
+/// Why what a step of a walk keeps is left out.
+fn of_steps(run: &Run<'_>) -> Reason {
+    if run.is_fused() { FUSED } else { run.other_accelerator() }
+}
+
+fn of_tmax(run: &Run<'_>) -> Reason {
+    match run {
+        run if run.is_fused() => FUSED,
+        run if run.features.grid => (Because::Options, "several steps a pass: worked out from the cell"),
+        run => run.other_accelerator(),
+    }
+}
+
+streams! {
+    /// Where the ray starts.
+    RAY_ORIGIN of RAYS: "ray_origin" F32 &["x", "y", "z"], floats: &[], unit: "traced units",
+        unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
+    /// Where it goes.
+    RAY_DIRECTION of RAYS: "ray_direction" F32 &["x", "y", "z"], floats: &[], unit: "traced units per t",
+        unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
+    /// Tag, nearest t, cell, item offset.
+    STATE of RAYS: "state" U32 &["tag", "t", "cell", "item"], floats: &[STATE_T], unit: "tag, t as f32 bits, 1-D index, count",
+        unwritten: &[0, INF.to_bits(), 0, 0], why_absent: of_steps;
+    /// t at which the ray leaves its cell, per axis.
+    TMAX of RAYS: "tmax" F32 &["x", "y", "z"], floats: &[], unit: "t",
+        unwritten: &[0; 3], why_absent: of_tmax;
+    /// Node visited before this one.
+    PREVIOUS of RAYS: "previous" U32 &["node"], floats: &[], unit: "index of a node",
+        unwritten: &[NO_NODE], why_absent: of_steps;
+    /// Barycentrics and triangle of the nearest hit.
+    HIT of RAYS: "hit" U32 &["u", "v", "triangle"], floats: &[0, 1], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
+        unwritten: &[0, 0, NO_TRIANGLE], why_absent: of_steps;
+    /// Shaded colour.
+    COLOR of RAYS: "color" F32 &["r", "g", "b"], floats: &[], unit: "linear light",
+        unwritten: &[0; 3], why_absent: |_| NO_SHADE;
+    /// Cells visited, triangles tested, repeated tests.
+    COUNTERS of RAYS: "counters" U32 &["cells", "triangles", "repeated"], floats: &[], unit: "count",
+        unwritten: &[0; 3], why_absent: |_| (Because::Options, "counters are not asked for");
+    /// Mean colour and coverage of the samples so far, and their number.
+    ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], floats: &[], unit: "linear light, share of samples that hit, count",
+        unwritten: &[0; 5], why_absent: |_| ONE_SAMPLE;
+    /// Where in the grid a ray waits for the next dispatch of `fused`, where that does not follow from its cell.
+    PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], floats: &[4, 5, 6], unit: "cell coordinates, count of cells, t as f32 bits",
+        unwritten: &[0; 7], why_absent: |_| NO_WALK_WAITS;
+    /// Where in the wide tree it does: the child entered last on each level.
+    TRAIL of RAYS: "trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], floats: &[], unit: "child entered last, 4 bits a level",
+        unwritten: &[0; 4], why_absent: |_| NO_WALK_WAITS;
+    /// Where the search for repeated tests waits for the next dispatch.
+    SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], floats: &[1, 2, 3], unit: "1-D index, t as f32 bits",
+        unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "no search for repeated tests needs more loop turns than one dispatch has");
+}
+
+/// The streams that rays from outside begin with.
+pub static INPUTS: [Stream; 3] = [RAY_ORIGIN, RAY_DIRECTION, STATE];

@@ -1,0 +1,50 @@
+//! Rows of a program's table of buffers: scene data, and uniforms.
+
+use super::SceneData;
+use crate::options::reasons::{Reason, Run};
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct BufferInfo {
+    /// Its name in WGSL, files and reports.
+    pub name: &'static str,
+    /// A uniform, else read-only storage.
+    pub is_uniform: bool,
+    /// What an element is, with its unit.
+    pub element: &'static str,
+    /// Its bytes; none where a run does without it.
+    pub bytes: fn(&SceneData) -> &[u8],
+    /// Why a run does without it.
+    pub why_absent: fn(&Run<'_>) -> Reason,
+}
+
+/// The row of a uniform.
+pub const fn uniform(
+    name: &'static str,
+    element: &'static str,
+    bytes: fn(&SceneData) -> &[u8],
+    why_absent: fn(&Run<'_>) -> Reason,
+) -> BufferInfo {
+    BufferInfo { name, is_uniform: true, element, bytes, why_absent }
+}
+
+/// The row of a storage buffer.
+pub const fn storage(
+    name: &'static str,
+    element: &'static str,
+    bytes: fn(&SceneData) -> &[u8],
+    why_absent: fn(&Run<'_>) -> Reason,
+) -> BufferInfo {
+    BufferInfo { name, is_uniform: false, element, bytes, why_absent }
+}
+
+impl BufferInfo {
+    /// Its bytes in a run; a storage buffer that would be empty gets 80 zero bytes, the largest entry of any, since
+    /// nothing can be bound to nothing.
+    #[must_use]
+    pub fn contents(self, data: &SceneData) -> &[u8] {
+        const EMPTY: &[u8] = &[0; 80];
+        let bytes = (self.bytes)(data);
+        if bytes.is_empty() { EMPTY } else { bytes }
+    }
+}
