@@ -11,10 +11,11 @@ use std::path::Path;
 const FLOORS: &[&[&str]] = &[
     &["numbers"],
     &["shared"],
-    &["tables"],
     &["options"],
+    &["tables"],
     &["structures"],
     &["scene_data"],
+    &["program"],
     &["programs"],
     &["compose", "shader"],
     &["plan"],

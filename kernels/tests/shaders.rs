@@ -1,11 +1,11 @@
 //! Every kernel composes, validates and binds what the tables know, in every combination of options that
 //! a run can ask for; uniforms lie where the host puts them.
 
-use raystep_kernels::programs::closest_hit::kernels;
 use std::mem::{offset_of, size_of};
 
+use raystep_kernels::Kernel;
 use raystep_kernels::options::features::Features;
-use raystep_kernels::programs::closest_hit::kernels::KERNELS;
+use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
 use raystep_kernels::shader::{Resource, Variant};
 use raystep_kernels::shared::camera::Camera;
 use raystep_kernels::shared::grid_walk::Grid;
@@ -14,7 +14,7 @@ use raystep_kernels::shared::scene::SceneInfo;
 use raystep_kernels::shared::shading::{Light, Material, Shading};
 use raystep_kernels::shared::texture::Texture;
 use raystep_kernels::structures::bvh::BvhNode;
-use raystep_kernels::{Kernel, Stream};
+use raystep_kernels::tables::kernel::Role;
 
 /// All features off, then each alone, then all on, for grid, tree and none, robust and paper.
 fn feature_sets() -> Vec<Features> {
@@ -89,13 +89,13 @@ fn waiting(features: Features) -> Features {
 
 /// Whether a run with these features has the kernel.
 fn has_kernel(features: &Features, kernel: Kernel) -> bool {
-    match kernel {
-        kernels::TRAVERSE_GRID => features.grid && !features.many_steps,
-        kernels::TRAVERSE_BVH => features.bvh && !features.many_steps,
-        kernels::FUSED => !features.live_lists,
-        kernels::WALK => features.live_lists && features.many_steps,
-        kernels::INTERSECT if features.many_steps => false,
-        kernels::ACCUMULATE => features.samples,
+    let f = features;
+    match kernel.role() {
+        Role::Step => !f.many_steps && if kernel == kernels::TRAVERSE_GRID { f.grid } else { f.bvh },
+        Role::Whole => !f.live_lists,
+        Role::Walk => f.live_lists && f.many_steps,
+        Role::Test => !f.many_steps,
+        Role::Sample => f.samples,
         _ => true,
     }
 }
@@ -104,18 +104,18 @@ fn has_kernel(features: &Features, kernel: Kernel) -> bool {
 fn every_variant_is_valid_and_within_core_limits() {
     let mut failures = Vec::new();
     for features in feature_sets() {
-        for info in KERNELS {
-            if !has_kernel(&features, info.kernel) {
+        for kernel in PROGRAM.kernels() {
+            if !has_kernel(&features, kernel) {
                 continue;
             }
-            match Variant::new(info.kernel, &features) {
+            match Variant::new(kernel, &features) {
                 Err(e) => failures.push(format!("{features:?}: {e}")),
                 Ok(variant) => {
                     let count = |f: fn(&Resource) -> bool| variant.bindings.iter().filter(|b| f(&b.resource)).count();
                     let textures = count(|r| matches!(r, Resource::WriteStream { .. }));
                     let buffers = count(|r| matches!(r, Resource::Storage | Resource::Live { .. }));
                     if textures > 4 || buffers > 8 {
-                        failures.push(format!("{} binds {textures} textures, {buffers} buffers", info.name));
+                        failures.push(format!("{} binds {textures} textures, {buffers} buffers", kernel.name()));
                     }
                 }
             }
@@ -127,7 +127,7 @@ fn every_variant_is_valid_and_within_core_limits() {
 #[test]
 fn a_missing_option_is_an_error_and_not_silently_off() {
     let names: Vec<_> = Features::default().list().into_iter().map(|(name, _)| name).collect();
-    for info in KERNELS {
+    for info in PROGRAM.kernels().map(Kernel::info) {
         for option in info.wgsl.match_indices("@if(").map(|(at, _)| &info.wgsl[at + 4..]) {
             let condition = &option[..option.find(')').expect("closed")];
             for word in condition.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|w| !w.is_empty()) {
@@ -140,16 +140,16 @@ fn a_missing_option_is_an_error_and_not_silently_off() {
 /// The paper's Table 1, with the deviations named.
 #[test]
 fn kernels_write_what_table_1_says() {
-    use Stream::{Color, Hit, RayDirection, RayOrigin, State, TMax};
+    use streams::{COLOR, HIT, RAY_DIRECTION, RAY_ORIGIN, STATE, TMAX};
     let table = [
         // hit is set to "no triangle" with the ray; the paper discards fragments instead.
-        (kernels::GENERATE, &[RayOrigin, RayDirection, State, Hit][..]),
+        (kernels::GENERATE, &[RAY_ORIGIN, RAY_DIRECTION, STATE, HIT][..]),
         // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
-        (kernels::SETUP, &[State, TMax]),
-        (kernels::TRAVERSE_GRID, &[State, TMax]),
-        (kernels::INTERSECT, &[State, Hit]),
+        (kernels::SETUP, &[STATE, TMAX]),
+        (kernels::TRAVERSE_GRID, &[STATE, TMAX]),
+        (kernels::INTERSECT, &[STATE, HIT]),
         // The state becomes DONE, so that the live counts tell when the image is complete.
-        (kernels::SHADE, &[State, Color]),
+        (kernels::SHADE, &[STATE, COLOR]),
     ];
     let features = Features { robust: true, grid: true, clip: true, perspective: true, ..Features::default() };
     for (kernel, expected) in table {
@@ -168,8 +168,8 @@ fn host_structs_lie_as_naga_says() {
     (all.many_lights, all.samples) = (true, true);
     let mut layouts = Vec::new();
     for features in [all, Features { grid: false, ..all }, Features { grid: false, bvh: true, ..all }] {
-        for info in KERNELS.iter().filter(|k| has_kernel(&features, k.kernel)) {
-            layouts.extend(Variant::new(info.kernel, &features).expect("valid").structs);
+        for kernel in PROGRAM.kernels().filter(|&k| has_kernel(&features, k)) {
+            layouts.extend(Variant::new(kernel, &features).expect("valid").structs);
         }
     }
     macro_rules! check {

@@ -271,11 +271,9 @@ impl<W: Write> PassesCsv<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::Kernel;
-    use crate::programs::closest_hit::states::ISECT_HIT;
-    use crate::programs::closest_hit::states::ISECT_NO_HIT;
-    use crate::programs::closest_hit::states::SHADE;
-    use crate::programs::closest_hit::states::TRAV;
+    use crate::programs::closest_hit::kernels;
+
+    use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 
     fn run(timer: Option<Timer>) -> RunContext {
         RunContext {

@@ -154,12 +154,12 @@ fn plane_normal(corners: &[[f32; 3]; 3]) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
+    use crate::programs::closest_hit::streams;
     use std::io::Cursor;
 
     use ::exr::prelude::{ReadChannels as _, ReadLayers as _};
 
     use super::*;
-    use crate::tables::stream::Stream;
 
     fn read(file: Vec<u8>) -> Vec<(String, FlatSamples)> {
         let image = ::exr::prelude::read()

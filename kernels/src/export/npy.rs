@@ -47,7 +47,7 @@ pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::stream::Stream;
+    use crate::programs::closest_hit::streams;
 
     #[test]
     fn the_header_is_padded_and_the_bits_are_kept() {

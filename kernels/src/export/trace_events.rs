@@ -189,10 +189,10 @@ fn named(what: &str, tid: u32, name: String) -> Event {
 
 #[cfg(test)]
 mod tests {
+    use crate::programs::closest_hit::{kernels, states};
     use serde_json::Value;
 
     use super::*;
-    use crate::program::Kernel;
 
     fn pass(index: usize, time: Option<(u64, u64)>, shaded: u32) -> Pass {
         let mut counts = [0; COUNT];

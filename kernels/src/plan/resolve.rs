@@ -9,9 +9,8 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, GridSize, Options, Rule, ScheduleKind, Skip};
 use crate::scene_data::{bvh_growth, reach, traced_vertices};
-use crate::structures::Structure;
 use crate::structures::bvh::{self, BvhOptions, BvhQuality};
-use crate::structures::grid;
+use crate::structures::{Structure, grid};
 use crate::tables::sizes::LIVE_REGIONS;
 
 /// A structure that is built, and what was decided with it.

@@ -139,6 +139,16 @@ impl Cursor {
         }
     }
 
+    /// Right before the step that it has moved past, as far as counts go.
+    #[cfg(test)]
+    pub(crate) fn before(&self) -> Self {
+        let mut before = self.clone();
+        if let Some(last) = before.path.last_mut() {
+            *last -= 1;
+        }
+        before
+    }
+
     /// Goes on behind the walk, whatever is still active in it; stays where it is outside of the walk.
     pub fn leave_walk(&mut self, schedule: &Schedule) {
         if let Some(depth) = self.walk_depth(schedule) {

@@ -3,12 +3,10 @@
 use crate::numbers::units::exp2;
 use crate::options::Ray;
 use crate::plan::Plan;
-use crate::programs::closest_hit::streams::INPUTS;
-use crate::programs::closest_hit::streams::STATE_T;
+use crate::programs::closest_hit::streams::{INPUTS, STATE_T};
 use crate::scene_data::{SceneData, traced_ray};
 use crate::shared::constants::INF;
-use crate::tables::stream::Stream;
-use crate::tables::stream::StreamData;
+use crate::tables::stream::{Stream, StreamData};
 
 /// Rays from outside, as streams, and the exponent of each one's t.
 pub(super) struct GivenRays {

@@ -242,6 +242,7 @@ impl Renderer {
 
 #[cfg(test)]
 mod tests {
+    use crate::programs::closest_hit::{kernels, states, streams};
     use raystep_scenes::{Camera, generate};
 
     use super::*;

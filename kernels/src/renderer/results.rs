@@ -2,14 +2,10 @@
 
 use super::{Executor, RenderError, Renderer};
 use crate::numbers::units::exp2;
-use crate::programs::closest_hit::streams;
-use crate::programs::closest_hit::streams::HIT_TRIANGLE;
-use crate::programs::closest_hit::streams::STATE_T;
+use crate::programs::closest_hit::streams::{self, HIT_TRIANGLE, STATE_T};
 use crate::renderer::image::Image;
 use crate::shared::constants::{INF, NO_TRIANGLE};
-use crate::tables::stream::Region;
-use crate::tables::stream::Stream;
-use crate::tables::stream::StreamData;
+use crate::tables::stream::{Region, Stream, StreamData};
 
 /// What one ray hit, in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]

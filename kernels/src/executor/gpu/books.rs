@@ -1,8 +1,7 @@
 //! The passes' books: how many rays each pass sent where, and the lists of live rays.
 
 use crate::plan::Plan;
-use crate::program::Kernel;
-use crate::program::Program;
+use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, Resource};
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
 use crate::tables::elements::Size;

@@ -9,11 +9,8 @@
 //! error of some 1e-3 m at an edge.
 
 use crate::numbers::real::Real;
-use crate::programs::closest_hit::states::DONE;
-use crate::programs::closest_hit::states::UNWRITTEN;
-use crate::programs::closest_hit::streams::ACCUMULATED_SAMPLES;
-use crate::programs::closest_hit::streams::HIT_TRIANGLE;
-use crate::programs::closest_hit::streams::{ACCUMULATED, COLOR, HIT, STATE};
+use crate::programs::closest_hit::states::{DONE, UNWRITTEN};
+use crate::programs::closest_hit::streams::{ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, HIT, HIT_TRIANGLE, STATE};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::texels::Texels;

@@ -3,13 +3,8 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
-use crate::programs::closest_hit::states::ISECT_HIT;
-use crate::programs::closest_hit::states::ISECT_NO_HIT;
-use crate::programs::closest_hit::states::TRAV;
-use crate::programs::closest_hit::states::TRAV_SETUP;
-use crate::programs::closest_hit::states::UNWRITTEN;
-use crate::programs::closest_hit::streams;
-use crate::programs::closest_hit::streams::{COUNTERS, HIT, STATE};
+use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV, TRAV_SETUP, UNWRITTEN};
+use crate::programs::closest_hit::streams::{self, COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
 use crate::shared::camera::eye_ray;

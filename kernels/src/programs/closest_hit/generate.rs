@@ -1,10 +1,8 @@
 //! Twin of `generate.wgsl`: makes a ray for every pixel.
 
 use crate::numbers::real::Real;
-use crate::programs::closest_hit::states::TRAV_SETUP;
-use crate::programs::closest_hit::states::UNWRITTEN;
-use crate::programs::closest_hit::streams::ACCUMULATED_SAMPLES;
-use crate::programs::closest_hit::streams::{ACCUMULATED, HIT, RAY_DIRECTION, RAY_ORIGIN, STATE};
+use crate::programs::closest_hit::states::{TRAV_SETUP, UNWRITTEN};
+use crate::programs::closest_hit::streams::{ACCUMULATED, ACCUMULATED_SAMPLES, HIT, RAY_DIRECTION, RAY_ORIGIN, STATE};
 use crate::scene_data::SceneData;
 use crate::shared::camera::{eye_ray, eye_ray_at};
 use crate::shared::constants::{INF, NO_TRIANGLE};

@@ -2,10 +2,7 @@
 
 use crate::numbers::real::Real;
 use crate::options::features::Features;
-use crate::programs::closest_hit::states::BACKGROUND;
-use crate::programs::closest_hit::states::ISECT_HIT;
-use crate::programs::closest_hit::states::SHADE;
-use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, SHADE, TRAV};
 use crate::tables::state::Tag;
 
 /// A cell's list has ended; `exit` is the t at which the ray leaves the cell.

@@ -3,11 +3,7 @@
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::grid_lists::list_ended;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
-use crate::programs::closest_hit::states::BACKGROUND;
-use crate::programs::closest_hit::states::ISECT_HIT;
-use crate::programs::closest_hit::states::ISECT_NO_HIT;
-use crate::programs::closest_hit::states::SHADE;
-use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, SCAN, STATE, TMAX};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{INF, NO_CELL};

@@ -2,10 +2,7 @@
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
-use crate::programs::closest_hit::states::BACKGROUND;
-use crate::programs::closest_hit::states::ISECT_NO_HIT;
-use crate::programs::closest_hit::states::TRAV;
-use crate::programs::closest_hit::states::TRAV_SETUP;
+use crate::programs::closest_hit::states::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
 use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE, TMAX};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_NODE;

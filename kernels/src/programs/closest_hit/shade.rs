@@ -2,9 +2,7 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
-use crate::programs::closest_hit::states::BACKGROUND;
-use crate::programs::closest_hit::states::DONE;
-use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::states::{BACKGROUND, DONE, SHADE};
 use crate::programs::closest_hit::streams::{COLOR, HIT, STATE};
 use crate::scene_data::SceneData;
 use crate::shared::constants::LIGHTS_SUMMED;

@@ -1,8 +1,7 @@
 //! Twin of `tracing.wgsl`: what a kernel that takes several steps keeps of a ray, and its test of one triangle.
 
 use crate::numbers::real::{Real, Vec3};
-use crate::programs::closest_hit::states::BACKGROUND;
-use crate::programs::closest_hit::states::SHADE;
+use crate::programs::closest_hit::states::{BACKGROUND, SHADE};
 use crate::scene_data::SceneData;
 use crate::shared::constants::{NO_TRIANGLE, TURNS_A_TEST};
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};

@@ -2,11 +2,7 @@
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
-use crate::programs::closest_hit::states::BACKGROUND;
-use crate::programs::closest_hit::states::ISECT_HIT;
-use crate::programs::closest_hit::states::ISECT_NO_HIT;
-use crate::programs::closest_hit::states::SHADE;
-use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, STATE, TMAX};
 use crate::scene_data::SceneData;
 use crate::shared::constants::INF;

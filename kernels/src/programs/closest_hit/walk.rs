@@ -3,11 +3,7 @@
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::grid_lists::list_ended;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
-use crate::programs::closest_hit::states::BACKGROUND;
-use crate::programs::closest_hit::states::ISECT_HIT;
-use crate::programs::closest_hit::states::ISECT_NO_HIT;
-use crate::programs::closest_hit::states::SHADE;
-use crate::programs::closest_hit::states::TRAV;
+use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, PREVIOUS, STATE, TMAX};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;

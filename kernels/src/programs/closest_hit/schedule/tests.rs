@@ -1,20 +1,20 @@
 //! Orders of kernels, without a GPU.
 
+use super::super::{kernels, states};
 use super::*;
-use crate::programs::closest_hit::states::DONE;
-use crate::programs::closest_hit::states::ISECT_NO_HIT;
-use crate::programs::closest_hit::states::SHADE;
-use crate::programs::closest_hit::states::TRAV;
-use crate::tables::state;
+use crate::program::Kernel;
+use crate::program::schedule::Cursor;
+use crate::programs::closest_hit::states::{DONE, ISECT_NO_HIT, SHADE as SHADED, TRAV};
+use crate::tables::state::StateCounts;
 
 fn counts(isect: u32, trav: u32, shade: u32) -> StateCounts {
     let mut c = StateCounts::default();
-    (c[ISECT_NO_HIT as usize], c[TRAV as usize], c[SHADE as usize]) = (isect, trav, shade);
+    (c[ISECT_NO_HIT as usize], c[TRAV as usize], c[SHADED as usize]) = (isect, trav, shade);
     c
 }
 
 fn run(kind: ScheduleKind, accelerator: Accelerator, script: &[StateCounts]) -> Vec<&'static str> {
-    let schedule = Schedule::new(kind, accelerator, false, true, false, false);
+    let schedule = new(kind, accelerator, false, true, false, false);
     let mut cursor = Cursor::start();
     let mut now = counts(0, 0, 0);
     let mut names = Vec::new();
@@ -55,7 +55,7 @@ fn without_a_grid_there_is_nothing_to_traverse() {
 }
 
 fn sampled(kind: ScheduleKind, accelerator: Accelerator, many_steps: bool) -> Schedule {
-    Schedule::new(kind, accelerator, false, true, false, many_steps).for_samples()
+    for_samples(new(kind, accelerator, false, true, false, many_steps))
 }
 
 #[test]
@@ -86,8 +86,7 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
         (ScheduleKind::Compact, Accelerator::Grid, true),
         (ScheduleKind::Second, Accelerator::None, false),
     ] {
-        for schedule in
-            [Schedule::new(kind, accelerator, false, true, false, many_steps), sampled(kind, accelerator, many_steps)]
+        for schedule in [new(kind, accelerator, false, true, false, many_steps), sampled(kind, accelerator, many_steps)]
         {
             let mut cursor = Cursor::start();
             let mut unwritten = counts(5, 5, 0);
@@ -109,36 +108,30 @@ fn a_walk_that_is_left_goes_on_with_its_own_sample() {
 
 #[test]
 fn a_guess_goes_on_to_the_next_sample_and_no_farther_than_its_walk() {
-    use Kernel::{Accumulate, Generate, Intersect, Setup, Shade, TraverseBvh, Walk};
     let guesses = |schedule: &Schedule, most: usize| {
         let mut cursor = Cursor::start();
         let mut unwritten = StateCounts::default();
         unwritten[states::UNWRITTEN as usize] = 9;
         let first = cursor.guess(schedule, &unwritten, most);
-        while cursor.next(schedule, &unwritten) != Some(Shade) {}
-        // Right before it, as far as counts go.
-        let mut before = Cursor { path: cursor.path.clone(), ..cursor };
-        if let Some(last) = before.path.last_mut() {
-            *last -= 1;
-        }
-        (first, before.guess(schedule, &counts(0, 0, 9), most))
+        while cursor.next(schedule, &unwritten) != Some(SHADE) {}
+        (first, cursor.before().guess(schedule, &counts(0, 0, 9), most))
     };
     let compact = sampled(ScheduleKind::Compact, Accelerator::Grid, true);
     let (first, next) = guesses(&compact, 7);
-    assert_eq!(first, [Generate, Setup, Walk, Walk, Walk, Walk, Walk]);
-    assert_eq!(next, [Shade, Accumulate, Generate, Setup, Walk, Walk, Walk]);
-    assert_eq!(guesses(&compact, 3).1, [Shade, Accumulate, Generate]);
+    assert_eq!(first, [GENERATE, SETUP, WALK, WALK, WALK, WALK, WALK]);
+    assert_eq!(next, [SHADE, ACCUMULATE, GENERATE, SETUP, WALK, WALK, WALK]);
+    assert_eq!(guesses(&compact, 3).1, [SHADE, ACCUMULATE, GENERATE]);
     let (first, next) = guesses(&sampled(ScheduleKind::Fused, Accelerator::Grid, false), 8);
-    assert_eq!((first, next), (vec![Generate], vec![Shade, Accumulate, Generate]));
+    assert_eq!((first, next), (vec![GENERATE], vec![SHADE, ACCUMULATE, GENERATE]));
     let (first, _) = guesses(&sampled(ScheduleKind::First, Accelerator::Bvh, false), 8);
-    assert_eq!(first, [Generate, Setup, TraverseBvh], "others may come before the next step");
+    assert_eq!(first, [GENERATE, SETUP, TRAVERSE_BVH], "others may come before the next step");
     let (first, _) = guesses(&sampled(ScheduleKind::Second, Accelerator::None, false), 4);
-    assert_eq!(first, [Generate, Setup, Intersect, Intersect]);
+    assert_eq!(first, [GENERATE, SETUP, INTERSECT, INTERSECT]);
 }
 
 #[test]
 fn a_guess_never_leaves_the_loop() {
-    let schedule = Schedule::new(ScheduleKind::First, Accelerator::Grid, false, true, false, false);
+    let schedule = new(ScheduleKind::First, Accelerator::Grid, false, true, false, false);
     let mut cursor = Cursor::start();
     assert_eq!(cursor.guess(&schedule, &counts(0, 0, 0), 8), [kernels::GENERATE]);
     cursor.next(&schedule, &counts(0, 0, 0));
@@ -148,7 +141,7 @@ fn a_guess_never_leaves_the_loop() {
 
 #[test]
 fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
-    let schedule = Schedule::new(ScheduleKind::First, Accelerator::Bvh, false, true, false, false);
+    let schedule = new(ScheduleKind::First, Accelerator::Bvh, false, true, false, false);
     let mut cursor = Cursor::start();
     for _ in 0..2 {
         cursor.next(&schedule, &counts(0, 0, 0));
