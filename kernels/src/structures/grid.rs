@@ -18,7 +18,7 @@
 //! cannot tell apart, a tie.
 
 mod distance;
-mod overlap;
+pub(crate) mod overlap;
 mod resolution;
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};

@@ -6,10 +6,11 @@ use glam::DVec3;
 use crate::shared::grid_walk::Grid;
 
 /// A triangle prepared against boxes of one size.
-pub(super) struct Overlap {
-    /// First and last cell that the triangle's own box touches, per axis.
-    low: [i32; 3],
-    high: [i32; 3],
+pub(crate) struct Overlap {
+    /// First cell that the triangle's own box touches, per axis.
+    pub(crate) low: [i32; 3],
+    /// Last cell that it touches.
+    pub(crate) high: [i32; 3],
     corner: [f64; 3],
     width: [f64; 3],
     normal: DVec3,
@@ -18,12 +19,20 @@ pub(super) struct Overlap {
     edges: [[[f64; 3]; 3]; 3],
 }
 
+/// What the cells of a row along x share.
+struct Row {
+    cy: f64,
+    cz: f64,
+    /// The plane's expression without its x.
+    plane: f64,
+}
+
 /// The two axes that remain when one is projected away.
 const OTHER: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
 impl Overlap {
     /// Prepares `triangle` (traced units) against the cells of `grid`, each grown by `growth` on all sides.
-    pub(super) fn new(grid: &Grid, growth: f64, triangle: &[f32]) -> Self {
+    pub(crate) fn new(grid: &Grid, growth: f64, triangle: &[f32]) -> Self {
         let p = [0, 3, 6].map(|c| DVec3::from([0, 1, 2].map(|a| f64::from(triangle[c + a]))));
         let corner = grid.corner.map(f64::from);
         let width = grid.width.map(f64::from);
@@ -59,25 +68,47 @@ impl Overlap {
         if self.low == self.high {
             return f(self.low);
         }
-        let center = |axis: usize, cell: i32| self.corner[axis] + (f64::from(cell) + 0.5) * self.width[axis];
         for z in self.low[2]..=self.high[2] {
-            let cz = center(2, z);
+            let cz = self.center(2, z);
             for y in self.low[1]..=self.high[1] {
-                let cy = center(1, y);
-                // What is projected along x is the same for the whole row.
-                if !self.covers(0, cy, cz) {
-                    continue;
-                }
-                let row = self.normal.y * cy + self.normal.z * cz + self.plane;
+                let Some(row) = self.row(self.center(1, y), cz) else { continue };
                 for x in self.low[0]..=self.high[0] {
-                    let cx = center(0, x);
-                    let is_near = (self.normal.x * cx + row).abs() <= self.plane_reach;
-                    if is_near && self.covers(1, cz, cx) && self.covers(2, cx, cy) {
+                    if self.meets(&row, x) {
                         f([x, y, z]);
                     }
                 }
             }
         }
+    }
+
+    /// Which of up to 32 cells along x, from `first` on, the triangle overlaps: a bit for each. What
+    /// [`for_cells`](Self::for_cells) tests, also where the triangle's box is a single cell.
+    pub(crate) fn span_mask(&self, first: [i32; 3], cells: u32) -> u32 {
+        let Some(row) = self.row(self.center(1, first[1]), self.center(2, first[2])) else { return 0 };
+        (0..cells.min(32)).fold(0, |mask, k| mask | u32::from(self.meets(&row, first[0] + k as i32)) << k)
+    }
+
+    /// Middle of a cell.
+    #[inline]
+    fn center(&self, axis: usize, cell: i32) -> f64 {
+        self.corner[axis] + (f64::from(cell) + 0.5) * self.width[axis]
+    }
+
+    /// `None` where no cell of the row overlaps: what is projected along x is the same for all of them.
+    #[inline]
+    fn row(&self, cy: f64, cz: f64) -> Option<Row> {
+        if !self.covers(0, cy, cz) {
+            return None;
+        }
+        Some(Row { cy, cz, plane: self.normal.y * cy + self.normal.z * cz + self.plane })
+    }
+
+    /// Whether the cell at x of a row overlaps.
+    #[inline]
+    fn meets(&self, row: &Row, x: i32) -> bool {
+        let cx = self.center(0, x);
+        let is_near = (self.normal.x * cx + row.plane).abs() <= self.plane_reach;
+        is_near && self.covers(1, row.cz, cx) && self.covers(2, cx, row.cy)
     }
 
     /// Whether triangle and grown cell overlap when seen along an axis. Touching counts.

@@ -1,0 +1,23 @@
+// Adds to each value the sum of all blocks before its own.
+
+import package::launch::{BLOCK, launch, block_index, texel};
+import package::saturating::{saturating_add};
+
+@group(0) @binding(0) var values: texture_storage_2d_array<r32uint, read_write>;
+@group(0) @binding(1) var sums: texture_2d_array<u32>;
+
+@compute @workgroup_size(BLOCK)
+fn add(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let block = block_index(group, groups);
+    let i = block * BLOCK + lane;
+    if (i >= launch.elements) {
+        return;
+    }
+    let at = texel(i, textureDimensions(values).x);
+    let before = textureLoad(sums, texel(block, textureDimensions(sums).x), 0, 0).x;
+    textureStore(values, at, 0, vec4u(saturating_add(before, textureLoad(values, at, 0).x)));
+}

@@ -1,0 +1,31 @@
+//! What `build.wgsl` has: what the grid is built of.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::shared::grid_walk::Grid;
+
+/// The uniform `build`. The WGSL has its floats as bits.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Build {
+    /// Lower corner of cell (0, 0, 0).
+    pub corner: [f32; 3],
+    /// What cells are grown by on all sides.
+    pub growth: f32,
+    /// Size of a cell.
+    pub width: [f32; 3],
+    /// How many triangles there are.
+    pub triangles: u32,
+    /// Cells along each axis.
+    pub cells: [u32; 3],
+    _pad: u32,
+}
+
+impl Build {
+    /// A build of the lists of `grid`.
+    #[must_use]
+    pub fn new(grid: &Grid, growth: f32, triangles: u32) -> Self {
+        let cells = grid.cells.map(|n| n as u32);
+        Self { corner: grid.corner, growth, width: grid.width, triangles, cells, _pad: 0 }
+    }
+}

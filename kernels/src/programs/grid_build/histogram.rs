@@ -1,0 +1,18 @@
+//! CPU reference of `histogram.wgsl`.
+
+use super::launch::BLOCK;
+use super::radix::{DIGITS, digit_of, tally_index};
+
+/// Counts how often each digit of the cell occurs in each block of references.
+pub fn histogram(parameter: u32, cell_in: &[u32], tally: &mut [u32]) {
+    let blocks = cell_in.len().div_ceil(BLOCK);
+    for (block, cells) in cell_in.chunks(BLOCK).enumerate() {
+        let mut counts = [0; DIGITS];
+        for &cell in cells {
+            counts[digit_of(cell, parameter)] += 1;
+        }
+        for (digit, count) in counts.into_iter().enumerate() {
+            tally[tally_index(digit, block, blocks)] = count;
+        }
+    }
+}

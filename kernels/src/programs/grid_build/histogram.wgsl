@@ -1,0 +1,33 @@
+// Counts how often each digit of the cell occurs in a block of references.
+
+import package::launch::{BLOCK, launch, block_index, texel};
+import package::radix::{DIGITS, digit_of, tally_index};
+
+@group(0) @binding(0) var cell_in: texture_2d_array<u32>;
+@group(0) @binding(1) var tally: texture_storage_2d_array<r32uint, write>;
+
+var<workgroup> counts: array<atomic<u32>, DIGITS>;
+
+@compute @workgroup_size(BLOCK)
+fn histogram(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let block = block_index(group, groups);
+    let i = block * BLOCK + lane;
+    if (lane < DIGITS) {
+        atomicStore(&counts[lane], 0u);
+    }
+    workgroupBarrier();
+    if (i < launch.elements) {
+        let cell = textureLoad(cell_in, texel(i, textureDimensions(cell_in).x), 0, 0).x;
+        atomicAdd(&counts[digit_of(cell)], 1u);
+    }
+    workgroupBarrier();
+    // Workgroups past the last block fill up a dispatch.
+    if (block < launch.blocks && lane < DIGITS) {
+        let to = texel(tally_index(lane, block), textureDimensions(tally).x);
+        textureStore(tally, to, 0, vec4u(atomicLoad(&counts[lane])));
+    }
+}

@@ -1,0 +1,13 @@
+//! CPU reference of `mark.wgsl`.
+
+/// Finds where the sorted references to each cell begin and end. Cells without any keep what they have: 0 and 0.
+pub fn mark(cell_in: &[u32], begin: &mut [u32], end: &mut [u32]) {
+    for (i, &cell) in cell_in.iter().enumerate() {
+        if i == 0 || cell_in[i - 1] != cell {
+            begin[cell as usize] = i as u32;
+        }
+        if i + 1 == cell_in.len() || cell_in[i + 1] != cell {
+            end[cell as usize] = i as u32 + 1;
+        }
+    }
+}

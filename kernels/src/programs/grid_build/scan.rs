@@ -1,0 +1,16 @@
+//! CPU reference of `scan.wgsl`.
+
+use super::launch::BLOCK;
+
+/// Turns the values of each block into the sums of those before them, and keeps each block's own sum. Sums that are too
+/// large are `u32::MAX`.
+pub fn scan(values: &mut [u32], sums: &mut [u32]) {
+    for (block, sum) in values.chunks_mut(BLOCK).zip(sums) {
+        *sum = 0;
+        for value in block {
+            let before = *sum;
+            *sum = before.saturating_add(*value);
+            *value = before;
+        }
+    }
+}

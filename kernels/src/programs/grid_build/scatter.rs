@@ -1,0 +1,26 @@
+//! CPU reference of `scatter.wgsl`.
+
+use super::launch::BLOCK;
+use super::radix::{DIGITS, digit_of, tally_index};
+
+/// Moves each reference to its place by one digit of its cell. `tally` holds the prefix sums of all counts.
+pub fn scatter(
+    parameter: u32,
+    cell_in: &[u32],
+    triangle_in: &[u32],
+    tally: &[u32],
+    cell_out: &mut [u32],
+    triangle_out: &mut [u32],
+) {
+    let blocks = cell_in.len().div_ceil(BLOCK);
+    for (block, (cells, triangles)) in cell_in.chunks(BLOCK).zip(triangle_in.chunks(BLOCK)).enumerate() {
+        let mut rank = [0; DIGITS];
+        for (&cell, &triangle) in cells.iter().zip(triangles) {
+            let digit = digit_of(cell, parameter);
+            let to = tally[tally_index(digit, block, blocks)] as usize + rank[digit];
+            rank[digit] += 1;
+            cell_out[to] = cell;
+            triangle_out[to] = triangle;
+        }
+    }
+}

@@ -1,0 +1,54 @@
+// Moves each reference to its place by one digit of its cell; references with the same digit keep their order.
+//
+// Its rank among those of its block is counted from a bit for each thread and digit, as warps' ballots are (Ashkiani,
+// Davidson, Meyer, Owens 2016). Bits are set in any order, and are the same.
+
+import package::launch::{BLOCK, launch, block_index, texel};
+import package::radix::{DIGITS, digit_of, tally_index};
+
+@group(0) @binding(0) var cell_in: texture_2d_array<u32>;
+@group(0) @binding(1) var triangle_in: texture_2d_array<u32>;
+@group(0) @binding(2) var tally: texture_2d_array<u32>;
+@group(0) @binding(3) var cell_out: texture_storage_2d_array<r32uint, write>;
+@group(0) @binding(4) var triangle_out: texture_storage_2d_array<r32uint, write>;
+
+const LANE_WORDS: u32 = BLOCK / 32u;
+
+// Of each digit, a bit for each thread whose reference has it.
+var<workgroup> having: array<atomic<u32>, DIGITS * LANE_WORDS>;
+
+@compute @workgroup_size(BLOCK)
+fn scatter(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let block = block_index(group, groups);
+    let i = block * BLOCK + lane;
+    if (lane < DIGITS * LANE_WORDS) {
+        atomicStore(&having[lane], 0u);
+    }
+    workgroupBarrier();
+    var cell = 0u;
+    let word = lane / 32u;
+    let bit = 1u << (lane % 32u);
+    if (i < launch.elements) {
+        cell = textureLoad(cell_in, texel(i, textureDimensions(cell_in).x), 0, 0).x;
+        atomicOr(&having[digit_of(cell) * LANE_WORDS + word], bit);
+    }
+    workgroupBarrier();
+    if (i >= launch.elements) {
+        return;
+    }
+    let digit = digit_of(cell);
+    let own = digit * LANE_WORDS;
+    var rank = countOneBits(atomicLoad(&having[own + word]) & (bit - 1u));
+    for (var before = 0u; before < word; before++) {
+        rank += countOneBits(atomicLoad(&having[own + before]));
+    }
+    let first = textureLoad(tally, texel(tally_index(digit, block), textureDimensions(tally).x), 0, 0).x;
+    let to = texel(first + rank, textureDimensions(cell_out).x);
+    let t = textureLoad(triangle_in, texel(i, textureDimensions(triangle_in).x), 0, 0).x;
+    textureStore(cell_out, to, 0, vec4u(cell));
+    textureStore(triangle_out, to, 0, vec4u(t));
+}

@@ -1,0 +1,52 @@
+//! CPU reference of `span.wgsl` and `overlap.wgsl`.
+
+use super::bound::CellBox;
+use crate::shared::grid_walk::Grid;
+use crate::structures::grid::overlap::Overlap;
+
+/// Up to 32 cells along x, in one row of a triangle's box.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// The triangle.
+    pub triangle: u32,
+    /// The first cell.
+    pub cells_at: [u32; 3],
+    /// A bit for each cell that the triangle overlaps, the first one's lowest.
+    pub mask: u32,
+}
+
+/// The last triangle whose spans begin at this one or before it. Each has one at least.
+fn triangle_of(span: u32, first_span: &[u32]) -> usize {
+    let (mut low, mut high) = (0, first_span.len());
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if first_span[middle] <= span {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// Tests the cells of span `i`. `first_span` are the prefix sums of the numbers of spans, one a triangle as `boxes`.
+#[must_use]
+pub fn span(i: u32, first_span: &[u32], boxes: &[CellBox], grid: &Grid, growth: f32, vertices: &[f32]) -> Span {
+    let t = triangle_of(i, first_span);
+    let CellBox { low, high } = boxes[t];
+    let spans_a_row = (high[0] - low[0] + 32) / 32;
+    let within = i - first_span[t];
+    let row = within / spans_a_row;
+    let rows = high[1] - low[1] + 1;
+    let first = [low[0] + 32 * (within % spans_a_row), low[1] + row % rows, low[2] + row / rows];
+
+    let mask = if low == high {
+        // The only cell that it can be in.
+        1
+    } else {
+        let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * t..9 * t + 9]);
+        let last = (first[0] + 31).min(high[0]);
+        overlap.span_mask(first.map(|n| n as i32), last - first[0] + 1)
+    };
+    Span { triangle: t as u32, cells_at: first, mask }
+}

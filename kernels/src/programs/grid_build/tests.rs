@@ -1,0 +1,206 @@
+//! The CPU reference functions, chained, against the host's build; and the kernels' WGSL, composed and validated.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use raystep_scenes::generate;
+
+use super::add::add;
+use super::bound::bound;
+use super::build::Build;
+use super::device::tests::composed;
+use super::emit::emit;
+use super::histogram::histogram;
+use super::launch::{BLOCK, Launch};
+use super::mark::mark;
+use super::measure::measure;
+use super::radix::{DIGIT_BITS, DIGITS, digits_of};
+use super::scan::scan;
+use super::scatter::scatter;
+use super::span::span;
+use super::*;
+use crate::structures::grid::{self, GridData, GridSize};
+
+/// Scenes whose lists are easy or hard to decide.
+fn scenes() -> Vec<(&'static str, Vec<f32>)> {
+    let of = |scene: raystep_scenes::Scene| scene.triangles.as_flattened().as_flattened().to_vec();
+    let soup = of(generate::soup(700, 1).expect("soup"));
+    let mut random = fastrand::Rng::with_seed(3);
+    // Corners on planes and on each other, and triangles that are points and lines.
+    let whole: Vec<f32> = (0..900).map(|_| random.i32(-4..5) as f32 * 0.25).collect();
+    let points = whole.chunks_exact(9).flat_map(|v| [&v[..3], &v[..3], &v[3..6]].concat()).collect();
+    // Where all three corners are NaN, so is the box, and the first cell lists it.
+    let mut no_corners = soup.clone();
+    no_corners[9..18].fill(f32::NAN);
+    no_corners[30] = f32::NAN;
+    vec![
+        ("cornell box", of(generate::cornell_box())),
+        ("terrain", of(generate::terrain(800, 2).expect("terrain"))),
+        ("small soup", soup[..180].iter().map(|v| v * 1e-36).collect()),
+        ("large soup", soup.iter().map(|v| v * 1e30 + 1e30).collect()),
+        ("soup", soup),
+        ("one large triangle", vec![-1.0, -0.9, -0.8, 1.0, -0.7, 0.9, -0.2, 1.0, 0.3]),
+        ("a thin long one", vec![-10.0, 0.0, 0.0, 10.0, 0.3, 0.01, 10.0, 0.3001, 0.01]),
+        ("a flat one", vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+        ("corners on planes", whole),
+        ("corners that are none", no_corners),
+        ("points and lines", points),
+        ("corners on those of cells", touching()),
+        ("nothing", vec![]),
+    ]
+}
+
+/// Triangles with a corner just where that of a grown cell is, for [`TOUCHED`]: whether they overlap hangs on the last
+/// bit of every sum.
+fn touching() -> Vec<f32> {
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut vertices = [[-2.0; 9], [2.0; 9]].concat();
+    let built = grid::build(&vertices, GridSize::Cells(TOUCHED), reach(&vertices), u64::MAX).expect("a grid");
+    for _ in 0..2000 {
+        vertices.extend([0, 1, 2].map(|a| {
+            let plane = built.grid.corner[a] + built.grid.width[a] * random.i32(1..TOUCHED[a] as i32) as f32;
+            if random.bool() { plane + built.growth } else { plane - built.growth }
+        }));
+        // Of many sizes, so that products have more bits than are kept.
+        vertices.extend((0..6).map(|_| (random.f32() * 4.0 - 2.0) * 0.5f32.powi(random.i32(0..16))));
+    }
+    vertices
+}
+
+const TOUCHED: [u32; 3] = [16; 3];
+
+fn reach(vertices: &[f32]) -> f32 {
+    4.0 * vertices.iter().fold(0.0f32, |most, v| most.max(v.abs()))
+}
+
+/// Each scene at several resolutions, with the grid that the host builds.
+pub(super) fn cases() -> Vec<(String, Vec<f32>, GridData)> {
+    let mut cases = Vec::new();
+    for (name, vertices) in scenes() {
+        let reach = reach(&vertices);
+        for size in [[1; 3], [13, 7, 29], TOUCHED, [64; 3], [300, 1, 3], [2, 40, 1]] {
+            let built = grid::build(&vertices, GridSize::Cells(size), reach, u64::MAX).expect("a grid");
+            cases.push((format!("{name} {size:?}"), vertices.clone(), built));
+        }
+        let built = grid::build(&vertices, GridSize::Auto, reach, u64::MAX).expect("a grid");
+        cases.push((format!("{name}, automatic"), vertices.clone(), built));
+        let built = grid::build_for_leaps(&vertices, reach, u64::MAX).expect("a grid");
+        cases.push((format!("{name}, for leaps"), vertices.clone(), built));
+        let counted = grid::count_lists(&vertices, GridSize::Cells([16; 3]), reach, false, u64::MAX);
+        cases.push((format!("{name}, not grown"), vertices.clone(), counted.expect("a grid").fill(&vertices)));
+    }
+    // Cells below what they are grown by list nearly everything.
+    cases.retain(|(_, _, built)| built.items.len() < 500_000);
+    assert!(cases.len() > 80, "{} cases", cases.len());
+    cases
+}
+
+/// Prefix sums, level by level; returns the total.
+fn prefix(values: &mut [u32]) -> u32 {
+    let mut sums = vec![0; values.len().div_ceil(BLOCK)];
+    scan(values, &mut sums);
+    if sums.len() < 2 {
+        return sums.first().copied().unwrap_or(0);
+    }
+    let total = prefix(&mut sums);
+    add(values, &sums);
+    total
+}
+
+/// The build as the kernels do it; returns starts and lists.
+fn lists(vertices: &[f32], wanted: &GridData) -> (Vec<u32>, Vec<u32>) {
+    let (grid, growth) = (&wanted.grid, wanted.growth);
+    let build = Build::new(grid, growth, (vertices.len() / 9) as u32);
+    let (boxes, mut first_span): (Vec<_>, Vec<_>) = vertices.chunks_exact(9).map(|t| bound(t, grid, growth)).unzip();
+    let spans = prefix(&mut first_span);
+    let spans: Vec<_> = (0..spans).map(|i| span(i, &first_span, &boxes, grid, growth, vertices)).collect();
+    let mut first_reference: Vec<u32> = spans.iter().map(|span| span.mask.count_ones()).collect();
+    let references = prefix(&mut first_reference) as usize;
+    let mut from = (vec![0; references], vec![0; references]);
+    let mut to = from.clone();
+    for (span, &first) in spans.iter().zip(&first_reference) {
+        emit(span, first, build.cells, &mut from.0, &mut from.1);
+    }
+    let cells = build.cells.iter().product();
+    for digit in 0..digits_of(cells) {
+        let mut tally = vec![0; DIGITS * references.div_ceil(BLOCK)];
+        histogram(digit, &from.0, &mut tally);
+        prefix(&mut tally);
+        scatter(digit, &from.0, &from.1, &tally, &mut to.0, &mut to.1);
+        std::mem::swap(&mut from, &mut to);
+    }
+    let mut begin = vec![0; cells as usize];
+    let (mut end, mut start) = (begin.clone(), begin.clone());
+    mark(&from.0, &mut begin, &mut end);
+    measure(&begin, &end, &mut start);
+    let total = prefix(&mut start);
+    start.push(total);
+    (start, from.1)
+}
+
+#[test]
+fn the_reference_functions_build_the_grids_that_the_host_builds() {
+    let mut references = 0;
+    for (name, vertices, wanted) in cases() {
+        let (starts, items) = lists(&vertices, &wanted);
+        assert!(starts == wanted.cells, "{name}: other starts");
+        assert!(items == wanted.items, "{name}: other lists");
+        references += items.len();
+    }
+    assert!(references > 100_000, "{references} references are too few to show anything");
+}
+
+#[test]
+fn sums_that_are_too_large_stay_at_the_largest_number() {
+    let mut values = vec![1 << 30; 1000];
+    assert_eq!(prefix(&mut values), u32::MAX);
+    assert_eq!(values[3..6], [3 << 30, u32::MAX, u32::MAX]);
+    assert_eq!(values[999], u32::MAX);
+}
+
+#[test]
+fn as_many_digits_as_the_last_cell_has() {
+    let wanted = [(0, 0), (1, 0), (2, 1), (16, 1), (17, 2), (256, 2), (257, 3), (1 << 28, 7)];
+    assert_eq!(wanted.map(|(cells, _)| (cells, digits_of(cells))), wanted);
+}
+
+#[test]
+fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
+    let mut faults = String::new();
+    let mut structs = 0;
+    for &(name, wgsl) in KERNELS {
+        let source = composed(name, wgsl);
+        let module = match naga::front::wgsl::parse_str(&source) {
+            Ok(module) => module,
+            Err(error) => {
+                faults += &error.emit_to_string(&source);
+                continue;
+            }
+        };
+        if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
+            faults += &error.emit_to_string(&source);
+        }
+        let entry = module.entry_points.iter().find(|entry| entry.name == name).expect("its entry point");
+        assert_eq!(entry.workgroup_size, [BLOCK as u32, 1, 1], "{name}");
+        let storage = module.global_variables.iter().filter(|(_, global)| {
+            use naga::{ImageClass, TypeInner};
+            matches!(module.types[global.ty].inner, TypeInner::Image { class: ImageClass::Storage { .. }, .. })
+        });
+        assert!(storage.count() <= 4, "{name}: core WebGPU has 4 storage textures a stage");
+        for (_, ty) in module.types.iter() {
+            let (Some(name), naga::TypeInner::Struct { span, .. }) = (&ty.name, &ty.inner) else { continue };
+            match name.as_str() {
+                "Launch" => assert_eq!(*span as usize, size_of::<Launch>()),
+                "Build" => assert_eq!(*span as usize, size_of::<Build>()),
+                _ => continue,
+            }
+            structs += 1;
+        }
+        // No float is computed with, or even named.
+        let is_float = |ty: &naga::Type| ty.inner.scalar_kind() == Some(naga::ScalarKind::Float);
+        assert!(!module.types.iter().any(|(_, ty)| is_float(ty)), "{name} has floats");
+    }
+    assert!(faults.is_empty(), "{faults}");
+    assert!(structs > KERNELS.len(), "Launch in all, Build in some");
+    let radix = composed("histogram", include_str!("histogram.wgsl"));
+    assert!(radix.contains(&format!("const DIGIT_BITS: u32 = {DIGIT_BITS}u;")), "{radix}");
+    assert!(radix.contains(&format!("const DIGITS: u32 = {DIGITS}u;")), "{radix}");
+}
