@@ -10,6 +10,16 @@ pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
 use samples::Samples;
 
+/// What runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ProgramName {
+    /// Rays are traced to their closest hits, and shaded.
+    #[default]
+    ClosestHit,
+    /// A uniform grid is built over the scene's triangles.
+    GridBuild,
+}
+
 /// What keeps a ray from testing every triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accelerator {
@@ -96,6 +106,7 @@ pub enum Rule {
 }
 
 named!(Accelerator, "auto, grid, bvh, none", Auto "auto", Grid "grid", Bvh "bvh", None "none");
+named!(ProgramName, "closest-hit, grid-build", ClosestHit "closest-hit", GridBuild "grid-build");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");
 named!(
@@ -161,6 +172,8 @@ pub const STEPS_PER_PASS: u32 = 8;
 /// A run's options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
+    /// `--program`: what runs; rays that are not traced do not matter to a build.
+    pub program: ProgramName,
     /// `--accelerator`
     pub accelerator: Accelerator,
     /// `--schedule`
@@ -202,6 +215,7 @@ impl Options {
     #[must_use]
     pub fn new(rays: RaySource) -> Self {
         Self {
+            program: ProgramName::default(),
             accelerator: Accelerator::default(),
             schedule: ScheduleKind::default(),
             numerics: Numerics::default(),

@@ -93,6 +93,16 @@ pub enum PlanError {
         /// Texels that it has.
         texels: usize,
     },
+    /// A set of elements does not fit the textures of its streams.
+    #[error("{count} {elements} do not fit textures of {side}x{side} texels, the largest here: use fewer cells")]
+    TooMany {
+        /// Name of the set.
+        elements: String,
+        /// How many there are.
+        count: u64,
+        /// Longest side of a texture.
+        side: u32,
+    },
     /// The grid cannot be built.
     #[error(transparent)]
     Grid(#[from] GridError),

@@ -74,8 +74,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
 }
 
 /// Everything that the tables have and the plan has not.
-pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
-    use Because::Scene as S;
+pub(super) fn absent(plan: &Plan, options: &Options) -> Vec<LeftOut> {
     let mut all = Vec::new();
     let mut add = |what: String, (because, reason): Reason| all.push(LeftOut { what, because, reason });
     let run = Run { options, features: &plan.features, accelerator: plan.accelerator };
@@ -89,6 +88,14 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     for b in program.buffers.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
         add(format!("buffer {}", b.name), (b.why_absent)(&run));
     }
+    all
+}
+
+/// Everything that a run of rays does without: rows of the tables, and code.
+pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
+    use Because::Scene as S;
+    let mut all = absent(plan, options);
+    let mut add = |what: String, (because, reason): Reason| all.push(LeftOut { what, because, reason });
     let f = &plan.features;
     if f.grid && f.robust && !f.clip {
         add("code that clips rays to the grid".into(), (S, "the camera is inside the grid"));

@@ -6,6 +6,7 @@
 mod check;
 mod decide;
 mod display;
+pub(crate) mod grid_build;
 mod limits;
 mod resolve;
 pub mod structure;
@@ -17,7 +18,7 @@ use raystep_scenes::Scene;
 
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
+use crate::options::{Accelerator, Options, ProgramName, RaySource, ScheduleKind};
 use crate::program::schedule::Schedule;
 use crate::program::{Kernel, Program};
 use crate::programs::closest_hit;
@@ -176,6 +177,9 @@ impl Plan {
     /// # Errors
     /// Where the scene or the options do not fit `limits`, with the numbers.
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
+        if options.program == ProgramName::GridBuild {
+            return grid_build::plan(scene, options, limits);
+        }
         let units = Units::of(&scene.bounds());
         let (width, height, rays) = image_size(options, limits)?;
         check_scene(scene, units)?;

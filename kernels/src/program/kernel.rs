@@ -60,6 +60,27 @@ impl Precision for f64 {
     }
 }
 
+/// That no index of a kernel needs a check, for some scenes and options. Only this crate proves it: what indexes out of
+/// bounds without a check may do anything.
+#[derive(Clone, Copy, Debug)]
+pub struct Proof(Option<fn(&SceneData, &Features) -> bool>);
+
+impl Proof {
+    /// Every index is checked.
+    pub const NONE: Self = Self(None);
+
+    /// No index needs a check where this holds.
+    pub(crate) const fn new(holds: fn(&SceneData, &Features) -> bool) -> Self {
+        Self(Some(holds))
+    }
+
+    /// Whether it holds.
+    #[must_use]
+    pub fn holds(&self, data: &SceneData, features: &Features) -> bool {
+        self.0.is_some_and(|holds| holds(data, features))
+    }
+}
+
 /// A row of a program's table of kernels: all that is known of a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelInfo {
@@ -86,6 +107,8 @@ pub struct KernelInfo {
     pub resumes: fn(&Features) -> bool,
     /// The list of the elements that wait for it, where only live ones are launched: an index into the program's.
     pub list: Option<usize>,
+    /// Whether it may run without checks of its indices.
+    pub proof: Proof,
     /// Its colour in every diagram, sRGB: readable on light and dark.
     pub colour: [u8; 3],
     /// Why a run does without it.
@@ -232,7 +255,7 @@ impl fmt::Debug for Kernel {
 /// A program's table of kernels, and a constant for each of them. A kernel's twin is the function of its name in the
 /// module of its name.
 macro_rules! kernels {
-    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, own: $own:expr, })*) => {
+    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, own: $own:expr, })*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Index { $($kernel),* }
 
@@ -254,6 +277,7 @@ macro_rules! kernels {
                     counts: $counts,
                     resumes: $resumes,
                     list: $list,
+                    proof: $crate::program::kernel::proof!($($proof)?),
                     colour: $colour,
                     why_absent: $why_absent,
                     summary: $summary,
@@ -270,6 +294,16 @@ macro_rules! kernels {
     };
 }
 pub(crate) use kernels;
+
+macro_rules! proof {
+    () => {
+        $crate::program::kernel::Proof::NONE
+    };
+    ($proof:expr) => {
+        $proof
+    };
+}
+pub(crate) use proof;
 
 macro_rules! twin {
     (element $module:ident) => {

@@ -170,6 +170,16 @@ impl Cursor {
         let mut kernels = vec![first];
         let mut counts = *counts;
         let mut last = first;
+        // Nothing that a pass finds changes which pass comes next.
+        while last.role() == Role::Once && kernels.len() < most {
+            match cursor.next(schedule, &counts) {
+                Some(next) if next.role() == Role::Once => {
+                    kernels.push(next);
+                    last = next;
+                }
+                _ => return kernels,
+            }
+        }
         // Whether a kernel that runs until it is idle runs again is not known ahead.
         while schedule.has_samples() && !last.is_walk() && !cursor.stays(schedule, last) {
             counts = schedule.after_all(last, &counts);

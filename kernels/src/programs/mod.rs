@@ -2,3 +2,28 @@
 
 pub mod closest_hit;
 pub mod grid_build;
+
+use crate::options::ProgramName;
+use crate::program::Program;
+use crate::tables::stream::Stream;
+
+/// Every program.
+pub static ALL: [&Program; 2] = [&closest_hit::PROGRAM, &grid_build::PROGRAM];
+
+/// The program of this name.
+#[must_use]
+pub fn named(name: ProgramName) -> &'static Program {
+    match name {
+        ProgramName::ClosestHit => &closest_hit::PROGRAM,
+        ProgramName::GridBuild => &grid_build::PROGRAM,
+    }
+}
+
+/// The stream of this name, of any program: no two have the same.
+#[must_use]
+pub fn stream(name: &str) -> Option<Stream> {
+    ALL.into_iter().find_map(|program| program.stream(name))
+}
+
+#[cfg(test)]
+mod tests;

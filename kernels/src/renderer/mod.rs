@@ -4,6 +4,7 @@ mod checkpoint;
 mod edit;
 mod given;
 pub mod image;
+mod lists;
 mod one_ray;
 mod passes;
 mod records;
@@ -21,10 +22,12 @@ use crate::plan::{Limits, Plan, PlanError};
 use crate::program::schedule::Cursor;
 use crate::program::{Course, Kernel};
 use crate::scene_data::SceneData;
+use crate::tables::elements::{Elements, Size};
 use crate::tables::state::{StateCounts, Tag};
 use crate::tables::stream::Region;
 pub use checkpoint::Checkpoint;
 use given::GivenRays;
+pub use lists::Lists;
 use records::Records;
 pub use records::{KernelSummary, PassTotals};
 pub use results::{RayHit, found};
@@ -94,6 +97,14 @@ pub enum RenderError {
         width: u32,
         /// Its rows.
         height: u32,
+    },
+    /// The elements that the stream is about are not counted yet.
+    #[error("stream {stream:?} has no texels yet: {elements} are counted by a pass to come")]
+    NotCounted {
+        /// The stream's name.
+        stream: &'static str,
+        /// Name of the set.
+        elements: &'static str,
     },
     /// The stream has no such layer.
     #[error("stream {stream:?} has no layer {layer}")]
@@ -290,6 +301,17 @@ impl Renderer {
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    /// How many elements a set of the program has, and how they lie in its streams' textures; `None` where the run is still
+    /// to count them.
+    #[must_use]
+    pub fn size(&self, elements: &Elements) -> Option<Size> {
+        match &self.executor {
+            Executor::Gpu(e) => e.size(elements),
+            Executor::Cpu(e) => e.size(elements),
+            Executor::CpuF64(e) => e.size(elements),
+        }
     }
 
     /// The plan, for another run of the same scene and options.

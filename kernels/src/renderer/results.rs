@@ -5,6 +5,7 @@ use crate::numbers::units::exp2;
 use crate::programs::closest_hit::streams::{self, HIT_TRIANGLE, STATE_T};
 use crate::renderer::image::Image;
 use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::tables::elements::Size;
 use crate::tables::stream::{Region, Stream, StreamData};
 
 /// What one ray hit, in scene units.
@@ -39,6 +40,10 @@ impl Renderer {
     /// # Errors
     /// Where the plan left it out, or the device fails.
     pub async fn values(&self, stream: Stream) -> Result<StreamData, RenderError> {
+        let elements = stream.info().elements;
+        if self.plan.has_stream(stream) && self.size(elements).is_none() {
+            return Err(RenderError::NotCounted { stream: stream.name(), elements: elements.name });
+        }
         let data = match &self.executor {
             Executor::Gpu(e) => e.read(stream).await?,
             Executor::Cpu(e) => e.read(stream),
@@ -88,8 +93,15 @@ impl Renderer {
         if let Some(missing) = streams.iter().find(|&&s| !self.plan.has_stream(s)) {
             return Err(RenderError::NoStream(missing.name()));
         }
-        let (width, height) = (self.plan.width, self.plan.height);
-        if region.is_in(width, height) { Ok(()) } else { Err(RenderError::NoPixel { region, width, height }) }
+        for &stream in streams {
+            let elements = stream.info().elements;
+            let not_counted = || RenderError::NotCounted { stream: stream.name(), elements: elements.name };
+            let Size { width, height, .. } = self.size(elements).ok_or_else(not_counted)?;
+            if !region.is_in(width, height) {
+                return Err(RenderError::NoPixel { region, width, height });
+            }
+        }
+        Ok(())
     }
 
     /// The image so far, linear; alpha is 1 where a ray hit something. With several samples a pixel, the mean of

@@ -13,6 +13,7 @@ pub use crate::numbers::srgb::{linear_to_srgb, srgb_to_linear};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Options, RaySource};
+use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
 use crate::shared::grid_walk::Grid;
@@ -37,6 +38,8 @@ pub struct SceneData {
     pub features: Features,
     /// Scene units and traced units.
     pub units: Units,
+    /// Uniform `build`.
+    pub build: Build,
     /// Uniform `camera`.
     pub camera: Camera,
     /// Uniform `grid`.

@@ -1,5 +1,6 @@
 //! Rules that two kernels must agree on: one WGSL function each, with one twin beside it.
 
+pub mod build;
 pub mod bvh_walk;
 pub mod camera;
 pub mod constants;
@@ -15,6 +16,7 @@ pub mod wide_walk;
 
 /// The WGSL of each module here, by its name.
 pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("build", include_str!("build.wgsl")),
     ("vector", include_str!("vector.wgsl")),
     ("camera", include_str!("camera.wgsl")),
     ("samples", include_str!("samples.wgsl")),

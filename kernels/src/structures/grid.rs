@@ -107,6 +107,12 @@ impl CountedGrid {
         cells > 64 && 2 * empty > cells
     }
 
+    /// Where its planes are, and what its cells are grown by.
+    #[must_use]
+    pub fn layout(&self) -> (Grid, f32) {
+        (self.grid, self.growth)
+    }
+
     /// Lists the triangles of each cell. `vertices` are those that were counted.
     #[must_use]
     pub fn fill(self, vertices: &[f32]) -> GridData {

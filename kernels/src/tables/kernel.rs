@@ -55,7 +55,10 @@ pub enum Launch {
     /// GPU away from a dispatch that lasts. It is not submitted together with other passes.
     Bands,
     /// In one dispatch, over elements that lie one after the other.
-    List,
+    List {
+        /// Elements of a thread.
+        each: u32,
+    },
 }
 
 /// How the host learns where a kernel has sent its rays.

@@ -185,13 +185,16 @@ impl GpuExecutor {
         pass.push_debug_group(&pipeline.label);
         pipeline.set(pass, place)?;
         let (size, side) = (self.launched_over(kernel), kernel.workgroup());
-        match self.books.arguments(place) {
-            Some((buffer, offset)) => pass.dispatch_workgroups_indirect(buffer, offset),
-            None if kernel.info().launch == Launch::List => {
-                let [x, y] = list_groups(size.count.div_ceil(side));
+        match (self.books.arguments(place), kernel.info().launch) {
+            (Some((buffer, offset)), _) => pass.dispatch_workgroups_indirect(buffer, offset),
+            (None, Launch::List { each }) => {
+                let [x, y] = list_groups(size.count.div_ceil(side * each));
                 pass.dispatch_workgroups(x, y, 1);
             }
-            None => pass.dispatch_workgroups(size.width.div_ceil(side), rows.unwrap_or(size.height.div_ceil(side)), 1),
+            (None, Launch::Whole | Launch::Bands) => {
+                let rows = rows.unwrap_or(size.height.div_ceil(side));
+                pass.dispatch_workgroups(size.width.div_ceil(side), rows, 1);
+            }
         }
         pass.pop_debug_group();
         Ok(())

@@ -75,13 +75,16 @@ impl Place {
         let Size { width, height, count } = size;
         match self.list {
             Some(_) => u64::from(rows_of(kernel.live(before))) * u64::from(RAYS_A_ROW),
-            None if kernel.info().launch == Launch::List => {
-                u64::from(count).next_multiple_of(kernel.workgroup().into())
-            }
-            None => {
-                let side = kernel.workgroup();
-                u64::from(width.next_multiple_of(side)) * u64::from(height.next_multiple_of(side))
-            }
+            None => match kernel.info().launch {
+                Launch::List { each } => {
+                    let [x, y] = list_groups(count.div_ceil(kernel.workgroup() * each));
+                    u64::from(x) * u64::from(y) * u64::from(kernel.workgroup())
+                }
+                Launch::Whole | Launch::Bands => {
+                    let side = kernel.workgroup();
+                    u64::from(width.next_multiple_of(side)) * u64::from(height.next_multiple_of(side))
+                }
+            },
         }
     }
 

@@ -7,7 +7,6 @@ use crate::plan::Plan;
 use crate::program::Kernel;
 use crate::scene_data::SceneData;
 use crate::shader::{Binding, Resource, Variant};
-use crate::tables::kernel::Role;
 use crate::tables::stream::Stream;
 
 pub(super) struct KernelPipeline {
@@ -132,13 +131,10 @@ impl KernelPipeline {
     }
 }
 
-/// Whether no index of this kernel needs a check: it is the kernel of a ray's whole course as this crate composes it for the plan's
-/// options, be it that somebody has changed the plan, and what it indexes holds for just these options. Where a walk
-/// resumes, it indexes by what its streams hold, which anybody may have written: that is not proved.
+/// Whether no index of this kernel needs a check: it is the kernel as this crate composes it for the plan's options, even
+/// where somebody has changed the plan, and what it indexes holds for just these options.
 fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
-    variant.kernel.role() == Role::Whole
-        && !plan.features.resumes
-        && data.indices_hold(&plan.features)
+    variant.kernel.info().proof.holds(data, &plan.features)
         && Variant::new(variant.kernel, &plan.features)
             .is_ok_and(|own| own.source == variant.source && own.bindings == variant.bindings)
 }

@@ -9,7 +9,7 @@ use super::{
 use crate::options::reasons::{
     Because, EYE_RAYS, FUSED as BY_FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, STEPPED, of_a_step,
 };
-use crate::program::kernel::{Kernel, kernels};
+use crate::program::kernel::{Kernel, Proof, kernels};
 use crate::shared::constants::{LIST_SIDE, WORKGROUP};
 use crate::tables::kernel::{Counts, Launch, ListInfo, Role, Transition};
 use crate::tables::state::Tag;
@@ -184,6 +184,8 @@ kernels! {
         counts: Counts::Anew,
         resumes: |features| features.resumes,
         list: None,
+        // Where a walk resumes, it indexes by what its streams hold, which anybody may have written.
+        proof: Proof::new(|data, features| !features.resumes && data.indices_hold(features)),
         colour: [200, 80, 140],
         why_absent: |_| STEPPED,
         summary: "takes the ray from its start to its nearest hit",

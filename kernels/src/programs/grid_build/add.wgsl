@@ -6,6 +6,9 @@ import package::saturating::{saturating_add};
 @group(0) @binding(0) var values: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(1) var sums: texture_2d_array<u32>;
 
+// Values whose sum is one of `sums`: those of a workgroup of scan.
+const SCAN_BLOCK: u32 = 16384u;
+
 @compute @workgroup_size(BLOCK)
 fn add(
     @builtin(workgroup_id) group: vec3u,
@@ -18,6 +21,6 @@ fn add(
         return;
     }
     let at = texel(i, textureDimensions(values).x);
-    let before = textureLoad(sums, texel(block, textureDimensions(sums).x), 0, 0).x;
+    let before = textureLoad(sums, texel(i / SCAN_BLOCK, textureDimensions(sums).x), 0, 0).x;
     textureStore(values, at, 0, vec4u(saturating_add(before, textureLoad(values, at, 0).x)));
 }

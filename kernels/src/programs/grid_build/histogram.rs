@@ -12,7 +12,9 @@ pub fn histogram(parameter: u32, cell_in: &[u32], tally: &mut [u32]) {
             counts[digit_of(cell, parameter)] += 1;
         }
         for (digit, count) in counts.into_iter().enumerate() {
-            tally[tally_index(digit, block, blocks)] = count;
+            if let Some(tally) = tally.get_mut(tally_index(digit, block, blocks)) {
+                *tally = count;
+            }
         }
     }
 }

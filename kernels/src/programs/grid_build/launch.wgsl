@@ -5,12 +5,12 @@ struct Launch {
     elements: u32,
     // The step's number: which digit is sorted by.
     parameter: u32,
-    // Workgroups that the elements fill, the last one perhaps in part.
+    // Workgroups that one element a thread fills, the last one perhaps in part.
     blocks: u32,
     _pad: u32,
 }
 
-@group(1) @binding(0) var<uniform> launch: Launch;
+@group(2) @binding(0) var<uniform> launch: Launch;
 
 // Threads of a workgroup, each for one element.
 const BLOCK: u32 = 256u;

@@ -4,10 +4,17 @@
 pub fn mark(cell_in: &[u32], begin: &mut [u32], end: &mut [u32]) {
     for (i, &cell) in cell_in.iter().enumerate() {
         if i == 0 || cell_in[i - 1] != cell {
-            begin[cell as usize] = i as u32;
+            write(begin, cell, i as u32);
         }
         if i + 1 == cell_in.len() || cell_in[i + 1] != cell {
-            end[cell as usize] = i as u32 + 1;
+            write(end, cell, i as u32 + 1);
         }
+    }
+}
+
+/// Not where somebody has edited a cell to be none.
+fn write(values: &mut [u32], cell: u32, value: u32) {
+    if let Some(of_cell) = values.get_mut(cell as usize) {
+        *of_cell = value;
     }
 }

@@ -22,45 +22,53 @@
 
 pub mod add;
 pub mod bound;
-pub mod build;
+pub mod buffers;
+pub mod elements;
 pub mod emit;
 pub mod histogram;
+pub mod kernels;
 pub mod launch;
 pub mod mark;
 pub mod measure;
+mod passes;
 pub mod radix;
 pub mod scan;
 pub mod scatter;
+pub mod schedule;
 pub mod span;
+pub mod streams;
 
-/// Its name in labels of what it has on a GPU.
-pub const NAME: &str = "grid_build";
+use std::borrow::Cow;
 
-/// Each kernel's name, which is that of its entry point, and its WGSL.
-pub const KERNELS: &[(&str, &str)] = &[
-    ("bound", include_str!("bound.wgsl")),
-    ("scan", include_str!("scan.wgsl")),
-    ("add", include_str!("add.wgsl")),
-    ("span", include_str!("span.wgsl")),
-    ("emit", include_str!("emit.wgsl")),
-    ("histogram", include_str!("histogram.wgsl")),
-    ("scatter", include_str!("scatter.wgsl")),
-    ("mark", include_str!("mark.wgsl")),
-    ("measure", include_str!("measure.wgsl")),
-];
+use crate::options::features::Features;
+use crate::program::Program;
+use crate::shared;
+use crate::tables::state::States;
+
+/// The program.
+pub static PROGRAM: Program = Program {
+    name: "grid_build",
+    summary: "the uniform grid, counted, scanned and filled",
+    elements: &elements::ELEMENTS,
+    streams: &streams::STREAMS,
+    states: States(&[]),
+    course: None,
+    buffers: &buffers::BUFFERS,
+    lists: &[],
+    kernels: &kernels::KERNELS,
+    modules,
+};
 
 /// WGSL modules that kernels import from, by name: `package::NAME`.
-#[must_use]
-pub fn modules() -> Vec<(&'static str, String)> {
+fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
         ("launch", include_str!("launch.wgsl")),
-        ("build", include_str!("build.wgsl")),
         ("soft_f64", include_str!("soft_f64.wgsl")),
         ("overlap", include_str!("overlap.wgsl")),
         ("saturating", include_str!("saturating.wgsl")),
         ("radix", include_str!("radix.wgsl")),
     ];
-    own.iter().map(|&(name, source)| (name, source.to_owned())).collect()
+    shared::MODULES.iter().chain(&own).map(|&(name, source)| (name, Cow::Borrowed(source))).collect()
 }
 
 #[cfg(test)]

@@ -17,10 +17,13 @@ pub fn scatter(
         let mut rank = [0; DIGITS];
         for (&cell, &triangle) in cells.iter().zip(triangles) {
             let digit = digit_of(cell, parameter);
-            let to = tally[tally_index(digit, block, blocks)] as usize + rank[digit];
+            let first = tally.get(tally_index(digit, block, blocks)).copied().unwrap_or(u32::MAX);
+            let to = first as usize + rank[digit];
             rank[digit] += 1;
-            cell_out[to] = cell;
-            triangle_out[to] = triangle;
+            // Outside of the streams, where somebody has edited them, nothing is written, as on a device.
+            if let (Some(cell_to), Some(triangle_to)) = (cell_out.get_mut(to), triangle_out.get_mut(to)) {
+                (*cell_to, *triangle_to) = (cell, triangle);
+            }
         }
     }
 }

@@ -33,20 +33,22 @@ fn triangle_of(span: u32, first_span: &[u32]) -> usize {
 #[must_use]
 pub fn span(i: u32, first_span: &[u32], boxes: &[CellBox], grid: &Grid, growth: f32, vertices: &[f32]) -> Span {
     let t = triangle_of(i, first_span);
-    let CellBox { low, high } = boxes[t];
-    let spans_a_row = (high[0] - low[0] + 32) / 32;
-    let within = i - first_span[t];
+    // Of a box that somebody has edited anything may come, but no panic.
+    let Some(&CellBox { low, high }) = boxes.get(t) else { return Span::default() };
+    let spans_a_row = (high[0].wrapping_sub(low[0]).wrapping_add(32) / 32).max(1);
+    let within = i.wrapping_sub(first_span[t]);
     let row = within / spans_a_row;
-    let rows = high[1] - low[1] + 1;
-    let first = [low[0] + 32 * (within % spans_a_row), low[1] + row % rows, low[2] + row / rows];
+    let rows = high[1].wrapping_sub(low[1]).wrapping_add(1).max(1);
+    let along = [32 * (within % spans_a_row), row % rows, row / rows];
+    let first = [0, 1, 2].map(|a| low[a].wrapping_add(along[a]));
 
     let mask = if low == high {
         // The only cell that it can be in.
         1
     } else {
         let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * t..9 * t + 9]);
-        let last = (first[0] + 31).min(high[0]);
-        overlap.span_mask(first.map(|n| n as i32), last - first[0] + 1)
+        let last = first[0].saturating_add(31).min(high[0]);
+        overlap.span_mask(first.map(|n| n as i32), last.wrapping_sub(first[0]).wrapping_add(1))
     };
     Span { triangle: t as u32, cells_at: first, mask }
 }

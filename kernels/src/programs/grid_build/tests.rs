@@ -5,18 +5,19 @@ use raystep_scenes::generate;
 
 use super::add::add;
 use super::bound::bound;
-use super::build::Build;
 use super::device::tests::composed;
 use super::emit::emit;
 use super::histogram::histogram;
+use super::kernels::ROWS;
 use super::launch::{BLOCK, Launch};
 use super::mark::mark;
 use super::measure::measure;
 use super::radix::{DIGIT_BITS, DIGITS, digits_of};
-use super::scan::scan;
+use super::scan::{SCAN_BLOCK, scan};
 use super::scatter::scatter;
 use super::span::span;
-use super::*;
+use crate::program::KernelInfo;
+use crate::shared::build::Build;
 use crate::structures::grid::{self, GridData, GridSize};
 
 /// Scenes whose lists are easy or hard to decide.
@@ -95,7 +96,7 @@ pub(super) fn cases() -> Vec<(String, Vec<f32>, GridData)> {
 
 /// Prefix sums, level by level; returns the total.
 fn prefix(values: &mut [u32]) -> u32 {
-    let mut sums = vec![0; values.len().div_ceil(BLOCK)];
+    let mut sums = vec![0; values.len().div_ceil(SCAN_BLOCK)];
     scan(values, &mut sums);
     if sums.len() < 2 {
         return sums.first().copied().unwrap_or(0);
@@ -150,7 +151,9 @@ fn the_reference_functions_build_the_grids_that_the_host_builds() {
 
 #[test]
 fn sums_that_are_too_large_stay_at_the_largest_number() {
+    // In one block, and in several.
     let mut values = vec![1 << 30; 1000];
+    assert_eq!(prefix(&mut vec![1 << 16; 5 * SCAN_BLOCK]), u32::MAX);
     assert_eq!(prefix(&mut values), u32::MAX);
     assert_eq!(values[3..6], [3 << 30, u32::MAX, u32::MAX]);
     assert_eq!(values[999], u32::MAX);
@@ -166,7 +169,7 @@ fn as_many_digits_as_the_last_cell_has() {
 fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
     let mut faults = String::new();
     let mut structs = 0;
-    for &(name, wgsl) in KERNELS {
+    for &KernelInfo { name, wgsl, .. } in ROWS {
         let source = composed(name, wgsl);
         let module = match naga::front::wgsl::parse_str(&source) {
             Ok(module) => module,
@@ -199,7 +202,7 @@ fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
         assert!(!module.types.iter().any(|(_, ty)| is_float(ty)), "{name} has floats");
     }
     assert!(faults.is_empty(), "{faults}");
-    assert!(structs > KERNELS.len(), "Launch in all, Build in some");
+    assert!(structs > ROWS.len(), "Launch in all, Build in some");
     let radix = composed("histogram", include_str!("histogram.wgsl"));
     assert!(radix.contains(&format!("const DIGIT_BITS: u32 = {DIGIT_BITS}u;")), "{radix}");
     assert!(radix.contains(&format!("const DIGITS: u32 = {DIGITS}u;")), "{radix}");

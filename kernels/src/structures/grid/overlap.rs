@@ -85,7 +85,7 @@ impl Overlap {
     /// [`for_cells`](Self::for_cells) tests, also where the triangle's box is a single cell.
     pub(crate) fn span_mask(&self, first: [i32; 3], cells: u32) -> u32 {
         let Some(row) = self.row(self.center(1, first[1]), self.center(2, first[2])) else { return 0 };
-        (0..cells.min(32)).fold(0, |mask, k| mask | u32::from(self.meets(&row, first[0] + k as i32)) << k)
+        (0..cells.min(32)).fold(0, |mask, k| mask | u32::from(self.meets(&row, first[0].wrapping_add(k as i32))) << k)
     }
 
     /// Middle of a cell.

@@ -13,6 +13,6 @@ struct Build {
     _pad: u32,
 }
 
-@group(1) @binding(1) var<uniform> build: Build;
+@group(1) @binding(0) var<uniform> build: Build;
 // Nine words a triangle, f32 bits.
-@group(1) @binding(2) var<storage, read> vertices: array<u32>;
+@group(1) @binding(1) var<storage, read> vertices: array<u32>;

@@ -1,8 +1,8 @@
-//! What `build.wgsl` has: what the grid is built of.
+//! Twin of `build.wgsl`: what a grid is built of.
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::shared::grid_walk::Grid;
+use super::grid_walk::Grid;
 
 /// The uniform `build`. The WGSL has its floats as bits.
 #[repr(C)]

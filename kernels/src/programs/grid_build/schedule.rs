@@ -1,0 +1,21 @@
+//! In what order the build's kernels run: each once, but for those of the sort.
+
+use super::kernels::{COUNTED, MARKED, SORTED, STARTED, TALLIED};
+use super::radix::digits_of;
+use crate::program::Kernel;
+use crate::program::schedule::{Schedule, Step};
+
+/// The build of a grid of so many cells.
+#[must_use]
+pub fn of(cells: u32) -> Schedule {
+    let digits = digits_of(cells) as usize;
+    let mut kernels: Vec<Kernel> = COUNTED.into();
+    for [count, scatter] in SORTED.into_iter().take(digits) {
+        kernels.push(count);
+        kernels.extend(TALLIED);
+        kernels.push(scatter);
+    }
+    kernels.push(MARKED[digits % 2]);
+    kernels.extend(STARTED);
+    Schedule { steps: kernels.into_iter().map(Step::Run).collect() }
+}

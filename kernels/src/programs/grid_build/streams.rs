@@ -1,0 +1,98 @@
+//! Every stream of the build, in one table. All hold u32.
+//!
+//! ```text
+//! of triangles   box                     low and high cell of the triangle's own box
+//!                first_span              how many spans it has, then where they begin
+//! of spans       span_triangle           whose box it is a piece of
+//!                span_cell               its first cell
+//!                mask                    a bit for each of its cells that the triangle overlaps
+//!                first_reference         how many these are, then where they begin
+//! of references  cell_even  cell_odd     1-D index of the cell; sorted from one to the other
+//!                triangle_even …_odd     the triangle
+//! of tallies     tally                   how often a digit is in a block, then where it goes
+//! of cells       begin  end              where its references are
+//!                start                   how many these are, then where its list starts
+//! ```
+//!
+//! The others hold sums of blocks of 16,384 elements, and the sum of all.
+
+use super::elements::{
+    ALL_CELLS, ALL_SPANS, ALL_TALLIES, ALL_TRIANGLES, CELL_BLOCKS, CELLS, REFERENCES, SPAN_BLOCKS, SPANS, TALLIES,
+    TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES,
+};
+use crate::options::reasons::{Because, Reason, Run};
+use crate::tables::stream::{Stream, streams};
+
+fn always(_: &Run<'_>) -> Reason {
+    (Because::Options, "the cells have too few digits to sort by")
+}
+
+streams! {
+    /// First and last cell that a triangle's own box touches.
+    BOX of TRIANGLES: "box" U32 &["low_x", "low_y", "low_z", "high_x", "high_y", "high_z"], floats: &[],
+        unit: "cell coordinates", unwritten: &[0; 6], why_absent: always;
+    /// How many spans a triangle has; from the scan on, how many all triangles before it have.
+    FIRST_SPAN of TRIANGLES: "first_span" U32 &["spans"], floats: &[], unit: "count of spans", unwritten: &[0],
+        why_absent: always;
+    /// Spans of a block of triangles.
+    SPANS_OF_BLOCK of TRIANGLE_BLOCKS: "spans_of_block" U32 &["spans"], floats: &[], unit: "count of spans",
+        unwritten: &[0], why_absent: always;
+    /// Spans of all triangles.
+    SPANS_IN_ALL of ALL_TRIANGLES: "spans_in_all" U32 &["spans"], floats: &[], unit: "count of spans", unwritten: &[0],
+        why_absent: always;
+    /// Whose box a span is a piece of.
+    SPAN_TRIANGLE of SPANS: "span_triangle" U32 &["triangle"], floats: &[], unit: "triangle id", unwritten: &[0],
+        why_absent: always;
+    /// Its first cell.
+    SPAN_CELL of SPANS: "span_cell" U32 &["x", "y", "z"], floats: &[], unit: "cell coordinates", unwritten: &[0; 3],
+        why_absent: always;
+    /// Which of its cells the triangle overlaps.
+    MASK of SPANS: "mask" U32 &["cells"], floats: &[], unit: "a bit for each cell along x", unwritten: &[0],
+        why_absent: always;
+    /// How many these are; from the scan on, how many those of all spans before it are.
+    FIRST_REFERENCE of SPANS: "first_reference" U32 &["references"], floats: &[], unit: "count of references",
+        unwritten: &[0], why_absent: always;
+    /// References of a block of spans.
+    REFERENCES_OF_BLOCK of SPAN_BLOCKS: "references_of_block" U32 &["references"], floats: &[],
+        unit: "count of references", unwritten: &[0], why_absent: always;
+    /// References of all spans.
+    REFERENCES_IN_ALL of ALL_SPANS: "references_in_all" U32 &["references"], floats: &[], unit: "count of references",
+        unwritten: &[0], why_absent: always;
+    /// A reference's cell, sorted by an even number of digits.
+    CELL_EVEN of REFERENCES: "cell_even" U32 &["cell"], floats: &[], unit: "1-D index of a cell", unwritten: &[0],
+        why_absent: always;
+    /// Its triangle.
+    TRIANGLE_EVEN of REFERENCES: "triangle_even" U32 &["triangle"], floats: &[], unit: "triangle id", unwritten: &[0],
+        why_absent: always;
+    /// A reference's cell, sorted by an odd number of digits.
+    CELL_ODD of REFERENCES: "cell_odd" U32 &["cell"], floats: &[], unit: "1-D index of a cell", unwritten: &[0],
+        why_absent: always;
+    /// Its triangle.
+    TRIANGLE_ODD of REFERENCES: "triangle_odd" U32 &["triangle"], floats: &[], unit: "triangle id", unwritten: &[0],
+        why_absent: always;
+    /// How often a digit occurs in a block of references, all blocks of a digit side by side; from the scan on, where the
+    /// first of them goes.
+    TALLY of TALLIES: "tally" U32 &["references"], floats: &[], unit: "count of references", unwritten: &[0],
+        why_absent: always;
+    /// References of a block of tallies.
+    TALLY_OF_BLOCK of TALLY_BLOCKS: "tally_of_block" U32 &["references"], floats: &[], unit: "count of references",
+        unwritten: &[0], why_absent: always;
+    /// References of all tallies.
+    TALLY_IN_ALL of ALL_TALLIES: "tally_in_all" U32 &["references"], floats: &[], unit: "count of references",
+        unwritten: &[0], why_absent: always;
+    /// Where a cell's references begin.
+    BEGIN of CELLS: "begin" U32 &["reference"], floats: &[], unit: "index of a reference", unwritten: &[0],
+        why_absent: always;
+    /// Where they end.
+    END of CELLS: "end" U32 &["reference"], floats: &[], unit: "index of a reference", unwritten: &[0],
+        why_absent: always;
+    /// How many there are; from the scan on, where the cell's list starts.
+    START of CELLS: "start" U32 &["references"], floats: &[], unit: "count of references", unwritten: &[0],
+        why_absent: always;
+    /// References of a block of cells.
+    STARTS_OF_BLOCK of CELL_BLOCKS: "starts_of_block" U32 &["references"], floats: &[], unit: "count of references",
+        unwritten: &[0], why_absent: always;
+    /// References of all cells.
+    STARTS_IN_ALL of ALL_CELLS: "starts_in_all" U32 &["references"], floats: &[], unit: "count of references",
+        unwritten: &[0], why_absent: always;
+}

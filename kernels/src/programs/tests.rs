@@ -1,0 +1,103 @@
+//! Every program against what must hold of one.
+
+use std::collections::BTreeSet;
+
+use super::*;
+use crate::program::{Fault, Instance, Kernel};
+use crate::tables::elements::{Count, Elements};
+use crate::tables::state::{StateInfo, StateRole, States};
+use crate::tables::stream::StreamInfo;
+
+#[test]
+fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
+    let mut names = BTreeSet::new();
+    for program in ALL {
+        assert_eq!(program.faults(), [], "{program:?}");
+        for stream in program.streams() {
+            assert!(names.insert(stream.name()), "{stream:?}");
+        }
+        for kernel in program.kernels() {
+            assert!(std::ptr::eq(kernel.program(), program), "{kernel:?}");
+        }
+    }
+}
+
+/// A program for the test's life.
+fn changed(change: impl FnOnce(&mut Program)) -> &'static Program {
+    let mut program = Program { ..closest_hit::PROGRAM };
+    change(&mut program);
+    Box::leak(Box::new(program))
+}
+
+fn leaked<T>(values: Vec<T>) -> &'static [T] {
+    Vec::leak(values)
+}
+
+/// The kernels with one of them changed.
+fn with(kernel: Kernel, change: impl FnOnce(&mut Instance)) -> &'static [Instance] {
+    let mut change = Some(change);
+    let copy = |instance: &Instance| {
+        let mut copy = Instance { ..*instance };
+        if instance.index == kernel.instance().index
+            && let Some(change) = change.take()
+        {
+            change(&mut copy);
+        }
+        copy
+    };
+    leaked(closest_hit::PROGRAM.kernels.iter().map(copy).collect())
+}
+
+#[test]
+fn every_fault_is_found_and_said() {
+    use closest_hit::kernels::{ACCUMULATE, GENERATE, INTERSECT, SHADE};
+    use closest_hit::states::{BACKGROUND, STATES};
+    use closest_hit::streams::STREAMS;
+    static NOWHERE: Elements = Elements { name: "nowhere", count: Count::Image };
+    static LOST: Elements = Elements { name: "lost", count: Count::Per { of: "nowhere", per: 2, each: 1 } };
+    let state = |tag, name| StateInfo { tag, name, role: StateRole::Active, colour: [0; 3], meaning: "" };
+    let more = |tag, name| {
+        let states = STATES.iter().copied().chain([state(tag, name)]);
+        States(leaked(states.collect()))
+    };
+    let stream = |change: fn(&mut StreamInfo)| {
+        let mut streams = STREAMS.to_vec();
+        change(&mut streams[0]);
+        leaked(streams)
+    };
+    let cases: Vec<(&str, &'static Program)> = vec![
+        ("two streams are called \"state\"", changed(|p| p.streams = stream(|s| s.name = "state"))),
+        ("ray_origin does not stand at its own place", changed(|p| p.streams = stream(|s| s.index = 5))),
+        ("has 9 states, at most 8 fit", changed(|p| p.states = more(8, "LATE"))),
+        ("stream ray_origin has 3 layers and 1 values", changed(|p| p.streams = stream(|s| s.unwritten = &[0]))),
+        ("ray_origin names elements \"nowhere\"", changed(|p| p.streams = stream(|s| s.elements = &NOWHERE))),
+        ("lost names elements \"nowhere\"", changed(|p| p.elements = leaked(vec![p.elements[0], &LOST]))),
+        ("intersect names list 7", changed(|p| p.kernels = with(INTERSECT, |k| k.kernel.list = Some(7)))),
+        ("intersect names state 99", changed(|p| p.kernels = with(INTERSECT, |k| k.kernel.takes = &[99]))),
+        ("generate names elements \"nowhere\"", changed(|p| p.kernels = with(GENERATE, |k| k.over = &NOWHERE))),
+        ("generate names \"nothing\"", changed(|p| p.kernels = with(GENERATE, |k| k.binds = &[("hit", "nothing")]))),
+        ("shade sends nothing on from BACKGROUND", changed(|p| p.kernels = with(SHADE, |k| k.kernel.sends = &[]))),
+        (
+            "accumulate does not take what it sends on from DONE",
+            changed(|p| p.kernels = with(ACCUMULATE, |k| k.kernel.takes = &[])),
+        ),
+        (
+            "no kernel takes elements from state BACKGROUND",
+            changed(|p| {
+                p.kernels = with(SHADE, |k| k.kernel.takes = if BACKGROUND == 6 { &[5] } else { &[] });
+            }),
+        ),
+    ];
+    for (said, program) in cases {
+        let faults = program.faults();
+        assert!(faults.iter().any(|fault| fault.to_string().contains(said)), "{said}: {faults:#?}");
+    }
+    // A state that no kernel sends to, in a program that has room for one.
+    let mut states = STATES.0[..7].to_vec();
+    states.push(state(7, "IDLE"));
+    let idle = changed(|p| {
+        p.states = States(leaked(states));
+        p.kernels = with(SHADE, |k| k.kernel.sends = &[]);
+    });
+    assert!(idle.faults().iter().any(|f| matches!(f, Fault::DeadEnd { state: "IDLE", .. })), "{:?}", idle.faults());
+}
