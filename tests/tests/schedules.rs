@@ -1,24 +1,24 @@
 //! Which kernels run, in what order, is data: the first passes of every schedule, and when a plan leaps.
 
 use raystep_kernels::plan::Because;
-use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Plan, ScheduleKind, Skip};
 use raystep_scenes::{Scene, generate};
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{options, scene, traced};
 
 fn letter(kernel: Kernel) -> char {
-    match kernel {
-        kernels::GENERATE => 'g',
-        kernels::SETUP => 's',
-        kernels::INTERSECT => 'i',
+    match kernel.name() {
+        "generate" => 'g',
+        "setup" => 's',
+        "intersect" => 'i',
         // To the next cell, to the next node.
-        kernels::TRAVERSE_GRID => 'c',
-        kernels::TRAVERSE_BVH => 'n',
-        kernels::WALK => 'w',
-        kernels::FUSED => 'f',
-        kernels::SHADE => '*',
-        kernels::ACCUMULATE => '+',
+        "traverse_grid" => 'c',
+        "traverse_bvh" => 'n',
+        "walk" => 'w',
+        "fused" => 'f',
+        "shade" => '*',
+        "accumulate" => '+',
+        _ => '?',
     }
 }
 
