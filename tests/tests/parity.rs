@@ -225,10 +225,9 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     }
     // The table of transitions is what happens: nothing else, and all of it.
     let listed: BTreeSet<_> = PROGRAM.transitions().map(|(kernel, t)| (t.from, kernel, t.to)).collect();
+    let name = |tag| states::STATES.name(tag);
     let named = |ways: Vec<&(u32, Kernel, u32)>| {
-        ways.iter()
-            .map(|w| format!("{} {} {}", states::STATES.name(w.0), w.1.name(), states::STATES.name(w.2)))
-            .collect::<Vec<_>>()
+        ways.iter().map(|w| format!("{} {} {}", name(w.0), w.1.name(), name(w.2))).collect::<Vec<_>>()
     };
     assert_eq!(named(sum.transitions.difference(&listed).collect()), [""; 0], "taken, but not listed");
     // The grid's box is a margin larger than the scene, so no hit of a real scene is left over when a ray leaves it:
