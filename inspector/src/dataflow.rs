@@ -15,10 +15,9 @@ mod layout;
 mod svg;
 
 use raystep_kernels::plan::Bytes;
-use raystep_kernels::programs::closest_hit::kernels::KernelInfo;
-use raystep_kernels::scene_data::buffers;
 use raystep_kernels::shader::{Binding, Resource};
-use raystep_kernels::{Kernel, Plan, Stream};
+use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::{Kernel, Plan, Program, Stream};
 
 /// The graph and where it is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,15 +105,17 @@ impl Access {
 }
 
 impl DataFlow {
-    /// The data flow of a run. What the plan leaves out is not there, and neither are the books of live rays.
+    /// The data flow of a run. What the plan leaves out is not there, and neither are the books of live rays, nor what
+    /// counts for them.
     #[must_use]
     pub fn new(plan: &Plan) -> Self {
-        let kernels = plan.variants.iter().map(|v| kernel_node(v.kernel.info()));
+        let variants: Vec<_> = plan.variants.iter().filter(|v| v.kernel.role() != Role::Count).collect();
+        let kernels = variants.iter().map(|v| kernel_node(v.kernel));
         let streams = plan.streams.iter().map(|s| stream_node(s.what));
-        let buffers = plan.buffers.iter().filter_map(|b| buffer_node(b.what, b.bytes));
+        let buffers = plan.buffers.iter().filter_map(|b| buffer_node(plan.program, b.what, b.bytes));
         let nodes: Vec<Node> = kernels.chain(streams).chain(buffers).collect();
         let mut edges = Vec::new();
-        for (kernel, variant) in plan.variants.iter().enumerate() {
+        for (kernel, variant) in variants.iter().enumerate() {
             for binding in variant.bindings.iter().filter(|b| !matches!(b.resource, Resource::Live { .. })) {
                 let is_bound = |n: &Node| !matches!(n.kind, NodeKind::Kernel(_)) && n.label == binding.name;
                 if let Some(data) = nodes.iter().position(is_bound) {
@@ -149,8 +150,8 @@ fn node(kind: NodeKind, label: &str, detail: String, about: String) -> Node {
     Node { kind, label: label.into(), detail, about, min: [0.0; 2], max: [0.0; 2] }
 }
 
-fn kernel_node(info: &KernelInfo) -> Node {
-    node(NodeKind::Kernel(info.kernel), info.name, String::new(), info.summary.into())
+fn kernel_node(kernel: Kernel) -> Node {
+    node(NodeKind::Kernel(kernel), kernel.name(), String::new(), kernel.info().summary.into())
 }
 
 fn stream_node(stream: Stream) -> Node {
@@ -159,7 +160,7 @@ fn stream_node(stream: Stream) -> Node {
 }
 
 /// `None` for what is no scene data: the executor's own buffers.
-fn buffer_node(name: &'static str, bytes: u64) -> Option<Node> {
-    let info = buffers::info(name)?;
+fn buffer_node(program: &Program, name: &str, bytes: u64) -> Option<Node> {
+    let info = program.buffer(name)?;
     Some(node(NodeKind::Buffer(info.name), info.name, Bytes(bytes).to_string(), info.element.into()))
 }

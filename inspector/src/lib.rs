@@ -7,6 +7,7 @@ pub mod dataflow;
 pub mod draw;
 pub mod exports;
 pub mod link;
+pub mod names;
 pub mod orbit;
 pub mod ray_text;
 pub mod saved;

@@ -2,11 +2,10 @@
 //! in one pass which lines ran.
 //!
 //! Which arms were taken is told by the ray's streams before and after the pass: every condition of a kernel's file is
-//! named in a table ([`conditions`]) with what it means for them. What they do not tell, a material's
+//! named in a table ([`conditions`](raystep_kernels::programs::closest_hit::conditions)) with what it means for them. What they do not tell, a material's
 //! texture or a loop's count, is marked [`Mark::Unknown`]: nothing is guessed, and nothing is run again.
 
 mod block;
-pub mod conditions;
 mod marks;
 mod words;
 
@@ -15,9 +14,9 @@ use std::ops::Range;
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::RayState;
 use raystep_kernels::options::features::Features;
+use raystep_kernels::programs::closest_hit::conditions::Case;
 use raystep_kernels::shader::Variant;
 
-pub use conditions::Case;
 pub use words::Class;
 
 /// What a line did for one ray in one pass.

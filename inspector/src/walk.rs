@@ -14,15 +14,14 @@ mod svg;
 mod tested;
 mod unfolded;
 
-use raystep_kernels::programs::closest_hit::states;
 use std::ops::Range;
 
 use glam::DVec3;
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
+use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::tables::state;
 
 pub use aabb::Aabb;
 pub use cells::{CellVisit, Crossing, Entry};

@@ -1,10 +1,10 @@
 //! What the tests that cross crates share: the scenes of the repository, a GPU, and comparisons.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, Renderer, ScheduleKind, Stream, StreamData};
 use raystep_lab::judge::{Cracks, Judge, Report, Traced, check_rays};
 use raystep_lab::reference::Mistake;

@@ -8,14 +8,9 @@ mod test;
 mod tree;
 
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
-use raystep_kernels::programs::closest_hit::states::BACKGROUND;
-use raystep_kernels::programs::closest_hit::states::DONE;
-use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
-use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
-use raystep_kernels::programs::closest_hit::states::SHADE;
-use raystep_kernels::programs::closest_hit::states::TRAV;
-use raystep_kernels::programs::closest_hit::states::TRAV_SETUP;
-use raystep_kernels::programs::closest_hit::states::UNWRITTEN;
+use raystep_kernels::programs::closest_hit::states::{
+    BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, UNWRITTEN,
+};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::state::Tag;
 use scan::{Scan, same};

@@ -2,7 +2,7 @@
 
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, Renderer, Stream};
+use raystep_kernels::{Accelerator, Device, Options, Ray, RaySource, Renderer};
 use raystep_lab::rays::PrimaryHits;
 use raystep_lab::reference::{Possible, possible};
 use raystep_scenes::Scene;

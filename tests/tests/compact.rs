@@ -1,7 +1,7 @@
 //! The compact schedule with one step a pass is the paper's second strategy, but for what it launches.
 
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::{Accelerator, Device, ScheduleKind, Stream};
+use raystep_kernels::{Accelerator, Device, ScheduleKind};
 use raystep_scenes::Scene;
 use raystep_tests::ways::Way;
 use raystep_tests::{block_on, devices, hits, options, scene, values};

@@ -1,11 +1,11 @@
 //! Devices that are not as one would wish: no timers, lost, too small.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{
-    AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Options, Plan, PlanError, RenderError, Renderer, Stream,
+    AdapterChoice, Device, Gpu, GpuError, GridSize, Limits, Options, Plan, PlanError, RenderError, Renderer,
 };
 use raystep_scenes::generate;
 use raystep_tests::ways::stepped;

@@ -1,10 +1,10 @@
 //! The divergence map: a broken kernel is named with its pass, and an honest device never parts.
 
-use raystep_kernels::programs::closest_hit::{kernels, streams};
 use std::ops::ControlFlow;
 
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
-use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, Renderer, ScheduleKind, Stream};
+use raystep_kernels::programs::closest_hit::{kernels, streams};
+use raystep_kernels::{Accelerator, Device, GridSize, Kernel, Limits, Options, Plan, Renderer, ScheduleKind};
 use raystep_lab::divergence::{Against, Class, DivergenceMap, divergence};
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, gpu, options, scene};

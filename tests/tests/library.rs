@@ -1,10 +1,10 @@
 //! The crates as somebody else's program uses them: no window, no command line, any executor.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, RenderError, Renderer, Stream};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, RenderError, Renderer};
 use raystep_scenes::{Camera, Scene};
 
 /// The triangle that the centre pixel sees, traced on the GPU: all that a program has to write.

@@ -2,22 +2,14 @@
 
 mod traces;
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
-use raystep_kernels::Accelerator;
-use raystep_kernels::Device;
-use raystep_kernels::Options;
-use raystep_kernels::PassTotals;
-use raystep_kernels::Region;
-use raystep_kernels::RenderError;
-use raystep_kernels::Renderer;
-use raystep_kernels::Samples;
-use raystep_kernels::ScheduleKind;
-use raystep_kernels::Stream;
-use raystep_kernels::StreamData;
 use raystep_kernels::export::trace::ray_state;
-use raystep_kernels::programs::closest_hit::states::STATES;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::tables::state::StateCounts;
+use raystep_kernels::{
+    Accelerator, Device, Options, PassTotals, Region, RenderError, Renderer, Samples, ScheduleKind, StreamData,
+};
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
 
@@ -38,7 +30,7 @@ async fn all(renderer: &Renderer) -> Vec<StreamData> {
 }
 
 /// What must be the same in two runs: all but the times.
-fn books(renderer: &Renderer) -> Vec<(raystep_kernels::Kernel, u32, u32, [u32; STATES.len()], u64)> {
+fn books(renderer: &Renderer) -> Vec<(raystep_kernels::Kernel, u32, u32, StateCounts, u64)> {
     renderer.passes().iter().map(|p| (p.kernel, p.iteration, p.rays_in, p.counts, p.threads_launched)).collect()
 }
 

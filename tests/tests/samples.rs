@@ -1,13 +1,13 @@
 //! Several samples a pixel: the picture is the mean of the pictures of its samples, in every way to trace it, and
 //! one sample is what it always was.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_kernels::plan::PlanError;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{
     Accelerator, Device, Kernel, Limits, Numerics, Options, Plan, Ray, RaySource, Renderer, Sampler, Samples,
-    ScheduleKind, Stream, StreamData,
+    ScheduleKind, StreamData,
 };
 use raystep_scenes::{Camera, Projection, Scene};
 use raystep_tests::ways::{EVERY, Way};

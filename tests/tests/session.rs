@@ -1,11 +1,11 @@
 //! Going back shows bit for bit what was there, however much of it is kept; a kernel and a turn are found.
 
-use raystep_kernels::programs::closest_hit::{kernels, streams};
 use std::ops::ControlFlow;
 
 use raystep_inspector::{Session, Target, go_on};
 use raystep_kernels::export::trace::{Rays, trace};
-use raystep_kernels::{Accelerator, Device, Kernel, RenderError, ScheduleKind, Stream, StreamData};
+use raystep_kernels::programs::closest_hit::{kernels, streams};
+use raystep_kernels::{Accelerator, Device, RenderError, ScheduleKind, StreamData};
 use raystep_tests::sessions::{go, streams};
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu_of, options, scene};

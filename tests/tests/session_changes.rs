@@ -3,9 +3,9 @@
 use raystep_inspector::{Fired, Session, Target, Watch, Way as Direction, go_on};
 use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
 use raystep_kernels::programs::closest_hit::{kernels, states, streams};
-use raystep_kernels::tables::state;
+use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::{Accelerator, Device, Kernel, RenderError, Renderer, ScheduleKind, Stream};
+use raystep_kernels::{Accelerator, Device, RenderError, Renderer, ScheduleKind};
 use raystep_tests::sessions::{go, streams};
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, devices, gpu_of, options, scene, streams_of};
@@ -93,8 +93,7 @@ fn the_ray_that_takes_too_many_steps_is_found() {
                 let fired = both_ways(&mut session, Watch::MoreSteps(3)).await;
                 let place = fired.first().expect("some walk far").place;
                 go(&mut session, Target::Pass(place)).await;
-                let walks =
-                    |p: &raystep_kernels::Pass| matches!(p.kernel, kernels::TRAVERSE_GRID | kernels::TRAVERSE_BVH);
+                let walks = |p: &raystep_kernels::Pass| p.kernel.role() == Role::Step;
                 let passes = session.passes().iter().filter(|p| walks(p)).count();
                 assert_eq!(passes, 4, "{name} {way}: the fourth step of a ray that never waited");
                 assert_eq!(fired[0].value, "4 steps");

@@ -5,7 +5,7 @@ use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule, Stream};
+use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, Renderer, Rule};
 use raystep_lab::judge::Judge;
 use raystep_lab::reference::{Verdict, possible};
 use raystep_lab::stability::{self, CASES, Variant};

@@ -2,7 +2,7 @@
 
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::{Accelerator, GridSize, Stream};
+use raystep_kernels::{Accelerator, GridSize};
 use raystep_tests::ways::FAST;
 use raystep_tests::{devices, options, scene, thorough, traced, values, watertight};
 

@@ -3,17 +3,16 @@
 mod left_out;
 mod wanted;
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
+use raystep_inspector::names;
 use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
-use raystep_kernels::programs::closest_hit::streams::STREAMS;
-use raystep_kernels::tables::stream::StreamInfo;
+use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
 use raystep_kernels::{Kernel, Pass, Stream, StreamData};
 use serde::Serialize;
 
@@ -95,8 +94,8 @@ fn parse_stream(value: &str) -> Result<Wanted, String> {
     if value == "all" {
         return Ok(Wanted::All);
     }
-    let names = || STREAMS.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
-    let found = Stream::from_name(value).map(Wanted::Stream);
+    let names = || names::streams().collect::<Vec<_>>().join(", ");
+    let found = names::stream(value).map(Wanted::Stream);
     found.ok_or_else(|| format!("there is no such stream; there are {}, and all", names()))
 }
 
@@ -169,8 +168,8 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         options.counters = args.counters || args.stream.contains(&Wanted::Stream(streams::COUNTERS));
-        let needs_shading = |s: &StreamInfo| is_wanted(s.stream) && needs_shading(s.stream, options.schedule);
-        options.shade = STREAMS.iter().any(needs_shading) || options.samples.count > 1;
+        let needs_shading = |s| is_wanted(s) && needs_shading(s, options.schedule);
+        options.shade = PROGRAM.streams().any(needs_shading) || options.samples.count > 1;
     })?;
     // So many lights take several passes, and how many is known only by running them.
     if !session.options.shade && session.scene.lights.len() as u64 > u64::from(session.chosen.limits().turns) {
@@ -305,7 +304,7 @@ fn index(running: &Running, streams: &[Stream], left_out: LeftOut, last: Option<
         iteration: Some(pass.iteration),
         rays_in: Some(pass.rays_in),
         rays_out: Some(csv::rays_out(pass)),
-        rays_by_state: Some(json::states(&pass.counts)),
+        rays_by_state: Some(json::states(plan.program, &pass.counts)),
         files: Vec::new(),
     };
     let before = left_out.first.map(|kernel| IndexPass::left_out(0, kernel));

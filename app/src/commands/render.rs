@@ -1,6 +1,5 @@
 //! `raystep render`
 
-use raystep_kernels::programs::closest_hit::{kernels, streams};
 use std::io::Cursor;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -11,7 +10,9 @@ use raystep_kernels::export::csv::{PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
-use raystep_kernels::{Image, Kernel, Numerics, RayHit, Stream};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::{Image, Numerics, RayHit};
 use raystep_lab::judge::{Report, Traced, check_rays};
 
 use super::summary;
@@ -148,7 +149,7 @@ fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<O
     }
     let (mut all, mut before) = (Vec::new(), CounterSums::default());
     while let Some(pass) = chosen.wait(renderer.step())? {
-        if matches!(pass.kernel, kernels::SETUP | kernels::FUSED) {
+        if matches!(pass.kernel.role(), Role::Enter | Role::Whole) {
             // They count from 0 in every sample.
             before = CounterSums::default();
         }

@@ -1,10 +1,10 @@
 //! A stream as a picture, drawn from the stream's own texture: nothing is read back for it.
 
 use raystep_kernels::Stream;
-use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::{self, STATE_ITEM};
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::tables::state;
-use raystep_kernels::tables::stream::Texel;
+use raystep_kernels::tables::state::{States, Tag};
+use raystep_kernels::tables::stream::{STATE_TAG, Texel};
 use serde::{Deserialize, Serialize};
 
 use super::picture::{FORMAT, filled};
@@ -61,17 +61,11 @@ impl Colors {
     }
 }
 
-/// The colours of rays' states, by tag: the same in every panel.
-pub const STATE_COLORS: [[u8; 3]; state::COUNT] = [
-    [40, 40, 46],
-    [190, 174, 212],
-    [56, 108, 176],
-    [253, 192, 134],
-    [240, 120, 40],
-    [127, 201, 127],
-    [102, 102, 120],
-    [225, 225, 230],
-];
+/// The colour of a state: the same in every panel.
+#[must_use]
+pub fn state_color(states: States, tag: Tag) -> [u8; 3] {
+    states.0.get(tag as usize).or(states.0.last()).map_or([0; 3], |state| state.colour)
+}
 
 /// What a component means for its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,9 +89,10 @@ impl Meaning {
         let Some(layer) = layer else {
             return if stream == streams::COLOR { Self::Color } else { Self::of(stream, Some(0)) };
         };
-        match (stream, layer) {
-            (streams::STATE, 0) => Self::Tag,
-            (streams::STATE, 3) | (streams::COUNTERS, _) => Self::Count,
+        match layer {
+            STATE_TAG if stream == streams::STATE => Self::Tag,
+            STATE_ITEM if stream == streams::STATE => Self::Count,
+            _ if stream == streams::COUNTERS => Self::Count,
             _ if stream.is_float_layer(layer) => Self::Scalar,
             _ => Self::Id,
         }
@@ -109,6 +104,8 @@ impl Meaning {
 pub struct Picture<'a> {
     /// Which stream.
     pub stream: Stream,
+    /// The states of its program.
+    pub states: States,
     /// Its texture.
     pub texture: &'a wgpu::Texture,
     /// Taken from it, texel by texel: the same stream of another run.
@@ -253,7 +250,7 @@ impl StreamPainter {
         let colors: Vec<[f32; 4]> = (0..256)
             .map(|i| {
                 let [r, g, b] = match picture.meaning {
-                    Meaning::Tag => STATE_COLORS[i.min(state::COUNT - 1)],
+                    Meaning::Tag => state_color(picture.states, i as Tag),
                     _ => picture.colors.at(i as f64 / 255.0),
                 };
                 [r, g, b, 255].map(|c| f32::from(c) / 255.0)

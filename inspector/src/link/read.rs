@@ -3,12 +3,13 @@
 use std::str::FromStr;
 
 use percent_encoding::percent_decode_str;
-use raystep_kernels::{GridSize, Ray, Samples, Stream};
+use raystep_kernels::{GridSize, Ray, Samples};
 
 use super::error::start;
 use super::{
     KEYS, Link, LinkCamera, LinkDevice, LinkError, LinkRay, LinkStream, MOST_CELLS, MOST_PIXELS, MOST_STEPS, VERSION,
 };
+use crate::names;
 
 /// The pairs of a link; a key is there once.
 struct Pairs(Vec<(&'static str, String)>);
@@ -187,10 +188,8 @@ fn stream(value: &str) -> Result<LinkStream, String> {
         Some((name, layer)) => (name, Some(layer)),
         None => (value, None),
     };
-    let stream = Stream::from_name(name).ok_or_else(|| {
-        let names: Vec<_> = raystep_kernels::tables::stream::STREAMS.iter().map(|s| s.name).collect();
-        format!("one of {} is wanted", names.join(", "))
-    })?;
+    let stream = names::stream(name)
+        .ok_or_else(|| format!("one of {} is wanted", names::streams().collect::<Vec<_>>().join(", ")))?;
     let layers = stream.info().layers;
     let index = layer.map(|layer| layers.iter().position(|l| *l == layer));
     match index {

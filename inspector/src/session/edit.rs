@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::travel::Guide;
 use super::{OnProgress, Session, go_on};
+use crate::names::saved_stream;
 
 /// One component of one ray that was changed between two passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -12,6 +13,7 @@ pub struct Edit {
     /// Passes before it.
     pub place: usize,
     /// The stream.
+    #[serde(deserialize_with = "saved_stream")]
     pub stream: Stream,
     /// The component.
     pub layer: usize,

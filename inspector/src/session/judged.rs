@@ -1,7 +1,6 @@
 //! Whether the rays of a session's run can be judged.
 
 use raystep_kernels::Plan;
-use raystep_kernels::programs::closest_hit::streams;
 
 use super::Edit;
 
@@ -19,7 +18,8 @@ pub fn why_not(plan: &Plan, edits: &[Edit], twins: Option<usize>) -> Option<&'st
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::{Limits, Options, RaySource, Stream};
+    use raystep_kernels::programs::closest_hit::streams;
+    use raystep_kernels::{Limits, Options, RaySource};
     use raystep_scenes::generate;
 
     use super::*;

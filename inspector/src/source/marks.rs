@@ -10,8 +10,8 @@ use raystep_kernels::options::features::Features;
 
 use super::Mark;
 use super::block::{Block, Choice, Function, Kind, Statement, functions};
-use super::conditions::Case;
 use super::words::words;
+use raystep_kernels::programs::closest_hit::conditions::Case;
 
 /// Whether the ray came to a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

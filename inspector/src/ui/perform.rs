@@ -8,7 +8,6 @@ use super::palette::Palette;
 use super::pane::{Context, PaneKind};
 use crate::session::request::Request;
 use crate::session::{Model, Target, Way};
-use raystep_kernels::Stream;
 use raystep_kernels::export::trace::TraceRow;
 use raystep_kernels::programs::closest_hit::streams;
 

@@ -1,10 +1,10 @@
 //! What is taken away: exports, handed to the host to be saved.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::any::Any;
 use std::ops::ControlFlow;
 
 use raystep_kernels::export::csv::{RunContext, Timer};
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Pass, Progress, Stream};
 
 use super::Inspector;

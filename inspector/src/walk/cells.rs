@@ -1,14 +1,12 @@
 //! The cells of a walk through the grid.
 
 use glam::DVec3;
-use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, TraceRow};
 use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::programs::closest_hit::{kernels, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::shared::grid_walk::smallest_axis;
-use raystep_kernels::tables::state;
 
 use super::{Aabb, WalkGeometry, finite, is_kernel, is_walking, list};
 

@@ -1,6 +1,5 @@
 //! The rows of a trace in which something happens to the ray: what F11 steps through.
 
-use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::kernels;
 use raystep_kernels::scene_data::SceneData;

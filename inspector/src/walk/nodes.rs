@@ -1,12 +1,10 @@
 //! The nodes of a walk through the tree.
 
-use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, TraceRow};
 use raystep_kernels::programs::closest_hit::{kernels, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::parent_of;
 use raystep_kernels::shared::constants::NO_NODE;
-use raystep_kernels::tables::state;
 
 use super::{Aabb, WalkGeometry, is_kernel, is_walking};
 

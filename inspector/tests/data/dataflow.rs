@@ -1,7 +1,7 @@
 //! The data flow as it is drawn: what the paper's Table 1 says, and nothing over anything else.
 
 use raystep_inspector::dataflow::{Access, DataFlow, Edge, Node, NodeKind};
-use raystep_kernels::programs::closest_hit::kernels;
+use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::{Accelerator, Kernel, Limits, Options, Plan, ScheduleKind, Stream};
 use raystep_scenes::generate;
 
@@ -15,20 +15,20 @@ fn graph(options: &Options, scene: &raystep_scenes::Scene) -> DataFlow {
 #[test]
 fn the_papers_schedule_is_drawn_as_table_1_says() {
     use Access::{Update, Write};
-    use Stream::{Color, Hit, RayDirection, RayOrigin, State, TMax};
+    use streams::{COLOR, HIT, RAY_DIRECTION, RAY_ORIGIN, STATE, TMAX};
     let scene = generate::cornell_box();
     let graph = graph(&options(&scene, Accelerator::Grid, ScheduleKind::Second, [8, 8]), &scene);
     let table: [(Kernel, &[(Stream, Access)]); 5] = [
         // Hit is set to "no triangle" with the ray, and state read so that a ray is made once; the paper discards
         // fragments instead.
-        (kernels::GENERATE, &[(RayOrigin, Write), (RayDirection, Write), (State, Update), (Hit, Write)]),
+        (kernels::GENERATE, &[(RAY_ORIGIN, Write), (RAY_DIRECTION, Write), (STATE, Update), (HIT, Write)]),
         // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
-        (kernels::SETUP, &[(State, Update), (TMax, Write)]),
+        (kernels::SETUP, &[(STATE, Update), (TMAX, Write)]),
         // In the paper hit is written whole by every pass; here only where a triangle is nearer.
-        (kernels::INTERSECT, &[(State, Update), (Hit, Update)]),
-        (kernels::TRAVERSE_GRID, &[(State, Update), (TMax, Update)]),
+        (kernels::INTERSECT, &[(STATE, Update), (HIT, Update)]),
+        (kernels::TRAVERSE_GRID, &[(STATE, Update), (TMAX, Update)]),
         // The state becomes DONE, so that the live counts tell when the image is complete.
-        (kernels::SHADE, &[(State, Update), (Color, Write)]),
+        (kernels::SHADE, &[(STATE, Update), (COLOR, Write)]),
     ];
     let kernels: Vec<_> =
         graph.nodes.iter().map_while(|n| if let NodeKind::Kernel(k) = n.kind { Some(k) } else { None }).collect();

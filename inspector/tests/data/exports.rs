@@ -1,13 +1,13 @@
 //! What is taken away has the formats of the command line, and names that every file system takes.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_inspector::exports::{self, Export};
 use raystep_inspector::link::Link;
 use raystep_kernels::export::csv::{COLUMNS, PassWork, RunContext, Timer};
 use raystep_kernels::export::trace::{Rays, trace};
-use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind, Stream};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::{Accelerator, Device, Renderer, ScheduleKind};
 use raystep_scenes::generate;
 
 use crate::data::common::options;

@@ -1,9 +1,8 @@
 //! Links come back as what they were written from, and no text makes reading one panic.
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::STREAMS;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
+use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
+use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip};
 
 struct Random(fastrand::Rng);
 
@@ -86,7 +85,7 @@ impl Random {
             },
             pass: self.maybe(|r| r.below(usize::MAX)),
             stream: self.maybe(|r| {
-                let stream = r.of(&STREAMS).stream;
+                let stream = r.of(&PROGRAM.streams().collect::<Vec<_>>());
                 LinkStream { stream, layer: r.maybe(|r| r.below(stream.layers())) }
             }),
             zoom: self.maybe(|r| r.f32().abs().max(f32::MIN_POSITIVE)),

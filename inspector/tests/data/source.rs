@@ -1,53 +1,55 @@
 //! The marks beside a kernel's lines: no condition without a meaning, and over whole traces they agree with what the
 //! ray did.
 
-use raystep_kernels::programs::closest_hit::kernels;
 use std::collections::BTreeSet;
 
-use raystep_inspector::source::conditions::CONDITIONS;
 use raystep_inspector::source::{Class, Line, Mark, composed, conditions_in, kernel_file, lines};
 use raystep_kernels::export::trace::{RayState, ray_state};
-use raystep_kernels::programs::closest_hit::kernels::KERNELS;
+use raystep_kernels::programs::closest_hit::states::STATES;
+use raystep_kernels::programs::closest_hit::{PROGRAM, conditions, kernels};
 use raystep_kernels::{Accelerator, Device, Kernel, Numerics, Options, Renderer, Samples, ScheduleKind};
 use raystep_scenes::{Scene, generate};
 
 use crate::data::common::options;
 
 const STEPPED: [Kernel; 7] = {
-    use Kernel::{Accumulate, Generate, Intersect, Setup, Shade, TraverseBvh, TraverseGrid};
-    [Generate, Setup, TraverseGrid, TraverseBvh, Intersect, Shade, Accumulate]
+    use kernels::{ACCUMULATE, GENERATE, INTERSECT, SETUP, SHADE, TRAVERSE_BVH, TRAVERSE_GRID};
+    [GENERATE, SETUP, TRAVERSE_GRID, TRAVERSE_BVH, INTERSECT, SHADE, ACCUMULATE]
 };
 
 #[test]
 fn every_condition_of_a_kernel_is_in_the_table_and_the_table_has_no_other() {
     for kernel in STEPPED {
         let found: BTreeSet<String> = conditions_in(kernel).expect("understood").into_iter().collect();
-        let rows = || CONDITIONS.iter().filter(|c| c.kernel == kernel).map(|c| c.text.to_owned());
+        let rows = || conditions::of(kernel).iter().map(|c| c.text.to_owned());
         assert_eq!(rows().collect::<BTreeSet<_>>(), found, "{kernel}", kernel = kernel.name());
         assert_eq!(rows().count(), found.len(), "{}: a row is there twice", kernel.name());
     }
-    for row in CONDITIONS {
-        let found = conditions_in(row.kernel).expect("understood");
-        assert!(found.iter().any(|text| text == row.text), "{}: {}", row.kernel.name(), row.text);
+    for kernel in PROGRAM.kernels() {
+        let found = conditions_in(kernel).expect("understood");
+        for row in conditions::of(kernel) {
+            assert!(found.iter().any(|text| text == row.text), "{}: {}", kernel.name(), row.text);
+        }
     }
 }
 
 #[test]
 fn every_branch_and_loop_of_every_file_is_found() {
-    for info in KERNELS {
+    for kernel in PROGRAM.kernels() {
+        let info = kernel.info();
         let words = lines(info.wgsl).into_iter().flat_map(|line| {
             let keywords = line.spans.iter().filter(|(_, class)| *class == Class::Keyword);
             keywords.map(|(range, _)| line.text[range.clone()].to_owned()).collect::<Vec<_>>()
         });
         let branching = ["if", "for", "while", "loop", "switch"];
         let count = words.filter(|word| branching.contains(&word.as_str())).count();
-        assert_eq!(conditions_in(info.kernel).expect("understood").len(), count, "{}", info.name);
+        assert_eq!(conditions_in(kernel).expect("understood").len(), count, "{}", info.name);
     }
 }
 
 #[test]
 fn lines_are_the_text_and_spans_are_the_whole_line() {
-    for info in KERNELS {
+    for info in PROGRAM.kernels().map(Kernel::info) {
         let lines = lines(info.wgsl);
         assert_eq!(lines.iter().map(|l| l.text.clone() + "\n").collect::<String>(), info.wgsl, "{}", info.name);
         for line in &lines {
@@ -119,9 +121,7 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
                     let stores = ran(&lines, "textureStore(state, texel, 0,");
                     assert_eq!(stores.len(), 1, "{}: {stores:?}", what());
                     let store = &stores[0].text;
-                    let named = raystep_kernels::tables::state::STATES
-                        .iter()
-                        .find(|s| store.contains(&format!("({})", s.name)));
+                    let named = STATES.iter().find(|s| store.contains(&format!("({})", s.name)));
                     assert!(named.is_none_or(|s| s.tag == after.tag), "{}: {store}", what());
                     let moved = |part: &str| !ran(&lines, part).is_empty();
                     if kernel == kernels::INTERSECT {

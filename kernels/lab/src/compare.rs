@@ -1,7 +1,6 @@
 //! Two runs' values of a stream, one against the other: in numbers, ray by ray, and as a signed picture.
 
 use raystep_kernels::numbers::real::ulps;
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::{Stream, StreamData};
 
@@ -148,6 +147,8 @@ fn is_ordinary(value: f32) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::programs::closest_hit::streams;
+
     use super::*;
 
     fn stream(stream: Stream, layers: &[&[f32]]) -> StreamData {

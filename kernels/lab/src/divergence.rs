@@ -6,12 +6,11 @@
 
 mod map;
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_kernels::executor::cpu::CpuExecutor;
-use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::{Pass, Plan, Progress, RenderError, Renderer, Stream, StreamData};
 
 use crate::rounding::{Rounding, judging_bytes};
@@ -52,10 +51,11 @@ pub async fn divergence(
 ) -> Result<DivergenceMap, RenderError> {
     renderer.restart();
     let is_gpu = renderer.gpu().is_some();
-    let mut single = CpuExecutor::<f32>::new(renderer.plan(), None)?;
-    let mut double = CpuExecutor::<f64>::new(renderer.plan(), None)?;
-    let mut map = DivergenceMap::new(renderer.plan());
-    let streams: Vec<Stream> = renderer.plan().streams.iter().map(|s| s.what).collect();
+    let plan = renderer.shared_plan();
+    let mut single = CpuExecutor::<f32>::new(&plan, None)?;
+    let mut double = CpuExecutor::<f64>::new(&plan, None)?;
+    let mut map = DivergenceMap::new(&plan);
+    let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
     let mut before = Vec::new();
     for stream in streams {
         let values = renderer.values(stream).await?;
@@ -64,17 +64,17 @@ pub async fn divergence(
         before.push(values);
     }
     while let Some(pass) = renderer.step().await? {
-        single.run(pass.kernel, renderer.data());
-        double.run(pass.kernel, renderer.data());
+        single.run(pass.kernel, renderer.data())?;
+        double.run(pass.kernel, renderer.data())?;
         map.begin(pass.kernel);
         let mut after = Vec::new();
-        for stream in written(renderer.plan(), &pass) {
+        for stream in written(&plan, &pass) {
             let Some(twin) = single.read(stream) else { continue };
             let decides = (0..stream.layers()).any(|layer| is_decision(stream, layer));
             let in_f64 = if decides { double.read(stream) } else { None };
             after.push((renderer.values(stream).await?, twin, in_f64));
         }
-        let rules = Rounding { plan: renderer.plan(), data: renderer.data(), kernel: pass.kernel, before: &before };
+        let rules = Rounding { plan: &plan, data: renderer.data(), kernel: pass.kernel, before: &before };
         if is_gpu {
             let pairs: Vec<_> = after.iter().map(|(device, twin, _)| [device, twin]).collect();
             rules.judge(&pairs, |_, _| true, |judged| map.record(Against::Device, &judged))?;
@@ -106,12 +106,9 @@ fn written(plan: &Plan, pass: &Pass) -> Vec<Stream> {
 
 /// Whether a component says which way a ray goes: its state, its cell or node, its place in a list, its triangle.
 fn is_decision(stream: Stream, layer: usize) -> bool {
-    match stream {
-        streams::STATE => layer != STATE_T,
-        streams::HIT => layer == HIT_TRIANGLE,
-        streams::PREVIOUS => true,
-        _ => false,
-    }
+    (stream == streams::STATE && layer != STATE_T)
+        || (stream == streams::HIT && layer == HIT_TRIANGLE)
+        || stream == streams::PREVIOUS
 }
 
 fn replace(before: &mut [StreamData], values: StreamData) {

@@ -8,16 +8,13 @@
 mod passes;
 mod report;
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_kernels::numbers::parallel::map_ranges;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::renderer::{RenderError, Renderer, found};
-use raystep_kernels::tables::state::is_decided;
-use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::tables::stream::Stream;
-use raystep_kernels::tables::stream::StreamData;
+use raystep_kernels::tables::stream::{STATE_TAG, Stream, StreamData};
 
 use crate::rays::Random;
 use crate::reference::{BruteForce, Candidates, Mistake, candidates_of};
@@ -104,7 +101,7 @@ impl<'a> Traced<'a> {
     /// Whether a ray will hit nothing else any more.
     #[must_use]
     pub fn is_decided(&self, ray: usize) -> bool {
-        is_decided(self.streams[2].get(STATE_TAG, ray))
+        self.renderer.plan().program.states.is_decided(self.streams[2].get(STATE_TAG, ray))
     }
 }
 

@@ -1,6 +1,5 @@
 //! Statistics of one layer of a stream: what a picture's range, histogram and legend need.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::collections::HashSet;
 
 use raystep_kernels::Stream;
@@ -150,8 +149,9 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
-    use raystep_kernels::programs::closest_hit::streams::STATE_T;
+
+    use raystep_kernels::programs::closest_hit::streams;
+    use raystep_kernels::programs::closest_hit::streams::{HIT_TRIANGLE, STATE_T};
 
     use super::*;
 

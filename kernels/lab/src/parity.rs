@@ -1,11 +1,12 @@
 //! One-step parity: the twin starts from the GPU's streams before a pass, and both must agree after it.
 
-use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
-use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
+use raystep_kernels::executor::cpu::{CpuError, CpuExecutor};
+use raystep_kernels::programs::closest_hit::{states, streams};
+use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::{self, StateCounts, Tag};
 use raystep_kernels::{
     Device, Gpu, Kernel, Limits, Options, Pass, Plan, PlanError, RenderError, Renderer, Stream, StreamData,
@@ -76,9 +77,9 @@ pub enum ParityError {
     /// The device failed.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// Not enough memory for the twin's streams.
+    /// The twin cannot run.
     #[error(transparent)]
-    Memory(#[from] OutOfMemory),
+    Twin(#[from] CpuError),
     /// The executors do not have the same streams, by the name of one.
     #[error("stream {0}: device and twin do not both have it in one size")]
     Unlike(&'static str),
@@ -109,12 +110,14 @@ pub async fn compare(
     let (mut plan, data) = Plan::new(scene, options, limits)?;
     change(&mut plan);
     let mut renderer = Renderer::from_plan(plan, data, options, &device).await?;
-    let streams: Vec<Stream> = renderer.plan().streams.iter().map(|s| s.what).collect();
-    let mut twin = CpuExecutor::<f32>::new(renderer.plan(), None)?;
+    let plan = renderer.shared_plan();
+    let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
+    let mut twin = CpuExecutor::<f32>::new(&plan, None).map_err(CpuError::from)?;
     let mut found = Parity::default();
 
     // What no kernel writes keeps the poison on both sides and shows where it should not.
-    let makes_rays = renderer.next_kernel() == Some(kernels::GENERATE) || renderer.plan().features.eye_rays;
+    let makes_rays =
+        renderer.next_kernel().is_some_and(|kernel| kernel.role() == Role::Source) || plan.features.eye_rays;
     let mut before = Vec::new();
     for &stream in &streams {
         let mut values = renderer.values(stream).await?;
@@ -129,7 +132,7 @@ pub async fn compare(
     while !is_enough(&found) {
         before.iter().try_for_each(|values| in_both(twin.write(values), values.stream))?;
         let Some(pass) = renderer.step().await? else { break };
-        twin.run(pass.kernel, renderer.data());
+        twin.run(pass.kernel, renderer.data())?;
         found.passes += 1;
         if pass.rays_in > 0 && !found.kernels.contains(&pass.kernel) {
             found.kernels.push(pass.kernel);
@@ -139,8 +142,8 @@ pub async fn compare(
             let of_twin = twin.read(stream).ok_or(ParityError::Unlike(stream.name()))?;
             after.push((renderer.values(stream).await?, of_twin));
         }
-        let (plan, data, kernel) = (renderer.plan(), renderer.data(), pass.kernel);
-        record(&mut found, &pass, &Rounding { plan, data, kernel, before: &before }, &after)?;
+        let (data, kernel) = (renderer.data(), pass.kernel);
+        record(&mut found, &pass, &Rounding { plan: &plan, data, kernel, before: &before }, &after)?;
         before = after.into_iter().map(|(on_gpu, _)| on_gpu).collect();
     }
     Ok(found)
@@ -155,11 +158,11 @@ fn record(
     pass: &Pass,
     rules: &Rounding<'_>,
     after: &[(StreamData, StreamData)],
-) -> Result<(), OutOfMemory> {
+) -> Result<(), CpuError> {
     found.rays += u64::from(pass.rays_in);
     // A kernel that makes its rays itself finds them unwritten.
     let unwritten = [states::UNWRITTEN, states::TRAV, states::ISECT_NO_HIT, states::ISECT_HIT];
-    let active = if rules.data.features.eye_rays && pass.kernel == kernels::FUSED {
+    let active = if rules.data.features.eye_rays && pass.kernel.role() == Role::Whole {
         &unwritten[..]
     } else {
         pass.kernel.info().takes

@@ -6,22 +6,21 @@
 mod judge;
 mod nudge;
 
+use std::sync::Arc;
+
 use raystep_kernels::Kernel;
 use raystep_kernels::numbers::real::{Vec3, ulps};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::closest_hit::streams::ACCUMULATED_SAMPLES;
-use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
-use raystep_kernels::programs::closest_hit::streams::STATE_ITEM;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
-use raystep_kernels::programs::closest_hit::{kernels, streams};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::finite_inverse;
 use raystep_kernels::shared::camera::eye_ray;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::shared::grid_walk::smallest_axis;
 use raystep_kernels::shared::vector::smallest3;
-use raystep_kernels::tables::stream::Stream;
-use raystep_kernels::tables::stream::StreamData;
+use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::tables::stream::{Stream, StreamData};
 
 use crate::reference::{Possible, possible};
 pub use judge::{Component, Judged, Verdict, judging_bytes};
@@ -33,7 +32,7 @@ const RAY: [Stream; 2] = [streams::RAY_DIRECTION, streams::RAY_ORIGIN];
 #[derive(Clone, Copy, Debug)]
 pub struct Rounding<'a> {
     /// The run.
-    pub plan: &'a Plan,
+    pub plan: &'a Arc<Plan>,
     /// Its scene.
     pub data: &'a SceneData,
     /// The kernel of the pass.
@@ -65,7 +64,7 @@ impl Rounding<'_> {
 
     /// Most steps of a ray in the pass.
     fn steps(&self) -> u32 {
-        if self.kernel == kernels::WALK { self.data.info.steps } else { 1 }
+        if self.kernel.role() == Role::Walk { self.data.info.steps } else { 1 }
     }
 
     /// The largest difference that WGSL's rounding rules allow for a float after one kernel: a division may
@@ -86,18 +85,21 @@ impl Rounding<'_> {
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
         let size = x.abs().max(y.abs()).max(1.0);
         let difference = f64::from((x - y).abs());
-        match (stream, layer) {
-            (streams::RAY_ORIGIN | streams::RAY_DIRECTION, _) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
-            (streams::TMAX, _) => ulps(a, b) <= 4 * u64::from(self.steps()),
-            (streams::PLACE, 4..) | (streams::SCAN, 1..) => ulps(a, b) <= 4 * u64::from(self.data.features.turns),
-            (streams::HIT, 0 | 1) => possible.is_some_and(|p| difference <= 2.0 * p.weight_bound),
-            (streams::STATE, STATE_T) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
-            (streams::COLOR, _) => {
+        let is = |streams: &[Stream]| streams.contains(&stream);
+        match layer {
+            _ if is(&RAY) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
+            _ if is(&[streams::TMAX]) => ulps(a, b) <= 4 * u64::from(self.steps()),
+            _ if is(&[streams::PLACE, streams::SCAN]) => {
+                stream.is_float_layer(layer) && ulps(a, b) <= 4 * u64::from(self.data.features.turns)
+            }
+            0 | 1 if is(&[streams::HIT]) => possible.is_some_and(|p| difference <= 2.0 * p.weight_bound),
+            STATE_T if is(&[streams::STATE]) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
+            _ if is(&[streams::COLOR]) => {
                 let cone = self.data.lights.iter().fold(1.0f32, |m, l| m.max(l.cone_scale));
-                let of_one_kernel = if self.kernel == kernels::ACCUMULATE { 4.0 } else { 64.0 * cone };
+                let of_one_kernel = if self.kernel.role() == Role::Sample { 4.0 } else { 64.0 * cone };
                 (x - y).abs() <= of_one_kernel * f32::EPSILON * size
             }
-            (streams::ACCUMULATED, 0..ACCUMULATED_SAMPLES) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
+            0..ACCUMULATED_SAMPLES if is(&[streams::ACCUMULATED]) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
             _ => false,
         }
     }
@@ -108,12 +110,12 @@ impl Rounding<'_> {
             (self.component(streams::STATE, STATE_CELL, ray), self.component(streams::STATE, STATE_ITEM, ray));
         let [origin, direction] = self.ray(ray);
         let seen = |triangle| possible(&self.data.vertices, origin, direction, triangle);
-        match self.kernel {
-            kernels::INTERSECT => {
+        match self.kernel.role() {
+            Role::Test => {
                 let (first, count) = self.data.list(cell);
                 (item < count).then(|| seen(self.data.listed(first + item))).flatten()
             }
-            kernels::WALK | kernels::FUSED => (hit < self.data.info.triangles).then(|| seen(hit)).flatten(),
+            Role::Walk | Role::Whole => (hit < self.data.info.triangles).then(|| seen(hit)).flatten(),
             _ => None,
         }
     }
@@ -191,15 +193,15 @@ impl Rounding<'_> {
             let in_cell = self.data.features.in_cell;
             !p.is_definite || close(exit) || close(nearest) || in_cell && self.near_plane(at(p.t), None)
         };
-        match self.kernel {
-            kernels::SETUP => Some(self.walk_may_begin_elsewhere(ray)),
-            kernels::INTERSECT => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
+        match self.kernel.role() {
+            Role::Enter => Some(self.walk_may_begin_elsewhere(ray)),
+            Role::Test => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
             // Many cells, boxes and triangles.
-            kernels::WALK | kernels::FUSED => None,
-            kernels::TRAVERSE_GRID if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
-            kernels::TRAVERSE_BVH => Some(self.grazes_a_box(ray, origin, direction)),
+            Role::Walk | Role::Whole => None,
+            Role::Step if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
+            Role::Step if self.data.features.bvh => Some(self.grazes_a_box(ray, origin, direction)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
-            kernels::GENERATE | kernels::TRAVERSE_GRID | kernels::SHADE | kernels::ACCUMULATE => Some(false),
+            Role::Step | Role::Source | Role::Finish | Role::Sample | Role::Count | Role::Once => Some(false),
         }
     }
 }

@@ -1,11 +1,11 @@
 //! A closed mesh from inside: no ray may get out.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Renderer, Stream};
+use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Renderer};
 use raystep_scenes::Scene;
 use raystep_scenes::generate::{self, GenerateError};
 

@@ -5,7 +5,7 @@ mod lanes;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
-use raystep_kernels::{Kernel, Stream, StreamData};
+use raystep_kernels::{Kernel, StreamData};
 
 pub use lanes::{LANES, Lanes, Launch};
 

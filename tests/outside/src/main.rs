@@ -1,6 +1,6 @@
 //! Triangles in memory, traced on the GPU, pass by pass.
 
-use raystep_kernels::programs::closest_hit::{streams};
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, RenderError, Renderer, Stream};
 use raystep_scenes::{Camera, Scene};
 

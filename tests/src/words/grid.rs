@@ -1,9 +1,6 @@
 //! Words of the walk through the grid.
 
-use raystep_kernels::programs::closest_hit::states::BACKGROUND;
-use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
-use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
-use raystep_kernels::programs::closest_hit::states::SHADE;
+use raystep_kernels::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
 use raystep_kernels::scene_data::SceneData;
 
 use super::geometry::{V, interval, plane_t, ray};

@@ -1,10 +1,6 @@
 //! Words of a triangle's test, and of what follows where a list has ended.
 
-use raystep_kernels::programs::closest_hit::states::BACKGROUND;
-use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
-use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
-use raystep_kernels::programs::closest_hit::states::SHADE;
-use raystep_kernels::programs::closest_hit::states::TRAV;
+use raystep_kernels::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use raystep_lab::reference::possible;
 
 use super::geometry::{OnPlane, on_plane, ray};

@@ -1,10 +1,6 @@
 //! Words of the walk through the tree.
 
-use raystep_kernels::programs::closest_hit::states::BACKGROUND;
-use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
-use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
-use raystep_kernels::programs::closest_hit::states::SHADE;
-use raystep_kernels::programs::closest_hit::states::TRAV;
+use raystep_kernels::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 
 use super::geometry::{U, interval, ray};
 use super::scan::{Scan, same};

@@ -1,13 +1,11 @@
 //! More work for one ray than an adapter gives a thread in one dispatch: lists of tens and hundreds of thousands of
 //! triangles, and as many lights. Mesa's software Vulkan ends loops after 65,535 turns, without a word.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use raystep_kernels::{
-    Accelerator, Device, GridSize, Limits, Loops, Options, Plan, RaySource, Renderer, ScheduleKind, Stream,
-};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::{Accelerator, Device, GridSize, Limits, Loops, Options, Plan, RaySource, Renderer, ScheduleKind};
 use raystep_scenes::{Camera, Light, Projection, Scene};
 use raystep_tests::ways::{EVERY, Way};
 use raystep_tests::{block_on, devices, gpu, gpu_of, hits, options, scene, thorough, values};

@@ -1,7 +1,8 @@
 //! Passes that a dump does without, and what they are called.
 
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::closest_hit::{kernels, streams};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, ScheduleKind, Stream};
 
 use crate::session::Running;
@@ -12,11 +13,8 @@ pub(super) const NOT_NEEDED: &str = "it changes no stream that is asked for";
 /// Whether a stream's values are only those of a run that shades: it holds what only shading makes, shading changes it,
 /// or, with the fused kernel, it holds the rays that are made for shading.
 pub(super) fn needs_shading(stream: Stream, schedule: ScheduleKind) -> bool {
-    match stream {
-        streams::STATE | streams::COLOR | streams::ACCUMULATED => true,
-        streams::RAY_ORIGIN | streams::RAY_DIRECTION => !schedule.is_stepped(),
-        _ => false,
-    }
+    let is_ray = [streams::RAY_ORIGIN, streams::RAY_DIRECTION].contains(&stream);
+    [streams::STATE, streams::COLOR, streams::ACCUMULATED].contains(&stream) || is_ray && !schedule.is_stepped()
 }
 
 /// Passes of the run with all streams that this one does without. They keep their numbers.
@@ -30,8 +28,11 @@ pub(super) struct LeftOut {
 
 impl LeftOut {
     pub(super) fn of(plan: &Plan) -> Self {
-        let missing = |kernel: &Kernel| plan.variant(*kernel).is_none();
-        Self { first: Some(kernels::GENERATE).filter(missing), last: Some(kernels::SHADE).filter(missing) }
+        let missing = |role| {
+            let kernel = plan.program.kernels().find(|kernel| kernel.role() == role);
+            kernel.filter(|&kernel| plan.variant(kernel).is_none())
+        };
+        Self { first: missing(Role::Source), last: missing(Role::Finish) }
     }
 
     /// Numbers before that of the renderer's first pass.

@@ -1,18 +1,12 @@
 //! Streams before and after a pass, and what watches make of the difference.
 
-use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use std::collections::BTreeMap;
 
-use raystep_kernels::programs::closest_hit::states::BACKGROUND;
-use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
-use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
-use raystep_kernels::programs::closest_hit::states::SHADE;
-use raystep_kernels::programs::closest_hit::states::TRAV;
-use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
-use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
+use raystep_kernels::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::{HIT_TRIANGLE, STATE_CELL, STATE_T};
 use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
-use raystep_kernels::tables::state;
+use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, RenderError, Renderer, Stream, StreamData};
 
@@ -38,7 +32,7 @@ fn needed(renderer: &Renderer, watches: &[Watch]) -> Vec<Stream> {
     let is_needed = |stream: Stream| {
         watches.iter().any(|watch| match watch {
             Watch::NonFinite => (0..stream.layers()).any(|layer| stream.is_float_layer(layer)),
-            Watch::TMaxBackwards => matches!(stream, streams::TMAX | streams::STATE),
+            Watch::TMaxBackwards => [streams::TMAX, streams::STATE].contains(&stream),
             Watch::MoreSteps(_) if plan.has_stream(streams::COUNTERS) => stream == streams::COUNTERS,
             Watch::MoreSteps(_) => stream == streams::STATE,
             Watch::RayState | Watch::RayHit | Watch::RayCell => false,
@@ -130,7 +124,7 @@ impl Look {
     fn count_steps(&mut self, kernel: Kernel, before: Option<&StreamData>) -> Option<Vec<u32>> {
         let (steps, before) = (self.steps.as_mut()?, before?);
         let now = self.streams.get(&streams::STATE)?;
-        if !matches!(kernel, kernels::TRAVERSE_GRID | kernels::TRAVERSE_BVH) {
+        if kernel.role() != Role::Step {
             return None;
         }
         let earlier = steps.clone();
@@ -198,7 +192,8 @@ fn ray_change(renderer: &Renderer, watch: Watch, before: &[Vec<u32>; 2], now: &[
     match watch {
         Watch::RayState => {
             let (from, to) = both(STATE_TAG).filter(|(from, to)| from != to)?;
-            Some(format!("{} > {}", states::STATES.name(from), states::STATES.name(to)))
+            let states = renderer.plan().program.states;
+            Some(format!("{} > {}", states.name(from), states.name(to)))
         }
         Watch::RayCell => {
             let (from, to) = both(STATE_CELL).filter(|(from, to)| from != to)?;

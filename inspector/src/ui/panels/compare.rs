@@ -6,6 +6,7 @@ mod placed;
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::tables::state::States;
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
 
 use crate::draw::stream::{self, Colors, Meaning};
@@ -344,10 +345,12 @@ impl Compare {
         if let Some(((_, a), (_, b))) = stills.filter(|_| is_new || self.drawn[slot] != Some(drawn)) {
             let is_difference = side == Side::Difference;
             let meaning = Meaning::of(self.stream, Some(self.layer));
+            let states = model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
 
             let offset = (origin - rect.min) * points;
             let picture = stream::Picture {
                 stream: self.stream,
+                states,
                 texture: if side == Side::B { b } else { a },
                 minus: is_difference.then_some(b),
                 layer: self.layer,

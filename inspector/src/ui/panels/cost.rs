@@ -7,7 +7,6 @@ use curve::Curve;
 use egui::{RichText, ScrollArea, Ui};
 use egui_extras::{Column, TableBuilder};
 use lanes::LanesView;
-use raystep_kernels::Stream;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_lab::work::{CostOrder, Measure, costs};
 use serde::{Deserialize, Serialize};

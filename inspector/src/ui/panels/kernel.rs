@@ -2,14 +2,12 @@
 
 mod listing;
 
-use raystep_kernels::programs::closest_hit::states;
 use std::sync::Arc;
 
 use egui::RichText;
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, Trace};
-use raystep_kernels::programs::closest_hit::kernels::KERNELS;
-use raystep_kernels::tables::state;
+use raystep_kernels::programs::closest_hit::states;
 use serde::{Deserialize, Serialize};
 
 use super::ray::current_row;
@@ -92,7 +90,9 @@ impl KernelView {
     /// The ray's last pass; without a ray the last pass of all, and before it the next one.
     fn what(&self, model: &Model) -> Option<Shown> {
         let row = model.life.as_ref().and_then(|life| Some((life.clone(), current_row(life, model.place)?)));
-        let of_row = row.as_ref().and_then(|(life, row)| kernel_named(life.rows.get(*row)?.kernel));
+        let of_row = row
+            .as_ref()
+            .and_then(|(life, row)| model.opened.as_ref()?.plan.program.kernel(life.rows.get(*row)?.kernel));
         let kernel = of_row.or(model.last_pass().map(|pass| pass.kernel)).or(model.next)?;
         let row = row.filter(|_| of_row.is_some());
         Some(Shown { generation: model.generation, kernel, row, composed: self.look.composed })
@@ -133,17 +133,15 @@ fn lines(shown: &Shown, opened: &Opened) -> Vec<Line> {
     source::kernel_file(shown.kernel, &opened.plan.features, states.as_ref().map(|(before, after)| (before, after)))
 }
 
-fn kernel_named(name: &str) -> Option<Kernel> {
-    KERNELS.iter().find(|info| info.name == name).map(|info| info.kernel)
-}
-
 /// The ray before and after a row. Before its first one all that is told of it is its state.
 fn before_and_after(life: &Trace, row: usize) -> Option<(RayState, RayState)> {
     let now = life.rows.get(row)?;
     let before = row.checked_sub(1).and_then(|i| life.rows.get(i)).map(|row| row.after);
     let unknown = || {
-        let tag =
-            states::STATES.iter().find(|state| state.name == now.state_before).map_or(state::UNBORN, |state| state.tag);
+        let tag = states::STATES
+            .iter()
+            .find(|state| state.name == now.state_before)
+            .map_or(states::UNWRITTEN, |state| state.tag);
         RayState { tag, state: now.state_before, ..now.after }
     };
     Some((before.unwrap_or_else(unknown), now.after))
@@ -169,6 +167,7 @@ fn first_taken(lines: &[Line]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use raystep_kernels::Accelerator;
+    use raystep_kernels::programs::closest_hit::PROGRAM;
 
     use super::super::walked::tests::life;
     use super::*;
@@ -178,7 +177,7 @@ mod tests {
         for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
             let (life, data) = life(accelerator);
             for (i, row) in life.rows.iter().enumerate() {
-                let kernel = kernel_named(row.kernel).expect("a kernel");
+                let kernel = PROGRAM.kernel(row.kernel).expect("a kernel");
                 let (before, after) = before_and_after(&life, i).expect("a row");
                 assert_eq!(before.state, row.state_before, "row {i}");
                 let lines = source::kernel_file(kernel, &data.features, Some((&before, &after)));

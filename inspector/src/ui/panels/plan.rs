@@ -3,9 +3,6 @@
 use egui::{Align2, CollapsingHeader, Color32, FontId, Grid, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use raystep_kernels::Plan;
 use raystep_kernels::plan::{Because, Bytes};
-use raystep_kernels::programs::closest_hit::states;
-use raystep_kernels::scene_data::buffers;
-use raystep_kernels::tables::state;
 
 use crate::ui::pane::{Context, Panel};
 
@@ -116,7 +113,7 @@ fn kernels(ui: &mut Ui, plan: &Plan) {
                 let bound = variant.bindings.iter().filter(|b| wanted(b.reads, b.writes));
                 bound.map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
             };
-            let states: Vec<_> = info.takes.iter().map(|&tag| states::STATES.name(tag)).collect();
+            let states: Vec<_> = info.takes.iter().map(|&tag| plan.program.states.name(tag)).collect();
             ui.monospace(info.name).on_hover_text(format!("{}\nworks on rays in {}", info.summary, states.join(", ")));
             ui.label(format!("{} bindings", variant.bindings.len())).on_hover_text(format!(
                 "reads: {}\nwrites: {}\nupdates in place: {}",
@@ -152,7 +149,7 @@ fn buffers(ui: &mut Ui, plan: &Plan) {
         for planned in &plan.buffers {
             ui.monospace(planned.what);
             bytes(ui, planned.bytes);
-            match buffers::info(planned.what) {
+            match plan.program.buffer(planned.what) {
                 Some(info) => ui.label(info.element),
                 None => ui.weak("the executor's own"),
             };

@@ -3,8 +3,9 @@
 use egui::{Color32, RichText};
 use egui_extras::{Column, TableBuilder};
 use raystep_kernels::export::trace::{Trace, TraceRow};
+use raystep_kernels::programs::closest_hit::states;
 
-use crate::draw::stream::STATE_COLORS;
+use crate::draw::stream::state_color;
 use crate::ui::pane::{Context, Panel};
 
 /// The ray's life.
@@ -138,7 +139,7 @@ impl RayView {
                             }
                             ui.horizontal(|ui| {
                                 if c == 2 {
-                                    let [r, g, b] = STATE_COLORS[row.after.tag as usize % STATE_COLORS.len()];
+                                    let [r, g, b] = state_color(states::STATES, row.after.tag);
                                     let (rect, _) = ui.allocate_exact_size(egui::vec2(7.0, 12.0), egui::Sense::hover());
                                     ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
                                 }

@@ -6,9 +6,10 @@ mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
 use look::Look;
+use raystep_kernels::Stream;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
-use raystep_kernels::programs::closest_hit::{kernels, streams};
-use raystep_kernels::{Kernel, Stream};
+use raystep_kernels::tables::kernel::Role;
 use raystep_lab::layer_stats::{LayerStats, Others};
 
 use crate::draw::stream::{self, Colors, Meaning};
@@ -74,7 +75,7 @@ impl Panel for StreamView {
             (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
         }
         let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
-        let is_shaded = cx.model.last_pass().is_some_and(|pass| pass.kernel == kernels::SHADE);
+        let is_shaded = cx.model.last_pass().is_some_and(|pass| pass.kernel.role() == Role::Finish);
         let stream = self.stream(&streams, if is_shaded { streams::COLOR } else { streams::STATE });
         cx.shared.stream = Some(stream);
         if self.pinned.is_none() {
@@ -87,7 +88,7 @@ impl Panel for StreamView {
         self.tools(ui, &streams, stream, layer, meaning);
         let stats_of = layer.unwrap_or(0);
         self.read_range(cx, stream, stats_of);
-        self.legend(ui, stream, stats_of, meaning);
+        self.legend(ui, plan.program, (stream, stats_of), meaning);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
         self.move_view(ui, &response, rect, [plan.width, plan.height]);
@@ -218,7 +219,8 @@ impl StreamView {
 
     fn colors(&self, stream: Stream, layer: usize) -> Colors {
         self.look.colors.unwrap_or(match (stream, layer) {
-            (streams::TMAX, _) | (streams::STATE, STATE_T) => Colors::Magma,
+            _ if stream == streams::TMAX => Colors::Magma,
+            (_, STATE_T) if stream == streams::STATE => Colors::Magma,
             _ => Colors::Viridis,
         })
     }
@@ -312,6 +314,7 @@ impl StreamView {
             ui.ctx().request_repaint();
         }
         let Some((moment, texture)) = source else { return };
+        let Some(states) = cx.model.opened.as_ref().map(|opened| opened.plan.program.states) else { return };
         let (range, colors) = (self.range(), self.colors(stream, layer.unwrap_or(0)));
         let offset = (origin - rect.min) * points;
         let drawn = Drawn {
@@ -329,6 +332,7 @@ impl StreamView {
         if is_new || self.drawn != Some(drawn) {
             let picture = stream::Picture {
                 stream,
+                states,
                 texture,
                 minus: None,
                 layer: drawn.layer,

@@ -2,14 +2,11 @@
 
 use egui::{Color32, Pos2, Rect, Sense, Stroke, pos2, vec2};
 use raystep_kernels::Pass;
-use raystep_kernels::programs::closest_hit::states;
-use raystep_kernels::tables::state;
 use raystep_kernels::tables::state::{StateInfo, StateRole};
 use serde::{Deserialize, Serialize};
 
 use super::legend;
 use super::ray::current_row;
-use crate::draw::stream::STATE_COLORS;
 use crate::ui::pane::{Context, Panel};
 
 /// What runs along the timeline.
@@ -47,8 +44,8 @@ impl Panel for Timeline {
             ui.selectable_value(&mut self.scale, Scale::Passes, "by pass");
             ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.scale, Scale::Time, "by device time"));
             ui.separator();
-            for state in states::STATES.iter().skip(1) {
-                legend::entry(ui, color(state.tag as usize), state.name, state.meaning);
+            for state in passes[0].kernel.program().states.iter().skip(1) {
+                legend::entry(ui, color(state), state.name, state.meaning);
             }
         });
         if !has_times {
@@ -85,8 +82,8 @@ impl Panel for Timeline {
     }
 }
 
-fn color(tag: usize) -> Color32 {
-    let [r, g, b] = STATE_COLORS[tag % STATE_COLORS.len()];
+fn color(state: &StateInfo) -> Color32 {
+    let [r, g, b] = state.colour;
     Color32::from_rgb(r, g, b)
 }
 
@@ -113,8 +110,8 @@ fn about(ui: &mut egui::Ui, pass: &Pass) {
     if let Some(ns) = pass.duration_ns {
         ui.label(format!("{:.1} µs on the device", ns as f64 / 1e3));
     }
-    for StateInfo { tag, name, .. } in states::STATES {
-        let count = pass.counts[tag as usize];
+    for StateInfo { tag, name, .. } in pass.kernel.program().states.iter() {
+        let count = pass.counts[*tag as usize];
         if count > 0 {
             ui.label(format!("{count} {name} after it"));
         }
@@ -142,12 +139,12 @@ impl Timeline {
             let mut bottom = rect.bottom();
             // Waiting rays at the bottom, finished ones on top: what is left to do sinks.
             let is_shown = |state: &&StateInfo| matches!(state.role, StateRole::Active | StateRole::Resolved);
-            for tag in states::STATES.iter().filter(is_shown).map(|state| state.tag) {
-                let share = passes[i].counts[tag as usize] as f32 / rays.max(1) as f32;
+            for state in passes[i].kernel.program().states.iter().filter(is_shown) {
+                let share = passes[i].counts[state.tag as usize] as f32 / rays.max(1) as f32;
                 let top = bottom - share * rect.height();
                 let bar = Rect::from_min_max(pos2(left, top), pos2(right.max(left + 0.5), bottom));
                 if share > 0.0 {
-                    painter.rect_filled(bar, 0.0, color(tag as usize));
+                    painter.rect_filled(bar, 0.0, color(state));
                 }
                 bottom = top;
             }

@@ -209,6 +209,8 @@ fn duration(ns: u64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::programs::closest_hit::kernels::{INTERSECT, SETUP, TRAVERSE_GRID};
+
     use super::*;
 
     pub(super) fn pass(index: usize, kernel: Kernel, rays_in: u32, duration_ns: Option<u64>) -> Pass {
@@ -218,21 +220,20 @@ mod tests {
 
     #[test]
     fn kernels_are_summed_the_dearest_first_and_what_is_unknown_is_not_counted() {
-        use Kernel::{Intersect, Setup, TraverseGrid};
         let passes = [
-            pass(0, Setup, 100, None),
-            pass(1, Intersect, 90, Some(1000)),
-            pass(2, TraverseGrid, 80, Some(9000)),
-            pass(3, Intersect, 30, Some(5000)),
-            pass(4, Intersect, 10, Some(2000)),
-            pass(5, TraverseGrid, 10, None),
+            pass(0, SETUP, 100, None),
+            pass(1, INTERSECT, 90, Some(1000)),
+            pass(2, TRAVERSE_GRID, 80, Some(9000)),
+            pass(3, INTERSECT, 30, Some(5000)),
+            pass(4, INTERSECT, 10, Some(2000)),
+            pass(5, TRAVERSE_GRID, 10, None),
         ];
         let kernels = by_kernel(&passes);
         let row = |k: &KernelTimes| (k.kernel, k.passes, k.timed, k.sum_ns, k.median_ns, k.rays);
         let rows: Vec<_> = kernels.iter().map(row).collect();
         assert_eq!(
             rows,
-            [(TraverseGrid, 2, 1, 9000, 9000, 90), (Intersect, 3, 3, 8000, 2000, 130), (Setup, 1, 0, 0, 0, 100),]
+            [(TRAVERSE_GRID, 2, 1, 9000, 9000, 90), (INTERSECT, 3, 3, 8000, 2000, 130), (SETUP, 1, 0, 0, 0, 100),]
         );
         // 80 rays in 9 µs: those of the pass that was not timed are left out.
         let rates: Vec<_> = kernels.iter().map(rate).collect();

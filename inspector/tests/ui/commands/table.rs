@@ -5,7 +5,6 @@ use egui_kittest::kittest::NodeT as _;
 use raystep_inspector::link::Link;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
-use raystep_kernels::Stream;
 use raystep_kernels::export::csv::COLUMNS;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;

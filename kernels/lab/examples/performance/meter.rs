@@ -4,7 +4,6 @@
 //! they are. A run that is not watched submits passes ahead of knowing whether they are needed; without lists of
 //! live rays each of those launches every ray, and first has them in every turn of its loop.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,10 +12,11 @@ use raystep_kernels::executor::gpu::{GpuExecutor, MOST_PASSES};
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::state::StateCounts;
 use raystep_kernels::{
-    Accelerator, Gpu, GridSize, Kernel, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Skip, Stream,
+    Accelerator, Gpu, GridSize, Kernel, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Skip,
 };
 use raystep_lab::meter::{Ended, Time, Times, Turns, Valid, in_turn};
 use raystep_scenes::Scene;
@@ -310,7 +310,8 @@ struct Replay {
 impl Replay {
     /// Of a run that is complete.
     fn new(machine: &Machine, gpu: &Arc<Gpu>, renderer: &Renderer) -> Result<Self, String> {
-        let executor = GpuExecutor::new(gpu.clone(), renderer.plan(), renderer.data(), false);
+        let plan = renderer.shared_plan();
+        let executor = GpuExecutor::new(gpu.clone(), &plan, renderer.data(), false);
         let executor = machine.wait(executor).map_err(|e| e.to_string())?;
         let mut before = StateCounts::default();
         let submissions = renderer.passes().chunks(MOST_PASSES).map(|passes| {

@@ -1,6 +1,5 @@
 //! Building configurations and running them in turn.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -8,7 +7,8 @@ use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Accelerator, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind, Stream};
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::{Accelerator, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind};
 
 use super::{Details, Measured, SCHEMA_VERSION, SummaryRow, Wanted, tuning_text, useful_steps_per_thread};
 use crate::meter::{Meter, Time, Times, Turns, in_turn};

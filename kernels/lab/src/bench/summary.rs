@@ -26,7 +26,6 @@
 //!
 //! Percentiles are those of [`crate::statistics::PERCENTILES`].
 
-use raystep_kernels::programs::closest_hit::kernels;
 use std::io::{Read, Write};
 
 use raystep_kernels::renderer::Pass;
@@ -157,7 +156,7 @@ pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::Kernel;
+    use raystep_kernels::programs::closest_hit::kernels;
     use raystep_kernels::tables::state::StateCounts;
 
     use super::*;

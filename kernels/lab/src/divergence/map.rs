@@ -2,9 +2,7 @@
 
 use raystep_kernels::executor::cpu::OutOfMemory;
 use raystep_kernels::numbers::real::ulps;
-use raystep_kernels::programs::closest_hit::streams::STREAMS;
-use raystep_kernels::programs::closest_hit::{kernels, streams};
-use raystep_kernels::{Kernel, Plan, Stream};
+use raystep_kernels::{Kernel, Plan, Program, Stream};
 
 use crate::rounding::{Component, Judged, Verdict};
 
@@ -114,12 +112,13 @@ pub struct DivergenceMap {
 
 /// Four bits of stream, three of layer, one of what it is against.
 fn place(stream: Stream, layer: usize, against: Against) -> u8 {
-    ((stream as u8) << 4) | ((layer as u8) << 1) | u8::from(against == Against::F64)
+    ((stream.index() as u8) << 4) | ((layer as u8) << 1) | u8::from(against == Against::F64)
 }
 
-fn of_place(place: u8) -> (Stream, usize, Against) {
+fn of_place(program: &'static Program, place: u8) -> Option<(Stream, usize, Against)> {
     let against = if place & 1 == 1 { Against::F64 } else { Against::Device };
-    (STREAMS[usize::from(place >> 4) % STREAMS.len()].stream, usize::from(place >> 1 & 7), against)
+    let stream = program.streams.get(usize::from(place >> 4)).map(Stream::of)?;
+    Some((stream, usize::from(place >> 1 & 7), against))
 }
 
 impl Firsts {
@@ -229,9 +228,10 @@ impl DivergenceMap {
     pub fn first(&self, class: Class, ray: usize) -> Option<Parting> {
         let firsts = self.classes[class as usize].as_ref()?;
         let pass = *firsts.pass.get(ray).filter(|&&pass| pass != NEVER)? as usize;
-        let ((stream, layer, against), [theirs, twin]) = (of_place(firsts.place[ray]), firsts.values[ray]);
-        let ulps = stream.is_float_layer(layer).then(|| ulps(theirs, twin));
         let kernel = *self.kernels.get(pass)?;
+        let (stream, layer, against) = of_place(kernel.program(), firsts.place[ray])?;
+        let [theirs, twin] = firsts.values[ray];
+        let ulps = stream.is_float_layer(layer).then(|| ulps(theirs, twin));
         Some(Parting { class, pass, kernel, against, stream, layer, theirs, twin, ulps })
     }
 
@@ -253,14 +253,16 @@ impl DivergenceMap {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, streams};
+
     use super::*;
 
     #[test]
     fn a_place_is_read_back_as_it_was_packed() {
-        for info in &STREAMS {
-            for layer in 0..info.layers.len() {
+        for stream in PROGRAM.streams() {
+            for layer in 0..stream.layers() {
                 for against in [Against::Device, Against::F64] {
-                    assert_eq!(of_place(place(info.stream, layer, against)), (info.stream, layer, against));
+                    assert_eq!(of_place(&PROGRAM, place(stream, layer, against)), Some((stream, layer, against)));
                 }
             }
         }

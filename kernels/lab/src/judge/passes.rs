@@ -5,12 +5,11 @@
 //! any more, so each ray is judged once, at the end; only for those that are wrong is it looked up when they were
 //! resolved, by running the same passes again.
 
-use raystep_kernels::programs::closest_hit::{states, streams};
 use std::ops::ControlFlow;
 
-use raystep_kernels::tables::state;
+use raystep_kernels::programs::closest_hit::{states, streams};
 use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::{Pass, Plan, RenderError, Renderer, Stream};
+use raystep_kernels::{Pass, Plan, RenderError, Renderer};
 
 use super::{Cracks, Judge, Judged, Traced, rays_a_batch, sample};
 use crate::reference::{Counts, Mistake, Verdict};

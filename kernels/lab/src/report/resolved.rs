@@ -4,13 +4,12 @@
 //! each which rays are resolved. Kernels are deterministic, so both have the same passes. A resolved ray's hit does not
 //! change any more: each ray is judged once, at the end.
 
-use raystep_kernels::programs::closest_hit::{kernels, states, streams};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::tables::state;
+use raystep_kernels::programs::closest_hit::{states, streams};
 use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind, Stream};
+use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind};
 
 use super::judge::Judge;
 use super::page::{Part, number};
@@ -367,7 +366,8 @@ fn wrong_plot(rows: &[Row]) -> Plot {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::Kernel;
+    use raystep_kernels::programs::closest_hit::kernels;
+    use raystep_kernels::tables::state;
 
     use super::*;
 

@@ -1,13 +1,12 @@
 //! Two outcomes of one pass, ray by ray.
 
-use raystep_kernels::Kernel;
-use raystep_kernels::executor::cpu::OutOfMemory;
+use raystep_kernels::executor::cpu::CpuError;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
-use raystep_kernels::programs::closest_hit::{kernels, streams};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::stream::Stream;
-use raystep_kernels::tables::stream::StreamData;
+use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::tables::stream::{Stream, StreamData};
 
 use super::Rounding;
 
@@ -72,13 +71,13 @@ impl Rounding<'_> {
     /// rounding first, by their place, then the others.
     ///
     /// # Errors
-    /// Where the system has not the memory to look at rays next to those that part.
+    /// Where the twin cannot run for rays next to those that part: the system has not the memory.
     pub fn judge(
         &self,
         after: &[[&StreamData; 2]],
         is_compared: impl Fn(Stream, usize) -> bool,
         mut each: impl FnMut(Judged<'_>),
-    ) -> Result<(), OutOfMemory> {
+    ) -> Result<(), CpuError> {
         let layers: Vec<_> = after
             .iter()
             .flat_map(|&[ours, twin]| (0..ours.stream.layers()).map(move |layer| (ours, twin, layer)))
@@ -121,7 +120,7 @@ impl Rounding<'_> {
     }
 
     /// Which of these rays rounding alone may send another way; `after` is where they went.
-    fn may_part(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, OutOfMemory> {
+    fn may_part(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, CpuError> {
         // All of them or none: it depends on the kernel.
         match rays.iter().map(|&ray| self.is_undecided(ray)).collect() {
             Some(are) => Ok(are),
@@ -131,7 +130,7 @@ impl Rounding<'_> {
 
     /// The count of repeated tests walks from the start again, through another first cell perhaps.
     fn is_other_count(&self, ray: usize, components: &[Component]) -> bool {
-        self.kernel == kernels::INTERSECT
+        self.kernel.role() == Role::Test
             && components.iter().filter(|c| !c.is_allowed).all(|c| (c.stream, c.layer) == REPEATED)
             && self.walk_may_begin_elsewhere(ray)
     }

@@ -1,30 +1,41 @@
 //! Rays next to a ray: where a pass takes many decisions, what a device made of a ray must be what becomes of a ray
 //! whose components are off by no more than a division, a product and a sum may make of them.
 
-use raystep_kernels::executor::cpu::{CpuExecutor, OutOfMemory};
+use std::sync::Arc;
+
+use raystep_kernels::executor::cpu::{CpuError, CpuExecutor};
 use raystep_kernels::plan::Plan;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::stream::Stream;
-use raystep_kernels::tables::stream::StreamData;
+use raystep_kernels::tables::stream::{Stream, StreamData};
 
 use super::{RAY, Rounding};
 
 /// How far, in half units in the last place of the largest component, and what is moved, an index into [`RAY`].
 const MOVES: [(f32, usize); 4] = [(1.0, 0), (4.0, 0), (1.0, 1), (4.0, 1)];
 
+/// The plan of a run with so many rays, in one row.
+fn in_a_row(plan: &Plan, rays: usize) -> Plan {
+    let mut plan = Plan { width: rays as u32, height: 1, rays: rays as u64, ..plan.clone() };
+    let size = plan.size();
+    if let Some(set) = plan.sets.first_mut() {
+        set.size = Some(size);
+    }
+    plan
+}
+
 impl Rounding<'_> {
     /// Which of `rays` went, in `after`, where one goes whose components are off by up to 4 roundings of the largest,
     /// along any combination of axes. Takes the memory of these rays' streams once more, or of all rays' where the
     /// kernel makes them itself.
-    pub(super) fn are_nearly(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, OutOfMemory> {
+    pub(super) fn are_nearly(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, CpuError> {
         // Rays that the kernel makes itself are known by their pixels; others can stand anywhere.
         let is_gathered = !self.data.features.eye_rays;
         let (plan, before);
         let (plan, before) = if is_gathered {
-            plan = Plan { width: rays.len() as u32, height: 1, ..self.plan.clone() };
+            plan = Arc::new(in_a_row(self.plan, rays.len()));
             before = self.before.iter().map(|s| gathered(s, rays)).collect::<Vec<_>>();
             (&plan, before.as_slice())
         } else {
@@ -59,8 +70,8 @@ impl Rounding<'_> {
         &self,
         part: Stream,
         by: [f32; 3],
-        (plan, data, before): (&Plan, &SceneData, &[StreamData]),
-    ) -> Result<Vec<StreamData>, OutOfMemory> {
+        (plan, data, before): (&Arc<Plan>, &SceneData, &[StreamData]),
+    ) -> Result<Vec<StreamData>, CpuError> {
         let mut twin = CpuExecutor::<f32>::new(plan, None)?;
         for stream in before {
             if stream.stream != part {
@@ -75,7 +86,7 @@ impl Rounding<'_> {
             }
             twin.write(&stream);
         }
-        twin.run(self.kernel, data);
+        twin.run(self.kernel, data)?;
         Ok(before.iter().filter_map(|s| twin.read(s.stream)).collect())
     }
 

@@ -1,20 +1,16 @@
 //! How far tMax is off along a walk of 3,000 cells: from the cell's coordinates each time, it is off as much at the end
 //! as at the beginning; accumulated, its error grows with the square of the cells at worst.
 
-use raystep_kernels::programs::closest_hit::streams;
 use std::ops::ControlFlow;
 
 use raystep_kernels::export::csv;
 use raystep_kernels::options::{Accelerator, Numerics, Options, Rule, ScheduleKind, Skip};
-use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
-use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
-use raystep_kernels::programs::closest_hit::states::TRAV;
+use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV};
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
 use raystep_kernels::renderer::{Device, RenderError, Renderer};
 use raystep_kernels::shared::constants::INF;
-use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::tables::stream::Stream;
-use raystep_kernels::tables::stream::StreamData;
+use raystep_kernels::tables::stream::{STATE_TAG, StreamData};
 
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, make};

@@ -8,11 +8,9 @@ use raystep_kernels::export::csv;
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
 use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
+use raystep_kernels::programs::closest_hit::streams::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::renderer::{Device, Renderer};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::stream::Stream;
 
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, Workload, make};

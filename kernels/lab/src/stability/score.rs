@@ -1,6 +1,6 @@
 //! What became of every ray of a variant.
 
-use raystep_kernels::programs::closest_hit::streams::STREAMS;
+use raystep_kernels::Stream;
 use raystep_kernels::renderer::{RenderError, Renderer};
 
 use crate::judge::{Cracks, Hit, Judge, Judged, Traced};
@@ -114,9 +114,10 @@ fn known(truth: Truth, verdict: Verdict, is_found: bool) -> Verdict {
 /// Rays with a float in any stream that is not finite.
 async fn non_finite(renderer: &Renderer, rays: usize) -> Result<u64, RenderError> {
     let mut is_bad = vec![false; rays];
-    for info in STREAMS.iter().filter(|s| renderer.plan().has_stream(s.stream)) {
-        let values = renderer.values(info.stream).await?;
-        for layer in (0..info.stream.layers()).filter(|&layer| info.stream.is_float_layer(layer)) {
+    let streams: Vec<Stream> = renderer.plan().streams.iter().map(|planned| planned.what).collect();
+    for stream in streams {
+        let values = renderer.values(stream).await?;
+        for layer in (0..stream.layers()).filter(|&layer| stream.is_float_layer(layer)) {
             for (bad, &bits) in is_bad.iter_mut().zip(values.layer(layer)) {
                 *bad |= !f32::from_bits(bits).is_finite();
             }

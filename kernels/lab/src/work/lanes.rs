@@ -1,8 +1,8 @@
 //! Useful lanes: of the threads that a GPU launches together, how many have a ray to work on.
 
 use raystep_kernels::options::features::Features;
-use raystep_kernels::programs::closest_hit::{kernels, states};
-use raystep_kernels::tables::state::{self, Tag};
+use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Pass, Plan};
 
 /// Threads that run in step. 32 on most GPUs; where a device takes 64, two neighbours of these groups are one.
@@ -67,10 +67,11 @@ impl Lanes {
         if tags.len() as u64 != u64::from(width) * u64::from(height) {
             return None;
         }
-        let is_active = |tag: &Tag| match kernel {
-            kernels::FUSED if plan.features.eye_rays => *tag == states::UNWRITTEN || *tag == states::TRAV_SETUP,
-            _ => kernel.info().takes.contains(tag),
-        };
+        // A kernel for an element's whole course may also make it.
+        let makes = plan.features.eye_rays && kernel.role() == Role::Whole;
+        let begins = plan.program.course.filter(|_| makes).map(|course| [course.unborn, course.born]);
+        let takes = begins.as_ref().map_or(kernel.info().takes, |tags| tags.as_slice());
+        let is_active = |tag: &Tag| takes.contains(tag);
         let side = kernel.workgroup();
         let columns = width.next_multiple_of(side) / TILE[0];
         let rows = height.next_multiple_of(side) / TILE[1];
@@ -117,9 +118,8 @@ impl Lanes {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::programs::closest_hit::states::ISECT_HIT;
-    use raystep_kernels::programs::closest_hit::states::ISECT_NO_HIT;
-    use raystep_kernels::programs::closest_hit::states::TRAV;
+    use raystep_kernels::programs::closest_hit::kernels;
+    use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV, TRAV_SETUP};
     use raystep_kernels::{Limits, Options, RaySource, ScheduleKind};
     use raystep_scenes::generate;
 
@@ -181,7 +181,7 @@ mod tests {
         let lanes = Lanes::of(&pass(kernels::INTERSECT, 70, 0), &plan, &[]).expect("a list");
         assert_eq!((lanes.groups(), lanes.histogram[0]), (3, 0));
         // Set-up works on every pixel, listed or not; the rays that the fused kernel makes are not yet written.
-        let tags = vec![states::TRAV_SETUP; 800];
+        let tags = vec![TRAV_SETUP; 800];
         let lanes = Lanes::of(&pass(kernels::SETUP, 800, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.launch, lanes.working()), (Launch::Tiles, 800));
     }

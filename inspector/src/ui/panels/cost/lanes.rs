@@ -1,9 +1,9 @@
 //! Useful lanes: of every 32 threads that a GPU launches together, how many have a ray to work on.
 
 use egui::Ui;
-use raystep_kernels::programs::closest_hit::{kernels, streams};
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::{Kernel, Pass, Plan, Stream};
+use raystep_kernels::{Kernel, Pass, Plan};
 use raystep_lab::work::{LANES, Lanes, Launch};
 
 use crate::session::Edit;
@@ -148,6 +148,7 @@ fn count(job: JobContext<'_>, of: Of, kernel: Kernel) -> JobFuture<'_> {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::programs::closest_hit::kernels;
     use raystep_kernels::{Limits, Options, RaySource, ScheduleKind};
     use raystep_scenes::generate;
 

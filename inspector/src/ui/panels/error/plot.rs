@@ -2,8 +2,6 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
-use raystep_kernels::programs::closest_hit::states;
-use raystep_kernels::tables::state;
 use raystep_lab::judge::Judgement;
 
 use super::scales::{Shares, Unit, grouped, percent};
@@ -45,7 +43,8 @@ impl<'a> Curve<'a> {
     }
 
     fn resolved(&self, place: usize) -> u64 {
-        place.checked_sub(1).map_or(0, |last| states::STATES.decided(&self.passes[last].counts)).min(self.rays)
+        let decided = |pass: &Pass| pass.kernel.program().states.decided(&pass.counts);
+        place.checked_sub(1).and_then(|last| self.passes.get(last)).map_or(0, decided).min(self.rays)
     }
 
     fn unresolved_share(&self, place: usize) -> f64 {

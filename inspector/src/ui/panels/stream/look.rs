@@ -5,12 +5,14 @@ use raystep_kernels::programs::closest_hit::streams;
 use serde::{Deserialize, Serialize};
 
 use crate::draw::stream::Colors;
+use crate::names::maybe_saved_stream;
 
 /// What of a view is saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct Look {
     /// `None` shows the picture once there is one, and before that rays' states.
+    #[serde(deserialize_with = "maybe_saved_stream")]
     pub(super) stream: Option<Stream>,
     /// `None` shows all components, where they are a colour.
     pub(super) layer: Option<usize>,

@@ -1,10 +1,8 @@
 //! The numbers of texels, drawn in them where they are large enough.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
-use raystep_kernels::Stream;
-use raystep_kernels::programs::closest_hit::{states, streams};
-use raystep_kernels::tables::state;
 use raystep_kernels::tables::stream::STATE_TAG;
+use raystep_kernels::{Program, Stream};
 
 use crate::ui::pane::Context;
 
@@ -24,6 +22,7 @@ pub(super) fn draw(
     if scale < FROM || is_pinned {
         return;
     }
+    let Some(opened) = &cx.model.opened else { return };
     let Some(texels) = cx.model.texels.iter().find(|t| t.stream == stream && t.place == cx.model.place) else { return };
     let [_, _, width, height] = texels.region;
     let first = (rect.min - origin) / scale;
@@ -38,7 +37,7 @@ pub(super) fn draw(
             let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
             for layer in 0..layers {
                 let bits = texels.layer(layer)[(y * width + x) as usize];
-                let text = text(stream, layer, bits);
+                let text = text(opened.plan.program, stream, layer, bits);
                 let down = (layer as f32 - 0.5 * (layers as f32 - 1.0)) * size * 1.1;
                 let at = middle + vec2(0.0, down);
                 let font = FontId::monospace(size);
@@ -58,9 +57,9 @@ pub(super) fn draw(
 }
 
 /// A component as people read it.
-fn text(stream: Stream, layer: usize, bits: u32) -> String {
-    if stream == streams::STATE && layer == STATE_TAG {
-        return states::STATES.name(bits).into();
+fn text(program: &Program, stream: Stream, layer: usize, bits: u32) -> String {
+    if program.state_stream() == Some(stream) && layer == STATE_TAG {
+        return program.states.name(bits).into();
     }
     if stream.is_float_layer(layer) {
         let value = f32::from_bits(bits);

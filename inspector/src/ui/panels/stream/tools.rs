@@ -1,14 +1,13 @@
 //! Above the picture: which stream and component, which colours and range, and what they mean.
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
-use raystep_kernels::Stream;
-use raystep_kernels::programs::closest_hit::{states, streams};
-use raystep_kernels::tables::state;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::{Program, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
 use super::super::legend::entry;
 use super::StreamView;
-use crate::draw::stream::{Colors, Meaning, STATE_COLORS};
+use crate::draw::stream::{Colors, Meaning};
 
 impl StreamView {
     pub(super) fn tools(
@@ -80,11 +79,17 @@ impl StreamView {
     }
 
     /// What colours mean, and how many values are out of the ordinary.
-    pub(super) fn legend(&self, ui: &mut egui::Ui, stream: Stream, layer: usize, meaning: Meaning) {
+    pub(super) fn legend(
+        &self,
+        ui: &mut egui::Ui,
+        program: &Program,
+        (stream, layer): (Stream, usize),
+        meaning: Meaning,
+    ) {
         ui.horizontal_wrapped(|ui| {
             if meaning == Meaning::Tag {
-                for state in &states::STATES {
-                    let [r, g, b] = STATE_COLORS[state.tag as usize];
+                for state in program.states.iter() {
+                    let [r, g, b] = state.colour;
                     entry(ui, Color32::from_rgb(r, g, b), state.name, state.meaning);
                 }
                 return;

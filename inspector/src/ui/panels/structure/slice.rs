@@ -5,7 +5,6 @@ use egui::{TextureOptions, Ui, Vec2, pos2, vec2};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::tables::state;
 use raystep_lab::structure_stats::{Slice, triangles_in};
 
 use super::picture::{legend, picture};

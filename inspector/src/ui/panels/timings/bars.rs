@@ -2,7 +2,6 @@
 
 use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
-use raystep_kernels::programs::closest_hit::kernels;
 
 use super::duration;
 use crate::ui::pane::Context;
@@ -103,7 +102,7 @@ fn part(ns: u64, longest: u64, is_log: bool) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use raystep_kernels::Kernel;
+    use raystep_kernels::programs::closest_hit::kernels;
 
     use super::*;
     use crate::ui::panels::timings::tests::pass;

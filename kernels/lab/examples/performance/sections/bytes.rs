@@ -1,13 +1,14 @@
 //! Bytes that passes move, against what the device copies, and what a pass costs that moves none.
 
-use raystep_kernels::programs::closest_hit::kernels;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::time::Duration;
 
 use raystep_kernels::executor::gpu::GpuExecutor;
+use raystep_kernels::programs::closest_hit::{PROGRAM, kernels};
 use raystep_kernels::shader::Variant;
 use raystep_kernels::tables::state::StateCounts;
-use raystep_kernels::{Accelerator, Gpu, Kernel, Options, Plan, Renderer, ScheduleKind, Skip, Stream};
+use raystep_kernels::{Accelerator, Gpu, Options, Plan, Renderer, ScheduleKind, Skip};
 use raystep_lab::meter::Ended;
 
 use super::{Deadline, two_scenes};
@@ -133,6 +134,7 @@ fn empty<'a>(machine: &'a Machine, size: (u32, u32)) -> Result<Vec<Job<'a>>, Str
     {
         let options = options(&viewed, Accelerator::Grid, schedule, size);
         let (plan, data) = Plan::new(&viewed.scene, &options, &machine.limits()).map_err(|e| e.to_string())?;
+        let plan = Arc::new(plan);
         for passes in [32usize, 128, 256] {
             let executor = machine.wait(GpuExecutor::new(gpu.clone(), &plan, &data, false));
             let mut executor = executor.map_err(|e| e.to_string())?;
@@ -205,7 +207,7 @@ fn texels(source: &str, call: &str) -> BTreeSet<(String, String)> {
         let mut arguments = source[at + call.len()..].splitn(4, ',').map(str::trim);
         let (stream, _texel, layer) = (arguments.next()?, arguments.next()?, arguments.next()?);
         let layer: String = layer.chars().take_while(char::is_ascii_digit).collect();
-        (Stream::from_name(stream).is_some() && !layer.is_empty()).then(|| (stream.to_owned(), layer))
+        (PROGRAM.stream(stream).is_some() && !layer.is_empty()).then(|| (stream.to_owned(), layer))
     });
     accesses.collect()
 }

@@ -4,10 +4,11 @@
 //! The traverse kernel with the paper's rules, as raystep composes it, against two made from its text, which load
 //! what it works out. All rays stay in TRAV, and none leaves the grid, so that every pass has all of them.
 
+use raystep_kernels::Gpu;
 use raystep_kernels::options::features::Features;
 use raystep_kernels::programs::closest_hit::kernels;
+use raystep_kernels::programs::closest_hit::states::TRAV;
 use raystep_kernels::shader::Variant;
-use raystep_kernels::{Gpu, Kernel};
 use wgpu::util::DeviceExt as _;
 
 use crate::machine::Machine;
@@ -223,7 +224,7 @@ impl Rays {
         }
         let middle = CELLS / 2;
         let cell = (middle + CELLS * (middle + CELLS * middle)) as u32;
-        for word in [raystep_kernels::tables::state::TRAV, 100f32.exp2().to_bits(), cell, 0] {
+        for word in [TRAV, 100f32.exp2().to_bits(), cell, 0] {
             rays.state.extend(std::iter::repeat_n(word, (width * height) as usize));
         }
         rays
