@@ -140,8 +140,8 @@ impl SceneData {
         (self.grid_distances[cell as usize / 4] >> (8 * (cell % 4)) & 0xff) as i32
     }
 
-    /// The bytes of a buffer, by name; a storage buffer that would be empty gets 16 zero bytes, since
-    /// nothing can be bound to nothing. `None` for a name that the table does not have.
+    /// The bytes of a buffer, by name; a storage buffer that would be empty gets 80 zero bytes, an element of the
+    /// largest of them, since nothing can be bound to nothing. `None` for a name that the table does not have.
     #[must_use]
     pub fn bytes(&self, name: &str) -> Option<&[u8]> {
         const EMPTY: &[u8] = &[0; 80];

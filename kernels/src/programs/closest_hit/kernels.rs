@@ -59,7 +59,7 @@ pub struct KernelInfo {
     pub kernel: Kernel,
     /// Name of the file, of the entry point, and in reports.
     pub name: &'static str,
-    /// Source with its options still in it .
+    /// Source with its options still in it.
     pub wgsl: &'static str,
     /// Tags of the rays that it works on.
     pub takes: &'static [Tag],
