@@ -262,6 +262,12 @@ impl Gpu {
         self.poller.leave_to_host();
     }
 
+    /// Forgets the pipelines that were compiled before, so that the next run compiles its own: for timing a first start.
+    /// Drivers may keep theirs all the same.
+    pub fn forget_compiled(&self) {
+        self.compiled.clear();
+    }
+
     /// Whether it is a driver that computes on the CPU.
     #[must_use]
     pub fn is_software(&self) -> bool {
