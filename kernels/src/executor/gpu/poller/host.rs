@@ -8,5 +8,7 @@ impl Poller {
         Self
     }
 
-    pub(crate) fn leave_to_host(&self) {}
+    pub(crate) fn host_begins(&self) {}
+
+    pub(crate) fn host_ends(&self, _device: &wgpu::Device) {}
 }
