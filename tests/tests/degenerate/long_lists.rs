@@ -59,15 +59,17 @@ fn lists_longer_than_any_loop_are_walked_step_by_step() {
     let scene = pile(70_000);
     let stepped =
         [Way::new(Accelerator::None, ScheduleKind::Second, 1), Way::new(Accelerator::Grid, ScheduleKind::Compact, 1)];
-    expect_no_errors("pile, step by step", &scene, &in_one_cell(&scene, 3), &stepped, 0.0);
+    let side = if thorough() { 4 } else { 3 };
+    expect_no_errors("pile, step by step", &scene, &in_one_cell(&scene, side), &stepped, 0.0);
 }
 
 #[test]
 #[ignore = "long: sh tests/full.sh"]
 fn lists_several_times_as_long_as_any_loop_are_walked_to_their_end() {
     let scene = pile(300_000);
-    let ways = several().into_iter().filter(|way| way.schedule == ScheduleKind::Fused || way.steps == 4096);
-    expect_no_errors("larger pile", &scene, &in_one_cell(&scene, 4), &ways.collect::<Vec<_>>(), 0.0);
+    let is_long = |way: &Way| thorough() || way.schedule == ScheduleKind::Fused || way.steps == 4096;
+    let (side, ways) = (if thorough() { 6 } else { 4 }, several().into_iter().filter(is_long));
+    expect_no_errors("larger pile", &scene, &in_one_cell(&scene, side), &ways.collect::<Vec<_>>(), 0.0);
 }
 
 /// What a ray has counted does not depend on how many dispatches it took.
