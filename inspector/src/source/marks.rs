@@ -188,3 +188,21 @@ impl Walker<'_> {
         self.case.and_then(|case| case.held(self.kernel, text))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_arms_all_but_the_first_that_holds_are_left_out() {
+        let text = "@if(grid) const A = 1u;\n@else @if(bvh) const A = 2u;\n@else const A = 3u;\n\
+                    fn setup() {\n    @if(grid) x();\n    @else @if(bvh) y();\n    @else z();\n}\n";
+        for (grid, bvh, kept) in [(true, true, 0), (true, false, 0), (false, true, 1), (false, false, 2)] {
+            let features = Features { grid, bvh, ..Features::default() };
+            let marks = marks(Kernel::Setup, text, &features, None);
+            let left_out: Vec<usize> = (0..marks.len()).filter(|&line| marks[line] == Mark::LeftOut).collect();
+            let expected: Vec<usize> = [0, 1, 2, 4, 5, 6].into_iter().filter(|line| line % 4 != kept).collect();
+            assert_eq!(left_out, expected, "{grid} {bvh}");
+        }
+    }
+}
