@@ -54,13 +54,7 @@ step "format"
 cargo fmt --all --check
 
 step "every file of tests is in its crate's test binary"
-for file in */tests/*.rs; do
-    name=$(basename "$file" .rs)
-    [ "$name" = main ] || grep -qx "mod $name;" "${file%/*}/main.rs" || {
-        echo "$file is in no binary: write \"mod $name;\" in ${file%/*}/main.rs" >&2
-        exit 1
-    }
-done
+sh tests/every_file.sh
 
 step "lints, tests and documentation"
 # clippy lints what it compiles as rustc does, so that nothing is compiled once for lints and once for tests.

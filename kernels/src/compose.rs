@@ -4,7 +4,8 @@
 //!
 //! - `import package::MODULE::{NAME, …};` brings declarations of another module.
 //! - `@if(EXPRESSION)` before a declaration, an import, a struct's member or a statement keeps it where the expression
-//!   of options holds; `@else` right after it is kept where it does not.
+//!   of options holds; `@else` right after it is kept where it does not. `@else @if(EXPRESSION)` begins another arm of
+//!   the same choice: at most one is kept, the first that holds.
 //!
 //! The result has the declarations that the entry point reaches, in their files' order and words, comments included,
 //! and under their own names: names of globals are names of streams and buffers. WESL's own crate parses all of WGSL
@@ -17,8 +18,9 @@ mod words;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub use condition::holds;
 use items::Module;
+pub use options::left_out;
+pub use words::{Word, WordKind, words};
 
 /// Why modules do not make one text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -105,11 +107,7 @@ impl Linker<'_, '_> {
             return Ok(true);
         }
         let Some(text) = (self.source)(name) else { return Ok(false) };
-        let text = options::decided(text, self.option).map_err(|(line, message)| ComposeError::Malformed {
-            module: name.to_owned(),
-            line,
-            message,
-        })?;
+        let text = options::decided(name, text, self.option)?;
         self.modules.insert(name.to_owned(), Module::parse(name, &text)?);
         self.order.push(name.to_owned());
         Ok(true)

@@ -4,7 +4,7 @@
 //! entry point reads and writes, through the functions it calls. The WGSL is the only list of bindings.
 
 use std::collections::HashMap;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, Module, ShaderStage, StorageAccess, TypeInner};
@@ -133,6 +133,15 @@ static KEPT: LazyLock<Mutex<HashMap<(Kernel, Features), Variant>>> = LazyLock::n
 /// Most that are kept, some 30 KB each.
 const MOST_KEPT: usize = 256;
 
+fn kept() -> MutexGuard<'static, HashMap<(Kernel, Features), Variant>> {
+    KEPT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Forgets the variants that were made before, so that the next plan composes its own: for timing a first one.
+pub fn forget_variants() {
+    kept().clear();
+}
+
 impl Variant {
     /// The names of its program and kernel, as debuggers and wgpu's errors show them.
     #[must_use]
@@ -153,7 +162,6 @@ impl Variant {
     /// # Errors
     /// Where the WGSL in this crate is wrong.
     pub fn new(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
-        let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(variant) = kept().get(&(kernel, *features)) {
             return Ok(variant.clone());
         }
@@ -275,4 +283,20 @@ fn structs_of(module: &Module) -> Vec<StructLayout> {
             _ => None,
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variant_is_kept_until_it_is_forgotten() {
+        // Options that no other test has.
+        let features = Features { turns: 4321, ..Features::default() };
+        let is_kept = || kept().contains_key(&(Kernel::Setup, features));
+        Variant::new(Kernel::Setup, &features).expect("a variant");
+        assert!(is_kept());
+        forget_variants();
+        assert!(!is_kept());
+    }
 }

@@ -143,6 +143,7 @@ fn text_that_is_no_gltf() {
         (b"{}", "asset"),
         (b"{\"asset\":{\"version\":\"2.0\"}} x", "trailing"),
         (b"{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"name\":\"\\ud800\"}]}", "nodes[0].name"),
+        (b"{\"asset\":{\"version\":\"2.0\"},\"meshes\": }", "meshes: expected value"),
         (&deep, "recursion"),
         (b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0JSON", "version 1"),
         (b"glTF\x02\0\0\0\x0c\0\0\0", "no chunks"),

@@ -73,6 +73,7 @@ impl Found {
         sum.tolerated += found.tolerated;
         sum.undecided += found.undecided;
         sum.rays += found.rays;
+        sum.rays_in_parts += found.rays_in_parts;
         sum.kernels.extend(found.kernels);
         sum.transitions.extend(found.transitions);
     }
@@ -204,22 +205,20 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
             in_parts.join(parts);
         }
     });
-    let (undecided, rays) = (found.sum.undecided, found.sum.rays);
+    let whole = (found.sum.undecided, found.sum.rays);
+    let parts = (in_parts.sum.undecided, in_parts.sum.rays_in_parts);
     found.join(in_parts);
     let Found { sum, failures } = found;
-    println!(
-        "{} passes, {} components compared: {} equal but for rounding, {} rays undecided",
-        sum.passes, sum.components, sum.tolerated, sum.undecided
-    );
+    println!("{} passes, {} components: {} equal but for rounding", sum.passes, sum.components, sum.tolerated);
     assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
     // A ray is near an edge or a face by less than some 40 roundings of 2⁻²⁴ once in 10,000 tests of one triangle
-    // that fills the view; most are farther.
-    println!(
-        "{undecided} of {rays} undecided in whole passes, {} of {} in parts of them",
-        sum.undecided - undecided,
-        sum.rays - rays
-    );
-    assert!(undecided * 10_000 < rays, "{undecided} of {rays} rays undecided");
+    // that fills the view; most are farther. Of the small pictures that are traced in parts an eighth lies in the middle
+    // row or column, where rays meet edges and planes of symmetric scenes: a few of these, once in some 24 passes each.
+    for (name, most, (undecided, rays)) in [("whole passes", 10_000, whole), ("parts of passes", 1_000, parts)] {
+        println!("{undecided} of {rays} rays undecided in {name}");
+        assert!(rays > 0, "no ray was compared in {name}");
+        assert!(undecided * most < rays, "{undecided} of {rays} rays undecided in {name}");
+    }
     for kernel in PROGRAM.kernels().filter(|kernel| kernel.role() != Role::Count) {
         assert!(sum.kernels.contains(&kernel), "no ray was ever in {}", kernel.name());
     }

@@ -149,11 +149,27 @@ fn a_view_is_saved_and_read_back_and_nonsense_is_brought_into_range() {
         let text = serde_json::to_string(&orbit).expect("text");
         assert_eq!(serde_json::from_str::<Orbit>(&text).expect("a view"), orbit);
     }
-    let mut far = orbit;
-    far.pose.pitch = 1e300;
-    far.pose.distance = -1.0;
-    let read: Orbit = serde_json::from_str(&serde_json::to_string(&far).expect("text")).expect("a view");
-    assert!(read.pose.distance > 0.0 && read.pose.pitch.abs() < 4.0);
+    for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1.0] {
+        for lens in [Lens::Perspective { vertical_fov: nonsense }, Lens::Orthographic { half_height: nonsense }] {
+            let pose = Pose {
+                target: DVec3::new(1.0, nonsense, 3.0),
+                distance: nonsense,
+                yaw: nonsense,
+                pitch: nonsense,
+                roll: nonsense,
+                lens,
+            };
+            let far = Orbit { pose, home: pose, radius: nonsense };
+            let text = serde_json::to_string(&far).expect("text");
+            let read: Orbit = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{e}: {text}"));
+            assert!(read.pose.distance > 0.0 && read.radius > 0.0 && read.pose.pitch.abs() < 4.0, "{text}");
+            assert!(read.pose.target.is_finite() && read.pose.yaw.is_finite() && read.pose.roll.is_finite(), "{text}");
+            assert_eq!((read.pose.target.x, read.home), (1.0, read.pose), "{text}");
+        }
+    }
+    // As a file from elsewhere may have it.
+    let text = serde_json::to_string(&orbit).expect("text").replacen("\"pitch\":", "\"pitch\":1e300,\"was\":", 1);
+    assert!(serde_json::from_str::<Orbit>(&text).expect("a view").pose.pitch.abs() < 4.0, "{text}");
     orbit.reset();
     assert_eq!(orbit, both_lenses()[0]);
     let scaled = orbit.scaled(8.0).scaled(0.125);

@@ -1,5 +1,5 @@
-//! The functions of a kernel's file and the blocks in them: as much of WGSL's grammar, and of WESL's `@if`, as it takes
-//! to tell which lines belong to which arm.
+//! The functions of a kernel's file and the blocks in them: as much of WGSL's grammar as it takes to tell which lines
+//! belong to which statement. What options leave out of it, [`raystep_kernels::compose`] says.
 
 use std::ops::RangeInclusive;
 
@@ -9,22 +9,16 @@ use super::words::{Class, Word};
 pub(super) struct File {
     /// In the file's order.
     pub(super) functions: Vec<Function>,
-    /// Declarations that an option may leave out: the option, and their lines.
-    pub(super) declarations: Vec<(Option<Choice>, RangeInclusive<usize>)>,
+    /// All other declarations: the byte at which each begins, and its lines.
+    pub(super) declarations: Vec<(usize, RangeInclusive<usize>)>,
     /// Every condition and loop's head, in the file's order.
     pub(super) conditions: Vec<String>,
 }
 
-/// `@if(…)` with its expression, or the `@else` of the one before.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Choice {
-    If(String),
-    Else,
-}
-
 pub(super) struct Function {
     pub(super) name: String,
-    pub(super) choice: Option<Choice>,
+    /// Byte at which it begins, attributes included.
+    pub(super) start: usize,
     /// From its attributes to its last brace; lines are counted from 0.
     pub(super) lines: RangeInclusive<usize>,
     pub(super) body: Block,
@@ -36,7 +30,8 @@ pub(super) struct Block {
 }
 
 pub(super) struct Statement {
-    pub(super) choice: Option<Choice>,
+    /// Byte at which it begins, attributes included.
+    pub(super) start: usize,
     pub(super) lines: RangeInclusive<usize>,
     /// Functions that it calls itself, not in its blocks.
     pub(super) calls: Vec<String>,
@@ -63,8 +58,8 @@ pub(super) fn functions(text: &str, words: &[Word]) -> Option<File> {
     let mut parser = Parser { text, words, at: 0, line_starts, conditions: Vec::new() };
     let (mut functions, mut declarations) = (Vec::new(), Vec::new());
     while parser.at < parser.words.len() {
-        let start = parser.line();
-        let choice = parser.attributes();
+        let (start, first) = (parser.byte(), parser.line());
+        parser.skip_attributes();
         if parser.word() == "fn" {
             parser.at += 1;
             let name = parser.word().to_owned();
@@ -72,10 +67,10 @@ pub(super) fn functions(text: &str, words: &[Word]) -> Option<File> {
                 parser.next()?;
             }
             let body = parser.block()?;
-            functions.push(Function { name, choice, lines: start..=*body.lines.end(), body });
+            functions.push(Function { name, start, lines: first..=*body.lines.end(), body });
         } else {
             parser.declaration()?;
-            declarations.push((choice, start..=parser.last_line()));
+            declarations.push((start, first..=parser.last_line()));
         }
     }
     Some(File { functions, declarations, conditions: parser.conditions })
@@ -109,24 +104,19 @@ impl Parser<'_> {
         self.line_of(self.at)
     }
 
+    fn byte(&self) -> usize {
+        self.words.get(self.at).map_or(self.text.len(), |w| w.range.start)
+    }
+
     /// Of the word before.
     fn last_line(&self) -> usize {
         self.line_of(self.at.saturating_sub(1))
     }
 
-    /// Skips attributes; the option among them is returned.
-    fn attributes(&mut self) -> Option<Choice> {
-        let mut choice = None;
+    fn skip_attributes(&mut self) {
         while self.word().starts_with('@') {
-            let condition = self.word().strip_prefix("@if(").and_then(|rest| rest.strip_suffix(')'));
-            choice = match (condition, self.word()) {
-                (Some(condition), _) => Some(Choice::If(condition.to_owned())),
-                (None, "@else") => Some(Choice::Else),
-                _ => choice,
-            };
             self.at += 1;
         }
-        choice
     }
 
     /// To behind the semicolon, or the brace of a struct.
@@ -170,8 +160,8 @@ impl Parser<'_> {
     }
 
     fn statement(&mut self) -> Option<Statement> {
-        let start = self.line();
-        let choice = self.attributes();
+        let (start, first) = (self.byte(), self.line());
+        self.skip_attributes();
         let (kind, calls) = match self.word() {
             "{" => (Kind::Block(self.block()?), Vec::new()),
             "if" => self.branch()?,
@@ -181,8 +171,8 @@ impl Parser<'_> {
                 self.conditions.push(head.clone());
                 (Kind::Loop(head, self.block()?), calls)
             }
-            first => {
-                let kind = match first {
+            word => {
+                let kind = match word {
                     "return" => Kind::Return,
                     "break" | "continue" => Kind::Jump,
                     _ => Kind::Plain,
@@ -200,7 +190,7 @@ impl Parser<'_> {
                 (kind, calls)
             }
         };
-        Some(Statement { choice, lines: start..=self.last_line(), calls, kind })
+        Some(Statement { start, lines: first..=self.last_line(), calls, kind })
     }
 
     fn branch(&mut self) -> Option<(Kind, Vec<String>)> {

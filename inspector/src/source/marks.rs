@@ -2,14 +2,14 @@
 //! conditions in place of values.
 
 use std::collections::BTreeMap;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use raystep_kernels::Kernel;
-use raystep_kernels::compose::holds;
+use raystep_kernels::compose::left_out;
 use raystep_kernels::options::features::Features;
 
 use super::Mark;
-use super::block::{Block, Choice, Function, Kind, Statement, functions};
+use super::block::{Block, Function, Kind, Statement, functions};
 use super::words::words;
 use raystep_kernels::programs::closest_hit::conditions::Case;
 
@@ -61,25 +61,23 @@ struct Left {
 /// A mark for every line. Without a case, only what options leave out is marked.
 pub(super) fn marks(kernel: Kernel, text: &str, features: &Features, case: Option<&Case>) -> Vec<Mark> {
     let count = text.split('\n').count();
-    let mut walker =
-        Walker { kernel, case, options: features.list(), marks: vec![Mark::Plain; count], calls: BTreeMap::new() };
-    let Some(file) = functions(text, &words(text)) else {
+    let options = features.list();
+    let option = |name: &str| options.iter().find(|o| o.0 == name).map(|o| o.1);
+    let (Some(file), Ok(left_out)) = (functions(text, &words(text)), left_out(kernel.name(), text, &option)) else {
         return vec![if case.is_some() { Mark::Unknown } else { Mark::Plain }; count];
     };
-    let mut before = None;
-    for (choice, lines) in &file.declarations {
-        if !walker.is_in(choice.as_ref(), &mut before) {
+    let mut walker = Walker { kernel, case, left_out, marks: vec![Mark::Plain; count], calls: BTreeMap::new() };
+    for (start, lines) in &file.declarations {
+        if walker.is_left_out(*start) {
             walker.set(lines, Mark::LeftOut);
         }
     }
-    let mut before = None;
-    let is_in: Vec<bool> = file.functions.iter().map(|f| walker.is_in(f.choice.as_ref(), &mut before)).collect();
     // What is called is declared before what calls it.
     walker.calls.insert(kernel.name().to_owned(), Reach::Yes);
-    for (function, is_in) in file.functions.iter().zip(is_in).rev() {
-        match is_in {
-            true => walker.function(function),
-            false => walker.set(&function.lines, Mark::LeftOut),
+    for function in file.functions.iter().rev() {
+        match walker.is_left_out(function.start) {
+            true => walker.set(&function.lines, Mark::LeftOut),
+            false => walker.function(function),
         }
     }
     let lines = text.split('\n').map(str::trim);
@@ -90,25 +88,17 @@ pub(super) fn marks(kernel: Kernel, text: &str, features: &Features, case: Optio
 struct Walker<'a> {
     kernel: Kernel,
     case: Option<&'a Case<'a>>,
-    options: Vec<(&'static str, bool)>,
+    /// Bytes that the options leave out.
+    left_out: Vec<Range<usize>>,
     marks: Vec<Mark>,
     /// Whether each function was called.
     calls: BTreeMap<String, Reach>,
 }
 
 impl Walker<'_> {
-    /// Whether the options take a choice in; `before` is the last `@if` beside it, for `@else`.
-    fn is_in(&self, choice: Option<&Choice>, before: &mut Option<bool>) -> bool {
-        let is_in = match choice {
-            None => return true,
-            Some(Choice::If(condition)) => {
-                let option = |name: &str| self.options.iter().find(|o| o.0 == name).map(|o| o.1);
-                holds(condition, &option).unwrap_or(false)
-            }
-            Some(Choice::Else) => before.is_some_and(|taken| !taken),
-        };
-        *before = Some(is_in);
-        is_in
+    /// Whether the options leave out what begins at a byte.
+    fn is_left_out(&self, start: usize) -> bool {
+        self.left_out.iter().any(|range| range.contains(&start))
     }
 
     fn set(&mut self, lines: &RangeInclusive<usize>, mark: Mark) {
@@ -135,9 +125,8 @@ impl Walker<'_> {
         let (first, last) = (*block.lines.start(), *block.lines.end());
         self.set(&(first + 1..=last), reach.mark());
         let mut left = Left { falls: reach, has_jumped: false, has_returned: false };
-        let mut before = None;
         for statement in &block.statements {
-            if !self.is_in(statement.choice.as_ref(), &mut before) {
+            if self.is_left_out(statement.start) {
                 self.set(&statement.lines, Mark::LeftOut);
                 continue;
             }
@@ -197,5 +186,23 @@ impl Walker<'_> {
 
     fn held(&self, text: &str) -> Option<bool> {
         self.case.and_then(|case| case.held(self.kernel, text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_arms_all_but_the_first_that_holds_are_left_out() {
+        let text = "@if(grid) const A = 1u;\n@else @if(bvh) const A = 2u;\n@else const A = 3u;\n\
+                    fn setup() {\n    @if(grid) x();\n    @else @if(bvh) y();\n    @else z();\n}\n";
+        for (grid, bvh, kept) in [(true, true, 0), (true, false, 0), (false, true, 1), (false, false, 2)] {
+            let features = Features { grid, bvh, ..Features::default() };
+            let marks = marks(Kernel::Setup, text, &features, None);
+            let left_out: Vec<usize> = (0..marks.len()).filter(|&line| marks[line] == Mark::LeftOut).collect();
+            let expected: Vec<usize> = [0, 1, 2, 4, 5, 6].into_iter().filter(|line| line % 4 != kept).collect();
+            assert_eq!(left_out, expected, "{grid} {bvh}");
+        }
     }
 }

@@ -1,6 +1,8 @@
-//! WGSL cut into words, for highlighting and for finding its blocks. Any text is cut: what is no WGSL is plain.
+//! WGSL's words, for highlighting and for finding its blocks. Any text is cut: what is no WGSL is plain.
 
 use std::ops::Range;
+
+use raystep_kernels::compose::{self, WordKind};
 
 /// What a word is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,42 +63,30 @@ const KEYWORDS: &[&str] = &[
 
 const TYPES: &[&str] = &["array", "atomic", "bool", "f16", "f32", "i32", "ptr", "sampler", "u32"];
 
-/// Cuts a text; spaces are left out.
+/// Cuts a text as it is composed, but an attribute and the parentheses after it are one word; spaces are left out.
 pub(super) fn words(text: &str) -> Vec<Word> {
     let bytes = text.as_bytes();
-    let mut words = Vec::new();
-    let mut at = 0;
-    let run =
-        |from: usize, of: fn(u8) -> bool| bytes[from..].iter().position(|&b| !of(b)).map_or(bytes.len(), |n| from + n);
-    while at < bytes.len() {
-        let rest = &bytes[at..];
-        let (end, class) = match rest[0] {
-            b if b.is_ascii_whitespace() => {
-                at += 1;
-                continue;
+    let mut words: Vec<Word> = Vec::new();
+    for word in compose::words(text) {
+        if words.last().is_some_and(|last| word.start < last.range.end) {
+            continue;
+        }
+        let mut end = word.end();
+        let class = match word.kind {
+            WordKind::Comment => Class::Comment,
+            WordKind::Number => Class::Number,
+            WordKind::Sign => Class::Plain,
+            WordKind::Name => class_of(word.text, text[end..].trim_start_matches(' ').starts_with('(')),
+            WordKind::Attribute => {
+                if bytes.get(end) == Some(&b'(') {
+                    end = closed(bytes, end);
+                }
+                Class::Attribute
             }
-            b'/' if rest.starts_with(b"//") => (run(at, |b| b != b'\n'), Class::Comment),
-            b'/' if rest.starts_with(b"/*") => (block_comment(bytes, at), Class::Comment),
-            b'@' => {
-                let name = run(at + 1, is_name);
-                (if bytes.get(name) == Some(&b'(') { closed(bytes, name) } else { name }, Class::Attribute)
-            }
-            b'0'..=b'9' => (number(bytes, at), Class::Number),
-            b if is_name(b) => {
-                let end = run(at, is_name);
-                (end, class_of(&text[at..end], bytes[run(end, |b| b == b' ')..].first() == Some(&b'(')))
-            }
-            _ => (at + 1, Class::Plain),
         };
-        words.push(Word { range: at..end, class });
-        at = end;
+        words.push(Word { range: word.start..end, class });
     }
     words
-}
-
-/// Part of a name; every byte of a letter beyond ASCII is.
-fn is_name(b: u8) -> bool {
-    b == b'_' || b.is_ascii_alphanumeric() || b >= 0x80
 }
 
 fn class_of(name: &str, is_called: bool) -> Class {
@@ -118,20 +108,6 @@ fn class_of(name: &str, is_called: bool) -> Class {
     }
 }
 
-/// Where a number ends: `1`, `1u`, `0x3fu`, `1.5`, `1e-37`.
-fn number(bytes: &[u8], start: usize) -> usize {
-    let is_hex = bytes[start..].starts_with(b"0x");
-    let is_part = |at: usize| {
-        let is_exponent = |b: u8| matches!((b, is_hex), (b'e' | b'E', false) | (b'p' | b'P', true));
-        match bytes[at] {
-            b'.' => true,
-            b'+' | b'-' => is_exponent(bytes[at - 1]),
-            b => b.is_ascii_alphanumeric(),
-        }
-    };
-    (start + 1..bytes.len()).find(|&at| !is_part(at)).unwrap_or(bytes.len())
-}
-
 /// Behind the parenthesis that closes the one at `open`, or at the line's end.
 fn closed(bytes: &[u8], open: usize) -> usize {
     let mut depth = 0usize;
@@ -142,24 +118,6 @@ fn closed(bytes: &[u8], open: usize) -> usize {
             b')' => depth -= 1,
             b'\n' => return at,
             _ => {}
-        }
-    }
-    bytes.len()
-}
-
-/// Behind the end of a comment; they nest.
-fn block_comment(bytes: &[u8], start: usize) -> usize {
-    let (mut at, mut depth) = (start, 0usize);
-    while at < bytes.len() {
-        if bytes[at..].starts_with(b"/*") {
-            (at, depth) = (at + 2, depth + 1);
-        } else if bytes[at..].starts_with(b"*/") {
-            (at, depth) = (at + 2, depth - 1);
-            if depth == 0 {
-                return at;
-            }
-        } else {
-            at += 1;
         }
     }
     bytes.len()

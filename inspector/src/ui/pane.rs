@@ -121,7 +121,7 @@ pub trait Panel: Send {
     fn title(&self) -> String;
     /// Shows it.
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>);
-    /// What of it is saved, as RON; empty where there is nothing.
+    /// What of it is saved, as JSON; empty where there is nothing.
     fn save(&self) -> String {
         String::new()
     }

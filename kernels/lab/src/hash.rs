@@ -30,6 +30,14 @@ impl Hash {
         }
     }
 
+    /// Of numbers, by their bits.
+    #[must_use]
+    pub fn of_floats(values: &[f32]) -> Self {
+        let mut hash = Self::default();
+        values.iter().for_each(|value| hash.add(&value.to_bits().to_le_bytes()));
+        hash
+    }
+
     /// Of what every ray hit, by its bits. Where a ray may end at any hit, only whether it hit is compared.
     #[must_use]
     pub fn of_hits(hits: &[Option<RayHit>], is_any_hit: bool) -> Self {

@@ -4,6 +4,10 @@
 //! [`check_rays`] judges every ray and keeps nothing. Every triangle against every ray is too much for a large scene, or
 //! for many runs of the same rays: a [`Judge`] works truth out for a [`sample`] of them, and keeps it for the runs that
 //! follow.
+//!
+//! Judged is what the executor computed. The f64 twins ([`Device::CpuF64`](raystep_kernels::Device::CpuF64)) are judged
+//! by their own t, not by what is left of it once a stream rounds it to f32: a hit that is right in f64 is not wrong for
+//! being stored.
 
 mod passes;
 mod report;
@@ -16,6 +20,7 @@ use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::renderer::{RenderError, Renderer, found};
 use raystep_kernels::tables::stream::{STATE_TAG, Stream, StreamData};
 
+use crate::Hash;
 use crate::rays::Random;
 use crate::reference::{BruteForce, Candidates, Mistake, candidates_of};
 pub use passes::{Judgement, WrongRay, judge_passes, why_not};
@@ -108,11 +113,6 @@ impl<'a> Traced<'a> {
 /// Compares what every ray of a run hit with what it should. `progress` gets rays done and rays in all, and may stop.
 pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> ControlFlow<()>) -> Report {
     let triangles = BruteForce::new(traced.vertices());
-    let one = |ray: usize| {
-        let [origin, direction] = traced.ray(ray);
-        let found = traced.hit(ray).map(|hit| (hit.triangle, hit.t));
-        triangles.judge(ray, origin, direction, &triangles.candidates(origin, direction), found)
-    };
     let (rays, mut report) = (traced.rays(), Report::default());
     let batch = rays_a_batch(triangles.triangles());
     for first in (0..rays).step_by(batch) {
@@ -120,7 +120,7 @@ pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> Con
         let parts = map_ranges(count, 64, |range| {
             let mut part = Report::default();
             for i in range {
-                let (mistake, t_ulp) = one(first + i);
+                let (mistake, t_ulp) = judge(&triangles, traced, first + i);
                 part.add(mistake, t_ulp);
             }
             part
@@ -132,6 +132,13 @@ pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> Con
         }
     }
     report
+}
+
+/// What became of a ray, and the error of its t as [`Candidates::judge`] has it.
+fn judge(triangles: &BruteForce<'_>, traced: &Traced<'_>, ray: usize) -> (Mistake, f64) {
+    let [origin, direction] = traced.ray(ray);
+    let found = traced.hit(ray).map(|hit| (hit.triangle, hit.t));
+    triangles.judge(ray, origin, direction, &triangles.candidates(origin, direction), found)
 }
 
 /// How many rays to judge at once, so that each batch takes about as long as any other.
@@ -162,10 +169,12 @@ pub enum Cracks {
     Tied,
 }
 
-/// What some rays of a run may hit: worked out for the first run, and kept for those that trace the same rays in the
-/// same scene.
+/// What some rays of a run may hit: worked out for the first run, and kept for those that trace the same rays through
+/// the same triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Judge {
+    /// Of the triangles' corners.
+    scene: Hash,
     sample: Vec<usize>,
     /// Origins and directions, as bits.
     rays: Vec<[[u32; 3]; 2]>,
@@ -184,14 +193,15 @@ pub struct Judged<'a> {
 }
 
 impl Judge {
-    /// Works out what each ray of a sample may hit, unless these are the rays of before.
+    /// Works out what each ray of a sample may hit, unless these are the rays and triangles of before.
     pub fn prepare(&mut self, traced: &Traced<'_>, sample: Vec<usize>) {
         let rays: Vec<_> = sample.iter().map(|&ray| traced.bits(ray)).collect();
-        if self.rays == rays && self.sample == sample {
+        let scene = Hash::of_floats(traced.vertices());
+        if (self.scene, &self.rays, &self.sample) == (scene, &rays, &sample) {
             return;
         }
         let floats: Vec<_> = rays.iter().map(|ray| ray.map(|v| v.map(f32::from_bits))).collect();
-        *self = Self { sample, rays, candidates: candidates_of(traced.vertices(), &floats) };
+        *self = Self { scene, sample, rays, candidates: candidates_of(traced.vertices(), &floats) };
     }
 
     /// The rays that are judged, ascending.
@@ -253,7 +263,39 @@ impl<'a> Verdicts<'a> {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::{Device, Options, RaySource};
+    use raystep_scenes::{Scene, generate};
+
     use super::*;
+
+    fn run(scene: &Scene) -> Renderer {
+        let camera = generate::cornell_box().cameras[0].clone();
+        let options = Options::new(RaySource::Camera { camera, width: 16, height: 16 });
+        let mut renderer = pollster::block_on(Renderer::new(scene, &options, &Device::Cpu(None))).expect("a renderer");
+        pollster::block_on(renderer.run(|_| ControlFlow::Continue(()))).expect("a run");
+        renderer
+    }
+
+    #[test]
+    fn truth_is_kept_for_the_same_rays_in_the_same_scene_only() {
+        let scene = generate::cornell_box();
+        let mut other = scene.clone();
+        // One triangle fewer; the box, and with it the units and the rays, stays.
+        let last = other.triangles.len() - 1;
+        other.triangles[last] = other.triangles[0];
+        let runs = [run(&scene), run(&other)];
+        let [one, two] = runs.each_ref().map(|renderer| pollster::block_on(Traced::read(renderer)).expect("streams"));
+        assert!((0..one.rays()).all(|ray| one.ray(ray) == two.ray(ray)), "the rays are the same");
+        let all = || (0..one.rays()).collect();
+        let (mut kept, mut own) = (Judge::default(), Judge::default());
+        kept.prepare(&one, all());
+        let of_one = kept.candidates().to_vec();
+        kept.prepare(&two, all());
+        own.prepare(&two, all());
+        assert_ne!(of_one, own.candidates(), "nobody sees the triangle");
+        assert_eq!(kept.candidates(), own.candidates());
+        assert_eq!(kept.of(&two, Cracks::Missed).all().filter(|j| j.mistake.verdict.is_error()).count(), 0);
+    }
 
     #[test]
     fn a_sample_is_spread_over_all_rays_and_the_same_again() {

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use raystep_kernels::export::csv::{RunContext, Timer};
 use raystep_kernels::plan::Plan;
+use raystep_kernels::shader::forget_variants;
 use raystep_kernels::{Device, Gpu, Limits, Options};
 use raystep_scenes::Scene;
 
@@ -62,6 +63,15 @@ impl Machine {
     pub fn note_on_times(&self) -> Option<String> {
         let why = self.gpu()?.why_no_times()?;
         Some(format!("{why}: passes have no times, a run has the host's, waiting for the adapter included"))
+    }
+
+    /// Forgets the kernels that were composed and compiled before, so that what is timed next is a first plan and a first
+    /// start. A driver may have kept what it compiled, on disk too.
+    pub fn forget_kernels(&self) {
+        forget_variants();
+        if let Some(gpu) = self.gpu() {
+            gpu.forget_compiled();
+        }
     }
 
     /// Waits for a future of this device.

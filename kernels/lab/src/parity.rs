@@ -60,6 +60,8 @@ pub struct Parity {
     pub kernels: Vec<Kernel>,
     /// Rays that passes worked on, summed.
     pub rays: u64,
+    /// Those of them in passes whose walks, searches or sums of light may go on in the next dispatch.
+    pub rays_in_parts: u64,
     /// Every way from a state to the next that a ray was seen to take.
     pub transitions: BTreeSet<(Tag, Kernel, Tag)>,
     /// What differs by more, at most 20 a kernel.
@@ -160,6 +162,9 @@ fn record(
     after: &[(StreamData, StreamData)],
 ) -> Result<(), CpuError> {
     found.rays += u64::from(pass.rays_in);
+    if rules.plan.features.turns > 0 {
+        found.rays_in_parts += u64::from(pass.rays_in);
+    }
     // A kernel that makes its rays itself finds them unwritten.
     let unwritten = [states::UNWRITTEN, states::TRAV, states::ISECT_NO_HIT, states::ISECT_HIT];
     let active = if rules.data.features.eye_rays && pass.kernel.role() == Role::Whole {

@@ -16,12 +16,10 @@ const WHILE_BUSY: Duration = Duration::from_micros(200);
 const WHILE_IDLE: Duration = Duration::from_millis(20);
 
 /// Runs a future to its end. Those of `raystep_kernels` become ready only while the device is polled, so this polls `gpu`
-/// whenever the future waits; without one it looks again every millisecond. From then on no thread
-/// of the device's own polls it.
+/// whenever the future waits; without one it looks again every millisecond. Meanwhile no
+/// thread of the device's own polls it.
 pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
-    if let Some(gpu) = gpu {
-        gpu.leave_polling_to_host();
-    }
+    let _host = gpu.map(Gpu::leave_polling_to_host);
     let mut future = pin!(future);
     let mut context = Context::from_waker(Waker::noop());
     loop {
@@ -51,7 +49,7 @@ impl Wake for Unpark {
 /// The same for a device that another thread draws with, and for a future that waits for messages too. The device is only
 /// looked at, never waited for: a wait would hold up whoever draws.
 pub fn block_on_shared<T>(gpu: &Gpu, future: impl Future<Output = T>) -> T {
-    gpu.leave_polling_to_host();
+    let _host = gpu.leave_polling_to_host();
     let unpark = Arc::new(Unpark { thread: thread::current(), is_woken: AtomicBool::new(false) });
     let waker = Waker::from(unpark.clone());
     let mut future = pin!(future);

@@ -1,13 +1,13 @@
 //! Expressions of `@if`: names of options, `!`, `&&`, `||` and parentheses.
 
-use super::words::words;
+use super::words::code;
 
 /// Whether an expression holds, given the value of each option.
 ///
 /// # Errors
 /// Says what of the expression is not understood: an option that is not known, or what is not one of the above.
-pub fn holds(expression: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<bool, String> {
-    let words: Vec<&str> = words(expression).into_iter().map(|word| word.text).collect();
+pub(super) fn holds(expression: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<bool, String> {
+    let words: Vec<&str> = code(expression).into_iter().map(|word| word.text).collect();
     let mut parser = Parser { words, at: 0, option };
     let value = parser.or()?;
     match parser.word() {

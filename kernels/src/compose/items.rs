@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::ComposeError;
 use super::options::node_end;
-use super::words::{Word, line_of, with_comment_above, words};
+use super::words::{Word, code, line_of, with_comment_above};
 
 /// A declaration.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub(super) struct Module {
 impl Module {
     /// Reads a module whose options are decided.
     pub(super) fn parse(name: &str, text: &str) -> Result<Self, ComposeError> {
-        let words = words(text);
+        let words = code(text);
         let mut module = Self::default();
         let mut at = 0;
         while at < words.len() {

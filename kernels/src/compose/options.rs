@@ -2,36 +2,66 @@
 
 use std::ops::Range;
 
+use super::ComposeError;
 use super::condition::holds;
-use super::words::{Word, line_of, with_comment_above, without, words};
+use super::words::{Word, code, line_of, with_comment_above, without};
 
-/// The text with all options decided.
+/// A declaration, import, statement or struct's member that options decide about.
+struct Arm {
+    /// Byte at which its attributes begin.
+    start: usize,
+    /// Byte at which it begins itself.
+    body: usize,
+    /// The byte after its last one.
+    end: usize,
+    is_in: bool,
+    /// An `@else` comes right after it.
+    has_else: bool,
+}
+
+/// The text of a module with all options decided.
 ///
 /// # Errors
-/// The line, and what is not understood there.
-pub(super) fn decided(text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<String, (usize, String)> {
-    let words = words(text);
-    let mut removed: Vec<Range<usize>> = Vec::new();
+/// Where an attribute is not understood.
+pub(super) fn decided(module: &str, text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<String, ComposeError> {
+    let removed = arms(module, text, option)?.into_iter().map(|arm| match arm {
+        Arm { is_in: true, start, body, .. } => start..body,
+        // What is said right above belongs to both arms where there are two.
+        Arm { has_else: true, start, end, .. } => start..end,
+        Arm { start, end, .. } => with_comment_above(text, start)..end,
+    });
+    Ok(without(text, &removed.collect::<Vec<_>>()))
+}
+
+/// The bytes of all that the options leave out of a module's text, each with its attributes, in order. What is inside of
+/// what is left out is not named again.
+///
+/// # Errors
+/// Where an attribute is not understood.
+pub fn left_out(
+    module: &str,
+    text: &str,
+    option: &dyn Fn(&str) -> Option<bool>,
+) -> Result<Vec<Range<usize>>, ComposeError> {
+    let out = arms(module, text, option)?.into_iter().filter(|arm| !arm.is_in);
+    Ok(out.map(|arm| arm.start..arm.end).collect())
+}
+
+/// All arms of a text but those inside of one that is left out.
+fn arms(module: &str, text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<Vec<Arm>, ComposeError> {
+    let words = code(text);
+    let mut arms = Vec::new();
     // For each open brace whether it is a struct's, whose members end with commas.
     let mut in_struct = Vec::new();
-    // Where the last conditional ended and whether its expression held: an `@else` stands right there. Of every depth.
+    // Where arms ended, and whether one of those that belong together was in: an `@else` stands right there. Of every
+    // depth.
     let mut ended: Vec<(usize, bool)> = Vec::new();
     let mut struct_is_next = false;
     let mut at = 0;
     while at < words.len() {
         let word = &words[at];
-        let failed = |message: String| (line_of(text, word.start), message);
-        let (value, body) = match word.text {
-            "@if" => {
-                let close = closed(&words, at + 1).ok_or_else(|| failed("@if without (expression)".into()))?;
-                let expression = &text[words[at + 1].end()..words[close].start];
-                (holds(expression, option).map_err(failed)?, close + 1)
-            }
-            "@else" => {
-                let before = ended.iter().rev().find(|(end, _)| *end == at);
-                let (_, held) = before.ok_or_else(|| failed("@else without an @if right before it".into()))?;
-                (!held, at + 1)
-            }
+        match word.text {
+            "@if" | "@else" => {}
             other => {
                 match other {
                     "struct" => struct_is_next = true,
@@ -42,25 +72,42 @@ pub(super) fn decided(text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Resu
                 at += 1;
                 continue;
             }
+        }
+        let failed = |message: &str| ComposeError::Malformed {
+            module: module.to_owned(),
+            line: line_of(text, word.start),
+            message: message.to_owned(),
         };
+        let mut was_in = false;
+        if word.text == "@else" {
+            let before = ended.iter().rev().find(|(end, _)| *end == at);
+            was_in = before.ok_or_else(|| failed(LONE_ELSE))?.1;
+            at += 1;
+        }
+        // All must hold, and after `@else` none of the arms before may be in.
+        let mut is_in = !was_in;
+        while words.get(at).is_some_and(|next| next.text == "@if") {
+            let close = closed(&words, at + 1).ok_or_else(|| failed("@if without (expression)"))?;
+            let expression = &text[words[at + 1].end()..words[close].start];
+            is_in &= holds(expression, option).map_err(|message| failed(&message))?;
+            at = close + 1;
+        }
+        if words.get(at).is_some_and(|next| next.text == "@else") {
+            return Err(failed(LONE_ELSE));
+        }
         let is_member = in_struct.last() == Some(&true);
-        let end =
-            node_end(&words, body, is_member).ok_or_else(|| failed("nothing complete comes after this".into()))?;
+        let end = node_end(&words, at, is_member).ok_or_else(|| failed("nothing complete comes after this"))?;
         let has_else = words.get(end).is_some_and(|next| next.text == "@else");
-        ended.push((end, value));
-        if value {
-            let next = words.get(body).map_or(text.len(), |next| next.start);
-            removed.push(word.start..next);
-            at = body;
-        } else {
-            // What is said right above belongs to both arms where there are two.
-            let start = if has_else { word.start } else { with_comment_above(text, word.start) };
-            removed.push(start..words[end - 1].end());
+        ended.push((end, was_in || is_in));
+        arms.push(Arm { start: word.start, body: words[at].start, end: words[end - 1].end(), is_in, has_else });
+        if !is_in {
             at = end;
         }
     }
-    Ok(without(text, &removed))
+    Ok(arms)
 }
+
+const LONE_ELSE: &str = "@else without an @if right before it";
 
 /// The word that closes the parenthesis at a word.
 fn closed(words: &[Word<'_>], open: usize) -> Option<usize> {

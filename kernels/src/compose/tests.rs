@@ -1,3 +1,4 @@
+use super::condition::holds;
 use super::*;
 
 fn composed(modules: &[(&str, &'static str)], options: &[(&str, bool)]) -> Result<String, ComposeError> {
@@ -126,6 +127,26 @@ fn main() {
 }
 
 #[test]
+fn of_several_arms_the_first_that_holds_is_kept() {
+    let text = "fn main() {\n    @if(a) x();\n    @else @if(b) y();\n    @else z();\n}\n";
+    let two = "fn main() {\n    @if(a) x();\n    @else @if(b) y();\n}\n";
+    let members = "struct S {\n    @if(a) x: u32,\n    @else @if(b) y: u32,\n    @else z: u32\n}\nfn main() { S(); }";
+    for (a, b, kept) in [(true, true, 'x'), (true, false, 'x'), (false, true, 'y'), (false, false, 'z')] {
+        let options = [("a", a), ("b", b)];
+        assert_eq!(alone(text, &options), format!("fn main() {{\n    {kept}();\n}}\n"), "{a} {b}");
+        let rest = if kept == 'z' { String::new() } else { format!("    {kept}();\n") };
+        assert_eq!(alone(two, &options), format!("fn main() {{\n{rest}}}\n"), "{a} {b}");
+        let names = ['x', 'y', 'z'].map(|name| alone(members, &options).contains(&format!("{name}: u32")));
+        assert_eq!(names, ['x', 'y', 'z'].map(|name| name == kept), "{a} {b}");
+        let option = |name: &str| options.iter().find(|(option, _)| *option == name).map(|&(_, is_on)| is_on);
+        let out = left_out("main", text, &option).expect("arms");
+        let arms = ["@if(a) x();", "@else @if(b) y();", "@else z();"];
+        let expected: Vec<_> = arms.into_iter().filter(|arm| !arm.contains(&format!("{kept}("))).collect();
+        assert_eq!(out.into_iter().map(|range| &text[range]).collect::<Vec<_>>(), expected, "{a} {b}");
+    }
+}
+
+#[test]
 fn only_what_the_entry_reaches_is_there() {
     let modules = [
         (
@@ -172,6 +193,7 @@ fn what_is_wrong_is_said_with_its_place() {
             "fn main() {\n    @if(on) a();\n    b();\n    @else c();\n}",
             "main, line 4: @else without an @if right before it",
         ),
+        ("fn main() {\n    @if(on) @else a();\n}", "main, line 2: @else without an @if right before it"),
         ("fn main() {\n    @if(on)\n}", "main, line 2: nothing complete comes after this"),
         ("fn main() {}\nimport tools::f;", "main, line 2: neither an import nor a declaration with a name"),
         ("fn main() {}\nfn (", "main, line 2: neither an import nor a declaration with a name"),

@@ -2,21 +2,41 @@
 
 use std::ops::Range;
 
-/// A name or number, an attribute (`@` with its name), or one character of anything else; comments are none.
+/// What a [`Word`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WordKind {
+    /// `ray_origin`, `let`
+    Name,
+    /// `1`, `1u`, `0x3fu`, `1.5`, `1e-37`
+    Number,
+    /// `@` and a name; parentheses after it are words of their own.
+    Attribute,
+    /// `// …`, or `/* … */` with those inside of it.
+    Comment,
+    /// One character of anything else.
+    Sign,
+}
+
+/// A word of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Word<'a> {
-    pub(super) text: &'a str,
+pub struct Word<'a> {
+    /// Its characters.
+    pub text: &'a str,
     /// Byte at which it begins.
-    pub(super) start: usize,
+    pub start: usize,
+    /// What it is.
+    pub kind: WordKind,
 }
 
 impl Word<'_> {
-    pub(super) fn end(&self) -> usize {
+    /// The byte after its last one.
+    #[must_use]
+    pub fn end(&self) -> usize {
         self.start + self.text.len()
     }
 
     pub(super) fn is_name(&self) -> bool {
-        self.text.starts_with(|c: char| c == '_' || c.is_alphabetic())
+        self.kind == WordKind::Name
     }
 }
 
@@ -24,27 +44,52 @@ fn is_part_of_name(c: char) -> bool {
     c == '_' || c.is_alphanumeric()
 }
 
-/// Cuts a text into words.
-pub(super) fn words(text: &str) -> Vec<Word<'_>> {
+/// Bytes of the name at the beginning.
+fn name(text: &str) -> usize {
+    text.find(|c| !is_part_of_name(c)).unwrap_or(text.len())
+}
+
+/// Bytes of the number at the beginning.
+fn number(text: &str) -> usize {
+    let is_hex = text.starts_with("0x");
+    let mut before = '0';
+    let is_part = |c: char| {
+        let is_exponent = matches!((before, is_hex), ('e' | 'E', false) | ('p' | 'P', true));
+        before = c;
+        c == '.' || c.is_ascii_alphanumeric() || matches!(c, '+' | '-') && is_exponent
+    };
+    text.len() - text.trim_start_matches(is_part).len()
+}
+
+/// Cuts a text into words, comments among them; only spaces are in none. Any text is cut, WGSL or not.
+#[must_use]
+pub fn words(text: &str) -> Vec<Word<'_>> {
     let mut words = Vec::new();
     let mut at = 0;
     while let Some(first) = text[at..].chars().next() {
         let rest = &text[at..];
-        let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if rest.starts_with("/*") {
-            block_comment(rest)
-        } else if first.is_whitespace() {
-            first.len_utf8()
-        } else {
-            let sign = if first == '@' { 1 } else { 0 };
-            let name = rest[sign..].find(|c| !is_part_of_name(c)).map_or(rest.len(), |end| end + sign);
-            let length = name.max(first.len_utf8());
-            words.push(Word { text: &rest[..length], start: at });
-            length
+        let (length, kind) = match first {
+            _ if first.is_whitespace() => {
+                at += first.len_utf8();
+                continue;
+            }
+            _ if rest.starts_with("//") => (rest.find('\n').unwrap_or(rest.len()), WordKind::Comment),
+            _ if rest.starts_with("/*") => (block_comment(rest), WordKind::Comment),
+            '@' => (1 + name(&rest[1..]), WordKind::Attribute),
+            '0'..='9' => (number(rest), WordKind::Number),
+            _ if first == '_' || first.is_alphabetic() => (name(rest), WordKind::Name),
+            _ => (first.len_utf8(), WordKind::Sign),
         };
+        words.push(Word { text: &rest[..length], start: at, kind });
         at += length;
     }
+    words
+}
+
+/// The words that are no comments.
+pub(super) fn code(text: &str) -> Vec<Word<'_>> {
+    let mut words = words(text);
+    words.retain(|word| word.kind != WordKind::Comment);
     words
 }
 

@@ -34,6 +34,7 @@ use fill::Fill;
 pub use gate::Held;
 pub use load::Load;
 use pipelines::{Bindable, Pipelines};
+pub use poller::HostPolls;
 use snapshot::Copies;
 pub(crate) use snapshot::Snapshot;
 use timers::Timers;

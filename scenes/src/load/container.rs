@@ -1,7 +1,7 @@
 //! From the file's bytes to its JSON and its BIN chunk.
 
 use super::budget::Budget;
-use super::json_path::path_at;
+use super::json_path::path_of;
 use super::{LoadError, at, repair};
 use gltf::json::mesh::Primitive;
 use gltf::json::{Accessor, Material, Node, Root};
@@ -127,7 +127,7 @@ fn read_repaired<'a>(text: &'a str, budget: &Budget) -> Result<(Root, Cow<'a, st
 fn read_root(text: &str) -> Result<Root, LoadError> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let root = Root::deserialize(&mut deserializer).map_err(|error| {
-        let path = path_at(text, error.line(), error.column());
+        let path = path_of(text, &error);
         LoadError::Json(if path.is_empty() { error.to_string() } else { format!("{path}: {error}") })
     })?;
     deserializer.end().map_err(|error| LoadError::Json(error.to_string()))?;

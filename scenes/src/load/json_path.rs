@@ -11,11 +11,21 @@ enum Level {
     Array(usize),
 }
 
-/// The path of the value that ends at or encloses the byte before a place; empty for the whole text. `line` and
-/// `column` count from 1, the column in bytes, as serde_json's errors do. The text up to there is JSON.
-pub(super) fn path_at(text: &str, line: usize, column: usize) -> String {
-    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-    let bytes = &text.as_bytes()[..text.len().min(start + column)];
+/// The path of the value that an error of serde_json is about; empty for the whole text. Up to the error, the text is
+/// JSON.
+pub(super) fn path_of(text: &str, error: &serde_json::Error) -> String {
+    let start: usize = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
+    // Lines and columns count from 1, columns in bytes; the last one is what the error is at.
+    let bytes = &text.as_bytes()[..text.len().min(start + error.column())];
+    match bytes {
+        // It ends nothing where it should not stand.
+        [before @ .., b',' | b'}' | b']'] if error.is_syntax() => path_after(before),
+        _ => path_after(bytes),
+    }
+}
+
+/// The path of the value that ends with some bytes, or goes on after them.
+fn path_after(bytes: &[u8]) -> String {
     let mut levels: Vec<Level> = Vec::new();
     let mut key_is_next = false;
     let mut at = 0;
@@ -76,19 +86,13 @@ pub(super) fn path_at(text: &str, line: usize, column: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
 
     const TEXT: &str = r#"{"asset": {"version": "2.0"}, "meshes": [
   {"primitives": [{"mode": 4}, {"mode": [1, "a]\"}", 3], "b.c": {}}]}
 ], "scene": 0}"#;
-
-    /// The path at the end of the first occurrence of a piece.
-    fn path_after(piece: &str) -> String {
-        let end = TEXT.find(piece).expect("in the text") + piece.len();
-        let before = &TEXT[..end];
-        let line = before.matches('\n').count() + 1;
-        path_at(TEXT, line, end - before.rfind('\n').map_or(0, |at| at + 1))
-    }
 
     #[test]
     fn a_value_is_named_by_keys_and_indices() {
@@ -107,14 +111,45 @@ mod tests {
             ("\"scene\": 0", "scene"),
             ("0}", ""),
         ] {
-            assert_eq!(path_after(piece), path, "{piece}");
+            let end = TEXT.find(piece).expect("in the text") + piece.len();
+            assert_eq!(path_after(&TEXT.as_bytes()[..end]), path, "{piece}");
+        }
+        assert_eq!(path_after(b""), "");
+        assert_eq!(path_after(b"[[1, \""), "[0][1]");
+        assert_eq!(path_after(b"{\"a\\"), "");
+    }
+
+    #[test]
+    fn what_is_no_json_is_named_by_what_it_stands_in() {
+        for (text, path) in [
+            ("{\"meshes\": }", "meshes"),
+            ("{\"a\": {\n\"b\": ,\n\"c\": 1}}", "a.b"),
+            ("{\"a\": [1,]}", "a[1]"),
+            ("{\"a\": [1}", "a[0]"),
+            ("{\"a\": [1 2]}", "a[0]"),
+            ("{\"a\": {\"b\": 1]}", "a.b"),
+            ("{\"a\": {\"b\": 1,}}", "a"),
+            // The end of the text ends nothing, but what is before it may.
+            ("{\"a\": [1,", "a[1]"),
+            ("{\"a\": {\"b\": [1]", "a.b"),
+            ("", ""),
+            ("}", ""),
+        ] {
+            let error = serde_json::from_str::<serde_json::Value>(text).expect_err("no JSON");
+            assert_eq!(path_of(text, &error), path, "{text}: {error}");
         }
     }
 
     #[test]
-    fn a_place_beyond_the_text_is_its_end() {
-        assert_eq!(path_at("", 1, 0), "");
-        assert_eq!(path_at("[[1, \"", 7, 99), "[0][1]");
-        assert_eq!(path_at("{\"a\\", 1, 4), "");
+    fn what_does_not_fit_is_named_itself() {
+        type Lists = BTreeMap<String, Vec<[u8; 2]>>;
+        for (text, path) in [
+            ("{\"a\": [[1, 2]], \"ä\": 3}", "ä"),
+            ("{\"a\": [[1, 2],\n [1]]}", "a[1]"),
+            ("{\"a\": [[1, 2], [300, 1]]}", "a[1][0]"),
+        ] {
+            let error = serde_json::from_str::<Lists>(text).expect_err("other types");
+            assert_eq!(path_of(text, &error), path, "{text}: {error}");
+        }
     }
 }

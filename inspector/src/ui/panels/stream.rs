@@ -124,7 +124,7 @@ impl Panel for StreamView {
     }
 
     fn save(&self) -> String {
-        serde_json::to_string(&self.look).unwrap_or_default()
+        serde_json::to_string(&self.look.clone().finite()).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {

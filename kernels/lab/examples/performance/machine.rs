@@ -111,6 +111,11 @@ impl Machine {
         self.meter.machine.wait(future)
     }
 
+    /// See [`raystep_lab::Machine::forget_kernels`].
+    pub(crate) fn forget_kernels(&self) {
+        self.meter.machine.forget_kernels();
+    }
+
     /// Until the device is idle, uploads included, so that what came before is in nobody's time.
     pub(crate) fn settle(&self) {
         self.meter.machine.settle();

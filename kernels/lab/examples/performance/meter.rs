@@ -180,6 +180,7 @@ impl Meter<'_> {
             row.cells = data.grid.cells.map(|n| n.to_string()).join("x");
         }
         row.bytes_per_triangle = (plan.triangles > 0).then(|| structure_bytes(&plan) as f64 / plan.triangles as f64);
+        machine.forget_kernels();
         let start = Instant::now();
         let renderer = machine.wait(Renderer::from_plan(plan, data, &options, machine.device()));
         let mut renderer = renderer.map_err(|e| text(&e))?;

@@ -27,7 +27,7 @@ pub(crate) struct Row {
     pub(crate) steps_per_pass: u32,
     /// Building grid or tree, and packing triangles.
     pub(crate) build_s: Option<f64>,
-    /// Compiling, allocating, uploading.
+    /// Compiling, allocating, uploading. Kernels are compiled anew; the driver may have cached what it made of them.
     pub(crate) prepare_s: Option<f64>,
     /// Its passes were submitted without any that were not needed.
     pub(crate) is_replay: bool,

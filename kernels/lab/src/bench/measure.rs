@@ -131,6 +131,7 @@ impl<'a> Bench<'a> {
         let counts = self.count(group, options);
         self.reporter.stage(&format!("{what}: building"));
         (options.counters, options.timings, options.keep_passes) = (false, true, true);
+        machine.forget_kernels();
         let start = Instant::now();
         let (plan, data) = Plan::new(&subject.scene, options, &machine.limits())?;
         let build_s = start.elapsed().as_secs_f64();
@@ -187,7 +188,7 @@ impl<'a> Bench<'a> {
     }
 
     /// The passes of a run whose every pass is timed, after one that warms up, and the seconds until it could
-    /// start: it is the first to compile this configuration's kernels.
+    /// start: it compiles this configuration's kernels, which planning has composed.
     fn time_passes(
         &self,
         context: RunContext,

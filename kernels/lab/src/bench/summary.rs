@@ -9,8 +9,8 @@
 //! | `accelerator` … `tuning` | how it was traced; `tuning` has the other options that decide a run's speed |
 //! | `rays_kind` … `height_px` | which rays, on what, and of how large an image |
 //! | `rays` | traced a run: a pixel without a hit sends no bounce or shadow ray |
-//! | `build_s` | planning and building the acceleration structure, wall clock |
-//! | `compile_s` | compiling, allocating, uploading, wall clock |
+//! | `build_s` | planning, composing kernels included, and building the acceleration structure, wall clock |
+//! | `compile_s` | compiling, allocating, uploading, wall clock. raystep compiles every kernel anew for it; the driver may have cached what it made of them |
 //! | `n` | runs that count: repeats with a valid time |
 //! | `invalid` | repeats whose time was missing, 0 or negative |
 //! | `median_device_ns`, `p05_device_ns`, `p95_device_ns` | time of a run on the clock that `timer_source` names |

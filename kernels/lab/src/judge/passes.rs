@@ -5,14 +5,15 @@
 //! any more, so each ray is judged once, at the end; only for those that are wrong is it looked up when they were
 //! resolved, by running the same passes again.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
+use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::programs::closest_hit::{states, streams};
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Pass, Plan, RenderError, Renderer};
 
-use super::{Cracks, Judge, Judged, Traced, rays_a_batch, sample};
-use crate::reference::{Counts, Mistake, Verdict};
+use super::{Traced, judge, rays_a_batch, sample};
+use crate::reference::{BruteForce, Counts, Mistake, Verdict};
 
 /// Most tests of a triangle against a ray: some seconds on a few cores.
 const MOST_TESTS: u64 = 1 << 31;
@@ -102,7 +103,8 @@ pub async fn judge_passes(
     renderer.run(|now| progress(RUN * now.rays_decided / now.rays.max(1), WHOLE)).await?;
     let passes = renderer.passes().to_vec();
     let traced = Traced::read(renderer).await?;
-    let triangles = traced.vertices().len() / 9;
+    let scene = BruteForce::new(traced.vertices());
+    let triangles = scene.triangles();
     let sample = sample(traced.rays(), most_rays(triangles), SEED);
     let mut judgement = Judgement { rays: renderer.plan().rays, ..Judgement::default() };
     let batch = rays_a_batch(triangles);
@@ -111,11 +113,10 @@ pub async fn judge_passes(
         if progress(part, WHOLE).is_break() {
             return Err(RenderError::Cancelled { passes: passes.len() });
         }
-        // A judge of its own: what all rays may hit takes too much memory.
-        let mut judge = Judge::default();
-        judge.prepare(&traced, rays.to_vec());
-        for Judged { mistake, .. } in judge.of(&traced, Cracks::Missed).all() {
-            let Mistake { ray, verdict, .. } = mistake;
+        // What all rays may hit takes too much memory at once, so none of it is kept.
+        let judged =
+            |range: Range<usize>| rays[range].iter().map(|&ray| judge(&scene, &traced, ray)).collect::<Vec<_>>();
+        for (Mistake { ray, verdict, .. }, _) in map_ranges(rays.len(), 16, judged).into_iter().flatten() {
             judgement.counts.add(verdict);
             if verdict.is_error() {
                 judgement.wrong.push(WrongRay { ray, verdict, resolved_by: None });

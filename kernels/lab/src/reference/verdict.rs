@@ -98,14 +98,6 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-impl FromIterator<Verdict> for Counts {
-    fn from_iter<I: IntoIterator<Item = Verdict>>(verdicts: I) -> Self {
-        let mut counts = Self::default();
-        verdicts.into_iter().for_each(|verdict| counts.add(verdict));
-        counts
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,7 +105,10 @@ mod tests {
     #[test]
     fn every_verdict_is_counted_as_itself_and_ties_are_no_errors() {
         use Verdict::{False, Missed, Same, Tie, Wrong};
-        let counts: Counts = [Same, Tie, Tie, Missed, Wrong, Same, False, Wrong, Same, Wrong].into_iter().collect();
+        let mut counts = Counts::default();
+        for verdict in [Same, Tie, Tie, Missed, Wrong, Same, False, Wrong, Same, Wrong] {
+            counts.add(verdict);
+        }
         assert_eq!([Same, Tie, Missed, False, Wrong].map(|v| counts.of(v)), [3, 2, 1, 1, 3]);
         assert_eq!((counts.rays(), counts.errors()), (10, 5));
         assert_eq!([Same, Tie, Missed, False, Wrong].map(Verdict::is_error), [false, false, true, true, true]);

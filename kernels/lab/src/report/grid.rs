@@ -226,6 +226,7 @@ fn build(work: &Work<'_>, options: &Options) -> Result<Built, Error> {
     let mut built = work.build(options)?;
     let mut times = vec![built.build_s];
     for _ in 0..work.either(0, 2) {
+        work.machine().forget_kernels();
         let begin = Instant::now();
         Plan::new(&work.subject.scene, options, &work.machine().limits())?;
         times.push(begin.elapsed().as_secs_f64());

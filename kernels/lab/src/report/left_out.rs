@@ -91,8 +91,8 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             work.clock_in_words()
         ));
         part.prose.push(
-            "To start is to allocate, to upload and to compile, planning excluded. The first start of each is told apart, as \
-             later ones meet a driver that has cached; but it may have compiled either's kernels for an earlier section or \
+            "To start is to allocate, to upload and to compile, planning excluded; raystep compiles anew for each. The first \
+             start of each is told apart, as later ones meet a driver that has cached; but it may have compiled either's kernels for an earlier section or \
              report, and what starts second finds what both share. Every other row starts with everything put back."
                 .into(),
         );

@@ -135,18 +135,20 @@ impl Work<'_> {
         }
     }
 
-    /// Plans and builds.
+    /// Plans and builds, with kernels composed anew.
     pub(super) fn plan(&self, options: &Options) -> Result<Planned, Error> {
+        self.machine().forget_kernels();
         let begin = Instant::now();
         let (plan, data) = Plan::new(&self.subject.scene, options, &self.machine().limits())?;
         Ok(Planned { plan: Arc::new(plan), data: Arc::new(data), build_s: begin.elapsed().as_secs_f64() })
     }
 
-    /// Allocates, uploads, compiles. Whether runs are timed as a whole or by pass is the caller's choice on a GPU; the
+    /// Allocates, uploads, compiles anew; what its driver caches, the driver keeps. Whether runs are timed as a whole or by pass is the caller's choice on a GPU; the
     /// twins' total is the sum of their passes.
     pub(super) fn start(&self, planned: &Planned, options: &Options) -> Result<Built, Error> {
         let mut options = options.clone();
         options.timings |= self.machine().gpu().is_none();
+        self.machine().forget_kernels();
         let begin = Instant::now();
         let Planned { plan, data, build_s } = planned;
         let starting = Renderer::from_plan(plan.clone(), data.clone(), &options, &self.machine().device);

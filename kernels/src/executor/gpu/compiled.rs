@@ -100,8 +100,8 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     // - Which shader it is: `is_proved` composes fused.wgsl again from the options that the proof is about, and
     //   compares text and bindings with what is compiled here.
     // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, by the names that the
-    //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing
-    //   to them later but `first_row` of `scene`, which is part of a texel.
+    //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing to them later but
+    //   `first_row` of `scene`, which is part of a texel.
     // - No index comes from a stream: a walk that resumes is not proved.
     // - Indices that come from buffers, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
     //   children of nodes, and triangles. Distances and cells are looked up by cell.

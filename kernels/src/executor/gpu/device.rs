@@ -6,7 +6,7 @@ use super::clock_check::ClockCheck;
 use super::compiled::Pipelines;
 use super::error::{GpuError, first_line};
 use super::gate::{Gate, Held};
-use super::poller::Poller;
+use super::poller::{HostPolls, Poller};
 use super::probe::loops;
 use crate::plan::{Limits, Loops};
 
@@ -257,9 +257,16 @@ impl Gpu {
     }
 
     /// Says that the host polls the device whenever a future of this crate waits, so that no thread does (feature
-    /// `poll-thread`). For a loop that draws with the same device, or that has better things to wait for.
-    pub fn leave_polling_to_host(&self) {
-        self.poller.leave_to_host();
+    /// `poll-thread`), until the answer is dropped. For a loop that draws with the same device, or that has better things
+    /// to wait for. Several hosts may poll at once.
+    pub fn leave_polling_to_host(&self) -> HostPolls<'_> {
+        HostPolls::new(&self.poller, &self.device)
+    }
+
+    /// Forgets the pipelines that were compiled before, so that the next run compiles its own: for timing a first start.
+    /// Drivers may keep theirs all the same.
+    pub fn forget_compiled(&self) {
+        self.compiled.clear();
     }
 
     /// Whether it is a driver that computes on the CPU.

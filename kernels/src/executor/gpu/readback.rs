@@ -64,9 +64,10 @@ fn map(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result
     let (sender, mapped) = oneshot::channel();
     let expected = gpu.poller.expect(&gpu.device);
     buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
+        // It has arrived once this is over.
+        let _expected = expected;
         // The receiver is gone where the caller lost interest.
         let _ = sender.send(result);
-        drop(expected);
     });
     mapped
 }

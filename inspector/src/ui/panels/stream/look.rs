@@ -44,8 +44,50 @@ impl Default for Look {
 }
 
 impl Look {
+    /// With defaults for what is not finite: JSON has no such numbers, and would not be read again.
+    pub(super) fn finite(self) -> Self {
+        let default = Self::default();
+        let or = |v: f32, instead: f32| if v.is_finite() { v } else { instead };
+        Self {
+            exposure: or(self.exposure, default.exposure),
+            offset: or(self.offset, default.offset),
+            range: self.range.filter(|range| range.iter().all(|v| v.is_finite())),
+            scale: self.scale.filter(|scale| scale.is_finite()),
+            center: if self.center.iter().all(|v| v.is_finite()) { self.center } else { default.center },
+            ..self
+        }
+    }
+
     /// Whether the view shows a colour, where it shows this stream.
     pub(super) fn is_color(&self, stream: Option<Stream>) -> bool {
         self.layer.is_none() && self.stream.or(stream) == Some(streams::COLOR)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_finite_does_not_lose_the_rest() {
+        for bad in [f32::NAN, f32::INFINITY] {
+            let look = Look {
+                layer: Some(2),
+                exposure: bad,
+                offset: bad,
+                range: Some([0.0, bad]),
+                scale: Some(bad),
+                center: [bad, 1.0],
+                ..Look::default()
+            };
+            let text = serde_json::to_string(&look.finite()).expect("text");
+            assert_eq!(
+                serde_json::from_str::<Look>(&text).expect("a look"),
+                Look { layer: Some(2), ..Look::default() }
+            );
+        }
+        let look =
+            Look { exposure: 2.0, range: Some([-1.0, 1.0]), scale: Some(3.0), center: [4.0, 5.0], ..Look::default() };
+        assert_eq!(look.clone().finite(), look);
     }
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Read-backs of a device, and whether a thread waits for them.
+/// Read-backs of a device, who polls for them, and the thread that does where nobody else does.
 #[derive(Default)]
 pub(crate) struct Poller(Arc<Shared>);
 
@@ -18,7 +18,8 @@ struct Shared {
 #[derive(Default)]
 struct State {
     on_their_way: usize,
-    is_host_polling: bool,
+    /// Hosts that poll.
+    hosts: usize,
     is_over: bool,
     thread: Option<JoinHandle<()>>,
 }
@@ -32,24 +33,45 @@ impl Shared {
     }
 }
 
+impl State {
+    /// Whether it is the thread that has to poll.
+    fn needs_thread(&self) -> bool {
+        self.on_their_way > 0 && self.hosts == 0
+    }
+}
+
 impl Poller {
     /// A read-back starts: somebody polls until it has arrived.
     pub(crate) fn expect(&self, device: &wgpu::Device) -> Expected {
         let mut state = self.0.state();
         state.on_their_way += 1;
-        if !state.is_host_polling && state.thread.is_none() {
+        self.wake(state, device);
+        Expected(self.0.clone())
+    }
+
+    /// One host more polls.
+    pub(crate) fn host_begins(&self) {
+        self.0.state().hosts += 1;
+    }
+
+    /// One host fewer polls: what it leaves on its way is the thread's.
+    pub(crate) fn host_ends(&self, device: &wgpu::Device) {
+        let mut state = self.0.state();
+        state.hosts -= 1;
+        self.wake(state, device);
+    }
+
+    /// Has the thread poll, if it must.
+    fn wake(&self, mut state: MutexGuard<'_, State>, device: &wgpu::Device) {
+        if !state.needs_thread() {
+            return;
+        }
+        if state.thread.is_none() {
             let (shared, device) = (self.0.clone(), device.clone());
             // Where the system has no thread left, it is the host's to poll after all.
             let builder = std::thread::Builder::new().name("raystep poll".into());
             state.thread = builder.spawn(move || poll(&shared, &device)).ok();
         }
-        self.0.changed.notify_one();
-        Expected(self.0.clone())
-    }
-
-    /// From now on the host polls, and no thread does.
-    pub(crate) fn leave_to_host(&self) {
-        self.0.state().is_host_polling = true;
         self.0.changed.notify_one();
     }
 }
@@ -59,10 +81,10 @@ fn poll(shared: &Shared, device: &wgpu::Device) {
     const WAIT: Duration = Duration::from_millis(20);
     loop {
         let mut state = shared.state();
-        while state.on_their_way == 0 && !state.is_over && !state.is_host_polling {
+        while !state.needs_thread() && !state.is_over {
             state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
-        if state.is_over || state.is_host_polling {
+        if state.is_over {
             return;
         }
         drop(state);

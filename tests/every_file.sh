@@ -1,0 +1,20 @@
+#!/bin/sh
+# Whether every file of every crate's tests is a module of its one test binary: cargo is silent about one that is not.
+# Looks below the current folder.
+set -eu
+
+find . -name target -prune -o -name Cargo.toml -print | while read -r manifest; do
+    tests=${manifest%/*}/tests
+    # Not every crate has such tests.
+    [ -f "$tests/main.rs" ] || [ -n "$(find "$tests" -maxdepth 1 -name '*.rs' 2>/dev/null)" ] || continue
+    find "$tests" -name '*.rs' | while read -r file; do
+        folder=${file%/*}
+        name=$(basename "$file" .rs)
+        parent=$folder.rs
+        [ "$folder" != "$tests" ] || parent=$tests/main.rs
+        [ "$file" = "$tests/main.rs" ] || grep -Eqsx "(pub(\([a-z]+\))? )?mod $name;" "$parent" || {
+            echo "$file is in no binary: write \"mod $name;\" in $parent" >&2
+            exit 1
+        }
+    done
+done
