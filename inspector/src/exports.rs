@@ -9,6 +9,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, npy};
 use raystep_kernels::{Kernel, Pass, StreamData};
+use raystep_lab::text::counted;
 use serde::Serialize;
 
 use crate::dataflow::DataFlow;
@@ -88,15 +89,6 @@ pub fn passes_csv(run: &RunContext, passes: &[Pass], work: &[PassWork]) -> Resul
 pub fn passes_trace(run: &RunContext, passes: &[Pass]) -> Result<Export, ExportError> {
     let bytes = serde_json::to_vec(&trace_events(run, passes))?;
     Ok(Export::new(&format!("{}.trace", run.scene), "json", bytes, counted(passes.len(), "pass")))
-}
-
-/// How many of what.
-fn counted(count: usize, what: &str) -> String {
-    match (count, what) {
-        (1, what) => format!("1 {what}"),
-        (_, "pass") => format!("{count} passes"),
-        (_, what) => format!("{count} {what}s"),
-    }
 }
 
 fn texels(data: &StreamData) -> String {

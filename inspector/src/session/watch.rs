@@ -3,6 +3,7 @@
 mod look;
 
 use raystep_kernels::RenderError;
+use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
 
 use super::travel::Guide;
@@ -40,7 +41,7 @@ impl Watch {
         match self {
             Self::NonFinite => "any ray: a number that is not finite".into(),
             Self::TMaxBackwards => "any ray: tmax goes backwards".into(),
-            Self::MoreSteps(steps) => format!("any ray: more than {steps} steps"),
+            Self::MoreSteps(steps) => format!("any ray: more than {}", counted(steps, "step")),
             Self::RayState => "selected ray: its state changes".into(),
             Self::RayHit => "selected ray: its hit changes".into(),
             Self::RayCell => "selected ray: another cell".into(),

@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, Id, Key, Modal};
 use raystep_kernels::Stream;
+use raystep_lab::text::counted;
 
 use super::Inspector;
 use super::asked_path::AskedPath;
@@ -113,7 +114,7 @@ impl Inspector {
         if self.model.is_complete {
             format!("only up to here: {place} of {known} passes")
         } else {
-            format!("only up to here: {place} passes; else the run goes to its end first")
+            format!("only up to here: {}; otherwise the run is completed first", counted(place, "pass"))
         }
     }
 
@@ -134,7 +135,7 @@ impl Inspector {
             }
         });
         if let Some([x, y]) = self.shared.pixel {
-            ui.weak(format!("of the ray of pixel {x},{y}, after {} passes", self.model.place));
+            ui.weak(format!("of the ray of pixel {x},{y}, after {}", counted(self.model.place, "pass")));
         }
     }
 }

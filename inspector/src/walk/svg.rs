@@ -4,6 +4,8 @@ mod picture;
 mod sheet;
 mod strip;
 
+use raystep_lab::text::counted;
+
 use super::{Projected, Spacing, Strip, Structure, WalkGeometry};
 use sheet::Sheet;
 
@@ -39,13 +41,12 @@ pub fn walk_svg(walk: &WalkGeometry, title: &str, options: &SvgOptions) -> Strin
 
 /// One sentence.
 fn summary(walk: &WalkGeometry) -> String {
-    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
     let visited = match walk.structure {
-        Structure::Grid => format!("{} visited, ", count(walk.cells.len(), "cell", "cells")),
-        Structure::Tree => format!("{} visited, ", count(walk.nodes.len(), "node", "nodes")),
+        Structure::Grid => format!("{} visited, ", counted(walk.cells.len(), "cell")),
+        Structure::Tree => format!("{} visited, ", counted(walk.nodes.len(), "node")),
         Structure::Nothing => String::new(),
     };
-    let tested = count(walk.tested.len(), "triangle tested", "triangles tested");
+    let tested = counted(walk.tested.len(), "triangle") + " tested";
     let end = match (walk.hit, walk.is_over) {
         (Some(hit), true) => format!("hit triangle {} at t {}", hit.triangle, sheet::short(hit.t)),
         (Some(hit), false) => format!("nearest hit so far: triangle {} at t {}", hit.triangle, sheet::short(hit.t)),

@@ -7,6 +7,7 @@ use raystep_kernels::tables::state;
 use raystep_kernels::tables::state::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use raystep_kernels::tables::stream::{HIT_TRIANGLE, STATE_CELL, STATE_T, STATE_TAG};
 use raystep_kernels::{Kernel, RenderError, Renderer, Stream, StreamData};
+use raystep_lab::text::counted;
 
 use super::{Fired, Watch};
 
@@ -180,7 +181,7 @@ fn backwards(before: &BTreeMap<Stream, StreamData>, now: &BTreeMap<Stream, Strea
 
 fn more_steps(before: &[u32], now: &[u32], most: u32) -> Option<Found> {
     let (first, count) = first_and_count(now.len(), |ray| now[ray] > most && before[ray] <= most)?;
-    Some((first, count, format!("{} steps", now[first])))
+    Some((first, count, counted(now[first], "step")))
 }
 
 /// What changed of the selected ray.
