@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_nearest_names_come_first_and_far_ones_not_at_all() {
-        let names = ["Light or dark", "Simple layout", "Full layout", "Fit picture", "Quit"];
+        let names = ["Toggle light/dark theme", "Simple layout", "Full layout", "Fit to panel", "Quit"];
         assert_eq!(nearest("ful layuot", &names), ["Full layout"]);
         assert_eq!(nearest("layout", &names), ["Simple layout", "Full layout"]);
         assert_eq!(nearest("dance", &names), Vec::<&str>::new());

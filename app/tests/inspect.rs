@@ -37,7 +37,7 @@ fn the_window_is_drawn_without_a_display_and_shows_what_it_is_asked_to() {
     // Another pass, another ray, another theme, twice the pixels.
     assert!(differing(&end, &shot("pass.png", &["--pass", "20"])) > 5_000);
     assert!(differing(&end, &shot("ray.png", &["--pixel", "3,4"])) > 100);
-    assert!(differing(&end, &shot("light.png", &["--do", "Light or dark"])) > 100_000);
+    assert!(differing(&end, &shot("light.png", &["--do", "Toggle light/dark theme"])) > 100_000);
     assert_eq!(shot("large.png", &["--scale", "2"]).dimensions(), (1280, 800));
 }
 

@@ -1,4 +1,4 @@
-//! What the window offers to take away, as bytes: where they go is the caller's.
+//! Exports as bytes; the caller decides where they go.
 //!
 //! The formats are those of [`raystep_kernels::export`], the same that the command line writes.
 
@@ -15,20 +15,20 @@ use serde::Serialize;
 use crate::dataflow::DataFlow;
 use crate::link::Link;
 
-/// A file to be.
+/// An exported file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Export {
-    /// A name to offer, without the extension; fit for every file system.
+    /// A proposed name without the extension, valid on every file system.
     pub name: String,
     /// The extension, without a dot.
     pub extension: &'static str,
     /// Its contents.
     pub bytes: Vec<u8>,
-    /// What that is, in words: "73 rows".
+    /// Description of the contents: "73 rows".
     pub holds: String,
 }
 
-/// Nothing was exported.
+/// An export failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// As CSV.
@@ -47,7 +47,7 @@ pub enum ExportError {
 
 impl Export {
     fn new(name: &str, extension: &'static str, bytes: Vec<u8>, holds: String) -> Self {
-        // Scenes are named by anybody.
+        // Scene names can contain any characters.
         let name: String =
             name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' }).take(100).collect();
         let name = name.trim_matches('.');
@@ -67,7 +67,7 @@ impl Export {
     }
 }
 
-/// Passes as rows of the bench's `passes.csv`. `work` has what each pass did, where counters were asked for.
+/// Passes as rows of `passes.csv`, as in `bench`. `work` has what each pass did, if counters were requested.
 ///
 /// # Errors
 /// [`ExportError::Csv`].
@@ -82,7 +82,7 @@ pub fn passes_csv(run: &RunContext, passes: &[Pass], work: &[PassWork]) -> Resul
     Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes, counted(passes.len(), "row")))
 }
 
-/// Passes as Chrome trace events, which Perfetto opens.
+/// Passes as Chrome trace events, for Perfetto.
 ///
 /// # Errors
 /// [`ExportError::Json`].

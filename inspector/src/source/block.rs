@@ -1,17 +1,17 @@
-//! The functions of a kernel's file and the blocks in them: as much of WGSL's grammar, and of WESL's `@if`, as it takes
-//! to tell which lines belong to which arm.
+//! The functions of a kernel's file and their blocks: as much of the grammar of WGSL, and of WESL's `@if`, as is needed
+//! to assign lines to branches.
 
 use std::ops::RangeInclusive;
 
 use super::words::{Class, Word};
 
-/// What is found in a file.
+/// A parsed file.
 pub(super) struct File {
     /// In the file's order.
     pub(super) functions: Vec<Function>,
-    /// Declarations that an option may leave out: the option, and their lines.
+    /// Declarations that an option may omit: the option, and their lines.
     pub(super) declarations: Vec<(Option<Choice>, RangeInclusive<usize>)>,
-    /// Every condition and loop's head, in the file's order.
+    /// Every condition and loop head, in the file's order.
     pub(super) conditions: Vec<String>,
 }
 
@@ -25,7 +25,7 @@ pub(super) enum Choice {
 pub(super) struct Function {
     pub(super) name: String,
     pub(super) choice: Option<Choice>,
-    /// From its attributes to its last brace; lines are counted from 0.
+    /// From its attributes to its closing brace; lines are counted from 0.
     pub(super) lines: RangeInclusive<usize>,
     pub(super) body: Block,
 }
@@ -38,13 +38,13 @@ pub(super) struct Block {
 pub(super) struct Statement {
     pub(super) choice: Option<Choice>,
     pub(super) lines: RangeInclusive<usize>,
-    /// Functions that it calls itself, not in its blocks.
+    /// Functions that it calls directly, outside its blocks.
     pub(super) calls: Vec<String>,
     pub(super) kind: Kind,
 }
 
 pub(super) enum Kind {
-    /// Goes on.
+    /// Continues with the next statement.
     Plain,
     Return,
     /// `break`, `continue`
@@ -56,7 +56,7 @@ pub(super) enum Kind {
     Loop(String, Block),
 }
 
-/// Reads a file; `None` where it is not understood.
+/// Parses a file; `None` if it cannot be parsed.
 pub(super) fn functions(text: &str, words: &[Word]) -> Option<File> {
     let words = words.iter().filter(|w| w.class != Class::Comment).cloned().collect();
     let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
@@ -90,7 +90,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    /// The word at which the parser is; nothing at the end.
+    /// The current word; empty at the end.
     fn word(&self) -> &str {
         self.words.get(self.at).map_or("", |w| &self.text[w.range.clone()])
     }
@@ -109,12 +109,12 @@ impl Parser<'_> {
         self.line_of(self.at)
     }
 
-    /// Of the word before.
+    /// The line of the previous word.
     fn last_line(&self) -> usize {
         self.line_of(self.at.saturating_sub(1))
     }
 
-    /// Skips attributes; the option among them is returned.
+    /// Skips attributes; returns the option among them.
     fn attributes(&mut self) -> Option<Choice> {
         let mut choice = None;
         while self.word().starts_with('@') {
@@ -129,7 +129,7 @@ impl Parser<'_> {
         choice
     }
 
-    /// To behind the semicolon, or the brace of a struct.
+    /// Skips to after the semicolon, or the brace of a struct.
     fn declaration(&mut self) -> Option<()> {
         let is_struct = self.word() == "struct";
         let mut depth = 0usize;
@@ -189,7 +189,7 @@ impl Parser<'_> {
                 };
                 let from = self.at;
                 while self.word() != ";" {
-                    // A block here would be a statement that this does not know.
+                    // A block here would be an unknown kind of statement.
                     if matches!(self.word(), "{" | "}") {
                         return None;
                     }
@@ -223,7 +223,7 @@ impl Parser<'_> {
         Some((Kind::If(arms), all_calls))
     }
 
-    /// What is between parentheses, and what it calls.
+    /// The text in parentheses, and the functions it calls.
     fn head(&mut self) -> Option<(String, Vec<String>)> {
         if self.word() != "(" {
             return None;
@@ -245,7 +245,7 @@ impl Parser<'_> {
         Some((head, calls))
     }
 
-    /// Functions that are called between a word and this one.
+    /// Functions called between a word and the current one.
     fn calls(&self, from: usize) -> Vec<String> {
         let words = self.words[from..self.at].iter().filter(|w| w.class == Class::Function);
         words.map(|w| self.text[w.range.clone()].to_owned()).collect()

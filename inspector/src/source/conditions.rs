@@ -1,7 +1,7 @@
 //! What every condition of a kernel's file means for a ray's streams before and after the pass.
 //!
-//! A condition is named by its own text, so a kernel that changes makes a test fail before a line is marked wrongly.
-//! A condition with one text has one meaning in its file. `None` is for what the streams do not tell.
+//! Conditions are identified by their text, so that changing a kernel fails a test instead of marking the wrong lines.
+//! A condition with the same text has the same meaning throughout a file. `None` is for what the streams do not show.
 
 use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::RayState;
@@ -23,11 +23,11 @@ pub struct Case<'a> {
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
-    /// In whose file it is.
+    /// The kernel with this condition.
     pub kernel: Kernel,
-    /// What is between its parentheses, spaces made one.
+    /// The text in parentheses, with whitespace normalised.
     pub text: &'static str,
-    /// Whether it held; of a loop, whether its body ran at all.
+    /// Whether it held; for a loop, whether its body ran at all.
     pub held: fn(&Case) -> Option<bool>,
 }
 
@@ -35,16 +35,16 @@ const fn row(kernel: Kernel, text: &'static str, held: fn(&Case) -> Option<bool>
     Condition { kernel, text, held }
 }
 
-/// A ray that has streams lies in the image.
+/// A ray that has streams is inside the image.
 const OUTSIDE: &str = "any(texel >= textureDimensions(state))";
 
-/// Every condition that a ray's pass through a kernel of the paper's can meet.
+/// Every condition that a ray can meet in one of the paper's kernels.
 pub const CONDITIONS: &[Condition] = &[
     row(Kernel::Generate, OUTSIDE, |_| Some(false)),
     row(Kernel::Generate, "textureLoad(state, texel, 0).x != UNWRITTEN", |c| Some(!c.was(&[UNWRITTEN]))),
     row(Kernel::Setup, OUTSIDE, |_| Some(false)),
     row(Kernel::Setup, "textureLoad(state, texel, 0).x != TRAV_SETUP", |c| Some(!c.was(&[TRAV_SETUP]))),
-    // The one way to BACKGROUND where there is a grid; without one, this line is left out.
+    // The only way to BACKGROUND with a grid; without one, this line is omitted.
     row(Kernel::Setup, "!walk.inside", |c| Some(c.is(&[BACKGROUND]))),
     row(Kernel::TraverseGrid, OUTSIDE, |_| Some(false)),
     row(Kernel::TraverseGrid, "textureLoad(state, texel, 0).x != TRAV", |c| Some(!c.was(&[TRAV]))),
@@ -52,7 +52,7 @@ pub const CONDITIONS: &[Condition] = &[
     row(Kernel::TraverseBvh, OUTSIDE, |_| Some(false)),
     row(Kernel::TraverseBvh, "textureLoad(state, texel, 0).x != TRAV", |c| Some(!c.was(&[TRAV]))),
     row(Kernel::TraverseBvh, "at.node == NO_NODE", |c| Some(c.is(&[SHADE, BACKGROUND]))),
-    // Of the cells before this one there is nothing in the streams.
+    // The streams contain nothing about earlier cells.
     row(Kernel::Intersect, "var step = 0; step < bound && walk.inside; step++", |_| None),
     row(Kernel::Intersect, "index == cell", |_| None),
     row(Kernel::Intersect, "low < high", |_| None),
@@ -88,7 +88,7 @@ pub const CONDITIONS: &[Condition] = &[
         Some(c.after.samples == c.before.samples)
     }),
     row(Kernel::Accumulate, "samples < f32(sampling.samples)", |c| Some(c.is(&[UNWRITTEN]))),
-    // Of a kernel that takes several steps, only what lies around them.
+    // For a kernel that takes several steps, only the code around them.
     row(Kernel::Walk, OUTSIDE, |_| Some(false)),
     row(Kernel::Walk, "place.tag != TRAV && place.tag != ISECT_NO_HIT && place.tag != ISECT_HIT", |c| {
         Some(!c.was(&[TRAV, ISECT_NO_HIT, ISECT_HIT]))
@@ -111,17 +111,17 @@ impl Case<'_> {
         self.after.t != self.before.t
     }
 
-    /// Whether the search for a repeated test goes on in the next pass: nothing else leaves a ray at the item of its list.
+    /// Whether the search for a repeated test continues in the next pass: only then does a ray stay at the same item.
     fn searches_on(&self) -> bool {
         self.after.item == self.before.item && self.is(&[ISECT_NO_HIT, ISECT_HIT])
     }
 
-    /// Another triangle at the same t counts too: the order of hits is (t, triangle).
+    /// A different triangle at the same t counts too: hits are ordered by (t, triangle).
     fn has_new_hit(&self) -> bool {
         self.has_nearer_hit() || self.after.triangle != self.before.triangle
     }
 
-    /// Whether a condition held; `None` where the streams do not tell, or the table does not know it.
+    /// Whether a condition held; `None` if the streams do not show it, or the table lacks it.
     pub(super) fn held(&self, kernel: Kernel, text: &str) -> Option<bool> {
         CONDITIONS.iter().find(|c| c.kernel == kernel && c.text == text).and_then(|c| (c.held)(self))
     }

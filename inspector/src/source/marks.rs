@@ -1,5 +1,5 @@
-//! Which lines of a kernel's file ran: its blocks are gone through as the kernel goes through them, with the table of
-//! conditions in place of values.
+//! Which lines of a kernel's file ran: walks through its blocks like the kernel, with the table of conditions instead
+//! of values.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -13,7 +13,7 @@ use super::block::{Block, Choice, Function, Kind, Statement, functions};
 use super::conditions::Case;
 use super::words::words;
 
-/// Whether the ray came to a place.
+/// Whether the ray reached a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reach {
     No,
@@ -47,18 +47,18 @@ impl Reach {
     }
 }
 
-/// How a block is left.
+/// How control leaves a block.
 #[derive(Clone, Copy)]
 struct Left {
-    /// By its end.
+    /// At its end.
     falls: Reach,
-    /// By a jump or return that was or may have been reached.
+    /// By a jump or return that was, or may have been, reached.
     has_jumped: bool,
-    /// By a return that was or may have been reached.
+    /// By a return that was, or may have been, reached.
     has_returned: bool,
 }
 
-/// A mark for every line. Without a case, only what options leave out is marked.
+/// A mark for every line. Without a case, only lines that options omit are marked.
 pub(super) fn marks(kernel: Kernel, text: &str, features: &Features, case: Option<&Case>) -> Vec<Mark> {
     let count = text.split('\n').count();
     let mut walker =
@@ -74,7 +74,7 @@ pub(super) fn marks(kernel: Kernel, text: &str, features: &Features, case: Optio
     }
     let mut before = None;
     let is_in: Vec<bool> = file.functions.iter().map(|f| walker.is_in(f.choice.as_ref(), &mut before)).collect();
-    // What is called is declared before what calls it.
+    // Callees are declared before their callers.
     walker.calls.insert(kernel.name().to_owned(), Reach::Yes);
     for (function, is_in) in file.functions.iter().zip(is_in).rev() {
         match is_in {
@@ -97,7 +97,7 @@ struct Walker<'a> {
 }
 
 impl Walker<'_> {
-    /// Whether the options take a choice in; `before` is the last `@if` beside it, for `@else`.
+    /// Whether the options include a choice; `before` is the preceding `@if`, for `@else`.
     fn is_in(&self, choice: Option<&Choice>, before: &mut Option<bool>) -> bool {
         let is_in = match choice {
             None => return true,
@@ -112,7 +112,7 @@ impl Walker<'_> {
     }
 
     fn set(&mut self, lines: &RangeInclusive<usize>, mark: Mark) {
-        // Without a pass, nothing has run.
+        // Without a pass, nothing ran.
         if self.case.is_some() || mark == Mark::LeftOut {
             self.marks[lines.clone()].fill(mark);
         }
@@ -174,11 +174,11 @@ impl Walker<'_> {
         let mut rest = reach;
         let mut left = Left { falls: Reach::No, has_jumped: false, has_returned: false };
         for (condition, block) in arms {
-            // An else without a condition takes what the others leave.
+            // An else without a condition takes the remaining cases.
             let held = condition.as_ref().map_or(Some(true), |text| self.held(text));
             let arm = rest.and(held);
             let first = *block.lines.start();
-            // The line of an else belongs to its own arm.
+            // The line of an else belongs to its own branch.
             if !std::ptr::eq(block, &arms[0].1) {
                 self.set(&(first..=first), arm.mark());
             }

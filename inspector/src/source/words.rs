@@ -1,8 +1,9 @@
-//! WGSL cut into words, for highlighting and for finding its blocks. Any text is cut: what is no WGSL is plain.
+//! Splits WGSL into words, for highlighting and for finding its blocks. Any text can be split: anything that is not
+//! WGSL is plain.
 
 use std::ops::Range;
 
-/// What a word is.
+/// The class of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// `fn`, `let`, `if`, …
@@ -21,10 +22,10 @@ pub enum Class {
     Plain,
 }
 
-/// A word, or a sign.
+/// A word or punctuation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Word {
-    /// Bytes of the text.
+    /// Byte range in the text.
     pub(super) range: Range<usize>,
     pub(super) class: Class,
 }
@@ -61,7 +62,7 @@ const KEYWORDS: &[&str] = &[
 
 const TYPES: &[&str] = &["array", "atomic", "bool", "f16", "f32", "i32", "ptr", "sampler", "u32"];
 
-/// Cuts a text; spaces are left out.
+/// Splits a text; omits whitespace.
 pub(super) fn words(text: &str) -> Vec<Word> {
     let bytes = text.as_bytes();
     let mut words = Vec::new();
@@ -94,7 +95,7 @@ pub(super) fn words(text: &str) -> Vec<Word> {
     words
 }
 
-/// Part of a name; every byte of a letter beyond ASCII is.
+/// Part of a name, including every byte of a non-ASCII letter.
 fn is_name(b: u8) -> bool {
     b == b'_' || b.is_ascii_alphanumeric() || b >= 0x80
 }
@@ -118,7 +119,7 @@ fn class_of(name: &str, is_called: bool) -> Class {
     }
 }
 
-/// Where a number ends: `1`, `1u`, `0x3fu`, `1.5`, `1e-37`.
+/// The end of a number: `1`, `1u`, `0x3fu`, `1.5`, `1e-37`.
 fn number(bytes: &[u8], start: usize) -> usize {
     let is_hex = bytes[start..].starts_with(b"0x");
     let is_part = |at: usize| {
@@ -132,7 +133,7 @@ fn number(bytes: &[u8], start: usize) -> usize {
     (start + 1..bytes.len()).find(|&at| !is_part(at)).unwrap_or(bytes.len())
 }
 
-/// Behind the parenthesis that closes the one at `open`, or at the line's end.
+/// The position after the parenthesis that closes the one at `open`, or the end of the line.
 fn closed(bytes: &[u8], open: usize) -> usize {
     let mut depth = 0usize;
     for (at, b) in bytes.iter().enumerate().skip(open) {
@@ -147,7 +148,7 @@ fn closed(bytes: &[u8], open: usize) -> usize {
     bytes.len()
 }
 
-/// Behind the end of a comment; they nest.
+/// The position after a comment; comments nest.
 fn block_comment(bytes: &[u8], start: usize) -> usize {
     let (mut at, mut depth) = (start, 0usize);
     while at < bytes.len() {

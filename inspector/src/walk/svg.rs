@@ -1,4 +1,4 @@
-//! The walk as a drawing of its own: the picture seen along one axis, and under it the walk unfolded along t.
+//! The walk as an SVG drawing: seen along one axis, and below it unfolded along t.
 
 mod picture;
 mod sheet;
@@ -9,12 +9,12 @@ use raystep_lab::text::counted;
 use super::{Projected, Spacing, Strip, Structure, WalkGeometry};
 use sheet::Sheet;
 
-/// How the drawing looks.
+/// The style of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SvgOptions {
-    /// Its width, in units of which a line of text is 12 high.
+    /// Its width, in units in which a line of text is 12 high.
     pub width: f64,
-    /// How wide cells are.
+    /// The width of cells.
     pub spacing: Spacing,
     /// Light on dark.
     pub is_dark: bool,
@@ -26,7 +26,7 @@ impl Default for SvgOptions {
     }
 }
 
-/// The drawing, as a whole SVG file. `title` is written above it.
+/// The drawing as an SVG file, with a title.
 #[must_use]
 pub fn walk_svg(walk: &WalkGeometry, title: &str, options: &SvgOptions) -> String {
     let width = if options.width.is_finite() { options.width.clamp(320.0, 8000.0) } else { 900.0 };
