@@ -16,7 +16,7 @@ fn wrong_usage_is_code_2() {
     let place = Place::new();
     let file = cornell_box();
     let cases: &[(&str, &[&str])] = &[
-        ("rendr: there is no such command; did you mean render?", &["rendr"]),
+        ("rendr: no such command; did you mean render?", &["rendr"]),
         ("a.glb: no scene that can be made is called so", &["scene", "a.glb"]),
         ("--output", &["render", &file]),
         (".png or .exr", &["render", &file, "-o", "a.jpg"]),
@@ -26,7 +26,7 @@ fn wrong_usage_is_code_2() {
         ("1 to 32768", &["render", &file, "-o", "a.png", "--size=-1x5"]),
         ("640x480", &["render", &file, "-o", "a.png", "--size", "64x"]),
         (
-            "--accelerator kd-tree: auto, grid, bvh or none is wanted",
+            "--accelerator kd-tree: expected auto, grid, bvh or none",
             &["render", &file, "-o", "a.png", "--accelerator", "kd-tree"],
         ),
         ("1 to 4096", &["render", &file, "-o", "a.png", "--grid", "0"]),
@@ -53,7 +53,7 @@ fn wrong_usage_is_code_2() {
         ("direction is 0", &["trace", &file, "--ray", "1,2,3,0,0,0", "--device", "cpu"]),
         ("not finite", &["trace", &file, "--ray", "0x7f800000,2,3,0,0,1", "--device", "cpu"]),
         ("ray_origin", &["dump", &file, "-o", "d", "--stream", "nose"]),
-        ("leaves it out: --accelerator none", &["dump", &file, "-o", "d", "--stream", "tmax", "--accelerator", "none"]),
+        ("omits it: --accelerator none", &["dump", &file, "-o", "d", "--stream", "tmax", "--accelerator", "none"]),
         (
             "the run has 73 passes, 0 to 72",
             &["dump", &file, "-o", "d", "--pass", "73", "--size", "64x64", "--device", "cpu"],

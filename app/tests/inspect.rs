@@ -111,9 +111,9 @@ fn what_cannot_be_shown_is_said_in_a_line_and_leaves_no_file() {
         (1, "broken.gltf: the glTF JSON is wrong", &["broken.gltf"]),
         (1, "nothing.glb: No such file", &["nothing.glb"]),
         (2, "the image has pixels 0,0 to 7,7", &[&file, "--size", "8x8", "--pixel", "8,0"]),
-        (2, "--do dance: no command is called so; 'raystep inspect --list' lists them", &[&file, "--do", "dance"]),
+        (2, "--do dance: no such command; 'raystep inspect --list' lists them", &[&file, "--do", "dance"]),
         (2, "cannot be stepped", &[&file, "--schedule", "fused"]),
-        (2, "a number from 0.25 to 8 is wanted", &[&file, "--scale", "0"]),
+        (2, "expected a number from 0.25 to 8", &[&file, "--scale", "0"]),
         (2, "so does --pass", &["--link", "raystep:1?scene=x.glb&pass=3", "--pass", "4"]),
         (2, "16 to 16384", &[&file, "--window", "0x0"]),
     ];

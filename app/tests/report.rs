@@ -272,7 +272,7 @@ fn scenes_with_nothing_or_one_triangle_in_them_have_a_page() {
     let place = Place::new();
     let files = ["empty.gltf", "single-triangle.gltf"].map(|name| scene(name).display().to_string());
     let outcome = place.ok(&["report", &files[0], &files[1], "--quick", "--device", "cpu", "-o", "out"]);
-    assert!(outcome.stderr.contains("note: empty, factors: there is no triangle to aim at"), "{outcome:?}");
+    assert!(outcome.stderr.contains("note: empty, factors: the scene has no triangle to aim at"), "{outcome:?}");
     let tables = all_rows(&place, "out");
     check_page(&place, "out", &tables);
     assert!(tables["factors.csv"].iter().all(|r| r["scene"] == "single-triangle"));
@@ -333,7 +333,7 @@ fn a_section_alone_replaces_what_an_earlier_report_wrote() {
     let expected = ["about.csv", "grid.csv", "index.html", "mine.txt", "plot-001.svg", "plot-002.svg", "plot-003.svg"];
     assert_eq!(names.into_iter().collect::<Vec<_>>(), expected);
     std::fs::write(place.path("out/index.html"), "<p>mine</p>").expect("a file");
-    place.fails(1, "no such report's", &[&report[..], &["grid", "--force"]].concat());
+    place.fails(1, "not from a report", &[&report[..], &["grid", "--force"]].concat());
     assert_eq!(place.read("out/index.html"), b"<p>mine</p>");
 }
 

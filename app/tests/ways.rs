@@ -167,15 +167,15 @@ fn what_would_have_no_effect_is_refused() {
     let file = cornell_box();
     let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
     let cases: &[(&str, &[&str])] = &[
-        ("--steps-per-pass 0: a whole number from 1 to 4096 is wanted", &["--steps-per-pass", "0"]),
-        ("4097: a whole number from 1 to 4096 is wanted", &["--steps-per-pass", "4097"]),
-        ("99999999999999999999: a whole number from 1 to 4096", &["--steps-per-pass", "99999999999999999999"]),
-        ("name schedule compact", &["--steps-per-pass", "2", "--schedule", "first"]),
-        ("this is fused", &["--steps-per-pass", "8", "--schedule", "fused"]),
-        ("--skip on is about a grid, and accelerator bvh uses none", &["--skip", "on", "--accelerator", "bvh"]),
-        ("accelerator auto decides by itself whether there is one", &["--grid", "8", "--accelerator", "auto"]),
+        ("--steps-per-pass 0: expected an integer from 1 to 4096", &["--steps-per-pass", "0"]),
+        ("4097: expected an integer from 1 to 4096", &["--steps-per-pass", "4097"]),
+        ("99999999999999999999: expected an integer from 1 to 4096", &["--steps-per-pass", "99999999999999999999"]),
+        ("use --schedule compact", &["--steps-per-pass", "2", "--schedule", "first"]),
+        ("not to fused", &["--steps-per-pass", "8", "--schedule", "fused"]),
+        ("--skip on applies to a grid, and accelerator bvh has none", &["--skip", "on", "--accelerator", "bvh"]),
+        ("accelerator auto chooses its own", &["--grid", "8", "--accelerator", "auto"]),
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
-        ("auto, on or off is wanted", &["--skip", "maybe"]),
+        ("expected auto, on or off", &["--skip", "maybe"]),
     ];
     for (wanted, how) in cases {
         place.fails(2, wanted, &[&render[..], how].concat());
@@ -190,7 +190,7 @@ fn what_would_have_no_effect_is_refused() {
     let bench = ["bench", &file, "-o", "out", "--sizes", "8x8", "--device", "cpu", "--repeats", "1"];
     place.fails(
         2,
-        "accelerator bvh, none uses none",
+        "accelerator bvh, none has none",
         &[&bench[..], &["--skip", "on", "--accelerators", "bvh,none"]].concat(),
     );
     place.ok(&[&bench[..], &["--skip", "on", "--accelerators", "bvh,grid"]].concat());
@@ -237,10 +237,10 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
     let file = cornell_box();
     let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
     for (wanted, how) in [
-        ("--spp 0: a whole number from 1 to 65536 is wanted", &["--spp", "0"][..]),
-        ("65537: a whole number from 1 to 65536 is wanted", &["--spp", "65537"]),
-        ("--spp x: a whole number from 1 to 65536 is wanted", &["--spp", "x"]),
-        ("sobol or random is wanted", &["--spp", "4", "--sampler", "blue"]),
+        ("--spp 0: expected an integer from 1 to 65536", &["--spp", "0"][..]),
+        ("65537: expected an integer from 1 to 65536", &["--spp", "65537"]),
+        ("--spp x: expected an integer from 1 to 65536", &["--spp", "x"]),
+        ("expected sobol or random", &["--spp", "4", "--sampler", "blue"]),
         ("give --spp", &["--sampler", "random"]),
         ("give --spp", &["--seed", "7"]),
     ] {

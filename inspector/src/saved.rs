@@ -198,11 +198,11 @@ mod tests {
             (b"{\"version\": 1, \"colour\": 7}", "colour"),
             (b"{\"version\": 1, \"link\": \"raystep:9?\"}", "version \"9\""),
             (b"{\"layout\": null}", "version"),
-            (b"{\"version\": 2, \"whatever\": [1, 2]}", "of version 2, and this raystep reads version 1"),
+            (b"{\"version\": 2, \"whatever\": [1, 2]}", "version 2, but this raystep reads version 1"),
             (b"\xff\xfe", "not UTF-8"),
             (b"(version: 1)", "line 1, column 1"),
             (deep.as_bytes(), "line 1"),
-            (large.as_bytes(), "at most 1048576"),
+            (large.as_bytes(), "limit is 1048576"),
         ];
         for (bytes, wanted) in cases {
             let (saved, error) = Saved::from_bytes_or_default(bytes);

@@ -110,7 +110,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
         })
     };
     assert!(reads(&line, &end), "{line}…{end}\n{}", stage.read_out());
-    stage.click(Role::Button, "Both to the end");
+    stage.click(Role::Button, "Run both to the end");
     stage.settle();
     assert!(stage.reads("triangle: the same bits for all rays"), "{}", stage.read_out());
 

@@ -61,7 +61,7 @@ impl Machine {
     #[must_use]
     pub fn note_on_times(&self) -> Option<String> {
         let why = self.gpu()?.why_no_times()?;
-        Some(format!("{why}: passes have no times, a run has the host's, waiting for the adapter included"))
+        Some(format!("{why}: passes have no times, and a run is timed by the host, including waits for the adapter"))
     }
 
     /// Waits for a future of this device.
