@@ -94,7 +94,7 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileErro
     let mut bytes = Vec::new();
     bytes
         .try_reserve_exact(found.len() as usize)
-        .map_err(|_| format!("there is no memory for its {} bytes", found.len()))?;
+        .map_err(|_| format!("not enough memory for its {} bytes", found.len()))?;
     // It may grow during reading.
     File::open(path)
         .and_then(|f| f.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes))

@@ -17,7 +17,7 @@ fn wrong_usage_is_code_2() {
     let file = cornell_box();
     let cases: &[(&str, &[&str])] = &[
         ("rendr: no such command; did you mean render?", &["rendr"]),
-        ("a.glb: no scene that can be made is called so", &["scene", "a.glb"]),
+        ("a.glb: no such generator", &["scene", "a.glb"]),
         ("--output", &["render", &file]),
         (".png or .exr", &["render", &file, "-o", "a.jpg"]),
         ("1 to 32768", &["render", &file, "-o", "a.png", "--size", "0x0"]),
@@ -163,7 +163,7 @@ fn no_output_replaces_what_the_scene_is_read_from() {
         cases.push(vec!["scene", "convert", "one.obj", "-o", "link.glb"]);
     }
     for arguments in &cases {
-        place.fails(2, "would be replaced, and the scene is read from it", arguments);
+        place.fails(2, "would be replaced, but the scene is read from it", arguments);
     }
     assert_eq!(names.map(|name| place.read(name)).to_vec(), before);
 }

@@ -250,7 +250,7 @@ fn a_folder_is_replaced_only_where_a_benchmark_wrote_it() {
 
     std::fs::copy(cornell_box(), place.path("out/passes.csv")).expect("a copy");
     let itself = ["bench", "out/passes.csv", "-o", "out", "--force", "--device", "cpu", "--sizes", "8x8"];
-    place.fails(2, "out/passes.csv would be replaced, and the scene is read from it", &itself);
+    place.fails(2, "out/passes.csv would be replaced, but the scene is read from it", &itself);
 
     std::fs::write(place.path("out/run.json"), "{}").expect("a file");
     place.fails(1, "that is not from a benchmark", &[&bench[..], &["--force"]].concat());
@@ -333,7 +333,7 @@ fn wrong_usage_and_unreadable_baselines_are_one_line() {
         (1, "nothing.glb: No such file", &["bench", &file, "nothing.glb", "-o", "out"]),
         (
             2,
-            "has 1073741824, and at most 67108864 can be traced here",
+            "has 1073741824; the limit of this device is 67108864",
             &["bench", &file, "-o", "out", "--sizes", "32768x32768", "--device", "cpu", "--quiet"],
         ),
         (1, "there is no folder nowhere", &["bench", &file, "-o", "nowhere/out"]),

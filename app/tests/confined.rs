@@ -199,7 +199,7 @@ fn pictures_that_cannot_be_held_are_refused_by_their_headers() {
         let outcome = limited(&place, mib, &render(scene));
         // The larger one finds its memory, and then no picture.
         let words =
-            if mib == 512 { "images[0]: there is no memory for the 576000000 bytes" } else { "cannot be decoded" };
+            if mib == 512 { "images[0]: not enough memory for the 576000000 bytes" } else { "cannot be decoded" };
         assert_error(&outcome, 1, words, scene);
     }
     assert!(!place.path("a.png").exists());

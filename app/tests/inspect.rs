@@ -108,7 +108,7 @@ fn what_cannot_be_shown_is_said_in_a_line_and_leaves_no_file() {
     std::fs::write(place.path("broken.gltf"), "{").expect("a file");
     let file = cornell_box();
     let cases: &[(i32, &str, &[&str])] = &[
-        (1, "broken.gltf: the glTF JSON is wrong", &["broken.gltf"]),
+        (1, "broken.gltf: the glTF JSON is invalid", &["broken.gltf"]),
         (1, "nothing.glb: No such file", &["nothing.glb"]),
         (2, "the image has pixels 0,0 to 7,7", &[&file, "--size", "8x8", "--pixel", "8,0"]),
         (2, "--do dance: no such command; 'raystep inspect --list' lists them", &[&file, "--do", "dance"]),
@@ -126,5 +126,5 @@ fn what_cannot_be_shown_is_said_in_a_line_and_leaves_no_file() {
 #[test]
 fn without_a_display_a_scene_alone_says_what_can_be_done() {
     let place = Place::new();
-    place.fails(1, "there is no display to open a window on; --screenshot", &[&cornell_box()]);
+    place.fails(1, "no display to open a window on; use --screenshot", &[&cornell_box()]);
 }

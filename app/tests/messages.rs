@@ -211,7 +211,7 @@ fn options_that_need_others_or_do_not_fit_say_which() {
             dump(&["--stream", "tmax", "--accelerator", "none"]),
         ),
         (
-            "--stream accumulated: this run omits it: one sample a pixel; --spp 2 adds it".into(),
+            "--stream accumulated: this run omits it: one sample per pixel; --spp 2 adds it".into(),
             dump(&["--stream", "accumulated"]),
         ),
         (

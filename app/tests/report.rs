@@ -311,7 +311,7 @@ fn times_of_other_rays_are_not_compared() {
     assert!(rows.iter().any(|r| !r["paid_off_rays"].is_empty()));
     // For 20,000 they are not.
     let outcome = place.ok(&[&report[..], &["--size", "200x100", "-o", "large"]].concat());
-    assert!(outcome.stderr.contains("after how many rays a structure has paid off is not known"), "{outcome:?}");
+    assert!(outcome.stderr.contains("the number of rays after which a structure pays off is unknown"), "{outcome:?}");
     let (row, rows) = none("large");
     for column in ["trace_ratio", "view_s", "view_with_build_s"] {
         assert_eq!(row[column], "", "{column}");
@@ -344,7 +344,7 @@ fn wrong_usage_and_unreadable_scenes_are_one_line() {
     let cases: &[(i32, &str, &[&str])] = &[
         (2, "--output", &["report", &file]),
         (2, "<SCENE>", &["report", "-o", "out"]),
-        (2, "--section speed: resolved, factors", &["report", &file, "-o", "out", "--section", "speed"]),
+        (2, "--section speed: expected resolved, factors", &["report", &file, "-o", "out", "--section", "speed"]),
         (2, "640x480", &["report", &file, "-o", "out", "--size", "8"]),
         (2, "has one camera, number 0", &["report", &file, "-o", "out", "--camera", "1"]),
         (1, "nothing.glb: No such file", &["report", &file, "nothing.glb", "-o", "out"]),

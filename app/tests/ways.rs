@@ -103,8 +103,8 @@ fn render_says_what_was_built() {
     let one = scene("single-triangle.gltf").display().to_string();
     let file = cornell_box();
     let cases: &[(&str, &[&str], &str, &str)] = &[
-        (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells, ", " empty and walked through; "),
-        (&file, &["--skip", "on"], "grid      8 x 8 x 19 cells, ", " empty and leapt over; "),
+        (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells, ", " empty and visited one by one; "),
+        (&file, &["--skip", "on"], "grid      8 x 8 x 19 cells, ", " empty and skipped over; "),
         (&file, &["--accelerator", "bvh"], "bvh       binary tree: nodes ", ", depth "),
         (&file, &["--accelerator", "bvh", "--schedule", "fused"], "bvh       eight-wide tree: nodes ", ", depth "),
         (&file, &["--accelerator", "none"], "none      every ray tests every triangle", ""),
@@ -212,7 +212,7 @@ fn several_samples_make_another_picture_and_the_same_one_twice() {
     assert!(summary["options"]["spp"] == 1 && summary["options"]["sampler"].is_null() && !said.contains("samples"));
     assert_eq!(render("b.png", &["--device", "cpu", "--spp", "1"]).0, centre);
     let (many, summary, said) = render("c.png", &["--device", "cpu", "--spp", "16", "--counters", "--check"]);
-    assert!(many != centre && said.contains("samples   16 a pixel, sobol, seed 0"), "{said}");
+    assert!(many != centre && said.contains("samples   16 per pixel, sobol, seed 0"), "{said}");
     let options = &summary["options"];
     assert_eq!((&options["spp"], &options["sampler"], &options["seed"]), (&16.into(), &"sobol".into(), &0.into()));
     assert_eq!(summary["kernels"]["accumulate"]["passes"], 16);
@@ -241,8 +241,8 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
         ("65537: expected an integer from 1 to 65536", &["--spp", "65537"]),
         ("--spp x: expected an integer from 1 to 65536", &["--spp", "x"]),
         ("expected sobol or random", &["--spp", "4", "--sampler", "blue"]),
-        ("give --spp", &["--sampler", "random"]),
-        ("give --spp", &["--seed", "7"]),
+        ("add --spp N", &["--sampler", "random"]),
+        ("add --spp N", &["--seed", "7"]),
     ] {
         place.fails(2, wanted, &[&render[..], how].concat());
     }
@@ -260,7 +260,7 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
     let dump = ["dump", &file, "-o", "d", "--stream", "hit", "--pass", "last", "--size", "8x8", "--device", "cpu"];
     place.ok(&[&dump[..], &["--spp", "2"]].concat());
     assert!(place.ok(&["plan", &file, "--spp", "2", "--device", "cpu"]).stdout.contains("accumulate"));
-    assert!(place.ok(&["plan", &file, "--device", "cpu"]).stdout.contains("one sample a pixel"));
+    assert!(place.ok(&["plan", &file, "--device", "cpu"]).stdout.contains("one sample per pixel"));
 }
 
 #[test]
@@ -268,7 +268,7 @@ fn what_has_one_pass_is_not_looked_at_pass_by_pass() {
     let place = Place::new();
     let file = cornell_box();
     let fused = ["--schedule", "fused", "--size", "8x8", "--device", "cpu"];
-    place.fails(2, "first, second and compact can", &[&["trace", &file, "--pixel", "1,1"], &fused[..]].concat());
+    place.fails(2, "use first, second or compact", &[&["trace", &file, "--pixel", "1,1"], &fused[..]].concat());
     for pass in ["all", "0"] {
         let dump = ["dump", &file, "-o", "d", "--pass", pass];
         place.fails(2, "--pass last has its hits; first, second and compact", &[&dump[..], &fused[..]].concat());

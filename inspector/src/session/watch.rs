@@ -40,11 +40,11 @@ impl Watch {
     pub fn name(self) -> String {
         match self {
             Self::NonFinite => "any ray: value that is not finite".into(),
-            Self::TMaxBackwards => "any ray: tmax goes backwards".into(),
+            Self::TMaxBackwards => "any ray: tmax decreases".into(),
             Self::MoreSteps(steps) => format!("any ray: more than {}", counted(steps, "step")),
             Self::RayState => "selected ray: its state changes".into(),
             Self::RayHit => "selected ray: its hit changes".into(),
-            Self::RayCell => "selected ray: cell changes".into(),
+            Self::RayCell => "selected ray: its cell changes".into(),
         }
     }
 

@@ -88,14 +88,14 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     }
     for s in STREAMS.iter().filter(|s| !plan.has_stream(s.stream)) {
         let why = match s.stream {
-            Stream::Counters => (O, "counters are not asked for"),
+            Stream::Counters => (O, "counters are not requested"),
             Stream::Color => NO_SHADE,
             Stream::Accumulated => ONE_SAMPLE,
-            Stream::Place | Stream::Trail => (O, "no walk needs more loop turns than one dispatch has"),
-            Stream::Scan => (O, "no search for repeated tests needs more loop turns than one dispatch has"),
+            Stream::Place | Stream::Trail => (O, "no walk needs more loop iterations than one dispatch allows"),
+            Stream::Scan => (O, "no search for repeated tests needs more loop iterations than one dispatch allows"),
             Stream::RayOrigin | Stream::RayDirection => EYE_RAYS,
             _ if is_fused => FUSED,
-            Stream::TMax if plan.features.grid => (O, "several steps a pass: worked out from the cell"),
+            Stream::TMax if plan.features.grid => (O, "several steps per pass: computed from the cell"),
             _ => other,
         };
         add(format!("stream {}", s.name), why);

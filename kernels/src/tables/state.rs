@@ -62,7 +62,7 @@ const fn row(tag: Tag, name: &'static str, role: StateRole, meaning: &'static st
 pub const STATES: [StateInfo; COUNT] = [
     row(UNWRITTEN, "UNWRITTEN", StateRole::Unborn, "no ray yet"),
     row(TRAV_SETUP, "TRAV_SETUP", StateRole::Active, "waits for the set-up kernel"),
-    row(TRAV, "TRAV", StateRole::Active, "goes on to the next voxel or node"),
+    row(TRAV, "TRAV", StateRole::Active, "continues to the next voxel or node"),
     row(ISECT_NO_HIT, "ISECT_NO_HIT", StateRole::Active, "tests its voxel's triangles, nothing hit yet"),
     row(ISECT_HIT, "ISECT_HIT", StateRole::Active, "tests its voxel's triangles, the nearest hit is kept"),
     row(SHADE, "SHADE", StateRole::Resolved, "waits to be shaded from its hit"),

@@ -166,7 +166,7 @@ pub const STREAMS: [StreamInfo; 12] = [
         Texel::U32,
         &["levels_0", "levels_8", "levels_16", "levels_24"],
         &[],
-        "child entered last, 4 bits a level",
+        "child entered last, 4 bits per level",
         &[0; 4],
     ),
     row(

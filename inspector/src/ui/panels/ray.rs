@@ -58,8 +58,10 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
     let [x, y] = life.pixel;
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("pixel {x},{y}"));
-        let of = life.passes.map_or_else(String::new, |passes| format!(" of {passes}"));
-        ui.label(format!("processed by {}{of}", counted(life.rows.len(), "pass")));
+        ui.label(match life.passes {
+            Some(passes) => format!("processed by {} of {}", life.rows.len(), counted(passes, "pass")),
+            None => format!("processed by {}", counted(life.rows.len(), "pass")),
+        });
         if let Some(last) = life.rows.last() {
             match (last.after.triangle, last.after.t) {
                 (Some(triangle), Some(t)) => {

@@ -259,10 +259,7 @@ impl<'a> Bench<'a> {
         let name = |row: &SummaryRow| format!("{} {}", row.accelerator, row.schedule);
         if row.invalid > 0 {
             let (invalid, repeats) = (row.invalid, self.wanted.repeats);
-            self.note(format!(
-                "{group}, {}: {invalid} of {repeats} times were invalid and do not count",
-                name(&row)
-            ));
+            self.note(format!("{group}, {}: {invalid} of {repeats} times were invalid and do not count", name(&row)));
         }
         fn rays_of(r: &SummaryRow) -> (&str, &str, u32, u32) {
             (&r.scene_hash, &r.rays_kind, r.width_px, r.height_px)

@@ -75,8 +75,10 @@ pub fn why_not(plan: &Plan) -> Option<&'static str> {
     if plan.features.any_hit {
         Some("not judged: rays end at the first hit found, which may not be the nearest")
     } else if plan.features.samples {
-        Some("not judged: with several samples per pixel, only the last one's rays are available; trace with one \
-              sample")
+        Some(
+            "not judged: with several samples per pixel, only the last one's rays are available; trace with one \
+              sample",
+        )
     } else if !needed.into_iter().all(|stream| plan.has_stream(stream)) {
         Some("not judged: the rays are generated within a kernel, and are not in a stream")
     } else {

@@ -279,8 +279,10 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
                 ),
                 None => String::new(),
             };
-            part.prose.push(format!("{sampler}, {name}: the error is proportional to samples to the power \
-                                     {slope}.{dropped}"));
+            part.prose.push(format!(
+                "{sampler}, {name}: the error is proportional to samples to the power \
+                                     {slope}.{dropped}"
+            ));
         }
     }
     if let Some(row) = rows.first() {

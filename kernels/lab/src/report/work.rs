@@ -129,9 +129,7 @@ impl Work<'_> {
         match self.machine().timer() {
             Timer::GpuTimestamp { .. } => "by the adapter's own timestamps",
             Timer::CpuClock { .. } => "by the host's clock around each pass on the CPU",
-            Timer::Host { .. } => {
-                "by the host's clock, including waits for the adapter: it has no valid timestamps"
-            }
+            Timer::Host { .. } => "by the host's clock, including waits for the adapter: it has no valid timestamps",
         }
     }
 

@@ -112,8 +112,11 @@ pub static CASES: &[Case] = &[
         what: "rays in the plane of a tilted triangle",
         make: make::in_tilted_plane,
         truth: Truth::Open,
-        undecided: up_to(0.25, "three edge functions that are 0 except for rounding have the same sign in 1 of 4 \
-                                rays"),
+        undecided: up_to(
+            0.25,
+            "three edge functions that are 0 except for rounding have the same sign in 1 of 4 \
+                                rays",
+        ),
         ..CASE
     },
     Case {
@@ -263,10 +266,7 @@ pub static CASES: &[Case] = &[
         what: "the same from one side, so that the rounded corners are not in a line",
         make: |n| make::line(n, 5.0),
         truth: Truth::Open,
-        undecided: up_to(
-            0.25,
-            "rounding must move the middle corner to the ray's side, beyond the ray: 1 in 4",
-        ),
+        undecided: up_to(0.25, "rounding must move the middle corner to the ray's side, beyond the ray: 1 in 4"),
         ..CASE
     },
     Case {

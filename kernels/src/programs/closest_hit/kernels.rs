@@ -133,14 +133,14 @@ kernels! {
         list: None,
         colour: [23, 150, 160],
         why_absent: |run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
-        summary: "makes a ray for every pixel",
+        summary: "generates a ray for every pixel",
     }
     Setup setup {
         takes: &[TRAV_SETUP],
         sends: &[
             send(TRAV_SETUP, "misses the grid's box", BACKGROUND),
             send(TRAV_SETUP, "enters the grid", ISECT_NO_HIT),
-            send(TRAV_SETUP, "with a tree: at its root", TRAV),
+            send(TRAV_SETUP, "with a BVH: at its root", TRAV),
         ],
         role: Role::Enter,
         workgroup: LIST_SIDE,
@@ -187,7 +187,7 @@ kernels! {
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
         why_absent: of_a_step,
-        summary: "moves the ray to its next node of the tree",
+        summary: "moves the ray to its next node of the BVH",
     }
     Intersect intersect {
         takes: &[ISECT_NO_HIT, ISECT_HIT],
@@ -232,7 +232,7 @@ kernels! {
         list: Some(INTERSECT_LIST),
         colour: [190, 150, 30],
         why_absent: |run| if run.is_fused() { FUSED } else { ONE_STEP },
-        summary: "takes the ray several cells or nodes on",
+        summary: "moves the ray by several cells or nodes",
     }
     Fused fused {
         takes: &[TRAV_SETUP, TRAV, ISECT_NO_HIT, ISECT_HIT],
@@ -298,7 +298,7 @@ kernels! {
         list: None,
         colour: [120, 130, 140],
         why_absent: |_| ONE_SAMPLE,
-        summary: "adds the sample to its pixel's mean, and asks for the next one",
+        summary: "adds the sample to its pixel's mean, and requests the next one",
     }
 }
 
