@@ -42,7 +42,10 @@ fn wrong_usage_is_code_2() {
             "between 0 and 180",
             &["render", &file, "-o", "a.png", "--eye", "0,0,1", "--look-at", "0,0,0", "--fov", "180"],
         ),
-        ("has no length", &["render", &file, "-o", "a.png", "--eye", "0,0,1", "--look-at", "0,0,0", "--up", "0,0,0"]),
+        (
+            "a direction with a length above 0",
+            &["render", &file, "-o", "a.png", "--eye", "0,0,1", "--look-at", "0,0,0", "--up", "0,0,0"],
+        ),
         ("--device cpu uses none", &["render", &file, "-o", "a.png", "--device", "cpu", "--adapter", "x"]),
         ("two outputs", &["render", &file, "-o", "a.png", "--passes-csv", "./a.png"]),
         ("two outputs", &["render", &file, "-o", "a.png", "--passes-csv", "t", "--trace-json", "t"]),
@@ -58,8 +61,8 @@ fn wrong_usage_is_code_2() {
             "the run has 73 passes, 0 to 72",
             &["dump", &file, "-o", "d", "--pass", "73", "--size", "64x64", "--device", "cpu"],
         ),
-        ("what to do is missing", &["scene"]),
-        ("--triangles 0: a whole number from 1", &["scene", "soup", "--triangles", "0", "-o", "s.glb"]),
+        ("missing command", &["scene"]),
+        ("--triangles 0: expected an integer from 1", &["scene", "soup", "--triangles", "0", "-o", "s.glb"]),
         ("ends in .glb", &["scene", "soup", "-o", "s.gltf"]),
         ("ends in .obj or .ply", &["scene", "convert", &file, "-o", "s.glb"]),
     ];

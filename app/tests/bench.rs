@@ -338,7 +338,7 @@ fn wrong_usage_and_unreadable_baselines_are_one_line() {
         ),
         (1, "there is no folder nowhere", &["bench", &file, "-o", "nowhere/out"]),
         (1, "expected a folder written by 'raystep bench'", &["bench", &file, "-o", "out", "--baseline", "old"]),
-        (1, "it is no summary of a benchmark", &["bench", &file, "-o", "out", "--baseline", "bad"]),
+        (1, "it is not a summary of a benchmark", &["bench", &file, "-o", "out", "--baseline", "bad"]),
     ];
     std::fs::create_dir(place.path("bad")).expect("a folder");
     std::fs::write(place.path("bad/summary.csv"), "a,b\n1\n").expect("a file");

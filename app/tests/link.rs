@@ -80,7 +80,7 @@ fn what_a_link_sets_is_not_set_again() {
         ("cannot be combined with", &link, &["--keep-all"]),
         ("cannot be combined with", &link, &["--spp", "2"]),
         ("--link has a ray, and so does --pixel or --ray", &link, &["--pixel", "1,1"]),
-        ("--link names a ray", &link, &["--ray", "0,0,5,0,0,-1"]),
+        ("--link has a ray", &link, &["--ray", "0,0,5,0,0,-1"]),
         ("--link has a device", &link, &["--device", "gpu"]),
         ("has no scene: add scene=FILE", "raystep:1?pixel=1,1", &[]),
         ("missing ray", &format!("raystep:1?scene={file}"), &["--device", "cpu"]),

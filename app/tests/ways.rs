@@ -247,7 +247,7 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
         place.fails(2, wanted, &[&render[..], how].concat());
     }
     let ray = ["trace", &file, "--ray", "0,0,5,0,0,-1", "--size", "8x8", "--device", "cpu"];
-    place.fails(2, "--ray is one ray", &[&ray[..], &["--spp", "2"]].concat());
+    place.fails(2, "--ray is a single ray", &[&ray[..], &["--spp", "2"]].concat());
     place.ok(&[&ray[..], &["--spp", "1"]].concat());
     // A ray's life goes on with the next sample, and the link says how many.
     let traced =
@@ -271,7 +271,11 @@ fn what_has_one_pass_is_not_looked_at_pass_by_pass() {
     place.fails(2, "use first, second or compact", &[&["trace", &file, "--pixel", "1,1"], &fused[..]].concat());
     for pass in ["all", "0"] {
         let dump = ["dump", &file, "-o", "d", "--pass", pass];
-        place.fails(2, "--pass last has its hits; first, second and compact", &[&dump[..], &fused[..]].concat());
+        place.fails(
+            2,
+            "use --pass last for its hits, or schedule first, second or compact",
+            &[&dump[..], &fused[..]].concat(),
+        );
     }
     place.ok(&[&["dump", &file, "-o", "fused", "--stream", "hit"], &fused[..]].concat());
     place.ok(&["dump", &file, "-o", "stepped", "--stream", "hit", "--size", "8x8", "--device", "cpu"]);

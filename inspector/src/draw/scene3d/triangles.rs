@@ -32,7 +32,7 @@ impl std::fmt::Display for Shown {
     /// Empty if all are drawn, otherwise a sentence for the user.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.every > 1 {
-            write!(f, "the 3D view shows every {}th triangle: {} of {}", self.every, self.drawn, self.of)?;
+            write!(f, "the 3D view shows one in {} triangles: {} of {}", self.every, self.drawn, self.of)?;
         }
         Ok(())
     }
