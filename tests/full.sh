@@ -1,6 +1,6 @@
 #!/bin/sh
-# Everything: tests/run.sh with its long tests and the long forms of the others, and the checks that compile every
-# dependency again. Before a release, and at the end of an issue.
+# All checks: tests/run.sh with long tests and the long forms of the others, and checks that compile every dependency
+# again. Run it before a release and after a larger piece of work.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -21,4 +21,4 @@ cargo package --workspace --locked --target-dir target/packages
 step "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
 
-step "all of it holds, in full"
+step "all checks passed, in full"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# What must hold of every change, from nothing but Rust: formatting, lints as errors, tests, the docs of libraries.
-# tests/full.sh has the rest: long tests, the build without threads, the docs of the program.
-# Installs Mesa's software Vulkan where there is no Vulkan driver, so that the GPU code is tested too.
+# Checks for every change, requiring only Rust: formatting, lints as errors, tests, documentation of libraries.
+# tests/full.sh adds long tests, the build without threads, and the documentation of the program.
+# Installs Mesa's software Vulkan if there is no Vulkan driver, so that GPU code is tested too.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -30,7 +30,7 @@ fi
 if [ "$(uname)" = Linux ] && {
     ! command -v Xvfb || ! command -v openbox || ! command -v wmctrl
 } >/dev/null; then
-    step "a display that nobody sees, and a window manager"
+    step "a virtual display and a window manager"
     as_root=""
     [ "$(id -u)" = 0 ] || as_root=sudo
     if command -v apt-get >/dev/null; then
@@ -57,10 +57,11 @@ step "every file of tests is in its crate's test binary"
 sh tests/every_file.sh
 
 step "lints, tests and documentation"
-# clippy lints what it compiles as rustc does, so that nothing is compiled once for lints and once for tests.
+# clippy-driver lints and compiles in one go, so nothing is compiled twice. It generates code as rustc does, except that
+# it sets mir-opt-level to 0.
 export RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__
 export RUSTDOC="$PWD/tests/rustdoc.sh"
-# Where backtraces are asked for, wgpu takes one for each of its locks: a tenth of the tests' time. Panics show theirs.
+# If backtraces are enabled, wgpu takes one for each of its locks, a tenth of the tests' time. Panics still show theirs.
 export RUST_LIB_BACKTRACE=0
 if [ -n "${RAYSTEP_THOROUGH:-}" ]; then
     cargo test --workspace --locked -- --include-ignored
@@ -74,4 +75,4 @@ if [ "$(uname)" = Linux ]; then
     sh tests/window.sh "${CARGO_TARGET_DIR:-./target}/debug/raystep"
 fi
 
-step "all of it holds"
+step "all checks passed"

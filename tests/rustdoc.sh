@@ -1,9 +1,9 @@
 #!/bin/sh
-# Stands in for rustdoc where `cargo test` runs the examples of a library's documentation: makes the documentation too,
-# with warnings as errors, from the dependencies that are compiled already. `cargo doc` would check all of them again.
+# Replaces rustdoc while `cargo test` runs the examples in a library's documentation: also makes the documentation, with
+# warnings as errors, from dependencies that are already compiled. `cargo doc` would check all of them again.
 set -eu
 
-# The same arguments without those that are about running examples.
+# The same arguments without those for running examples.
 document() {
     left=$#
     while [ "$left" -gt 0 ]; do

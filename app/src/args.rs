@@ -1,4 +1,4 @@
-//! The options that every subcommand shares, the same everywhere.
+//! The options that subcommands share.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -11,26 +11,26 @@ use raystep_scenes::LoadOptions;
 
 use crate::error::Error;
 
-/// Which file.
+/// The scene file.
 #[derive(Args, Debug)]
 pub(crate) struct SceneArgs {
     /// The scene: glTF 2.0, .gltf or .glb
     pub(crate) scene: PathBuf,
-    /// Which scene of a file that holds several, counted from 0 [default: the file's own]
+    /// Index of the scene in a file with several, counted from 0 [default: the file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     pub(crate) scene_index: Option<usize>,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
 }
 
-/// What reading a scene may do.
+/// Limits for reading a scene.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct ReadArgs {
-    /// Most memory that a scene may take to be read, the copy of its textures for tracing included: bytes, or with K,
-    /// M, G or T so many KiB, MiB, GiB or TiB
+    /// Memory limit for reading a scene, including a copy of its textures for tracing, in bytes or with suffix K, M, G
+    /// or T (KiB, MiB, GiB, TiB)
     #[arg(long, value_name = "SIZE", default_value = "8G", value_parser = parse_bytes, help_heading = "Scene and view")]
     pub(crate) max_memory: u64,
-    /// Also read files that the scene names outside of its own folder, by '..' or through links
+    /// Also read files outside the scene's folder that the scene refers to by '..' or symbolic links
     #[arg(long, help_heading = "Scene and view")]
     pub(crate) allow_outside: bool,
 }
@@ -41,11 +41,11 @@ impl Default for ReadArgs {
     }
 }
 
-/// What is seen, and at which size.
+/// View and size.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Scene and view")]
 pub(crate) struct ViewArgs {
-    /// Pixels a row and rows
+    /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size, allow_hyphen_values = true)]
     pub(crate) size: Size,
     #[command(flatten)]
@@ -54,19 +54,19 @@ pub(crate) struct ViewArgs {
     pub(crate) samples: SampleArgs,
 }
 
-/// Samples a pixel.
+/// Samples per pixel.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Scene and view")]
 pub(crate) struct SampleArgs {
-    /// Samples a pixel: the mean of so many rays through it. 1 is the pixel's centre; with more, hits and all other
-    /// streams but color and accumulated are those of the last sample's ray
+    /// Samples per pixel, averaged. 1 samples the pixel's centre; with more, all streams except color and accumulated
+    /// belong to the last sample
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true,
           value_parser = whole::<u32>(1, u64::from(Samples::MOST)))]
     pub(crate) spp: u32,
-    /// Where in the pixel they lie: evenly spread, a scrambled Sobol' sequence (sobol); independently (random)
+    /// Distribution of samples in a pixel: even, by a scrambled Sobol' sequence (sobol), or independent (random)
     #[arg(long, default_value = "sobol", value_parser = named(Sampler::ALL, Sampler::name))]
     pub(crate) sampler: Sampler,
-    /// Another seed puts them elsewhere; the same one gives the same picture
+    /// Seed of the samples; the same seed gives the same image
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true,
           value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
     pub(crate) seed: u32,
@@ -79,51 +79,51 @@ impl From<SampleArgs> for Samples {
 }
 
 impl SampleArgs {
-    /// Refuses what would have no effect: whoever asks for it expects something else.
+    /// Refuses options that would have no effect.
     pub(crate) fn check(self) -> Result<(), Error> {
         let all = [("--sampler random", self.sampler == Sampler::Random), ("--seed", self.seed != 0)];
         match all.iter().find(|(_, is_asked)| *is_asked) {
-            Some((option, _)) if self.spp == 1 => Err(Error::usage(format!(
-                "{option} is about several samples a pixel, and one lies in its centre: leave it out, or give --spp"
-            ))),
+            Some((option, _)) if self.spp == 1 => {
+                Err(Error::usage(format!("{option} requires several samples per pixel: omit it, or add --spp N")))
+            }
             _ => Ok(()),
         }
     }
 }
 
-/// What is seen.
+/// The camera.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Scene and view")]
 pub(crate) struct CameraArgs {
-    /// One of the scene's cameras, counted from 0 [default: 0, or one that frames the scene]
+    /// Index of a camera of the scene, counted from 0 [default: 0, or a camera that frames the scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true,
           conflicts_with_all = ["eye", "look_at", "up", "fov"])]
     pub(crate) camera: Option<usize>,
-    /// A camera of your own: where it is
+    /// Camera position
     #[arg(long, value_name = "X,Y,Z", requires = "look_at", allow_hyphen_values = true)]
     pub(crate) eye: Option<Vector>,
-    /// … what it looks at
+    /// Point that the camera looks at
     #[arg(long, value_name = "X,Y,Z", requires = "eye", allow_hyphen_values = true)]
     pub(crate) look_at: Option<Vector>,
-    /// … what is up [default: 0,1,0]
+    /// Up direction of the camera [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", requires_all = ["eye", "look_at"], allow_hyphen_values = true)]
     pub(crate) up: Option<Vector>,
-    /// … and its vertical angle of view in degrees [default: 40]
+    /// Vertical angle of view in degrees [default: 40]
     #[arg(long, value_name = "DEG", requires_all = ["eye", "look_at"], allow_hyphen_values = true, value_parser = parse_fov)]
     pub(crate) fov: Option<f64>,
 }
 
-/// How rays are traced.
+/// Tracing options.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct RunArgs {
-    /// What keeps a ray from testing every triangle: a uniform grid; a tree of boxes (bvh); nothing (none);
-    /// auto: nothing for a few triangles, the grid where they fill the scene evenly, else the tree
+    /// Acceleration structure: a uniform grid (grid), a bounding volume hierarchy (bvh), none, or auto: none for up to
+    /// six triangles, the grid if triangles fill the scene evenly, otherwise the BVH
     #[arg(long, default_value = "grid", value_parser = named(Accelerator::ALL, Accelerator::name))]
     pub(crate) accelerator: Accelerator,
-    /// How a ray's walk is cut into passes: intersect until no ray is active there, then traverse once
-    /// (first); both in turn (second); some steps a pass, and only for rays that still walk (compact); the
-    /// whole walk in one (fused)
+    /// How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once
+    /// (first); intersect and traverse alternately (second); several steps per pass, for active rays only (compact);
+    /// the whole walk in one pass (fused)
     #[arg(long, default_value = "compact", value_parser = named(ScheduleKind::ALL, ScheduleKind::name))]
     pub(crate) schedule: ScheduleKind,
     #[command(flatten)]
@@ -132,61 +132,62 @@ pub(crate) struct RunArgs {
     pub(crate) device: DeviceArgs,
 }
 
-/// What else decides how rays are traced: all but the two choices that 'bench' makes itself.
+/// Tracing options except for the two that 'bench' combines itself.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct TuningArgs {
-    /// Rules for planes, steps and hits: no wrong hits but ties (robust), or the paper's, a baseline that
-    /// wants the eye inside of the grid (else all rays miss)
+    /// Numerical rules: no wrong hits except ties (robust), or the paper's, as a baseline; the paper's require the eye
+    /// to be inside the grid, otherwise all rays miss
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
     pub(crate) numerics: Numerics,
-    /// Cells of the grid: as many along each axis, or along x, y and z
+    /// Number of grid cells along each axis, or along x, y and z
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", value_parser = parse_grid,
           allow_hyphen_values = true)]
     pub(crate) grid: GridSize,
-    /// Leap over empty cells of the grid: where most of them are empty (auto), always (on) or never (off)
+    /// Skip over empty cells of the grid: if most cells are empty (auto), always (on) or never (off)
     #[arg(long, default_value = "auto", value_parser = named(Skip::ALL, Skip::name))]
     pub(crate) skip: Skip,
-    /// Most steps of a ray in one pass of the compact schedule [default: 8; for trace and dump 1, the paper's]
+    /// Maximum steps per ray and pass with schedule compact [default: 8; for trace and dump 1, as in the paper]
     #[arg(long, value_name = "K", value_parser = whole::<u32>(1, 4096), allow_negative_numbers = true)]
     pub(crate) steps_per_pass: Option<u32>,
-    /// Leave nothing out of the plan, to see what leaving out saves
+    /// Omit nothing from the plan, to measure what omitting saves
     #[arg(long)]
     pub(crate) keep_all: bool,
 }
 
 impl TuningArgs {
-    /// Refuses what would have no effect with any of these: whoever asks for it expects something else.
+    /// Refuses options that would have no effect with all of these.
     pub(crate) fn check(&self, accelerators: &[Accelerator], schedules: &[ScheduleKind]) -> Result<(), Error> {
         if !accelerators.contains(&Accelerator::Grid) {
             let chosen = accelerators.iter().map(|a| a.name()).collect::<Vec<_>>().join(", ");
             let all = [("--grid", self.grid == GridSize::Auto), ("--skip on", self.skip != Skip::On)];
             if let Some((option, _)) = all.iter().find(|(_, is_default)| !is_default) {
                 let why = if accelerators.contains(&Accelerator::Auto) {
-                    "accelerator auto decides by itself whether there is one".to_owned()
+                    "accelerator auto chooses its own".to_owned()
                 } else {
-                    format!("accelerator {chosen} uses none")
+                    format!("accelerator {chosen} has none")
                 };
                 return Err(Error::usage(format!(
-                    "{option} is about a grid, and {why}: leave it out, or name accelerator grid"
+                    "{option} applies to a grid, and {why}: omit it, or use --accelerator grid"
                 )));
             }
         }
         if self.skip == Skip::On && self.numerics == Numerics::Paper {
-            return Err(Error::usage("--skip on: the paper's rules go from cell to cell; use --numerics robust"));
+            return Err(Error::usage("--skip on: the paper's rules visit every cell; use --numerics robust"));
         }
         if let Some(steps) = self.steps_per_pass.filter(|&steps| steps > 1)
             && !schedules.contains(&ScheduleKind::Compact)
         {
             let chosen = schedules.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
             return Err(Error::usage(format!(
-                "--steps-per-pass {steps} is for schedule compact, and this is {chosen}: leave it out, or name schedule compact"
+                "--steps-per-pass {steps} applies to schedule compact, not to {chosen}: omit it, or use --schedule \
+                 compact"
             )));
         }
         Ok(())
     }
 
-    /// A run's options, with the default accelerator and schedule.
+    /// The options of a run, with default accelerator and schedule.
     pub(crate) fn options(&self, rays: RaySource) -> Options {
         let defaults = Options::new(rays);
         Options {
@@ -204,12 +205,12 @@ impl TuningArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Device")]
 pub(crate) struct DeviceArgs {
-    /// A GPU adapter, or the kernels' CPU twins
+    /// Where passes run: on a GPU adapter or on the CPU
     ///
-    /// auto takes the best GPU, else the CPU: the twins are faster than a software adapter.
+    /// auto selects the best GPU, otherwise the CPU, which is faster than a software adapter.
     #[arg(long, value_enum, default_value_t = DeviceKind::Auto)]
     pub(crate) device: DeviceKind,
-    /// The GPU adapter with this in its name, see 'raystep info'
+    /// Name of the GPU adapter, or part of it; see 'raystep info'
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
 }
@@ -217,11 +218,11 @@ pub(crate) struct DeviceArgs {
 /// `--device`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum DeviceKind {
-    /// The best GPU, else the CPU
+    /// The best GPU, otherwise the CPU
     Auto,
-    /// The best adapter, be it software
+    /// The best adapter, even if it is software
     Gpu,
-    /// The kernels' twins on all cores
+    /// All CPU cores
     Cpu,
 }
 
@@ -233,9 +234,9 @@ pub(crate) struct QuietArgs {
     pub(crate) quiet: bool,
 }
 
-/// Reads `--max-memory`.
+/// Parses `--max-memory`.
 fn parse_bytes(value: &str) -> Result<u64, String> {
-    let wrong = || "a size is wanted, such as 512M, 4G or a number of bytes".to_owned();
+    let wrong = || "expected a size, such as 512M, 4G or a number of bytes".to_owned();
     let digits = value.find(|c: char| !c.is_ascii_digit()).unwrap_or(value.len());
     let (number, unit) = value.split_at(digits);
     let shift = match unit.to_ascii_uppercase().as_str() {
@@ -250,7 +251,7 @@ fn parse_bytes(value: &str) -> Result<u64, String> {
     bytes.filter(|&bytes| bytes > 0).ok_or_else(wrong)
 }
 
-/// A parser that knows every value's name, for help and completions.
+/// A parser that lists all names, for help and completions.
 pub(crate) fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err: std::error::Error + Send + Sync> + Copy + Send + Sync + 'static,
@@ -258,7 +259,7 @@ where
     PossibleValuesParser::new(all.iter().map(|&v| name(v)).collect::<Vec<_>>()).try_map(|value| value.parse::<T>())
 }
 
-/// A parser of whole numbers, whose error says which are right.
+/// A parser of integers, whose error states the range.
 pub(crate) fn whole<T: TryFrom<u64> + Clone + Send + Sync + 'static>(
     least: u64,
     most: u64,
@@ -266,46 +267,46 @@ pub(crate) fn whole<T: TryFrom<u64> + Clone + Send + Sync + 'static>(
     move |text| {
         let number = text.parse::<u64>().ok().filter(|n| (least..=most).contains(n));
         let wanted = || match most {
-            u64::MAX => format!("a whole number from {least} is wanted"),
-            _ => format!("a whole number from {least} to {most} is wanted"),
+            u64::MAX => format!("expected an integer of at least {least}"),
+            _ => format!("expected an integer from {least} to {most}"),
         };
         number.and_then(|n| T::try_from(n).ok()).ok_or_else(wanted)
     }
 }
 
-/// Reads the number of one of several things.
+/// Parses an index.
 pub(crate) fn counted(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| "a whole number is wanted; the first one's is 0".to_owned())
+    text.parse().map_err(|_| "expected an integer of at least 0".to_owned())
 }
 
-/// Reads `--fov`; whether it is an angle that can be seen under is looked at with the camera.
+/// Parses `--fov`; its range is checked with the camera.
 fn parse_fov(text: &str) -> Result<f64, &'static str> {
     text.parse().map_err(|_| WRONG_FOV)
 }
 
-/// What is said where it is not.
-pub(crate) const WRONG_FOV: &str = "an angle between 0 and 180 degrees is wanted";
+/// The error for an angle out of range.
+pub(crate) const WRONG_FOV: &str = "expected an angle between 0 and 180 degrees";
 
-/// Most pixels each way, on any device.
+/// Most pixels per side, on any device.
 const MOST_PIXELS: u32 = 32_768;
 /// Most cells of a grid along an axis.
 const MOST_CELLS: u32 = 4096;
 
-/// A whole number from 1; where it is out of range, an error that says the range. None where it is no number.
+/// An integer of at least 1; an error with the range if it is out of range; `None` if it is not a number.
 fn whole_number(text: &str, most: u32, of: &str) -> Option<Result<u32, String>> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
         return None;
     }
     let number = text.parse().ok().filter(|n| (1..=most).contains(n));
-    Some(number.ok_or_else(|| format!("1 to {most} {of} are wanted")))
+    Some(number.ok_or_else(|| format!("expected 1 to {most} {of}")))
 }
 
-/// Reads `--size`.
+/// Parses `--size`.
 pub(crate) fn parse_size(value: &str) -> Result<Size, String> {
-    let wrong = || "two whole numbers with an x between them are wanted, such as 640x480".to_owned();
+    let wrong = || "expected two integers separated by x, such as 640x480".to_owned();
     let (width, height) = value.split_once(['x', 'X']).ok_or_else(wrong)?;
-    let side = |text| whole_number(text, MOST_PIXELS, "pixels each way").unwrap_or_else(|| Err(wrong()));
+    let side = |text| whole_number(text, MOST_PIXELS, "pixels per side").unwrap_or_else(|| Err(wrong()));
     Ok(Size { width: side(width)?, height: side(height)? })
 }
 
@@ -317,7 +318,7 @@ impl FromStr for Vector {
     type Err = String;
 
     fn from_str(value: &str) -> Result<Self, String> {
-        let wrong = || "three numbers with commas between them are wanted, such as 0,1.5,-3".to_owned();
+        let wrong = || "expected three numbers separated by commas, such as 0,1.5,-3".to_owned();
         let numbers = value
             .split(',')
             .map(|part| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong))
@@ -326,9 +327,9 @@ impl FromStr for Vector {
     }
 }
 
-/// Reads `--grid`.
+/// Parses `--grid`.
 pub(crate) fn parse_grid(value: &str) -> Result<GridSize, String> {
-    let wrong = || "auto, a number of cells, or one each for x, y and z are wanted, such as 32 or 32,8,32".to_owned();
+    let wrong = || "expected auto, one number of cells, or one each for x, y and z, such as 32 or 32,8,32".to_owned();
     if value == "auto" {
         return Ok(GridSize::Auto);
     }

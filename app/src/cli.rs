@@ -1,4 +1,4 @@
-//! The command line as a whole; each subcommand's own options are in its file.
+//! The command line; each subcommand's options are in its own file.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -11,10 +11,10 @@ use crate::commands::{
 use crate::error::Error;
 use crate::{usage, window};
 
-/// Trace rays as a stream program, step by step, with every stream in the open
+/// A ray tracer for inspecting every pass and every stream
 ///
-/// Small kernels work on per-ray streams, on any GPU or on the CPU. Exit codes: 0 done, 1 the work failed,
-/// 2 wrong usage; 129, 130 and 143 ended by SIGHUP, SIGINT and SIGTERM.
+/// Small kernels process per-ray streams on any GPU or on the CPU. Exit codes: 0 success, 1 failure, 2 wrong usage;
+/// 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM.
 #[derive(Parser, Debug)]
 #[command(
     name = "raystep",
@@ -55,18 +55,18 @@ pub(crate) enum Command {
     Completions(completions::CompletionsArgs),
 }
 
-/// What the command line asks for.
+/// A parsed command line.
 pub(crate) enum Request {
-    /// To do something.
+    /// A command.
     Run(Command),
-    /// To be told something.
+    /// Help or version.
     Show(String),
 }
 
-/// Reads the command line.
+/// Parses the command line.
 pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
     let arguments: Vec<_> = arguments.into_iter().collect();
-    // A scene alone is to be looked at; and nothing at all, where there is a display.
+    // A scene alone opens the inspector; so does no argument, if there is a display.
     let mut arguments = arguments;
     if arguments.get(1).is_some_and(is_scene) || arguments.len() < 2 && window::has_display() {
         arguments.insert(1, "inspect".into());
@@ -79,7 +79,7 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Req
     }
 }
 
-/// Whether an argument looks like a scene's file, be it one that has to be converted first.
+/// Whether an argument looks like a scene's file, including those that have to be converted first.
 fn is_scene(argument: &OsString) -> bool {
     matches!(extension(Path::new(argument)).as_str(), "gltf" | "glb" | "obj" | "ply")
 }

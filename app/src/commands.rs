@@ -1,4 +1,4 @@
-//! The subcommands, one file each, and what several of them need.
+//! The subcommands, one file each, and their common functions.
 
 pub(crate) mod bench;
 pub(crate) mod completions;
@@ -19,8 +19,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 
-/// A value as indented JSON with a line feed at its end. No string in it has a character that a terminal obeys:
-/// JSON itself wants only some of them escaped.
+/// A value as indented JSON with a line feed at its end. All control characters are escaped, more than JSON requires.
 pub(crate) fn json_text(value: &impl Serialize) -> Result<String, Error> {
     let text = serde_json::to_string_pretty(value).map_err(|e| Error::failed(format!("cannot write as JSON: {e}")))?;
     let mut json = String::with_capacity(text.len() + 1);
@@ -35,12 +34,12 @@ pub(crate) fn json_text(value: &impl Serialize) -> Result<String, Error> {
     Ok(json + "\n")
 }
 
-/// A file name's extension in lower case, or nothing.
+/// A file name's extension in lower case, or an empty string.
 pub(crate) fn extension(path: &std::path::Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Each value once, in the order of their first mention.
+/// Each value once, in order of first occurrence.
 fn distinct<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
     let mut distinct: Vec<T> = Vec::new();
     for value in values {

@@ -1,4 +1,4 @@
-//! Where passes run, and waiting for them.
+//! Selects the device, and waits for it.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,15 +11,13 @@ use serde::Serialize;
 use crate::args::{DeviceArgs, DeviceKind};
 use crate::error::Error;
 
-/// The device that the options ask for.
+/// The device for the given options.
 pub(crate) fn choose(args: &DeviceArgs) -> Result<Machine, Error> {
     let on_gpu = |gpu: Arc<Gpu>, reason: &str| Machine { device: Device::Gpu(gpu), reason: reason.into() };
     let on_cpu = |reason: String| Machine { device: Device::Cpu(Some(now_ns)), reason };
     if let Some(name) = &args.adapter {
         if args.device == DeviceKind::Cpu {
-            return Err(Error::usage(
-                "--adapter names a GPU adapter, and --device cpu uses none: leave one of them out",
-            ));
+            return Err(Error::usage("--adapter names a GPU adapter, but --device cpu uses none: omit one of them"));
         }
         return Ok(on_gpu(open(&AdapterChoice::Named(name.clone()))?, "--adapter"));
     }
@@ -34,19 +32,18 @@ pub(crate) fn choose(args: &DeviceArgs) -> Result<Machine, Error> {
                         check_clock(&gpu)?;
                         on_gpu(gpu, "the best adapter")
                     }
-                    device => Machine {
-                        device,
-                        reason: format!("the only adapter is software ({name}), the CPU twins are faster"),
-                    },
+                    device => {
+                        Machine { device, reason: format!("the only adapter is software ({name}); the CPU is faster") }
+                    }
                 }
             }
-            Err(GpuError::NoAdapter(_)) => on_cpu("no GPU adapter found: the CPU twins".into()),
-            Err(error) => on_cpu(format!("{error}: the CPU twins")),
+            Err(GpuError::NoAdapter(_)) => on_cpu("no GPU adapter found; using the CPU".into()),
+            Err(error) => on_cpu(format!("{error}; using the CPU")),
         }),
     }
 }
 
-/// What an adapter's clock said beside ours, for files.
+/// Comparison of an adapter's clock with the host's, for files.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct AboutClock {
     device_ns: Option<u64>,
@@ -67,17 +64,17 @@ impl fmt::Display for AboutClock {
     }
 }
 
-/// Opens an adapter, and finds out whether its clock is one.
+/// Opens an adapter, and checks its clock.
 pub(crate) fn open(choice: &AdapterChoice) -> Result<Arc<Gpu>, Error> {
     let gpu = block_on(None, Gpu::new(choice))?;
     check_clock(&gpu)?;
     Ok(gpu)
 }
 
-/// Compares its clock with ours.
+/// Compares its clock with the host's.
 fn check_clock(gpu: &Arc<Gpu>) -> Result<(), Error> {
-    // A device lasts as long as the process: the thread that dropped it last would unload the driver, and where the
-    // process ends meanwhile, the driver's exit handlers are called when they are no longer there.
+    // A device must live as long as the process: the thread that dropped it last would unload the driver, and if the
+    // process exits meanwhile, the driver's exit handlers would be gone when they are called.
     std::mem::forget(gpu.clone());
     Ok(block_on(Some(gpu), gpu.check_clock(now_ns))?)
 }

@@ -1,4 +1,4 @@
-//! What ends a command early: a line for the user and an exit code.
+//! Errors of a command: a line for the user and an exit code.
 
 use std::fmt;
 
@@ -9,10 +9,10 @@ use raystep_lab::stability::StabilityError;
 
 /// The work failed.
 pub(crate) const FAILED: u8 = 1;
-/// The command line cannot mean anything.
+/// Wrong usage.
 pub(crate) const USAGE: u8 = 2;
 
-/// One line, and the code to exit with.
+/// One line, and the exit code.
 #[derive(Debug)]
 pub(crate) struct Error {
     message: String,
@@ -31,13 +31,13 @@ impl Error {
         Self::new(message, USAGE)
     }
 
-    /// What is wrong, as part of another line.
+    /// The message, as part of another line.
     pub(crate) fn message(&self) -> &str {
         &self.message
     }
 
     fn new(message: impl fmt::Display, code: u8) -> Self {
-        // A file's name or a driver's message may hold line feeds.
+        // File names and driver messages may contain line feeds.
         let message = message.to_string().split(['\n', '\r']).map(str::trim).collect::<Vec<_>>().join(" ");
         Self { message, code }
     }
@@ -73,15 +73,13 @@ impl From<&PlanError> for Error {
     }
 }
 
-/// What of an image's size is too large: a side, or all of it.
+/// Which part of an image's size is too large: a side, or the total.
 fn too_large([width, height]: [u64; 2], side: u32, rays: u64) -> String {
     let image = format!("an image of {width}x{height} pixels");
     if width.max(height) > u64::from(side) {
-        return format!(
-            "{image} has more than {side} on a side, the most that can be traced here: choose a smaller size"
-        );
+        return format!("{image} exceeds {side} per side, the limit of this device: choose a smaller size");
     }
-    format!("{image} has {}, and at most {rays} can be traced here: choose a smaller size", width * height)
+    format!("{image} has {}; the limit of this device is {rays}: choose a smaller size", width * height)
 }
 
 impl From<GpuError> for Error {
@@ -120,7 +118,7 @@ impl From<&raystep_lab::Error> for Error {
             Stability(StabilityError::Plan(error)) => error.into(),
             Stability(StabilityError::Render(error)) => error.into(),
             Case { name, error } => Self::failed(format!("{name}: {}", Self::from(&**error).message)),
-            NoRays => Self::failed("there is nothing to measure: no pixel has a ray of the kinds that --rays names"),
+            NoRays => Self::failed("nothing to measure: no pixel has a ray of the kinds in --rays"),
             _ => Self::failed(error),
         }
     }

@@ -1,4 +1,4 @@
-//! Ctrl-C, and being told to end: what has been written under a temporary name is removed, then the program ends.
+//! Signals: removes temporary files, then exits.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,28 +6,27 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Temporary files and folders that exist now.
+/// Temporary files and folders that currently exist.
 static TEMPORARY: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Takes away what is half-written, and ends.
+/// Removes them, and exits.
 fn end(code: i32) -> ! {
-    // The lock is never given back: nothing new is created while the program ends.
+    // The lock is never released: nothing new is created during exit.
     let temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
     for path in temporary.iter() {
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
     #[cfg(unix)]
-    // At once: what libraries do at an ordinary exit would meet their own threads, which still work.
+    // Immediately: exit handlers of libraries would conflict with their threads, which still run.
     signal_hook::low_level::exit(code);
     #[cfg(not(unix))]
     std::process::exit(code)
 }
 
-/// Handles SIGHUP, SIGINT and SIGTERM from now on, but for those that whoever started the program has it ignore, as
-/// `nohup` does and a shell that starts it in the background. The exit code is the one that shells give such an end:
-/// 128 and the signal's number.
+/// Handles SIGHUP, SIGINT and SIGTERM, except those that the parent process has set to be ignored, as `nohup` and
+/// shells that start background jobs do. The exit code is 128 plus the signal's number, as in shells.
 ///
-/// Where it cannot be installed, a signal ends the program as ever, and may leave a temporary file.
+/// If the handler cannot be installed, a signal ends the program as usual, and may leave a temporary file.
 #[cfg(unix)]
 pub(crate) fn install() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -43,16 +42,16 @@ pub(crate) fn install() {
     });
 }
 
-/// Handles Ctrl-C from now on.
+/// Handles Ctrl-C.
 #[cfg(not(unix))]
 pub(crate) fn install() {
-    /// What shells expect of a program that Ctrl-C ended.
+    /// The exit code that shells expect after Ctrl-C.
     const INTERRUPTED: i32 = 130;
     let _ = ctrlc::set_handler(|| end(INTERRUPTED));
 }
 
-/// A bit for each signal that is ignored now, the lowest for signal 1. Linux says it in a file; elsewhere only unsafe
-/// code could ask, and none is taken to be ignored.
+/// A bit for each ignored signal, the lowest for signal 1. Linux reports it in a file; elsewhere only unsafe code could
+/// ask, and none is assumed to be ignored.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let status = if cfg!(target_os = "linux") { fs::read_to_string("/proc/self/status").ok() } else { None };
@@ -71,14 +70,14 @@ fn has(mask: u64, signal: i32) -> bool {
     mask >> (signal - 1) & 1 == 1
 }
 
-/// Creates a file in a temporary folder: no interrupt comes in between, as one that is removing the folder
-/// would not see the new file and leave both.
+/// Creates a file in a temporary folder. No interrupt occurs in between: while removing the folder, it would miss the
+/// new file and leave both.
 pub(crate) fn create_inside<T>(create: impl FnOnce() -> T) -> T {
     let _temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
     create()
 }
 
-/// A temporary file or folder that an interrupt removes. It is known from the moment it exists.
+/// A temporary file or folder that an interrupt removes, registered when it is created.
 pub(crate) struct Temporary<T> {
     /// The file or folder.
     pub(crate) inner: T,
@@ -95,7 +94,7 @@ impl<T> Temporary<T> {
         Ok(Self { inner, path })
     }
 
-    /// Ends its temporary life: `finish` renames it or lets it drop, and no interrupt comes in between.
+    /// Ends its temporary life: `finish` renames or drops it, without an interrupt in between.
     pub(crate) fn finish<R>(self, finish: impl FnOnce(T) -> R) -> R {
         let mut temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
         let result = finish(self.inner);

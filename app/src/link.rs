@@ -1,4 +1,4 @@
-//! `--link`: a scene, a view and a way to trace it in one line, in place of the options that say the same.
+//! `--link`: scene, view and tracing options in one line, replacing the corresponding options.
 
 use std::path::PathBuf;
 
@@ -16,15 +16,15 @@ use crate::error::Error;
 pub(crate) struct LinkArgs {
     /// The scene: glTF 2.0, .gltf or .glb
     pub(crate) scene: Option<PathBuf>,
-    /// Which scene of a file that holds several, counted from 0 [default: the file's own]
+    /// Index of the scene in a file with several, counted from 0 [default: the file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     pub(crate) scene_index: Option<usize>,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
-    /// What a link shows, in place of a scene and of the options that it sets
+    /// Link with the scene and the options that it sets
     ///
-    /// Put it between double quotes. --device and --adapter may stand beside one that names neither; what reading the
-    /// scene may do is never the link's to say.
+    /// Use double quotes around it. --device and --adapter may be added if the link has neither; a link never sets the
+    /// limits for reading a scene.
     #[arg(
         long,
         value_name = "LINK",
@@ -36,26 +36,25 @@ pub(crate) struct LinkArgs {
     pub(crate) link: Option<String>,
 }
 
-/// What is traced, be it said by options or by a link.
+/// The request, from options or from a link.
 pub(crate) struct Wanted {
     pub(crate) scene: SceneArgs,
     pub(crate) view: ViewArgs,
     pub(crate) run: RunArgs,
-    /// The ray that a link names.
+    /// The ray that a link contains.
     pub(crate) ray: Option<LinkRay>,
 }
 
 impl LinkArgs {
-    /// What is asked for: by the link where there is one, else by the options. Without `--steps-per-pass`, both take
-    /// one step a pass.
+    /// The request: from the link if there is one, otherwise from the options. Without `--steps-per-pass`, both take
+    /// one step per pass.
     pub(crate) fn wanted(self, view: ViewArgs, mut run: RunArgs) -> Result<Wanted, Error> {
         if let Some(text) = self.link {
             let link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
             return from_link(link, self.read, run.device);
         }
-        let scene = self
-            .scene
-            .ok_or_else(|| Error::usage("which scene is missing: name its file, or give --link LINK (see --help)"))?;
+        let scene =
+            self.scene.ok_or_else(|| Error::usage("missing scene: name its file, or use --link LINK (see --help)"))?;
         run.tuning.steps_per_pass = run.tuning.steps_per_pass.or(Some(1));
         let scene = SceneArgs { scene, scene_index: self.scene_index, read: self.read };
         Ok(Wanted { scene, view, run, ray: None })
@@ -63,10 +62,10 @@ impl LinkArgs {
 }
 
 fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, Error> {
-    let scene = link.scene.ok_or_else(|| Error::usage("--link: it names no scene: add scene=FILE to it"))?;
+    let scene = link.scene.ok_or_else(|| Error::usage("--link: it has no scene: add scene=FILE"))?;
     let is_named = link.device != LinkDevice::Auto || link.adapter.is_some();
     if is_named && (device.device != DeviceKind::Auto || device.adapter.is_some()) {
-        return Err(Error::usage("--link says on which device, and so does an option: leave one of them out"));
+        return Err(Error::usage("--link has a device, and so does an option: omit one of them"));
     }
     let linked = DeviceArgs {
         device: match link.device {
@@ -111,11 +110,11 @@ fn from_link(link: Link, read: ReadArgs, device: DeviceArgs) -> Result<Wanted, E
     })
 }
 
-/// The link of what options ask for: the inverse of [`LinkArgs::wanted`].
+/// The link for these options: the inverse of [`LinkArgs::wanted`].
 pub(crate) fn link_of(wanted: &Wanted) -> Result<Link, Error> {
     let Wanted { scene, view, run, ray } = wanted;
     let path = scene.scene.to_str();
-    let path = path.ok_or_else(|| Error::failed("the scene's name is no UTF-8: a link cannot hold it"))?;
+    let path = path.ok_or_else(|| Error::failed("the scene's name is not UTF-8, so a link cannot contain it"))?;
     let CameraArgs { camera, eye, look_at, up, fov } = view.camera;
     Ok(Link {
         scene: Some(path.into()),

@@ -1,4 +1,4 @@
-//! raystep on the command line: one file a subcommand, in `commands`.
+//! The command line of raystep: one file per subcommand, in `commands`.
 
 mod args;
 mod cli;
@@ -32,14 +32,14 @@ fn main() -> ExitCode {
     }
 }
 
-/// Keeps a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to our stderr on machines without a
-/// desktop. The layer reorders devices for desktops, and we choose ours by rank or name anyway.
+/// Prevents a layer of Mesa from writing "error: XDG_RUNTIME_DIR is invalid" to stderr on machines without a desktop.
+/// The layer reorders devices for desktops, but raystep selects its device by rank or name anyway.
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code)]
 fn silence_mesa() {
     use std::env::{set_var, var_os};
     if var_os("XDG_RUNTIME_DIR").is_none() && var_os("MESA_VK_DEVICE_SELECT").is_none() {
-        // SAFETY: the first thing that the program does: no other thread can read the environment yet.
+        // SAFETY: this is the first action of the program: no other thread can read the environment yet.
         unsafe { set_var("NODEVICE_SELECT", "1") };
     }
 }

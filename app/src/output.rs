@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all: written under a temporary name beside the target, then renamed.
+//! Atomic output files: written under a temporary name beside the target, then renamed.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
@@ -12,22 +12,22 @@ use crate::interrupt::{Temporary, create_inside};
 use crate::scene_file::read_file;
 use crate::usage::or;
 
-/// A file to be written.
+/// An output file.
 #[derive(Debug)]
 pub(crate) struct Target {
     /// As the user wrote it.
     path: PathBuf,
-    /// Where it is, through links.
+    /// Its path after resolving links.
     place: PathBuf,
     /// A device or pipe: written to, never replaced.
     is_special: bool,
 }
 
 impl Target {
-    /// Checks what can be checked before the work begins: the folder exists and can be written to.
+    /// Checks, before the work begins, that the folder exists and can be written to.
     pub(crate) fn new(path: &Path) -> Result<Self, Error> {
         let at = path.display();
-        // A link is followed: what it points to is replaced, the link stays.
+        // A link is followed: its target is replaced, and the link stays.
         let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let is_special = match fs::metadata(&place) {
             Ok(found) if found.is_dir() => return Err(Error::failed(format!("{at} is a folder; name a file in it"))),
@@ -48,13 +48,13 @@ impl Target {
         Ok(target)
     }
 
-    /// Whether two names are one file.
+    /// Whether two names refer to the same file.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let folder = |t: &Self| fs::canonicalize(t.folder()).ok();
         !self.is_special && folder(self) == folder(other) && self.place.file_name() == other.place.file_name()
     }
 
-    /// Whether it is one of these files, whose names are canonical.
+    /// Whether it is one of these files, given by canonical names.
     fn is_any_of(&self, files: &[PathBuf]) -> bool {
         !self.is_special && fs::canonicalize(&self.place).is_ok_and(|place| files.contains(&place))
     }
@@ -74,7 +74,7 @@ impl Target {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt as _;
-            // As any new file: what the umask leaves.
+            // Permissions follow the umask, as for any new file.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         Temporary::create(|| builder.tempfile_in(self.folder()), NamedTempFile::path).map_err(|e| self.cannot(&e))
@@ -85,7 +85,7 @@ impl Target {
     }
 }
 
-/// Checks the ending of a name, by which the format is known: one of `endings`, which is returned.
+/// Checks the ending of a name, which determines the format; returns the matching one of `endings`.
 pub(crate) fn ending(option: &str, path: &Path, endings: &'static [&'static str]) -> Result<&'static str, Error> {
     let extension = extension(path);
     if let Some(ending) = endings.iter().find(|ending| **ending == extension) {
@@ -103,17 +103,15 @@ pub(crate) fn ending(option: &str, path: &Path, endings: &'static [&'static str]
             format!("it is a folder; name a file in it, such as {}", path.join(example).display())
         }
         Ok(found) if !found.is_file() => {
-            format!(
-                "it is no file, and has no ending that says which format is wanted; name a file that ends in {wanted}"
-            )
+            format!("its name has no ending, which determines the format; use a name that ends in {wanted}")
         }
-        _ if is_only_ending => format!("there is nothing before the ending; {example} would be right"),
-        _ => format!("a name that ends in {wanted} is wanted"),
+        _ if is_only_ending => format!("there is nothing before the ending; use for example {example}"),
+        _ => format!("expected a name that ends in {wanted}"),
     };
     Err(Error::usage(format!("{option} {at}: {wrong}")))
 }
 
-/// Refuses outputs that would replace what was read: `inputs` has canonical names.
+/// Refuses outputs that would replace an input; `inputs` has canonical names.
 pub(crate) fn refuse_inputs(outputs: &[Option<&Target>], inputs: &[PathBuf]) -> Result<(), Error> {
     match outputs.iter().flatten().find(|output| output.is_any_of(inputs)) {
         Some(output) => Err(replaces_input(&output.path)),
@@ -121,11 +119,11 @@ pub(crate) fn refuse_inputs(outputs: &[Option<&Target>], inputs: &[PathBuf]) -> 
     }
 }
 
-/// Refuses a folder with files of our `names` that are not `whose`: the one called `known_by` tells.
+/// Refuses a folder that contains files with our `names` unless they are from `origin`, as the file `known_by` shows.
 pub(crate) fn refuse_others(
     folder: &Path,
     names: &[&str],
-    whose: &str,
+    origin: &str,
     known_by: &str,
     is_ours: impl FnOnce(&[u8]) -> bool,
 ) -> Result<(), Error> {
@@ -134,14 +132,17 @@ pub(crate) fn refuse_others(
     if read_file(&folder.join(known_by), MOST_BYTES).is_ok_and(|bytes| is_ours(&bytes)) {
         return Ok(());
     }
-    Err(Error::failed(format!("{} has a {name} that is no {whose}: name another folder", folder.display())))
+    Err(Error::failed(format!(
+        "{} contains a {name} that is not from {origin}: choose another folder",
+        folder.display()
+    )))
 }
 
 fn replaces_input(path: &Path) -> Error {
-    Error::usage(format!("{} would be replaced, and the scene is read from it: name another output", path.display()))
+    Error::usage(format!("{} would be replaced, but the scene is read from it: choose another output", path.display()))
 }
 
-/// The folder that holds `path`.
+/// The folder of `path`.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -149,13 +150,13 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The system's words, without its number for the error and the temporary name that tempfile adds.
+/// The system's message, without its error number and the temporary name that tempfile adds.
 pub(crate) fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_owned()
 }
 
-/// Writes all files, then renames all: where one cannot be written, none appears.
+/// Writes all files, then renames all of them: if one cannot be written, none appears.
 pub(crate) fn write(files: Vec<(Target, Vec<u8>)>) -> Result<(), Error> {
     let mut written = Vec::new();
     for (target, bytes) in &files {
@@ -165,7 +166,7 @@ pub(crate) fn write(files: Vec<(Target, Vec<u8>)>) -> Result<(), Error> {
         } else {
             let mut temporary = target.temporary()?;
             let file = &mut temporary.inner;
-            // A full disk may show only when the data reaches it.
+            // A full disk may only be reported when data reaches it.
             if let Err(error) = file.write_all(bytes).and_then(|()| file.as_file().sync_all()) {
                 temporary.finish(drop);
                 return Err(target.cannot(&error));
@@ -179,18 +180,17 @@ pub(crate) fn write(files: Vec<(Target, Vec<u8>)>) -> Result<(), Error> {
     Ok(())
 }
 
-/// A folder of files that appears when all of them are there.
+/// An output folder that appears once all its files are complete.
 pub(crate) struct TargetFolder {
     /// As the user wrote it.
     path: PathBuf,
     staging: Temporary<TempDir>,
-    /// The folder was there before: files are moved into it.
+    /// Whether the folder existed before: then files are moved into it.
     exists: bool,
 }
 
 impl TargetFolder {
-    /// Starts the folder under a temporary name. A folder that is there must be empty, unless files in it may
-    /// be replaced.
+    /// Creates the folder under a temporary name. An existing folder must be empty, unless files in it may be replaced.
     pub(crate) fn new(path: &Path, may_replace: bool) -> Result<Self, Error> {
         let at = path.display();
         let cannot = |e: &io::Error| Error::failed(format!("cannot write {at}: {}", reason(e)));
@@ -201,10 +201,10 @@ impl TargetFolder {
         };
         if exists && !may_replace && fs::read_dir(path).map_err(|e| cannot(&e))?.next().is_some() {
             return Err(Error::failed(format!(
-                "{at} is not empty: name another folder, or use --force to replace files in it"
+                "{at} is not empty: choose another folder, or use --force to replace files in it"
             )));
         }
-        // What is renamed must be on the same file system.
+        // Renaming requires the same file system.
         let beside = if exists { path } else { folder_of(path) };
         if !beside.is_dir() {
             return Err(Error::failed(format!("cannot write {at}: there is no folder {}", beside.display())));
@@ -214,19 +214,19 @@ impl TargetFolder {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt as _;
-            // As any new folder: what the umask leaves.
+            // Permissions follow the umask, as for any new folder.
             builder.permissions(fs::Permissions::from_mode(0o777));
         }
         let staging = Temporary::create(|| builder.tempdir_in(beside), TempDir::path).map_err(|e| cannot(&e))?;
         Ok(Self { path: path.to_owned(), staging, exists })
     }
 
-    /// Where its files are until all are there: on the file system that will hold them.
+    /// The location of its files until all are complete, on the target's file system.
     pub(crate) fn place(&self) -> &Path {
         self.staging.inner.path()
     }
 
-    /// Refuses where one of its own names, by `is_ours`, is that of a file that was read.
+    /// Refuses to replace an input file by one of its own files, which `is_ours` recognises.
     pub(crate) fn refuse_inputs(&self, inputs: &[PathBuf], is_ours: impl Fn(&str) -> bool) -> Result<(), Error> {
         let Ok(folder) = fs::canonicalize(&self.path) else { return Ok(()) };
         let name = |input: &PathBuf| Some(input.file_name()?.to_str()?.to_owned());
@@ -234,7 +234,7 @@ impl TargetFolder {
         names.find(|name| is_ours(name)).map_or(Ok(()), |name| Err(replaces_input(&self.path.join(name))))
     }
 
-    /// Writes one of its files.
+    /// Writes a file into it.
     pub(crate) fn write(
         &self,
         name: &str,
@@ -249,8 +249,8 @@ impl TargetFolder {
         written.map_err(|e| Error::failed(format!("cannot write {}: {}", self.path.join(name).display(), reason(&e))))
     }
 
-    /// Gives the folder its name once `fill` has written its files, and takes everything away again where that fails.
-    /// Of files that were in it before, those in `stale` go.
+    /// Renames the folder once `fill` has written its files; removes everything if that fails. Earlier files in `stale`
+    /// are deleted.
     pub(crate) fn fill<T>(self, stale: &[String], fill: impl FnOnce(&Self) -> Result<T, Error>) -> Result<T, Error> {
         match fill(&self) {
             Ok(filled) => self.finish(stale).map(|()| filled),
@@ -267,7 +267,7 @@ impl TargetFolder {
             .finish(|staging| {
                 if !exists {
                     fs::rename(staging.path(), &path)?;
-                    // It is no longer there to be removed.
+                    // It no longer exists, so there is nothing to remove.
                     let _ = staging.keep();
                     return Ok(());
                 }

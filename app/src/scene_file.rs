@@ -1,4 +1,4 @@
-//! Scene files: from the file system into a `Scene`, and the camera that a command asks for.
+//! Reads scene files, and selects the camera.
 
 mod beside;
 
@@ -17,14 +17,14 @@ use crate::commands::extension;
 use crate::error::Error;
 use crate::output::reason;
 
-/// Vertical angle of view of `--eye` without `--fov`, degrees.
+/// Vertical angle of view for `--eye` without `--fov`, degrees.
 const DEFAULT_FOV_DEG: f64 = 40.0;
 
-/// A scene, and where it came from.
+/// A scene and its files.
 pub(crate) struct SceneFile {
-    /// What the file holds.
+    /// The scene.
     pub(crate) scene: Scene,
-    /// The canonical names of the file and of those that it refers to: no output may replace them.
+    /// The canonical names of the file and of those it refers to: no output may replace them.
     pub(crate) inputs: Vec<PathBuf>,
 }
 
@@ -33,13 +33,13 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     let SceneArgs { scene: path, scene_index, read } = args;
     let options = LoadOptions { scene: *scene_index, max_bytes: read.max_memory, ..LoadOptions::default() };
     let failed = |problem: &dyn std::fmt::Display| Error::failed(format!("{}: {problem}", path.display()));
-    let raises = format!("--max-memory, now {}, raises it", Bytes(read.max_memory));
+    let raises = format!("--max-memory, currently {}, raises the limit", Bytes(read.max_memory));
     let bytes = read_file(path, options.max_bytes).map_err(|e| match e {
         FileError::TooLarge { .. } => failed(&format!("{e}; {raises}")),
         _ => failed(&e),
     })?;
     expect_scene(path)?;
-    // The scene's name goes into tables, pages and titles: nothing in it is to be obeyed there.
+    // The scene's name appears in tables, pages and titles, so control characters are escaped.
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let stem = visible(&stem);
     let files = Beside::new(path, read.allow_outside).map_err(|e| failed(&e))?;
@@ -54,30 +54,30 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     Ok(SceneFile { scene, inputs: canonical(&inputs) })
 }
 
-/// Looks, without reading it, whether a file may be a scene.
+/// Checks whether a file may be a scene, without reading it.
 pub(crate) fn expect_scene(path: &Path) -> Result<(), Error> {
     let at = path.display();
     regular_file(path).map_err(|e| Error::failed(format!("{at}: {e}")))?;
     if matches!(extension(path).as_str(), "obj" | "ply") {
         let glb = path.with_extension("glb");
         return Err(Error::usage(format!(
-            "{at}: a glTF scene is wanted; 'raystep scene convert {at} -o {}' makes one of it",
+            "{at}: expected a glTF scene; convert it with 'raystep scene convert {at} -o {}'",
             glb.display()
         )));
     }
     Ok(())
 }
 
-/// Through links, so that two names of a file are one.
+/// Resolves links, so that two names of a file compare equal.
 pub(crate) fn canonical(paths: &[PathBuf]) -> Vec<PathBuf> {
     paths.iter().filter_map(|path| fs::canonicalize(path).ok()).collect()
 }
 
-/// What the system knows of a file that ends.
+/// The size of a regular file.
 fn regular_file(path: &Path) -> Result<fs::Metadata, String> {
     let found = fs::metadata(path).map_err(|e| reason(&e))?;
     if found.is_dir() {
-        return Err("it is a folder; a file is wanted".into());
+        return Err("it is a folder; expected a file".into());
     }
     if !found.is_file() {
         return Err("it is not a regular file".into());
@@ -85,7 +85,7 @@ fn regular_file(path: &Path) -> Result<fs::Metadata, String> {
     Ok(found)
 }
 
-/// Reads a regular file of at most `max_bytes`. Devices and pipes may never end, so they are refused.
+/// Reads a regular file of at most `max_bytes`. Devices and pipes are refused, as they may never end.
 pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileError> {
     let found = regular_file(path)?;
     if found.len() > max_bytes {
@@ -94,8 +94,8 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileErro
     let mut bytes = Vec::new();
     bytes
         .try_reserve_exact(found.len() as usize)
-        .map_err(|_| format!("there is no memory for its {} bytes", found.len()))?;
-    // It may grow while it is read.
+        .map_err(|_| format!("not enough memory for its {} bytes", found.len()))?;
+    // It may grow during reading.
     File::open(path)
         .and_then(|f| f.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes))
         .map_err(|e| reason(&e))?;
@@ -103,14 +103,14 @@ pub(crate) fn read_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, FileErro
     if read > max_bytes { Err(FileError::TooLarge { bytes: read }) } else { Ok(bytes) }
 }
 
-/// What is up of the directions that can be: `wanted`, unless one looks along it.
+/// The up direction: `wanted`, unless the view is parallel to it.
 fn usable_up(wanted: DVec3, forward: DVec3) -> DVec3 {
-    // As `Camera::look_at` decides.
+    // The same criterion as in `Camera::look_at`.
     let is_usable = |up: &DVec3| forward.cross(*up).length() > 1e-6;
     [wanted, DVec3::Y, DVec3::Z].into_iter().find(is_usable).unwrap_or(wanted)
 }
 
-/// The camera that the options ask for, and a note where it is not quite that.
+/// The camera for the given options, and a note if it differs from the request.
 pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option<String>), Error> {
     if let (Some(eye), Some(target)) = (args.eye, args.look_at) {
         let fov = args.fov.unwrap_or(DEFAULT_FOV_DEG);
@@ -119,13 +119,18 @@ pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option
         }
         let Vector([x, y, z]) = args.up.unwrap_or(Vector([0.0, 1.0, 0.0]));
         let Some(up) = DVec3::new(x, y, z).try_normalize() else {
-            return Err(Error::usage(format!("--up {x},{y},{z}: a direction is wanted, and this one has no length")));
+            return Err(Error::usage(format!("--up {x},{y},{z}: expected a direction with a length above 0")));
         };
         let projection = Projection::Perspective { vertical_fov: fov.to_radians() };
         let camera = Camera::look_at(DVec3::from(eye.0), DVec3::from(target.0), up, projection)
-            .ok_or_else(|| Error::usage("--look-at is the same point as --eye: name one that it can look at"))?;
+            .ok_or_else(|| Error::usage("--look-at is the same point as --eye: choose another"))?;
         let taken = usable_up(up, camera.forward);
-        let note = || format!("the view is parallel to up ({x},{y},{z}): {taken} is taken as up; --up names another");
+        let note = || {
+            format!(
+                "the view is parallel to up ({x},{y},{z}): using {taken} as up; --up sets another \
+                               direction"
+            )
+        };
         let note = (taken != up).then(note);
         return Ok((camera, note));
     }
@@ -137,7 +142,10 @@ pub(crate) fn camera(args: &CameraArgs, scene: &Scene) -> Result<(Camera, Option
                 let count = cameras.len();
                 Error::usage(match count {
                     0 => {
-                        format!("--camera {index}: the scene has no camera; leave it out for one that frames the scene")
+                        format!(
+                            "--camera {index}: the scene has no camera; omit the option to use one that frames \
+                                 the scene"
+                        )
                     }
                     1 => format!("--camera {index}: the scene has one camera, number 0"),
                     _ => format!("--camera {index}: the scene has {count} cameras, 0 to {}", count - 1),

@@ -1,4 +1,4 @@
-//! From the command line to a run that is ready to start.
+//! From the command line to a prepared run.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -20,7 +20,7 @@ use crate::error::Error;
 use crate::scene_file::{self, SceneFile};
 use crate::terminal::Progress;
 
-/// Seconds a stage, in the order of the stages.
+/// Seconds per stage, in order.
 #[derive(Debug)]
 pub(crate) struct Stopwatch {
     last: Instant,
@@ -33,35 +33,35 @@ impl Stopwatch {
         Self { last: Instant::now(), stages: Vec::new() }
     }
 
-    /// A stage has ended.
+    /// Ends a stage.
     pub(crate) fn lap(&mut self, stage: &'static str) {
         self.stages.push((stage, self.last.elapsed().as_secs_f64()));
         self.last = Instant::now();
     }
 }
 
-/// A run that has been planned.
+/// A planned run.
 pub(crate) struct Session {
     /// The scene's file as the user wrote it.
     pub(crate) scene_path: PathBuf,
     /// The scene as it was read.
     pub(crate) scene: Scene,
-    /// The files that it was read from.
+    /// The files that were read.
     pub(crate) inputs: Vec<PathBuf>,
-    /// What was asked for.
+    /// The options.
     pub(crate) options: Options,
-    /// Where it runs.
+    /// The device.
     pub(crate) chosen: Machine,
-    /// What it needs.
+    /// The plan.
     pub(crate) plan: Plan,
-    /// The scene as kernels read it.
+    /// The scene data for kernels.
     pub(crate) data: SceneData,
-    /// How long that took.
+    /// Times of the stages so far.
     pub(crate) watch: Stopwatch,
 }
 
 impl Session {
-    /// Reads the scene, says its notes, chooses a device and plans. `adjust` has the last word on the options.
+    /// Reads the scene, prints its notes, selects a device and plans. `adjust` can override options.
     pub(crate) fn new(
         scene: &SceneArgs,
         view: &ViewArgs,
@@ -111,29 +111,29 @@ impl Session {
 
 /// A run between two passes.
 pub(crate) struct Running {
-    /// Differs from every other run's.
+    /// A unique id.
     pub(crate) run_id: String,
     /// The scene's file as the user wrote it.
     pub(crate) scene_path: PathBuf,
     /// The scene as it was read.
     pub(crate) scene: Scene,
-    /// What was asked for.
+    /// The options.
     pub(crate) options: Options,
-    /// Where it runs.
+    /// The device.
     pub(crate) chosen: Machine,
     /// The run.
     pub(crate) renderer: Renderer,
-    /// How long each stage took.
+    /// Times of the stages.
     pub(crate) watch: Stopwatch,
 }
 
 impl Running {
-    /// What keeps rays from testing every triangle.
+    /// The acceleration structure.
     pub(crate) fn structure(&self) -> Structure {
         Structure::of(self.options.accelerator, self.renderer.plan(), self.renderer.data())
     }
 
-    /// The options that decide a run, for reports.
+    /// The options that determine a run, for reports.
     pub(crate) fn run_options(&self) -> RunOptions {
         let (options, plan) = (&self.options, self.renderer.plan());
         RunOptions {
@@ -158,14 +158,14 @@ impl Running {
         }
     }
 
-    /// What all rows of `passes.csv` have in common.
+    /// The columns that all rows of `passes.csv` share.
     pub(crate) fn run_context(&self) -> RunContext {
         let context = self.chosen.run_context(self.run_id.clone(), &self.scene, &self.options, self.renderer.plan());
         RunContext { host_run_ns: self.renderer.host_ns(), ..context }
     }
 }
 
-/// Differs from every other run's: the time of day and the process.
+/// A unique id from the time of day and the process.
 pub(crate) fn run_id() -> String {
     let since_1970 = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     format!("{:x}-{:x}", since_1970.as_nanos(), std::process::id())

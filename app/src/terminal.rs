@@ -1,5 +1,5 @@
-//! What is shown: results on stdout, everything else on stderr. Neither panics when the reader has gone, and neither
-//! hands characters to a terminal that it would obey: names from scenes, paths and arguments may hold any.
+//! Terminal output: results on stdout, everything else on stderr. A closed pipe is not an error, and control characters
+//! in names of scenes, paths and arguments are escaped.
 
 use std::io::{self, ErrorKind, Write as _};
 use std::time::Duration;
@@ -10,7 +10,7 @@ use raystep_lab::text::{visible, visible_lines};
 
 use crate::error::Error;
 
-/// Writes a result to stdout. A reader that has had enough, as `head` does, is no error.
+/// Writes a result to stdout. It is not an error if the reader has closed it, as `head` does.
 pub(crate) fn print(text: &str) -> Result<(), Error> {
     let mut out = io::stdout().lock();
     match out.write_all(visible_lines(text).as_bytes()).and_then(|()| out.flush()) {
@@ -21,7 +21,7 @@ pub(crate) fn print(text: &str) -> Result<(), Error> {
     }
 }
 
-/// Writes a line to stderr. If that fails there is nobody to tell.
+/// Writes a line to stderr; ignores failures.
 pub(crate) fn say(line: impl std::fmt::Display) {
     let _ = writeln!(io::stderr(), "{}", visible(&line.to_string()));
 }
@@ -31,7 +31,7 @@ fn say_lines(text: &str) {
     let _ = writeln!(io::stderr(), "{}", visible_lines(text));
 }
 
-/// What the user sees of a long run: nothing with `--quiet`, and no moving bar unless stderr is a terminal.
+/// Progress of a long run: none with `--quiet`, and no animated bar unless stderr is a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
     is_quiet: bool,
@@ -44,7 +44,7 @@ impl Progress {
         Self { bar: ProgressBar::with_draw_target(None, target), is_quiet }
     }
 
-    /// A stage of unknown length begins.
+    /// Begins a stage of unknown length.
     pub(crate) fn stage(&self, name: &str) {
         self.bar.unset_length();
         self.bar.set_style(style("{spinner} {msg}"));
@@ -52,11 +52,11 @@ impl Progress {
         self.bar.enable_steady_tick(Duration::from_millis(100));
     }
 
-    /// How far a run is.
+    /// Shows the progress of a run.
     pub(crate) fn rays(&self, progress: &raystep_kernels::Progress) {
         if self.bar.length() != Some(progress.rays) {
             self.bar.set_length(progress.rays);
-            self.bar.set_style(style("{msg:<24} [{bar:30}] {human_pos} of {human_len} rays decided, {elapsed}"));
+            self.bar.set_style(style("{msg:<24} [{bar:30}] {human_pos} of {human_len} rays resolved, {elapsed}"));
         }
         if progress.samples_wanted > 1 {
             let sample = (progress.samples + 1).min(progress.samples_wanted);
@@ -67,12 +67,12 @@ impl Progress {
         self.bar.set_position(progress.rays_decided);
     }
 
-    /// A pass has run, and how many rays are decided does not matter.
+    /// Shows progress by passes only.
     pub(crate) fn pass(&self, index: usize) {
         self.bar.set_message(format!("pass {index}"));
     }
 
-    /// How much of something is done.
+    /// Shows progress of other work.
     pub(crate) fn part(&self, what: &str, done: u64, of: u64) {
         if self.bar.length() != Some(of) {
             self.bar.set_length(of);
@@ -82,21 +82,21 @@ impl Progress {
         self.bar.set_position(done);
     }
 
-    /// A line that stays.
+    /// Prints a permanent line.
     pub(crate) fn say(&self, line: impl std::fmt::Display) {
         if !self.is_quiet {
             self.bar.suspend(|| say(line));
         }
     }
 
-    /// Several lines that stay.
+    /// Prints several permanent lines.
     pub(crate) fn say_lines(&self, text: &str) {
         if !self.is_quiet {
             self.bar.suspend(|| say_lines(text));
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
     }

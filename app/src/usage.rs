@@ -1,5 +1,5 @@
-//! A command line that means nothing, in one line: what, where, and what would be right. clap finds what is wrong; its
-//! own words have tips that do not help here, and lists too long to read.
+//! Usage errors in one line: the problem, the argument, and valid values. clap detects them; its own messages contain
+//! unsuitable tips and overlong lists.
 
 use std::error::Error as _;
 use std::ffi::OsString;
@@ -7,14 +7,14 @@ use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// Values that a message lists; of more, it names those that are nearest.
+/// Most values that a message lists; beyond that, it lists the nearest names.
 const MOST_LISTED: usize = 12;
 
-/// Least likeness of a name that somebody may have meant, by Jaro and Winkler: a slip or two in a word have more, and
-/// words that only share some letters, as dance and cancel do, have 0.82.
+/// Least Jaro-Winkler similarity of a suggested name: one or two typos score higher; unrelated words that share
+/// letters, such as dance and cancel, score 0.82.
 const LIKE: f64 = 0.85;
 
-/// What is wrong with `arguments`, of which the first is the program.
+/// The error in `arguments`, of which the first is the program.
 pub(crate) fn message(error: &clap::Error, arguments: &[OsString]) -> String {
     let all = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => vec![text.clone()],
@@ -28,13 +28,13 @@ pub(crate) fn message(error: &clap::Error, arguments: &[OsString]) -> String {
         ErrorKind::InvalidValue => {
             let (value, valid) = (one(ContextKind::InvalidValue), all(ContextKind::ValidValue));
             match (value.as_str(), valid.as_slice()) {
-                ("", []) => format!("{argument}: a value is missing"),
+                ("", []) => format!("{argument}: missing value"),
                 ("", valid) => wrong_value(option, "''", valid),
                 (value, valid) => wrong_value(option, value, valid),
             }
         }
         ErrorKind::ValueValidation => {
-            let reason = error.source().map_or_else(|| "it cannot be read".to_owned(), ToString::to_string);
+            let reason = error.source().map_or_else(|| "it cannot be parsed".to_owned(), ToString::to_string);
             format!("{option} {}: {reason}", one(ContextKind::InvalidValue))
         }
         ErrorKind::UnknownArgument => {
@@ -44,7 +44,7 @@ pub(crate) fn message(error: &clap::Error, arguments: &[OsString]) -> String {
         }
         ErrorKind::InvalidSubcommand => {
             let is_scene = arguments.get(1).is_some_and(|first| first == "scene");
-            // clap gives the nearest last.
+            // clap lists the nearest last.
             let nearest = all(ContextKind::SuggestedSubcommand).pop();
             no_such_command(&one(ContextKind::InvalidSubcommand), is_scene, nearest)
         }
@@ -52,46 +52,46 @@ pub(crate) fn message(error: &clap::Error, arguments: &[OsString]) -> String {
         ErrorKind::ArgumentConflict => {
             let others = all(ContextKind::PriorArg);
             if others.is_empty() || others == [argument.clone()] {
-                format!("{option} is given more than once: give it once")
+                format!("{option} is given more than once")
             } else {
-                format!("{argument} cannot be used with {}: leave one of them out", and(&others))
+                format!("{argument} cannot be combined with {}: omit one of them", and(&others))
             }
         }
         ErrorKind::MissingSubcommand | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            "what to do is missing (see --help)".to_owned()
+            "missing command (see --help)".to_owned()
         }
-        ErrorKind::InvalidUtf8 => "an argument is no UTF-8, where only a file's name need not be".to_owned(),
+        ErrorKind::InvalidUtf8 => "an argument is not UTF-8; only file names may be".to_owned(),
         _ => one_line(&error.render().to_string()),
     }
 }
 
-/// What messages call an argument that help shows as `--size <WxH>`.
+/// The name of an argument in messages; help shows it as `--size <WxH>`.
 fn name_of(argument: &str) -> &str {
     let name = argument.split(' ').next().unwrap_or(argument);
     name.trim_matches(['<', '>', '[', ']', '.'])
 }
 
-/// A value that is none of the valid ones.
+/// An invalid value.
 fn wrong_value(option: &str, value: &str, valid: &[String]) -> String {
     if valid.len() <= MOST_LISTED {
-        format!("{option} {value}: {} is wanted", or(valid))
+        format!("{option} {value}: expected {}", or(valid))
     } else {
         format!("{option} {value}: {}(see --help)", did_you_mean(value, valid))
     }
 }
 
-/// `did you mean x or y? `, or nothing where no name is near.
+/// `did you mean x or y? `, or empty if no name is near.
 pub(crate) fn did_you_mean<T: AsRef<str>>(wrong: &str, names: &[T]) -> String {
     let near = nearest(wrong, names);
     if near.is_empty() { String::new() } else { format!("did you mean {}? ", or(&near)) }
 }
 
-/// The three names at most that are most like a wrong one, the most like first.
+/// The nearest names, at most three, the best first.
 fn nearest<'a, T: AsRef<str>>(wrong: &str, names: &'a [T]) -> Vec<&'a str> {
     let wrong = wrong.to_lowercase();
     let likeness = |name: &str| {
         let name = name.to_lowercase();
-        // Part of a name is as good as a slip in it.
+        // A substring of a name counts as much as a typo.
         let is_part = wrong.chars().count() > 1 && name.contains(&wrong);
         if is_part { 1.0 } else { strsim::jaro_winkler(&wrong, &name) }
     };
@@ -120,26 +120,26 @@ fn series<T: AsRef<str>>(names: &[T], word: &str) -> String {
     }
 }
 
-/// A first word that is no command: perhaps a file.
+/// A first word that is not a command: perhaps a file.
 fn no_such_command(word: &str, is_scene: bool, nearest: Option<String>) -> String {
     let tip = nearest.map(|name| format!("did you mean {name}? ")).unwrap_or_default();
     if is_scene {
-        return format!("{word}: no scene that can be made is called so; {tip}'raystep scene list' lists them");
+        return format!("{word}: no such generator; {tip}'raystep scene list' lists them");
     }
     let path = Path::new(word);
     if path.is_dir() {
-        return format!("{word}: it is a folder; a command or a glTF file is wanted (see --help)");
+        return format!("{word}: it is a folder; expected a command or a glTF file (see --help)");
     }
     if path.exists() || path.components().count() > 1 || path.extension().is_some() {
-        return format!("{word}: a command, or a file whose name ends in .gltf or .glb, is wanted (see --help)");
+        return format!("{word}: expected a command, or a file whose name ends in .gltf or .glb (see --help)");
     }
     format!(
-        "{word}: there is no such command{}",
+        "{word}: no such command{}",
         if tip.is_empty() { " (see --help)".into() } else { format!("; {tip}(see --help)") }
     )
 }
 
-/// Arguments that must be there and are not.
+/// Missing arguments.
 fn missing(arguments: &[String], given: &[OsString]) -> String {
     const OF_CAMERA: [&str; 4] = ["--eye", "--look-at", "--up", "--fov"];
     let is_given = |option: &&str| {
@@ -153,7 +153,7 @@ fn missing(arguments: &[String], given: &[OsString]) -> String {
         let place = |argument: &String| OF_CAMERA.iter().position(|&option| option == name_of(argument));
         let mut arguments = arguments.to_vec();
         arguments.sort_by_key(place);
-        return format!("{option} is for a camera of your own, which needs {} as well", and(&arguments));
+        return format!("{option} requires {} as well", and(&arguments));
     }
     let is = if arguments.len() == 1 { "is" } else { "are" };
     format!("{} {is} missing (see --help)", and(arguments))
@@ -164,7 +164,7 @@ fn is_whole(rest: &str) -> bool {
     rest.is_empty() || rest.starts_with('=')
 }
 
-/// clap's message in one line: without the usage and the pointer to help, which are the same every time.
+/// clap's message in one line, without usage and the pointer to help.
 fn one_line(message: &str) -> String {
     let message = message.strip_prefix("error: ").unwrap_or(message);
     let paragraphs =
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_nearest_names_come_first_and_far_ones_not_at_all() {
-        let names = ["Light or dark", "Simple layout", "Full layout", "Fit picture", "Quit"];
+        let names = ["Toggle light/dark theme", "Simple layout", "Full layout", "Fit to panel", "Quit"];
         assert_eq!(nearest("ful layuot", &names), ["Full layout"]);
         assert_eq!(nearest("layout", &names), ["Simple layout", "Full layout"]);
         assert_eq!(nearest("dance", &names), Vec::<&str>::new());

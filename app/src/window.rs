@@ -1,4 +1,4 @@
-//! The inspector's window: a device of our own, files and dialogs, and a picture of it where there is no display.
+//! The inspector's window: its device, files and dialogs, and screenshots without a display.
 
 mod files;
 mod host;
@@ -25,22 +25,22 @@ use crate::error::Error;
 pub(crate) use host::SceneChoice;
 pub(crate) use screenshot::screenshot;
 
-/// What to show first.
+/// The initial contents.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Start {
     /// The scene; `None` shows an empty window.
     pub(crate) scene: Option<SceneChoice>,
-    /// What reading it, and each scene that is opened later, may do.
+    /// Limits for reading it and each scene opened later.
     pub(crate) read: ReadArgs,
-    /// What to run.
+    /// The settings of the run.
     pub(crate) settings: Settings,
-    /// Where to go in it.
+    /// The initial place.
     pub(crate) arrival: Arrival,
     /// Points, width and height.
     pub(crate) size: [f32; 2],
 }
 
-/// Whether a window can be opened, as far as one can tell without opening one.
+/// Whether a window can probably be opened.
 pub(crate) fn has_display() -> bool {
     if !cfg!(all(unix, not(target_os = "macos"))) {
         return true;
@@ -50,9 +50,9 @@ pub(crate) fn has_display() -> bool {
         .any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))
 }
 
-/// Opens the window and stays until it is closed.
+/// Opens the window, and returns when it is closed.
 pub(crate) fn open(gpu: Arc<Gpu>, start: Start) -> Result<(), Error> {
-    let source = gpu.source.clone().ok_or_else(|| Error::failed("the GPU device was opened by somebody else"))?;
+    let source = gpu.source.clone().ok_or_else(|| Error::failed("the GPU device has another owner"))?;
     let setup = WgpuSetup::Existing(WgpuSetupExisting {
         instance: source.instance,
         adapter: source.adapter,
@@ -67,7 +67,7 @@ pub(crate) fn open(gpu: Arc<Gpu>, start: Start) -> Result<(), Error> {
         .with_drag_and_drop(true);
     let surface = Surface::new(gpu.clone());
     let options = eframe::NativeOptions { viewport, wgpu_options: surface.configuration(setup), ..Default::default() };
-    let failed = |reason: String| Error::failed(format!("the window cannot be opened: {reason}"));
+    let failed = |reason: String| Error::failed(format!("cannot open the window: {reason}"));
     last_error::listen();
     let event_loop = EventLoop::with_user_event().build().map_err(|e| failed(e.to_string()))?;
     let ended = Arc::new(Ended::default());
@@ -97,7 +97,7 @@ pub(crate) fn open(gpu: Arc<Gpu>, start: Start) -> Result<(), Error> {
     }
 }
 
-/// An inspector for a context of egui's.
+/// An inspector for an egui context.
 pub(crate) fn inspector(
     ctx: &egui::Context,
     gpu: &Arc<Gpu>,
@@ -115,7 +115,7 @@ pub(crate) fn inspector(
     inspector
 }
 
-/// Time between two looks at what is to be kept.
+/// Interval between checks for state to save.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
 
 /// How a window ended.
@@ -123,7 +123,7 @@ const KEEP_EVERY: Duration = Duration::from_secs(10);
 struct Ended {
     /// It was opened.
     is_open: AtomicBool,
-    /// Why nothing could be drawn any more.
+    /// Why drawing became impossible.
     lost: Mutex<Option<String>>,
 }
 
@@ -133,7 +133,7 @@ struct Window {
     surface: Arc<Surface>,
     ended: Arc<Ended>,
     title: String,
-    /// When the session was kept last.
+    /// When the session was last saved.
     kept: Instant,
 }
 
@@ -151,7 +151,7 @@ impl eframe::App for Window {
         self.surface.begin_frame();
         if let Some(error) = self.gpu.health().err().map(|e| e.to_string()).or_else(|| self.surface.trouble()) {
             self.inspector.keep();
-            // Nothing can be drawn any more: what is left is to say so, and how to go on.
+            // Drawing is no longer possible: report it, and how to resume.
             let message = format!("{error}{}", self.inspector.how_to_go_on());
             if let Ok(mut lost) = self.ended.lost.lock() {
                 lost.get_or_insert(message);
@@ -160,7 +160,7 @@ impl eframe::App for Window {
             return;
         }
         self.inspector.ui(ui);
-        // Most often nothing is lost where the program is ended from outside.
+        // If a signal ends the program, little or nothing is lost.
         if self.kept.elapsed() > KEEP_EVERY {
             self.kept = Instant::now();
             self.inspector.keep();

@@ -39,7 +39,7 @@ fn every_configuration_has_its_row_and_the_files_agree() {
     let (teapot, file) = (scene("teapot.glb").display().to_string(), cornell_box());
     let what = ["--accelerators", "grid,none", "--schedules", "first,second", "--rays", "primary,bounce,shadow,random"];
     let outcome = place.ok(&bench(&file, &[&[teapot.as_str(), "-o", "out"], &what[..]].concat()));
-    assert_eq!(outcome.stderr.matches("left out: accelerator none with schedule second").count(), 1, "{outcome:?}");
+    assert_eq!(outcome.stderr.matches("omitted: accelerator none with schedule second").count(), 1, "{outcome:?}");
 
     let (names, summary) = rows(&place.read("out/summary.csv"));
     assert_eq!(
@@ -250,10 +250,10 @@ fn a_folder_is_replaced_only_where_a_benchmark_wrote_it() {
 
     std::fs::copy(cornell_box(), place.path("out/passes.csv")).expect("a copy");
     let itself = ["bench", "out/passes.csv", "-o", "out", "--force", "--device", "cpu", "--sizes", "8x8"];
-    place.fails(2, "out/passes.csv would be replaced, and the scene is read from it", &itself);
+    place.fails(2, "out/passes.csv would be replaced, but the scene is read from it", &itself);
 
     std::fs::write(place.path("out/run.json"), "{}").expect("a file");
-    place.fails(1, "that is no benchmark's", &[&bench[..], &["--force"]].concat());
+    place.fails(1, "that is not from a benchmark", &[&bench[..], &["--force"]].concat());
     assert_eq!(place.read("out/run.json"), b"{}");
 }
 
@@ -263,13 +263,13 @@ fn what_cannot_be_measured_is_left_out_and_said() {
     let file = cornell_box();
     let sizes = ["bench", &file, "--sizes", "8x8,32768x32768,8x8", "--device", "cpu", "--repeats", "1", "-o", "out"];
     let outcome = place.ok(&sizes);
-    assert!(outcome.stderr.contains("note: left out: cornell-box 32768x32768 primary, grid"), "{outcome:?}");
+    assert!(outcome.stderr.contains("note: omitted: cornell-box 32768x32768 primary, grid"), "{outcome:?}");
     let (_, measured) = rows(&place.read("out/summary.csv"));
     assert_eq!(measured.len(), 1, "twice the same is once");
     let empty = scene("empty.gltf").display().to_string();
     place.fails(1, "no pixel has a ray", &bench(&empty, &["--rays", "bounce,shadow", "-o", "none"]));
     let outcome = place.ok(&bench(&empty, &["--rays", "bounce,random", "-o", "empty"]));
-    assert!(outcome.stderr.contains("left out: empty 16x12 bounce: no pixel has such a ray"), "{outcome:?}");
+    assert!(outcome.stderr.contains("omitted: empty 16x12 bounce: no pixel has such a ray"), "{outcome:?}");
     let (_, measured) = rows(&place.read("empty/summary.csv"));
     assert_eq!(
         (measured.len(), measured[0]["bytes_per_triangle"].as_str(), &measured[0]["hits"]),
@@ -317,32 +317,28 @@ fn wrong_usage_and_unreadable_baselines_are_one_line() {
         (2, "<SCENE>", &["bench", "-o", "out"]),
         (
             2,
-            "--rays glossy: primary, bounce, shadow or random is wanted",
+            "--rays glossy: expected primary, bounce, shadow or random",
             &["bench", &file, "-o", "out", "--rays", "primary,glossy"],
         ),
         (2, "640x480", &["bench", &file, "-o", "out", "--sizes", "8x8,8"]),
-        (2, "first, second, compact or fused is wanted", &["bench", &file, "-o", "out", "--schedules", "third"]),
+        (2, "expected first, second, compact or fused", &["bench", &file, "-o", "out", "--schedules", "third"]),
         (
             2,
-            "--accelerators '': auto, grid, bvh or none is wanted",
+            "--accelerators '': expected auto, grid, bvh or none",
             &["bench", &file, "-o", "out", "--accelerators", ""],
         ),
-        (2, "--repeats 0: a whole number from 1 to 100000 is wanted", &["bench", &file, "-o", "out", "--repeats", "0"]),
-        (
-            2,
-            "--warmups -1: a whole number from 0 to 100000 is wanted",
-            &["bench", &file, "-o", "out", "--warmups", "-1"],
-        ),
+        (2, "--repeats 0: expected an integer from 1 to 100000", &["bench", &file, "-o", "out", "--repeats", "0"]),
+        (2, "--warmups -1: expected an integer from 0 to 100000", &["bench", &file, "-o", "out", "--warmups", "-1"]),
         (2, "has one camera, number 0", &["bench", &file, "-o", "out", "--camera", "1"]),
         (1, "nothing.glb: No such file", &["bench", &file, "nothing.glb", "-o", "out"]),
         (
             2,
-            "has 1073741824, and at most 67108864 can be traced here",
+            "has 1073741824; the limit of this device is 67108864",
             &["bench", &file, "-o", "out", "--sizes", "32768x32768", "--device", "cpu", "--quiet"],
         ),
         (1, "there is no folder nowhere", &["bench", &file, "-o", "nowhere/out"]),
-        (1, "a folder that 'raystep bench' wrote is wanted", &["bench", &file, "-o", "out", "--baseline", "old"]),
-        (1, "it is no summary of a benchmark", &["bench", &file, "-o", "out", "--baseline", "bad"]),
+        (1, "expected a folder written by 'raystep bench'", &["bench", &file, "-o", "out", "--baseline", "old"]),
+        (1, "it is not a summary of a benchmark", &["bench", &file, "-o", "out", "--baseline", "bad"]),
     ];
     std::fs::create_dir(place.path("bad")).expect("a folder");
     std::fs::write(place.path("bad/summary.csv"), "a,b\n1\n").expect("a file");

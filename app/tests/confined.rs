@@ -191,7 +191,7 @@ fn pictures_that_cannot_be_held_are_refused_by_their_headers() {
     // More than is given, and then more than there is.
     place.fails(
         1,
-        "--max-memory, now 4.0 GiB, raises it",
+        "--max-memory, currently 4.0 GiB, raises the limit",
         &[&render("22000.glb")[..], &["--max-memory", "4G"]].concat(),
     );
     place.fails(1, "takes 1728000000 more bytes", &["info", "12000.glb", "--max-memory", "1G"]);
@@ -199,7 +199,7 @@ fn pictures_that_cannot_be_held_are_refused_by_their_headers() {
         let outcome = limited(&place, mib, &render(scene));
         // The larger one finds its memory, and then no picture.
         let words =
-            if mib == 512 { "images[0]: there is no memory for the 576000000 bytes" } else { "cannot be decoded" };
+            if mib == 512 { "images[0]: not enough memory for the 576000000 bytes" } else { "cannot be decoded" };
         assert_error(&outcome, 1, words, scene);
     }
     assert!(!place.path("a.png").exists());
@@ -243,7 +243,11 @@ fn every_command_that_opens_a_scene_has_both_options() {
     for arguments in commands {
         place.fails(1, "\"../x.bin\" lies outside of", arguments);
         let allowed = [arguments, &["--allow-outside"]].concat();
-        place.fails(1, "--max-memory, now 700 bytes, raises it", &[&allowed[..], &["--max-memory", "700"]].concat());
+        place.fails(
+            1,
+            "--max-memory, currently 700 bytes, raises the limit",
+            &[&allowed[..], &["--max-memory", "700"]].concat(),
+        );
         for wrong in ["0", "-1", "4X", "G", "1.5G", "99999999999999999999", "999999999T"] {
             let size = format!("--max-memory={wrong}");
             place.fails(2, "such as 512M, 4G", &[&allowed[..], &[&size]].concat());

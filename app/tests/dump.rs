@@ -109,7 +109,7 @@ fn passes_keep_their_numbers_whatever_is_dumped() {
             assert_eq!(named, left_out.iter().map(|k| Some(*k)).collect::<Vec<_>>(), "{way:?} {streams}");
             for (number, pass) in all.iter().enumerate() {
                 assert_eq!(pass["index"], number, "{way:?} {streams}");
-                let said = format!("pass {number} ({}) is left out: ", pass["kernel"].as_str().expect("a name"));
+                let said = format!("pass {number} ({}) is omitted: ", pass["kernel"].as_str().expect("a name"));
                 assert_eq!(outcome.stderr.contains(&said), !pass["left_out"].is_null(), "{outcome:?}");
                 assert_eq!(pass["rays_in"].is_null(), !pass["left_out"].is_null(), "{way:?} {streams}");
             }

@@ -37,7 +37,7 @@ fn the_window_is_drawn_without_a_display_and_shows_what_it_is_asked_to() {
     // Another pass, another ray, another theme, twice the pixels.
     assert!(differing(&end, &shot("pass.png", &["--pass", "20"])) > 5_000);
     assert!(differing(&end, &shot("ray.png", &["--pixel", "3,4"])) > 100);
-    assert!(differing(&end, &shot("light.png", &["--do", "Light or dark"])) > 100_000);
+    assert!(differing(&end, &shot("light.png", &["--do", "Toggle light/dark theme"])) > 100_000);
     assert_eq!(shot("large.png", &["--scale", "2"]).dimensions(), (1280, 800));
 }
 
@@ -108,12 +108,12 @@ fn what_cannot_be_shown_is_said_in_a_line_and_leaves_no_file() {
     std::fs::write(place.path("broken.gltf"), "{").expect("a file");
     let file = cornell_box();
     let cases: &[(i32, &str, &[&str])] = &[
-        (1, "broken.gltf: the glTF JSON is wrong", &["broken.gltf"]),
+        (1, "broken.gltf: the glTF JSON is invalid", &["broken.gltf"]),
         (1, "nothing.glb: No such file", &["nothing.glb"]),
         (2, "the image has pixels 0,0 to 7,7", &[&file, "--size", "8x8", "--pixel", "8,0"]),
-        (2, "--do dance: no command is called so; 'raystep inspect --list' lists them", &[&file, "--do", "dance"]),
+        (2, "--do dance: no such command; 'raystep inspect --list' lists them", &[&file, "--do", "dance"]),
         (2, "cannot be stepped", &[&file, "--schedule", "fused"]),
-        (2, "a number from 0.25 to 8 is wanted", &[&file, "--scale", "0"]),
+        (2, "expected a number from 0.25 to 8", &[&file, "--scale", "0"]),
         (2, "so does --pass", &["--link", "raystep:1?scene=x.glb&pass=3", "--pass", "4"]),
         (2, "16 to 16384", &[&file, "--window", "0x0"]),
     ];
@@ -126,5 +126,5 @@ fn what_cannot_be_shown_is_said_in_a_line_and_leaves_no_file() {
 #[test]
 fn without_a_display_a_scene_alone_says_what_can_be_done() {
     let place = Place::new();
-    place.fails(1, "there is no display to open a window on; --screenshot", &[&cornell_box()]);
+    place.fails(1, "no display to open a window on; use --screenshot", &[&cornell_box()]);
 }

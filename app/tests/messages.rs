@@ -26,47 +26,47 @@ fn numbers_out_of_range_are_told_what_is_right() {
     let trace = |more: &[&'static str]| [&["trace", &file, "--device", "cpu"], more].concat();
     let bench = |more: &[&'static str]| [&["bench", &file, "-o", "out"], more].concat();
     let shot = |more: &[&'static str]| [&["inspect", &file, "--screenshot", "a.png"], more].concat();
-    let samples = "a whole number from 1 to 65536 is wanted";
-    let counted = "a whole number is wanted; the first one's is 0";
-    let pixel = "two whole numbers with a comma between them are wanted, such as 256,256";
-    let size = "1 to 32768 pixels each way are wanted";
-    let window = "two whole numbers from 16 to 16384 with an x between them are wanted, such as 1280x800";
+    let samples = "expected an integer from 1 to 65536";
+    let counted = "expected an integer of at least 0";
+    let pixel = "expected two integers separated by a comma, such as 256,256";
+    let size = "expected 1 to 32768 pixels per side";
+    let window = "expected two integers from 16 to 16384 separated by x, such as 1280x800";
     let cases: &[(String, Vec<&str>)] = &[
         (format!("--spp -1: {samples}"), render(&["--spp", "-1"])),
         (format!("--spp 0: {samples}"), render(&["--spp", "0"])),
         (format!("--spp 65537: {samples}"), render(&["--spp=65537"])),
         (format!("--spp 1.5: {samples}"), render(&["--spp", "1.5"])),
         (format!("--spp many: {samples}"), render(&["--spp", "many"])),
-        ("--seed -1: a whole number from 0 to 4294967295 is wanted".into(), render(&["--seed", "-1"])),
+        ("--seed -1: expected an integer from 0 to 4294967295".into(), render(&["--seed", "-1"])),
         (format!("--camera -1: {counted}"), render(&["--camera", "-1"])),
         (format!("--scene-index -1: {counted}"), render(&["--scene-index", "-1"])),
         (format!("--size -1x5: {size}"), render(&["--size", "-1x5"])),
-        ("--grid -8: 1 to 4096 cells along an axis are wanted".into(), render(&["--grid", "-8"])),
-        ("--fov wide: an angle between 0 and 180 degrees is wanted".into(), {
+        ("--grid -8: expected 1 to 4096 cells along an axis".into(), render(&["--grid", "-8"])),
+        ("--fov wide: expected an angle between 0 and 180 degrees".into(), {
             render(&["--eye", "0,0,2", "--look-at", "0,0,0", "--fov", "wide"])
         }),
-        ("--fov -40: an angle between 0 and 180 degrees is wanted".into(), {
+        ("--fov -40: expected an angle between 0 and 180 degrees".into(), {
             render(&["--eye", "0,0,2", "--look-at", "0,0,0", "--fov", "-40"])
         }),
-        ("--steps-per-pass -1: a whole number from 1 to 4096 is wanted".into(), render(&["--steps-per-pass", "-1"])),
+        ("--steps-per-pass -1: expected an integer from 1 to 4096".into(), render(&["--steps-per-pass", "-1"])),
         (format!("--pixel -1: {pixel}"), trace(&["--pixel", "-1"])),
         (format!("--pixel -1,5: {pixel}"), trace(&["--pixel", "-1,5"])),
         (format!("--pixel 5,-1: {pixel}"), shot(&["--pixel", "5,-1"])),
-        ("--pass -1: a whole number from 0 is wanted".into(), shot(&["--pass", "-1"])),
-        ("--pass -1: a pass's number from 0, last or all is wanted".into(), {
+        ("--pass -1: expected an integer of at least 0".into(), shot(&["--pass", "-1"])),
+        ("--pass -1: expected a pass number of at least 0, last or all".into(), {
             vec!["dump", &file, "-o", "d", "--pass", "-1"]
         }),
-        ("--scale -1: a number from 0.25 to 8 is wanted".into(), shot(&["--scale", "-1"])),
-        ("--scale big: a number from 0.25 to 8 is wanted".into(), shot(&["--scale", "big"])),
-        ("--scale nan: a number from 0.25 to 8 is wanted".into(), shot(&["--scale", "nan"])),
+        ("--scale -1: expected a number from 0.25 to 8".into(), shot(&["--scale", "-1"])),
+        ("--scale big: expected a number from 0.25 to 8".into(), shot(&["--scale", "big"])),
+        ("--scale nan: expected a number from 0.25 to 8".into(), shot(&["--scale", "nan"])),
         (format!("--window -1x5: {window}"), shot(&["--window", "-1x5"])),
-        ("--repeats -1: a whole number from 1 to 100000 is wanted".into(), bench(&["--repeats", "-1"])),
-        ("--warmups x: a whole number from 0 to 100000 is wanted".into(), bench(&["--warmups", "x"])),
+        ("--repeats -1: expected an integer from 1 to 100000".into(), bench(&["--repeats", "-1"])),
+        ("--warmups x: expected an integer from 0 to 100000".into(), bench(&["--warmups", "x"])),
         (format!("--sizes -1x5: {size}"), bench(&["--sizes", "-1x5"])),
-        ("--triangles -5: a whole number from 1 to 200000000 is wanted".into(), {
+        ("--triangles -5: expected an integer from 1 to 200000000".into(), {
             vec!["scene", "soup", "--triangles", "-5", "-o", "s.glb"]
         }),
-        ("--seed x: a whole number from 0 is wanted".into(), vec!["scene", "soup", "--seed", "x", "-o", "s.glb"]),
+        ("--seed x: expected an integer of at least 0".into(), vec!["scene", "soup", "--seed", "x", "-o", "s.glb"]),
     ];
     for (message, arguments) in cases {
         expect(&place, &[(2, message, arguments)]);
@@ -82,28 +82,25 @@ fn names_that_do_not_exist_are_told_the_nearest_or_all_where_they_are_few() {
     let shot = |name: &'static str| vec!["inspect", &file, "--screenshot", "a.png", "--do", name];
     let commands = "'raystep inspect --list' lists them";
     let cases: &[(&str, Vec<&str>)] = &[
-        ("--device cuda: auto, gpu or cpu is wanted", render(&["--device", "cuda"])),
-        ("--sampler blue: sobol or random is wanted", render(&["--spp", "4", "--sampler", "blue"])),
-        ("SHELL fsh: bash, elvish, fish, powershell or zsh is wanted", vec!["completions", "fsh"]),
-        (&format!("--do dance: no command is called so; {commands}"), shot("dance")),
-        (
-            &format!("--do ful layout: no command is called so; did you mean Full layout? {commands}"),
-            shot("ful layout"),
-        ),
+        ("--device cuda: expected auto, gpu or cpu", render(&["--device", "cuda"])),
+        ("--sampler blue: expected sobol or random", render(&["--spp", "4", "--sampler", "blue"])),
+        ("SHELL fsh: expected bash, elvish, fish, powershell or zsh", vec!["completions", "fsh"]),
+        (&format!("--do dance: no such command; {commands}"), shot("dance")),
+        (&format!("--do ful layout: no such command; did you mean Full layout? {commands}"), shot("ful layout")),
         (
             "--case axis-bellow: no case has this in its name; did you mean axis-below-1e-3 or axis-0? \
              'raystep stability --list' lists them",
             vec!["stability", "--case", "axis-bellow"],
         ),
         (
-            "--stream nose: there is no such stream; there are ray_origin, ray_direction, state, tmax, previous, hit, \
+            "--stream nose: no such stream; the streams are ray_origin, ray_direction, state, tmax, previous, hit, \
              color, counters, accumulated, place, trail, scan, and all",
             vec!["dump", &file, "-o", "d", "--stream", "nose"],
         ),
-        ("rendr: there is no such command; did you mean render? (see --help)", vec!["rendr"]),
-        ("blorp: there is no such command (see --help)", vec!["blorp"]),
+        ("rendr: no such command; did you mean render? (see --help)", vec!["rendr"]),
+        ("blorp: no such command (see --help)", vec!["blorp"]),
         (
-            "terain: no scene that can be made is called so; did you mean terrain? 'raystep scene list' lists them",
+            "terain: no such generator; did you mean terrain? 'raystep scene list' lists them",
             vec!["scene", "terain", "-o", "t.glb"],
         ),
         ("unexpected argument --forse; --force is similar (see --help)", vec!["dump", &file, "-o", "d", "--forse"]),
@@ -124,7 +121,7 @@ fn a_first_word_that_is_a_file_is_said_to_be_one() {
     fs::write(place.path("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
     fs::write(place.path("notes.txt"), "").expect("a file");
     fs::create_dir(place.path("folder")).expect("a folder");
-    let wanted = "a command, or a file whose name ends in .gltf or .glb, is wanted (see --help)";
+    let wanted = "expected a command, or a file whose name ends in .gltf or .glb (see --help)";
     expect(
         &place,
         &[
@@ -133,12 +130,12 @@ fn a_first_word_that_is_a_file_is_said_to_be_one() {
             (1, "nosuch.obj: No such file or directory", &["nosuch.obj"]),
             (
                 2,
-                "one.obj: a glTF scene is wanted; 'raystep scene convert one.obj -o one.glb' makes one of it",
+                "one.obj: expected a glTF scene; convert it with 'raystep scene convert one.obj -o one.glb'",
                 &["one.obj"],
             ),
             (2, &format!("notes.txt: {wanted}"), &["notes.txt"]),
             (2, &format!("a/nosuch: {wanted}"), &["a/nosuch"]),
-            (2, "folder: it is a folder; a command or a glTF file is wanted (see --help)", &["folder"]),
+            (2, "folder: it is a folder; expected a command or a glTF file (see --help)", &["folder"]),
         ],
     );
     place.ok(&["scene", "convert", "one.obj", "-o", "one.glb"]);
@@ -153,19 +150,19 @@ fn outputs_that_cannot_be_are_told_what_a_name_must_be() {
     let render = |output: &'static str| vec!["render", &file, "--size", "8x8", "--device", "cpu", "-o", output];
     let shot = |output: &'static str| vec!["inspect", &file, "--screenshot", output];
     let mut cases: Vec<(&str, Vec<&str>)> = vec![
-        ("-o .png: there is nothing before the ending; out.png would be right", render(".png")),
-        ("-o a.jpg: a name that ends in .png or .exr is wanted", render("a.jpg")),
-        ("-o picture: a name that ends in .png or .exr is wanted", render("picture")),
+        ("-o .png: there is nothing before the ending; use for example out.png", render(".png")),
+        ("-o a.jpg: expected a name that ends in .png or .exr", render("a.jpg")),
+        ("-o picture: expected a name that ends in .png or .exr", render("picture")),
         ("-o folder: it is a folder; name a file in it, such as folder/out.png", render("folder")),
-        ("--output <OUT.png|OUT.exr>: a value is missing", render("")),
-        ("--screenshot x.jpg: a name that ends in .png is wanted", shot("x.jpg")),
-        ("--screenshot .png: there is nothing before the ending; out.png would be right", shot(".png")),
-        ("-o .glb: there is nothing before the ending; out.glb would be right", vec!["scene", "soup", "-o", ".glb"]),
-        ("-o s.gltf: a name that ends in .glb is wanted", vec!["scene", "soup", "-o", "s.gltf"]),
+        ("--output <OUT.png|OUT.exr>: missing value", render("")),
+        ("--screenshot x.jpg: expected a name that ends in .png", shot("x.jpg")),
+        ("--screenshot .png: there is nothing before the ending; use for example out.png", shot(".png")),
+        ("-o .glb: there is nothing before the ending; use for example out.glb", vec!["scene", "soup", "-o", ".glb"]),
+        ("-o s.gltf: expected a name that ends in .glb", vec!["scene", "soup", "-o", "s.gltf"]),
     ];
     if cfg!(target_os = "linux") {
-        let device = "-o /dev/full: it is no file, and has no ending that says which format is wanted; name a file that \
-                      ends in .png or .exr";
+        let device = "-o /dev/full: its name has no ending, which determines the format; use a name that ends in .png \
+                      or .exr";
         cases.push((device, render("/dev/full")));
     }
     for (message, arguments) in &cases {
@@ -183,44 +180,42 @@ fn options_that_need_others_or_do_not_fit_say_which() {
     let dump = |more: &[&'static str]| {
         [&["dump", &file, "-o", "d", "--size", "8x8", "--device", "cpu", "--quiet"], more].concat()
     };
-    let camera = "is for a camera of your own, which needs";
+    let camera = "requires";
     let large = "an image of 32768x32768 pixels";
     let cases: &[(String, Vec<&str>)] = &[
         (
-            "--grid is about a grid, and accelerator auto decides by itself whether there is one: leave it out, or name \
-             accelerator grid"
-                .into(),
+            "--grid applies to a grid, and accelerator auto chooses its own: omit it, or use --accelerator grid".into(),
             render(&["--grid", "8", "--accelerator", "auto"]),
         ),
         (
-            "--grid is about a grid, and accelerator bvh uses none: leave it out, or name accelerator grid".into(),
+            "--grid applies to a grid, and accelerator bvh has none: omit it, or use --accelerator grid".into(),
             render(&["--grid", "8", "--accelerator", "bvh"]),
         ),
         (format!("--up {camera} --eye <X,Y,Z> and --look-at <X,Y,Z> as well"), render(&["--up", "0,1,0"])),
         (format!("--fov {camera} --eye <X,Y,Z> and --look-at <X,Y,Z> as well"), render(&["--fov=40"])),
         (format!("--eye {camera} --look-at <X,Y,Z> as well"), render(&["--eye", "0,0,1", "--up", "0,1,0"])),
         ("--camera 9: the scene has one camera, number 0".into(), render(&["--camera", "9"])),
-        ("--size is given more than once: give it once".into(), render(&["--size", "8x8", "--size", "9x9"])),
+        ("--size is given more than once".into(), render(&["--size", "8x8", "--size", "9x9"])),
         ("--output <OUT.png|OUT.exr> is missing (see --help)".into(), vec!["render", &file]),
         ("--output <OUT.png|OUT.exr> and <SCENE> are missing (see --help)".into(), vec!["render"]),
         (
-            format!("{large} has 1073741824, and at most 67108864 can be traced here: choose a smaller size"),
+            format!("{large} has 1073741824; the limit of this device is 67108864: choose a smaller size"),
             render(&["--size", "32768x32768"]),
         ),
         (
-            "--stream previous: this run leaves it out: --accelerator grid; --accelerator bvh has it".into(),
+            "--stream previous: this run omits it: --accelerator grid; --accelerator bvh adds it".into(),
             dump(&["--stream", "previous"]),
         ),
         (
-            "--stream tmax: this run leaves it out: --accelerator none; --accelerator grid has it".into(),
+            "--stream tmax: this run omits it: --accelerator none; --accelerator grid adds it".into(),
             dump(&["--stream", "tmax", "--accelerator", "none"]),
         ),
         (
-            "--stream accumulated: this run leaves it out: one sample a pixel; --spp 2 has it".into(),
+            "--stream accumulated: this run omits it: one sample per pixel; --spp 2 adds it".into(),
             dump(&["--stream", "accumulated"]),
         ),
         (
-            "--stream tmax: this run leaves it out: --schedule fused; --schedule compact has it".into(),
+            "--stream tmax: this run omits it: --schedule fused; --schedule compact adds it".into(),
             dump(&["--stream", "tmax", "--schedule", "fused"]),
         ),
     ];
@@ -256,8 +251,7 @@ fn an_image_with_a_side_too_long_for_an_adapter_says_so() {
         return;
     }
     let message = format!(
-        "error: an image of 32768x8 pixels has more than {side} on a side, the most that can be traced here: choose a \
-         smaller size\n"
+        "error: an image of 32768x8 pixels exceeds {side} per side, the limit of this device: choose a smaller size\n"
     );
     assert_eq!((outcome.code, outcome.stderr), (Some(2), message));
 }

@@ -272,7 +272,7 @@ fn scenes_with_nothing_or_one_triangle_in_them_have_a_page() {
     let place = Place::new();
     let files = ["empty.gltf", "single-triangle.gltf"].map(|name| scene(name).display().to_string());
     let outcome = place.ok(&["report", &files[0], &files[1], "--quick", "--device", "cpu", "-o", "out"]);
-    assert!(outcome.stderr.contains("note: empty, factors: there is no triangle to aim at"), "{outcome:?}");
+    assert!(outcome.stderr.contains("note: empty, factors: the scene has no triangle to aim at"), "{outcome:?}");
     let tables = all_rows(&place, "out");
     check_page(&place, "out", &tables);
     assert!(tables["factors.csv"].iter().all(|r| r["scene"] == "single-triangle"));
@@ -311,7 +311,7 @@ fn times_of_other_rays_are_not_compared() {
     assert!(rows.iter().any(|r| !r["paid_off_rays"].is_empty()));
     // For 20,000 they are not.
     let outcome = place.ok(&[&report[..], &["--size", "200x100", "-o", "large"]].concat());
-    assert!(outcome.stderr.contains("after how many rays a structure has paid off is not known"), "{outcome:?}");
+    assert!(outcome.stderr.contains("the number of rays after which a structure pays off is unknown"), "{outcome:?}");
     let (row, rows) = none("large");
     for column in ["trace_ratio", "view_s", "view_with_build_s"] {
         assert_eq!(row[column], "", "{column}");
@@ -333,7 +333,7 @@ fn a_section_alone_replaces_what_an_earlier_report_wrote() {
     let expected = ["about.csv", "grid.csv", "index.html", "mine.txt", "plot-001.svg", "plot-002.svg", "plot-003.svg"];
     assert_eq!(names.into_iter().collect::<Vec<_>>(), expected);
     std::fs::write(place.path("out/index.html"), "<p>mine</p>").expect("a file");
-    place.fails(1, "no such report's", &[&report[..], &["grid", "--force"]].concat());
+    place.fails(1, "not from a report", &[&report[..], &["grid", "--force"]].concat());
     assert_eq!(place.read("out/index.html"), b"<p>mine</p>");
 }
 
@@ -344,7 +344,7 @@ fn wrong_usage_and_unreadable_scenes_are_one_line() {
     let cases: &[(i32, &str, &[&str])] = &[
         (2, "--output", &["report", &file]),
         (2, "<SCENE>", &["report", "-o", "out"]),
-        (2, "--section speed: resolved, factors", &["report", &file, "-o", "out", "--section", "speed"]),
+        (2, "--section speed: expected resolved, factors", &["report", &file, "-o", "out", "--section", "speed"]),
         (2, "640x480", &["report", &file, "-o", "out", "--size", "8"]),
         (2, "has one camera, number 0", &["report", &file, "-o", "out", "--camera", "1"]),
         (1, "nothing.glb: No such file", &["report", &file, "nothing.glb", "-o", "out"]),

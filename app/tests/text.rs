@@ -95,7 +95,7 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     let whole = place.ok(&[&typed[..], &common[2..]].concat()).stdout;
     // One ray is the whole run: its passes are known, and it waits while a kernel runs that is not its own.
     assert!(whole.contains(" passes, in ") && !whole.contains("only this ray was traced"), "{whole}");
-    place.fails(2, "--ray has none: leave one of them out", &[&typed[..], &["--all-rays"]].concat());
+    place.fails(2, "--ray is a single ray: omit one of them", &[&typed[..], &["--all-rays"]].concat());
 }
 
 #[test]
@@ -120,8 +120,8 @@ fn a_view_along_up_says_which_up_is_taken() {
     };
     let down = ["--eye", "0,0.5,0", "--look-at", "0,0,0"];
     let ahead = ["--eye", "0,0,2", "--look-at", "0,0,0"];
-    assert!(said(&down).contains("up (0,1,0): [0, 0, 1] is taken"), "{}", said(&down));
-    assert!(said(&[&ahead[..], &["--up", "0,0,-3"]].concat()).contains("up (0,0,-3): [0, 1, 0] is taken"));
+    assert!(said(&down).contains("up (0,1,0): using [0, 0, 1]"), "{}", said(&down));
+    assert!(said(&[&ahead[..], &["--up", "0,0,-3"]].concat()).contains("up (0,0,-3): using [0, 1, 0]"));
     assert_eq!(said(&ahead), "");
     assert_eq!(said(&[&down[..], &["--up", "0,0,5"]].concat()), "");
 }
@@ -223,7 +223,7 @@ fn help_examples_run() {
             let result = outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home));
             if line == "raystep scenes/cornell-box.gltf" && cfg!(not(target_os = "macos")) {
                 // It opens a window, and a test has none to look at: tests/window.sh does.
-                assert!(result.stderr.starts_with("error: there is no display"), "{line}: {result:?}");
+                assert!(result.stderr.starts_with("error: no display"), "{line}: {result:?}");
             } else {
                 assert_eq!(result.code, Some(0), "{line}: {result:?}");
             }
@@ -266,11 +266,11 @@ fn info_and_render_say_that_there_is_no_adapter() {
     }
     let info = without(&["info"]);
     assert_eq!(info.code, Some(0), "{info:?}");
-    assert!(info.stdout.contains("No GPU adapter was found") && info.stdout.contains("takes the CPU"), "{info:?}");
+    assert!(info.stdout.contains("No GPU adapter was found") && info.stdout.contains("selects the CPU"), "{info:?}");
     let json: Value = serde_json::from_str(&without(&["info", "--json"]).stdout).expect("JSON");
     assert_eq!((&json["device"], json["adapters"].as_array().map(Vec::len)), (&"cpu".into(), Some(0)));
     let render = without(&["render", &cornell_box(), "-o", "a.png", "--size", "8x8"]);
-    assert!(render.code == Some(0) && render.stderr.contains("no GPU adapter found: the CPU twins"), "{render:?}");
+    assert!(render.code == Some(0) && render.stderr.contains("no GPU adapter found; using the CPU"), "{render:?}");
     let gpu = without(&["render", &cornell_box(), "-o", "b.png", "--size", "8x8", "--device", "gpu"]);
     assert!(gpu.code == Some(1) && gpu.stderr.starts_with("error: no GPU adapter "), "{gpu:?}");
     assert_eq!(place.names(), ["a.png"]);

@@ -103,8 +103,8 @@ fn render_says_what_was_built() {
     let one = scene("single-triangle.gltf").display().to_string();
     let file = cornell_box();
     let cases: &[(&str, &[&str], &str, &str)] = &[
-        (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells, ", " empty and walked through; "),
-        (&file, &["--skip", "on"], "grid      8 x 8 x 19 cells, ", " empty and leapt over; "),
+        (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells, ", " empty and visited one by one; "),
+        (&file, &["--skip", "on"], "grid      8 x 8 x 19 cells, ", " empty and skipped over; "),
         (&file, &["--accelerator", "bvh"], "bvh       binary tree: nodes ", ", depth "),
         (&file, &["--accelerator", "bvh", "--schedule", "fused"], "bvh       eight-wide tree: nodes ", ", depth "),
         (&file, &["--accelerator", "none"], "none      every ray tests every triangle", ""),
@@ -167,15 +167,15 @@ fn what_would_have_no_effect_is_refused() {
     let file = cornell_box();
     let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
     let cases: &[(&str, &[&str])] = &[
-        ("--steps-per-pass 0: a whole number from 1 to 4096 is wanted", &["--steps-per-pass", "0"]),
-        ("4097: a whole number from 1 to 4096 is wanted", &["--steps-per-pass", "4097"]),
-        ("99999999999999999999: a whole number from 1 to 4096", &["--steps-per-pass", "99999999999999999999"]),
-        ("name schedule compact", &["--steps-per-pass", "2", "--schedule", "first"]),
-        ("this is fused", &["--steps-per-pass", "8", "--schedule", "fused"]),
-        ("--skip on is about a grid, and accelerator bvh uses none", &["--skip", "on", "--accelerator", "bvh"]),
-        ("accelerator auto decides by itself whether there is one", &["--grid", "8", "--accelerator", "auto"]),
+        ("--steps-per-pass 0: expected an integer from 1 to 4096", &["--steps-per-pass", "0"]),
+        ("4097: expected an integer from 1 to 4096", &["--steps-per-pass", "4097"]),
+        ("99999999999999999999: expected an integer from 1 to 4096", &["--steps-per-pass", "99999999999999999999"]),
+        ("use --schedule compact", &["--steps-per-pass", "2", "--schedule", "first"]),
+        ("not to fused", &["--steps-per-pass", "8", "--schedule", "fused"]),
+        ("--skip on applies to a grid, and accelerator bvh has none", &["--skip", "on", "--accelerator", "bvh"]),
+        ("accelerator auto chooses its own", &["--grid", "8", "--accelerator", "auto"]),
         ("use --numerics robust", &["--skip", "on", "--numerics", "paper"]),
-        ("auto, on or off is wanted", &["--skip", "maybe"]),
+        ("expected auto, on or off", &["--skip", "maybe"]),
     ];
     for (wanted, how) in cases {
         place.fails(2, wanted, &[&render[..], how].concat());
@@ -190,7 +190,7 @@ fn what_would_have_no_effect_is_refused() {
     let bench = ["bench", &file, "-o", "out", "--sizes", "8x8", "--device", "cpu", "--repeats", "1"];
     place.fails(
         2,
-        "accelerator bvh, none uses none",
+        "accelerator bvh, none has none",
         &[&bench[..], &["--skip", "on", "--accelerators", "bvh,none"]].concat(),
     );
     place.ok(&[&bench[..], &["--skip", "on", "--accelerators", "bvh,grid"]].concat());
@@ -212,7 +212,7 @@ fn several_samples_make_another_picture_and_the_same_one_twice() {
     assert!(summary["options"]["spp"] == 1 && summary["options"]["sampler"].is_null() && !said.contains("samples"));
     assert_eq!(render("b.png", &["--device", "cpu", "--spp", "1"]).0, centre);
     let (many, summary, said) = render("c.png", &["--device", "cpu", "--spp", "16", "--counters", "--check"]);
-    assert!(many != centre && said.contains("samples   16 a pixel, sobol, seed 0"), "{said}");
+    assert!(many != centre && said.contains("samples   16 per pixel, sobol, seed 0"), "{said}");
     let options = &summary["options"];
     assert_eq!((&options["spp"], &options["sampler"], &options["seed"]), (&16.into(), &"sobol".into(), &0.into()));
     assert_eq!(summary["kernels"]["accumulate"]["passes"], 16);
@@ -237,17 +237,17 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
     let file = cornell_box();
     let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--quiet"];
     for (wanted, how) in [
-        ("--spp 0: a whole number from 1 to 65536 is wanted", &["--spp", "0"][..]),
-        ("65537: a whole number from 1 to 65536 is wanted", &["--spp", "65537"]),
-        ("--spp x: a whole number from 1 to 65536 is wanted", &["--spp", "x"]),
-        ("sobol or random is wanted", &["--spp", "4", "--sampler", "blue"]),
-        ("give --spp", &["--sampler", "random"]),
-        ("give --spp", &["--seed", "7"]),
+        ("--spp 0: expected an integer from 1 to 65536", &["--spp", "0"][..]),
+        ("65537: expected an integer from 1 to 65536", &["--spp", "65537"]),
+        ("--spp x: expected an integer from 1 to 65536", &["--spp", "x"]),
+        ("expected sobol or random", &["--spp", "4", "--sampler", "blue"]),
+        ("add --spp N", &["--sampler", "random"]),
+        ("add --spp N", &["--seed", "7"]),
     ] {
         place.fails(2, wanted, &[&render[..], how].concat());
     }
     let ray = ["trace", &file, "--ray", "0,0,5,0,0,-1", "--size", "8x8", "--device", "cpu"];
-    place.fails(2, "--ray is one ray", &[&ray[..], &["--spp", "2"]].concat());
+    place.fails(2, "--ray is a single ray", &[&ray[..], &["--spp", "2"]].concat());
     place.ok(&[&ray[..], &["--spp", "1"]].concat());
     // A ray's life goes on with the next sample, and the link says how many.
     let traced =
@@ -260,7 +260,7 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
     let dump = ["dump", &file, "-o", "d", "--stream", "hit", "--pass", "last", "--size", "8x8", "--device", "cpu"];
     place.ok(&[&dump[..], &["--spp", "2"]].concat());
     assert!(place.ok(&["plan", &file, "--spp", "2", "--device", "cpu"]).stdout.contains("accumulate"));
-    assert!(place.ok(&["plan", &file, "--device", "cpu"]).stdout.contains("one sample a pixel"));
+    assert!(place.ok(&["plan", &file, "--device", "cpu"]).stdout.contains("one sample per pixel"));
 }
 
 #[test]
@@ -268,10 +268,14 @@ fn what_has_one_pass_is_not_looked_at_pass_by_pass() {
     let place = Place::new();
     let file = cornell_box();
     let fused = ["--schedule", "fused", "--size", "8x8", "--device", "cpu"];
-    place.fails(2, "first, second and compact can", &[&["trace", &file, "--pixel", "1,1"], &fused[..]].concat());
+    place.fails(2, "use first, second or compact", &[&["trace", &file, "--pixel", "1,1"], &fused[..]].concat());
     for pass in ["all", "0"] {
         let dump = ["dump", &file, "-o", "d", "--pass", pass];
-        place.fails(2, "--pass last has its hits; first, second and compact", &[&dump[..], &fused[..]].concat());
+        place.fails(
+            2,
+            "use --pass last for its hits, or schedule first, second or compact",
+            &[&dump[..], &fused[..]].concat(),
+        );
     }
     place.ok(&[&["dump", &file, "-o", "fused", "--stream", "hit"], &fused[..]].concat());
     place.ok(&["dump", &file, "-o", "stepped", "--stream", "hit", "--size", "8x8", "--device", "cpu"]);

@@ -19,46 +19,46 @@ use raystep_kernels::shader::{Binding, Resource};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, Plan, Program, Stream};
 
-/// The graph and where it is drawn.
+/// The graph and its layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataFlow {
     /// Kernels first, in the order in which they first run, then streams, then buffers, each from left to right.
     pub nodes: Vec<Node>,
     /// Every binding of every kernel.
     pub edges: Vec<Edge>,
-    /// Width and height in points at which labels fit their nodes; places are fractions of it.
+    /// Width and height in points at which labels fit their nodes; positions are fractions of it.
     pub size: [f32; 2],
 }
 
-/// What a node is.
+/// The kind of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
     /// A kernel.
     Kernel(Kernel),
     /// A per-ray stream.
     Stream(Stream),
-    /// A buffer of scene data, or a uniform, by its name.
+    /// A buffer of scene data, or a uniform, by name.
     Buffer(&'static str),
 }
 
-/// A kernel, or what one works on.
+/// A kernel, stream or buffer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
     /// What it is.
     pub kind: NodeKind,
     /// Its name.
     pub label: String,
-    /// A second line: the layers of a stream, the bytes of a buffer; of a kernel nothing.
+    /// A second line: the layers of a stream, the bytes of a buffer; empty for a kernel.
     pub detail: String,
-    /// What it is for, in a sentence.
+    /// Its purpose, in a sentence.
     pub about: String,
-    /// Left and upper side, from 0 to 1.
+    /// Left and upper edge, from 0 to 1.
     pub min: [f32; 2],
-    /// Right and lower side, from 0 to 1.
+    /// Right and lower edge, from 0 to 1.
     pub max: [f32; 2],
 }
 
-/// What a kernel does with a stream or buffer.
+/// How a kernel accesses a stream or buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Access {
     /// Only reads it.
@@ -76,7 +76,7 @@ pub struct Edge {
     pub kernel: usize,
     /// The stream or buffer, as an index of a node.
     pub data: usize,
-    /// What is done.
+    /// The access.
     pub access: Access,
     /// The end at the kernel, from 0 to 1.
     pub at_kernel: [f32; 2],
@@ -105,8 +105,7 @@ impl Access {
 }
 
 impl DataFlow {
-    /// The data flow of a run. What the plan leaves out is not there, and neither are the books of live rays, nor what
-    /// counts for them.
+    /// The data flow of a run, without what the plan omits and without the executor's lists and counters of rays.
     #[must_use]
     pub fn new(plan: &Plan) -> Self {
         let variants: Vec<_> = plan.variants.iter().filter(|v| v.kernel.role() != Role::Count).collect();
@@ -127,7 +126,7 @@ impl DataFlow {
         layout::place(nodes, edges)
     }
 
-    /// What a kernel does with what, in the order in which it is drawn.
+    /// All accesses, in the order in which they are drawn.
     pub fn of(&self, kernel: Kernel) -> impl Iterator<Item = (&Node, Access)> {
         let is_its = move |edge: &&Edge| self.nodes[edge.kernel].kind == NodeKind::Kernel(kernel);
         self.edges.iter().filter(is_its).map(|edge| (&self.nodes[edge.data], edge.access))
@@ -159,7 +158,7 @@ fn stream_node(stream: Stream) -> Node {
     node(NodeKind::Stream(stream), info.name, info.layers.join(" "), info.unit.into())
 }
 
-/// `None` for what is no scene data: the executor's own buffers.
+/// `None` for buffers that are not scene data but belong to the executor.
 fn buffer_node(program: &Program, name: &str, bytes: u64) -> Option<Node> {
     let info = program.buffer(name)?;
     Some(node(NodeKind::Buffer(info.name), info.name, Bytes(bytes).to_string(), info.element.into()))

@@ -1,4 +1,4 @@
-//! Pictures on the GPU, without a user interface.
+//! GPU rendering, independent of the user interface.
 
 pub mod picture;
 pub mod scene3d;

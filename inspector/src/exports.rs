@@ -1,4 +1,4 @@
-//! What the window offers to take away, as bytes: where they go is the caller's.
+//! Exports as bytes; the caller decides where they go.
 //!
 //! The formats are those of [`raystep_kernels::export`], the same that the command line writes.
 
@@ -9,25 +9,26 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, npy};
 use raystep_kernels::{Kernel, Pass, StreamData};
+use raystep_lab::text::counted;
 use serde::Serialize;
 
 use crate::dataflow::DataFlow;
 use crate::link::Link;
 
-/// A file to be.
+/// An exported file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Export {
-    /// A name to offer, without the extension; fit for every file system.
+    /// A proposed name without the extension, valid on every file system.
     pub name: String,
     /// The extension, without a dot.
     pub extension: &'static str,
     /// Its contents.
     pub bytes: Vec<u8>,
-    /// What that is, in words: "73 rows".
+    /// Description of the contents: "73 rows".
     pub holds: String,
 }
 
-/// Nothing was exported.
+/// An export failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// As CSV.
@@ -46,7 +47,7 @@ pub enum ExportError {
 
 impl Export {
     fn new(name: &str, extension: &'static str, bytes: Vec<u8>, holds: String) -> Self {
-        // Scenes are named by anybody.
+        // Scene names can contain any characters.
         let name: String =
             name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' }).take(100).collect();
         let name = name.trim_matches('.');
@@ -66,7 +67,7 @@ impl Export {
     }
 }
 
-/// Passes as rows of the bench's `passes.csv`. `work` has what each pass did, where counters were asked for.
+/// Passes as rows of `passes.csv`, as in `bench`. `work` has what each pass did, if counters were requested.
 ///
 /// # Errors
 /// [`ExportError::Csv`].
@@ -81,22 +82,13 @@ pub fn passes_csv(run: &RunContext, passes: &[Pass], work: &[PassWork]) -> Resul
     Ok(Export::new(&format!("{}.passes", run.scene), "csv", bytes, counted(passes.len(), "row")))
 }
 
-/// Passes as Chrome trace events, which Perfetto opens.
+/// Passes as Chrome trace events, for Perfetto.
 ///
 /// # Errors
 /// [`ExportError::Json`].
 pub fn passes_trace(run: &RunContext, passes: &[Pass]) -> Result<Export, ExportError> {
     let bytes = serde_json::to_vec(&trace_events(run, passes))?;
     Ok(Export::new(&format!("{}.trace", run.scene), "json", bytes, counted(passes.len(), "pass")))
-}
-
-/// How many of what.
-fn counted(count: usize, what: &str) -> String {
-    match (count, what) {
-        (1, what) => format!("1 {what}"),
-        (_, "pass") => format!("{count} passes"),
-        (_, what) => format!("{count} {what}s"),
-    }
 }
 
 fn texels(data: &StreamData) -> String {

@@ -1,7 +1,7 @@
-//! The inspector: a run that can be stepped forward and back, every stream in view, one ray's life in words.
+//! The inspector: a run that can be stepped forwards and backwards, with every stream and the history of every ray.
 //!
-//! [`session`] knows no user interface and blocks on nothing, so that a desktop window, a browser and a test
-//! can drive the same thing; [`draw`] makes pictures of it with wgpu; [`ui`] is the window's contents.
+//! [`session`] does not depend on a user interface and never blocks, so that a desktop window, a browser and a test can
+//! use it alike; [`draw`] renders it with wgpu; [`ui`] is the contents of the window.
 
 pub mod dataflow;
 pub mod draw;

@@ -85,32 +85,32 @@ const KEPT: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b':')
     .remove(b'@');
 
-/// What is looked at.
+/// The target of a link.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// The scene's file as it was named.
     pub scene: Option<String>,
     /// Which scene of a file that holds several; `None` for the file's own choice.
     pub scene_index: Option<usize>,
-    /// From where.
+    /// The view.
     pub camera: LinkCamera,
-    /// Pixels a row, and rows.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// What keeps a ray from testing every triangle.
+    /// The acceleration structure.
     pub accelerator: Accelerator,
-    /// How a ray's walk is cut into passes.
+    /// The schedule.
     pub schedule: ScheduleKind,
     /// Rules for planes, steps and hits.
     pub numerics: Numerics,
     /// Cells of the grid.
     pub grid: GridSize,
-    /// Whether rays leap over empty cells.
+    /// Whether rays skip over empty cells.
     pub skip: Skip,
     /// Most steps of a ray in one pass of the compact schedule.
     pub steps_per_pass: u32,
-    /// Nothing is left out of the plan.
+    /// Whether the plan omits nothing.
     pub keep_all: bool,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: Samples,
     /// Where passes run.
     pub device: LinkDevice,
@@ -122,13 +122,13 @@ pub struct Link {
     pub pass: Option<usize>,
     /// The stream that is shown.
     pub stream: Option<LinkStream>,
-    /// Screen points a texel.
+    /// Screen points per texel.
     pub zoom: Option<f32>,
     /// The texel in the middle of the view.
     pub pan: Option<[f32; 2]>,
 }
 
-/// From where the scene is seen.
+/// The view of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum LinkCamera {
     /// By the scene's first camera, or one that frames it.
@@ -136,13 +136,13 @@ pub enum LinkCamera {
     Default,
     /// By a camera of the scene, counted from 0.
     Index(usize),
-    /// By one of the user's own, in scene units.
+    /// A custom camera, in scene units.
     Placed {
-        /// Where it is.
+        /// Its position.
         eye: [f64; 3],
-        /// What it looks at.
+        /// The point it looks at.
         look_at: [f64; 3],
-        /// What is up.
+        /// The up direction.
         up: [f64; 3],
         /// Vertical angle of view, degrees.
         fov_deg: f64,
@@ -150,21 +150,21 @@ pub enum LinkCamera {
 }
 
 impl LinkCamera {
-    /// What is up where a link does not say it.
+    /// The default up direction.
     pub const UP: [f64; 3] = [0.0, 1.0, 0.0];
-    /// The angle of view where a link does not say it, degrees.
+    /// The default angle of view, degrees.
     pub const FOV_DEG: f64 = 40.0;
 }
 
 /// Where passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinkDevice {
-    /// On the best GPU, else on the CPU.
+    /// The best GPU, otherwise the CPU.
     #[default]
     Auto,
-    /// On the best adapter, be it software.
+    /// The best adapter, even if it is software.
     Gpu,
-    /// On the CPU, by the kernels' twins.
+    /// The CPU, by the CPU reference kernels.
     Cpu,
 }
 
@@ -183,16 +183,16 @@ impl LinkDevice {
     }
 }
 
-/// The ray that is followed.
+/// The selected ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LinkRay {
     /// The one through the centre of a pixel.
     Pixel([u32; 2]),
-    /// This one, in scene units.
+    /// A ray in scene units.
     Given(Ray),
 }
 
-/// The stream that is shown.
+/// The displayed stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkStream {
     /// Which.
@@ -202,7 +202,7 @@ pub struct LinkStream {
 }
 
 impl Default for Link {
-    /// The defaults of [`VERSION`], which do not follow those of the options.
+    /// The defaults of [`VERSION`], which do not change with those of the options.
     fn default() -> Self {
         Self {
             scene: None,
@@ -229,7 +229,7 @@ impl Default for Link {
 }
 
 impl Link {
-    /// The key and value of everything that is not as by default.
+    /// The keys and values that differ from the defaults.
     fn pairs(&self) -> Vec<(&'static str, String)> {
         let default = Self::default();
         let mut pairs = Vec::new();
@@ -306,7 +306,7 @@ impl fmt::Display for LinkStream {
     }
 }
 
-/// The shorter of the two ways to write a number; both come back as the same bits.
+/// The shorter of two notations of a number; both parse to the same bits.
 fn number(value: impl fmt::Display + fmt::Debug) -> String {
     let (plain, short) = (format!("{value}"), format!("{value:?}"));
     if short.len() < plain.len() { short } else { plain }

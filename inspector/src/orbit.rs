@@ -1,8 +1,8 @@
-//! A camera that a person moves: it orbits about a point, pans, zooms towards the cursor, flies, and frames a box.
+//! An interactive camera: it orbits about a point, pans, zooms towards the cursor, flies, and frames a box.
 //!
-//! What is kept are angles, not axes: the axes that follow from them are orthonormal however long one drags, looking
-//! straight up or down is a view like any other, and "up" never tips over. The camera's own up is +Y, as the scene's.
-//! Lengths are in the units of whoever uses it; [`Orbit::scaled`] goes from one to another.
+//! It stores angles instead of axes: the axes derived from them stay orthonormal during any drag, looking straight up
+//! or down is an ordinary view, and the camera never tips over. Up is +Y, as in the scene. Lengths are in the caller's
+//! units; [`Orbit::scaled`] converts between units.
 
 mod lens;
 mod saved;
@@ -16,12 +16,12 @@ use serde::{Deserialize, Serialize};
 use crate::walk::Aabb;
 pub use lens::Lens;
 
-/// Where the camera is, and how it looks.
+/// Position and orientation of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// The point about which it orbits.
+    /// The centre of the orbit.
     pub target: DVec3,
-    /// From the eye to there; above 0.
+    /// From the eye to the target; above 0.
     pub distance: f64,
     /// Turn about +Y, radians: 0 looks along -Z, growing to the left.
     pub yaw: f64,
@@ -29,25 +29,25 @@ pub struct Pose {
     pub pitch: f64,
     /// Turn about the view, radians, clockwise as the camera tilts to the right. No drag changes it.
     pub roll: f64,
-    /// How pixels spread.
+    /// The projection.
     pub lens: Lens,
 }
 
-/// A camera under control.
+/// An interactive camera.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "saved::Saved", into = "saved::Saved")]
 pub struct Orbit {
-    /// Where it is.
+    /// Its state.
     pub pose: Pose,
     home: Pose,
-    /// Half the size of what it looks at: what speed and limits follow from.
+    /// Half the size of the object it looks at: determines speed and limits.
     radius: f64,
 }
 
-/// How much farther than to touch the picture's edge a box is framed.
+/// Distance at which a box is framed, relative to that at which it touches the edge of the picture.
 const ROOM: f64 = 1.05;
 
-/// Nearest and farthest the eye may get to its target, in sizes of what it looks at.
+/// Limits of the distance from eye to target, relative to the size of the object.
 const NEAREST: f64 = 1e-6;
 const FARTHEST: f64 = 1e4;
 
@@ -71,14 +71,14 @@ impl Pose {
 }
 
 impl Orbit {
-    /// From one of a scene's cameras, turning about the point in front of it that is nearest to the middle of `bounds`.
-    /// Its lens, its roll and its eye are kept to the last few bits.
+    /// From one of a scene's cameras, orbiting about the point in front of it that is nearest to the middle of
+    /// `bounds`. Preserves lens, roll and eye up to rounding.
     #[must_use]
     pub fn from_camera(camera: &Camera, bounds: &Aabb) -> Self {
         let forward = camera.forward;
         let level = forward.x.hypot(forward.z);
         let pitch = forward.y.atan2(level);
-        // Straight up or down, the right of the picture tells the direction.
+        // Straight up or down, the right of the picture defines the orientation.
         let yaw = if level > 1e-9 { (-forward.x).atan2(-forward.z) } else { (-camera.right.z).atan2(camera.right.x) };
         let radius = size(bounds);
         let ahead = (bounds.center() - camera.eye).dot(forward);
@@ -90,7 +90,7 @@ impl Orbit {
         Self { pose, home: pose, radius }
     }
 
-    /// The scene's camera that sees the same.
+    /// The equivalent scene camera.
     #[must_use]
     pub fn to_camera(&self, name: &str) -> Camera {
         let [right, up, forward] = self.pose.axes();
@@ -109,7 +109,7 @@ impl Orbit {
         orbit
     }
 
-    /// The same view in units of which there are `factor` to one of these.
+    /// The same view in other units, of which `factor` make one of these.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let pose = |p: Pose| Pose {
@@ -121,18 +121,18 @@ impl Orbit {
         Self { pose: pose(self.pose), home: pose(self.home), radius: self.radius * factor }
     }
 
-    /// Back to where it began.
+    /// Resets the camera.
     pub fn reset(&mut self) {
         self.pose = self.home;
     }
 
-    /// Turns about the target: dragging over the picture's height turns by half a circle.
+    /// Orbits about the target: a drag over the picture's height is half a turn.
     pub fn orbit(&mut self, drag_px: DVec2, size_px: DVec2) {
         let angle = drag_px * (PI / size_px.y.max(1.0));
         self.turn(angle);
     }
 
-    /// Looks around from where the eye is.
+    /// Looks around from the eye.
     pub fn look(&mut self, drag_px: DVec2, size_px: DVec2) {
         let eye = self.pose.eye();
         let angle = drag_px * (self.pose.lens.vertical_angle() / size_px.y.max(1.0));
@@ -148,7 +148,7 @@ impl Orbit {
         self.pose.pitch = (self.pose.pitch - angle.y).clamp(-FRAC_PI_2, FRAC_PI_2);
     }
 
-    /// Moves across the picture, so that what is as far away as the target stays under the cursor.
+    /// Pans, so that points at the distance of the target stay under the cursor.
     pub fn pan(&mut self, drag_px: DVec2, size_px: DVec2) {
         let [right, up, _] = self.pose.axes();
         let drag = drag_px * (2.0 * self.half_height() / size_px.y.max(1.0));
@@ -157,8 +157,8 @@ impl Orbit {
         }
     }
 
-    /// Comes nearer (`factor` below 1) or goes away, and keeps `anchor` where it is in the picture: what is under the
-    /// cursor, where it is known, else see [`under`](Self::under).
+    /// Approaches (`factor` below 1) or retreats, with `anchor` fixed in the picture: the point under the cursor, if it
+    /// is known, otherwise see [`under`](Self::under).
     pub fn zoom(&mut self, factor: f64, anchor: DVec3) {
         let [_, _, forward] = self.pose.axes();
         let wanted = self.pose.distance * factor;
@@ -176,7 +176,7 @@ impl Orbit {
         };
     }
 
-    /// The point under a pixel that is as far away as the target.
+    /// The point under a pixel at the distance of the target.
     #[must_use]
     pub fn under(&self, pixel: DVec2, size_px: DVec2) -> DVec3 {
         let [right, up, _] = self.pose.axes();
@@ -184,8 +184,8 @@ impl Orbit {
         self.pose.target + right * at.x + up * at.y
     }
 
-    /// Flies: `steps` to the right, up and forward, each as far as the target is away or what is looked at is large,
-    /// whichever is less.
+    /// Flies: `steps` to the right, up and forward, in units of the distance to the target or the size of the object,
+    /// whichever is smaller.
     pub fn fly(&mut self, steps: DVec3) {
         let [right, up, forward] = self.pose.axes();
         let speed = self.pose.distance.min(self.radius);
@@ -195,7 +195,7 @@ impl Orbit {
         }
     }
 
-    /// Looks at a box from the direction in which it looks, as near as the whole box can be seen.
+    /// Frames a box from the current direction, as close as the whole box fits.
     pub fn frame(&mut self, bounds: &Aabb, aspect: f64) {
         let radius = size(bounds);
         self.radius = radius;
@@ -232,7 +232,7 @@ impl Orbit {
         }
     }
 
-    /// Where a point is seen, and how far it lies in front of the eye; `None` behind it.
+    /// Where a point is seen, and its depth; `None` behind the eye.
     #[must_use]
     pub fn pixel(&self, point: DVec3, size_px: DVec2) -> Option<(DVec2, f64)> {
         let [right, up, forward] = self.pose.axes();
@@ -248,8 +248,8 @@ impl Orbit {
         pixel.is_finite().then_some((pixel, depth))
     }
 
-    /// From lengths relative to `center` to clip space. Depth is 1 near the eye and 0 far away, which is how f32 resolves
-    /// it evenly; nothing is ever too far.
+    /// From lengths relative to `center` to clip space. Depth is 1 near the eye and 0 at infinity, which suits the
+    /// resolution of f32; there is no far plane.
     #[must_use]
     pub fn clip_from_world(&self, center: DVec3, aspect: f64) -> DMat4 {
         let [right, up, forward] = self.pose.axes();
@@ -260,7 +260,7 @@ impl Orbit {
         self.pose.lens.clip_from_view(aspect, self.near(), self.pose.distance + self.radius) * view
     }
 
-    /// Nothing nearer to the eye is drawn.
+    /// The near plane.
     #[must_use]
     pub fn near(&self) -> f64 {
         self.pose.distance.min(self.radius) * 1e-3

@@ -1,13 +1,13 @@
-//! A ray as text: six numbers, decimal or as bits.
+//! A ray as text: six numbers, decimal or bits.
 
-/// The text is no ray.
+/// The text is not a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RayTextError {
     /// Not six numbers.
-    #[error("six numbers with commas between them are wanted, decimal or hex bits such as 0x3f800000")]
+    #[error("expected six numbers separated by commas, decimal or hex bits such as 0x3f800000")]
     NotSix,
     /// A number is not finite, or the direction has no length.
-    #[error("finite numbers are wanted, and a direction that is not 0")]
+    #[error("expected finite numbers, and a direction other than 0")]
     NoRay,
 }
 

@@ -1,48 +1,47 @@
-//! What the inspector keeps from one start to the next, as a JSON file.
+//! Saved state of the inspector, as a JSON file.
 //!
-//! Layout, settings and watches are the user interface's own texts: they are kept as they are. Where the file comes
-//! from, and where it goes, is the caller's.
+//! Layout, settings and watches are texts of the user interface, stored verbatim. The caller reads and writes the file.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::link::Link;
 
-/// Version of the file; it rises when something in it changes its meaning.
+/// Version of the file; incremented when the meaning of something in it changes.
 pub const VERSION: u32 = 1;
-/// Most files that are remembered.
+/// Most recent files stored.
 pub const MOST_RECENT: usize = 10;
 /// Largest file that is read or written, bytes.
 pub const MOST_BYTES: usize = 1 << 20;
 
-/// What is kept.
+/// The saved state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Saved {
     version: u32,
-    /// Which panels are where.
+    /// The arrangement of panels.
     pub layout: Option<String>,
-    /// What the user has set.
+    /// The settings.
     pub settings: Option<String>,
-    /// What was looked at last.
+    /// The last view.
     #[serde(serialize_with = "write_link", deserialize_with = "read_link")]
     pub link: Option<Link>,
-    /// What a run stops at.
+    /// The watches.
     pub watches: Option<String>,
-    /// Files that were opened, the latest first.
+    /// Recent files, the latest first.
     recent: Vec<String>,
 }
 
-/// Nothing can be read from a file, or written to it.
+/// A file cannot be read, or be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SavedError {
     /// It is too large.
-    #[error("saved settings of {0} bytes: at most {MOST_BYTES} are kept")]
+    #[error("saved settings of {0} bytes: the limit is {MOST_BYTES}")]
     TooLarge(usize),
-    /// It is no text.
-    #[error("saved settings are no text: they are not UTF-8")]
+    /// It is not text.
+    #[error("saved settings are not UTF-8")]
     NoText,
     /// It is of another version.
-    #[error("saved settings are of version {0}, and this raystep reads version {VERSION}")]
+    #[error("saved settings have version {0}, but this raystep reads version {VERSION}")]
     Version(u32),
     /// It is not JSON, or not of this form.
     #[error("saved settings cannot be read: line {line}, column {column}: {message}")]
@@ -51,7 +50,7 @@ pub enum SavedError {
         line: usize,
         /// From 1.
         column: usize,
-        /// What is wrong there.
+        /// The problem.
         message: String,
     },
     /// It cannot be written.
@@ -69,7 +68,7 @@ impl Saved {
     /// Reads a file.
     ///
     /// # Errors
-    /// Where it is too large, broken, or of another version.
+    /// The fields common to all versions.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedError> {
         /// What every version has.
         #[derive(Deserialize)]
@@ -80,7 +79,7 @@ impl Saved {
             return Err(SavedError::TooLarge(bytes.len()));
         }
         let text = std::str::from_utf8(bytes).map_err(|_| SavedError::NoText)?;
-        // Another version may have other fields: which version it is is said first.
+        // Other versions may have other fields: check the version first.
         let head: Head = serde_json::from_str(text).map_err(broken)?;
         if head.version != VERSION {
             return Err(SavedError::Version(head.version));
@@ -108,7 +107,7 @@ impl Saved {
         if text.len() > MOST_BYTES { Err(SavedError::TooLarge(text.len())) } else { Ok(text) }
     }
 
-    /// Files that were opened, the latest first; at most [`MOST_RECENT`], each once.
+    /// Recent files, the latest first; at most [`MOST_RECENT`], each once.
     #[must_use]
     pub fn recent(&self) -> &[String] {
         &self.recent
@@ -121,7 +120,7 @@ impl Saved {
         self.recent.truncate(MOST_RECENT);
     }
 
-    /// A file is no longer there.
+    /// Removes a file that no longer exists.
     pub fn forget(&mut self, path: &str) {
         self.recent.retain(|other| other != path);
     }
@@ -129,13 +128,13 @@ impl Saved {
 
 fn broken(error: serde_json::Error) -> SavedError {
     let (line, column) = (error.line(), error.column());
-    // serde_json ends its message with the place, which stands in ours already.
+    // serde_json's message ends with the position, which ours already contains.
     let place = format!(" at line {line} column {column}");
     let message = error.to_string();
     SavedError::Broken { line, column, message: message.strip_suffix(&place).unwrap_or(&message).to_owned() }
 }
 
-/// A link is kept as its text: one line that can be copied out of the file.
+/// A link is stored as text: one line that can be copied from the file.
 fn write_link<S: Serializer>(link: &Option<Link>, serializer: S) -> Result<S::Ok, S::Error> {
     link.as_ref().map(Link::to_string).serialize(serializer)
 }
@@ -199,11 +198,11 @@ mod tests {
             (b"{\"version\": 1, \"colour\": 7}", "colour"),
             (b"{\"version\": 1, \"link\": \"raystep:9?\"}", "version \"9\""),
             (b"{\"layout\": null}", "version"),
-            (b"{\"version\": 2, \"whatever\": [1, 2]}", "of version 2, and this raystep reads version 1"),
+            (b"{\"version\": 2, \"whatever\": [1, 2]}", "version 2, but this raystep reads version 1"),
             (b"\xff\xfe", "not UTF-8"),
             (b"(version: 1)", "line 1, column 1"),
             (deep.as_bytes(), "line 1"),
-            (large.as_bytes(), "at most 1048576"),
+            (large.as_bytes(), "limit is 1048576"),
         ];
         for (bytes, wanted) in cases {
             let (saved, error) = Saved::from_bytes_or_default(bytes);

@@ -1,4 +1,4 @@
-//! A run that can be stepped forward and back, the ray that is looked at, and what was changed by hand.
+//! A run that can be stepped forwards and backwards, the selected ray, and edits by hand.
 //!
 //! Kernels are deterministic per ray, so an earlier pass is reached by running the same passes again, from the start
 //! or from a checkpoint where that alone would take too long. What is shown after going back is bit for bit what was
@@ -31,10 +31,10 @@ pub use model::{Model, Pinned, Work};
 pub use target::Target;
 pub use watch::{Fired, Watch, Way};
 
-/// Is told how far a run is, and may stop it. It is called between batches of passes.
+/// Called between batches of passes with the progress of a run; may stop it.
 pub type OnProgress<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + Send + 'a;
 
-/// For [`OnProgress`]: nobody watches, nobody stops.
+/// An [`OnProgress`] that ignores progress and never stops.
 pub fn go_on(_: &Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
@@ -48,8 +48,8 @@ pub struct Session {
     /// In order of their places, those of one place in the order in which they were made.
     edits: Vec<Edit>,
     twins: Option<Twins>,
-    /// The streams are those of [`place`](Self::place), edits included. Not so where a future that was on its way was
-    /// dropped, or the device failed.
+    /// Whether the streams are those of [`place`](Self::place), including edits. False if a future was dropped before
+    /// it completed, or if the device failed.
     is_settled: bool,
 }
 
@@ -59,12 +59,12 @@ impl Session {
     /// # Errors
     /// Where the scene or options do not fit the device, or the device fails.
     pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
-        // Where it was is what a session is for.
+        // Following a ray requires the records of passes.
         let options = Options { keep_passes: true, ..options.clone() };
         Ok(Self::from_renderer(Renderer::new(scene, &options, device).await?, &options))
     }
 
-    /// Takes over a run, which was made with these options and keeps its passes, where it is now.
+    /// Takes over a run at its current place; it was made with these options and records its passes.
     #[must_use]
     pub fn from_renderer(renderer: Renderer, options: &Options) -> Self {
         let mut history = History::new(&renderer);
@@ -98,19 +98,19 @@ impl Session {
         self.history.known()
     }
 
-    /// The run, for everything that only looks.
+    /// The run, for reading.
     #[must_use]
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
     }
 
-    /// The options that the run was made with.
+    /// The options of the run.
     #[must_use]
     pub fn options(&self) -> &Options {
         &self.options
     }
 
-    /// How many bytes checkpoints may take, on the GPU where passes run there. Going back takes longer with fewer.
+    /// How many bytes checkpoints may take, on the GPU if passes run there. With fewer, going back takes longer.
     pub fn set_budget(&mut self, bytes: u64) {
         self.history.set_budget(bytes);
     }
@@ -121,8 +121,8 @@ impl Session {
         self.history.budget()
     }
 
-    /// How many threads passes may launch between two checkpoints, as far as the budget allows; each launches one a
-    /// ray, or one a ray that waits for it. At first what takes a device like this one a short while.
+    /// How many threads passes may launch between two checkpoints, as far as the budget allows: one per ray, or one per
+    /// ray in the list. Initially a short time on such a device.
     pub fn set_span(&mut self, threads: u64) {
         self.history.set_span(threads);
     }
@@ -138,7 +138,7 @@ impl Session {
         self.history.places()
     }
 
-    /// Looks at one ray. `None` where the image has no such pixel: the ray that was looked at stays.
+    /// Selects a ray. `None` if the image has no such pixel: the previous ray stays selected.
     pub fn select(&mut self, x: u32, y: u32) -> Option<[u32; 2]> {
         let plan = self.renderer.plan();
         if x < plan.width && y < plan.height {
@@ -148,13 +148,13 @@ impl Session {
         None
     }
 
-    /// The pixel of the ray that is looked at.
+    /// The pixel of the selected ray.
     #[must_use]
     pub fn pixel(&self) -> Option<[u32; 2]> {
         self.pixel
     }
 
-    /// The ray that is looked at, as it is now.
+    /// The current state of the selected ray.
     ///
     /// # Errors
     /// Where the device fails.
@@ -165,7 +165,7 @@ impl Session {
         }
     }
 
-    /// A stream as it is now.
+    /// The current values of a stream.
     ///
     /// # Errors
     /// Where the plan left it out, or the device fails.
@@ -173,7 +173,7 @@ impl Session {
         self.renderer.values(stream).await
     }
 
-    /// A part of a stream as it is now.
+    /// The current values of a region of a stream.
     ///
     /// # Errors
     /// Where the plan left it out, the image has no such part, or the device fails.

@@ -1,4 +1,4 @@
-//! What a run is asked for, as plain data: what the options panel edits, and what is saved.
+//! The settings of a run, as plain data for the options panel and for saving.
 
 use std::sync::Arc;
 
@@ -14,15 +14,15 @@ use crate::link::{Link, LinkCamera, LinkDevice, LinkRay};
 /// Where passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DeviceKind {
-    /// As on the command line: the adapter that the window draws with, and the twins in f32 where that is software.
-    /// A run that is open has one of the others.
+    /// As on the command line: the adapter that the window renders with, or the CPU reference in f32 if that adapter is
+    /// software. An open run has one of the other values.
     Auto,
-    /// The adapter that the window draws with.
+    /// The adapter that the window renders with.
     #[default]
     Gpu,
-    /// The twins in f32.
+    /// The CPU reference in f32.
     Cpu,
-    /// The twins in f64.
+    /// The CPU reference in f64.
     CpuF64,
 }
 
@@ -30,7 +30,7 @@ impl DeviceKind {
     /// Every value that a run can have.
     pub const ALL: [Self; 3] = [Self::Gpu, Self::Cpu, Self::CpuF64];
 
-    /// What a run has: the choice, where it is still to be made.
+    /// Resolves `Auto`.
     #[must_use]
     pub fn on(self, gpu: &Arc<Gpu>) -> Self {
         match self {
@@ -40,30 +40,30 @@ impl DeviceKind {
         }
     }
 
-    /// What people read.
+    /// The displayed name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
             Self::Gpu => "GPU",
-            Self::Cpu => "CPU twins, f32",
-            Self::CpuF64 => "CPU twins, f64",
+            Self::Cpu => "CPU, f32",
+            Self::CpuF64 => "CPU, f64",
         }
     }
 }
 
-/// What is seen.
+/// The view of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum View {
     /// A camera of the scene, counted from 0; one that frames the scene where it has none.
     Scene(usize),
-    /// A camera of the user's own.
+    /// A custom camera.
     Free {
         /// World position.
         eye: [f64; 3],
-        /// A point that it looks at.
+        /// The point it looks at.
         look_at: [f64; 3],
-        /// What is up.
+        /// The up direction.
         up: [f64; 3],
         /// Vertical angle of view, degrees; `None` for parallel rays.
         fov_deg: Option<f64>,
@@ -72,32 +72,32 @@ pub enum View {
     },
 }
 
-/// Everything that decides a run but the scene.
+/// All settings of a run except the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// What keeps a ray from testing every triangle.
+    /// The acceleration structure.
     pub accelerator: Accelerator,
-    /// In which order kernels run: a stepped one.
+    /// The schedule, one with steps.
     pub schedule: ScheduleKind,
     /// The rules for planes, steps and hits.
     pub numerics: Numerics,
     /// How fine the grid is.
     pub grid: GridSize,
-    /// Whether rays leap over empty cells.
+    /// Whether rays skip over empty cells.
     pub skip: Skip,
-    /// Most steps of a ray in one pass of the compact schedule; 1 shows a cell, node or triangle a pass.
+    /// Most steps of a ray in one pass of the compact schedule; 1 shows one cell, node or triangle per pass.
     pub steps_per_pass: u32,
-    /// Pixels a row and rows.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// What is seen.
+    /// The view of the scene.
     pub view: View,
-    /// One ray instead of a picture: origin and direction in scene units.
+    /// A single ray instead of an image: origin and direction in scene units.
     pub ray: Option<[f32; 6]>,
-    /// Count cells, tests and repeated tests per ray.
+    /// Counts cells, tests and repeated tests per ray.
     pub counters: bool,
-    /// Leave nothing out of the plan.
+    /// Omits nothing from the plan.
     pub keep_all: bool,
-    /// Samples a pixel, of a picture.
+    /// Samples per pixel.
     #[serde(default)]
     pub samples: Samples,
     /// Where passes run.
@@ -125,7 +125,7 @@ impl Default for Settings {
 }
 
 impl View {
-    /// The camera, of a scene. A view that cannot be is replaced by one that frames the scene.
+    /// The camera in a scene. An impossible view is replaced by one that frames the scene.
     #[must_use]
     pub fn camera(&self, scene: &Scene) -> Camera {
         let framing = || Camera::framing(&scene.bounds());
@@ -142,7 +142,7 @@ impl View {
         }
     }
 
-    /// A camera as a view of one's own.
+    /// A camera as a custom view.
     #[must_use]
     pub fn of(camera: &Camera) -> Self {
         let (fov_deg, half_height) = match camera.projection {
@@ -193,8 +193,8 @@ impl From<&Link> for Settings {
 }
 
 impl Settings {
-    /// A link with these settings, to no scene and no place. Parallel rays of a camera of one's own cannot be said
-    /// in a link: it then has the scene's camera.
+    /// A link with these settings, without scene and place. A link cannot express parallel rays of a custom camera: it
+    /// then has the scene's camera.
     #[must_use]
     pub fn link(&self) -> Link {
         let camera = match self.view {
@@ -229,12 +229,12 @@ impl Settings {
         }
     }
 
-    /// One ray has no pixel to spread samples over.
+    /// A single ray has no pixel to distribute samples over.
     fn samples_taken(&self) -> Samples {
         if self.ray.is_some() { Samples::default() } else { self.samples }
     }
 
-    /// A run's options. Passes are timed where the device can.
+    /// The options of a run. Passes are timed if the device supports it.
     #[must_use]
     pub fn options(&self, scene: &Scene) -> Options {
         let rays = match self.ray {

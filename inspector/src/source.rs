@@ -1,9 +1,9 @@
-//! A kernel's WGSL, line by line, with what is needed to read it: classes of words for highlighting, and for one ray
-//! in one pass which lines ran.
+//! A kernel's WGSL, line by line, with highlighting, and, for one ray in one pass, which lines ran.
 //!
-//! Which arms were taken is told by the ray's streams before and after the pass: every condition of a kernel's file is
-//! named in a table ([`conditions`](raystep_kernels::programs::closest_hit::conditions)) with what it means for them. What they do not tell, a material's
-//! texture or a loop's count, is marked [`Mark::Unknown`]: nothing is guessed, and nothing is run again.
+//! The branches taken follow from the ray's streams before and after the pass: a table
+//! ([`conditions`](raystep_kernels::programs::closest_hit::conditions)) states for every condition in a kernel's file
+//! what it means for them. What the streams do not show, such as a material's texture or a loop's count, is marked
+//! [`Mark::Unknown`]: nothing is guessed, and nothing runs again.
 
 mod block;
 mod marks;
@@ -19,34 +19,34 @@ use raystep_kernels::shader::Variant;
 
 pub use words::Class;
 
-/// What a line did for one ray in one pass.
+/// A line's mark for one ray in one pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mark {
-    /// It does nothing: a comment, a declaration, no pass is looked at.
+    /// Not executable, or no pass is selected.
     #[default]
     Plain,
     /// It ran.
     Run,
     /// It did not run.
     NotRun,
-    /// The ray's streams do not tell whether it ran.
+    /// The ray's streams do not show whether it ran.
     Unknown,
-    /// The run's options leave it out of the kernel (`@if`).
+    /// The run's options omit it from the kernel (`@if`).
     LeftOut,
 }
 
 /// A line of a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// The line, without its end.
+    /// The line, without its line ending.
     pub text: String,
-    /// Bytes of the line and what they are; together the whole line.
+    /// Byte ranges of the line with their classes; together the whole line.
     pub spans: Vec<(Range<usize>, Class)>,
-    /// What it did.
+    /// Its mark.
     pub mark: Mark,
 }
 
-/// A kernel's own file, with the options still in it. `pass` is the ray before and after a pass of the kernel.
+/// A kernel's own file, including its options. `pass` is the ray before and after a pass of the kernel.
 #[must_use]
 pub fn kernel_file(kernel: Kernel, features: &Features, pass: Option<(&RayState, &RayState)>) -> Vec<Line> {
     let text = kernel.info().wgsl;
@@ -59,21 +59,21 @@ pub fn kernel_file(kernel: Kernel, features: &Features, pass: Option<(&RayState,
     lines
 }
 
-/// What the device is given: options decided, shared functions included. No line is marked.
+/// The composed source for the device: options resolved, shared functions included. No line is marked.
 #[must_use]
 pub fn composed(variant: &Variant) -> Vec<Line> {
     lines(&variant.source)
 }
 
-/// The conditions of every `if`, `for`, `while`, `loop` and `switch` of a kernel's file, in order, spaces made one.
-/// `None` where the file is not understood.
+/// The conditions of every `if`, `for`, `while`, `loop` and `switch` of a kernel's file, in order, with whitespace
+/// normalised. `None` if the file cannot be parsed.
 #[must_use]
 pub fn conditions_in(kernel: Kernel) -> Option<Vec<String>> {
     let text = kernel.info().wgsl;
     block::functions(text, &words::words(text)).map(|file| file.conditions)
 }
 
-/// Text as lines, each cut into words.
+/// Splits text into lines, and each line into words.
 #[must_use]
 pub fn lines(text: &str) -> Vec<Line> {
     let words = words::words(text);
@@ -90,7 +90,7 @@ pub fn lines(text: &str) -> Vec<Line> {
         };
         let mut at = start;
         for word in words[first..].iter().take_while(|w| w.range.start < end) {
-            // A comment of several lines is cut at their ends.
+            // A comment of several lines is split at line ends.
             let (from, to) = (word.range.start.max(start), word.range.end.min(end));
             add(at - start, from - start, Class::Plain);
             add(from - start, to - start, word.class);

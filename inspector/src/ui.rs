@@ -1,4 +1,4 @@
-//! The window: menus, keys and panels over a run.
+//! The window: menus, keys and panels for a run.
 
 mod asked_path;
 pub mod canvas;
@@ -24,6 +24,7 @@ use std::sync::Arc;
 
 use egui_notify::Toasts;
 use egui_tiles::Tree;
+use raystep_lab::text::counted;
 
 use crate::saved::Saved;
 use crate::session::engine::{Devices, OPENING};
@@ -41,7 +42,7 @@ use pane::{Context, Pane, PaneKind};
 use shared::Shared;
 pub use shared::Shown;
 
-/// The inspector. Whoever has a window calls [`ui`](Self::ui) once a frame.
+/// The inspector. The owner of the window calls [`ui`](Self::ui) once per frame.
 pub struct Inspector {
     model: Model,
     other: Option<Model>,
@@ -51,38 +52,38 @@ pub struct Inspector {
     shared: Shared,
     tree: Tree<Pane>,
     dialog: Option<Dialog>,
-    /// Paths that are still to be asked for.
+    /// Paths that the user still has to enter.
     asked: VecDeque<AskedPath>,
     todo: VecDeque<Command>,
     toasts: Toasts,
     is_playing: bool,
-    /// The path of the scene that is open, as the user gave it, for links and the title.
+    /// The path of the open scene as the user entered it, for links and the title.
     path: Option<String>,
-    /// Runs known to the panels: a new one is followed from its selected pixel.
+    /// Runs known to the panels: in a new one, the selected pixel's ray is followed from the start.
     generation: u64,
-    /// What to do once the scene that is being opened is there.
+    /// What to do once the scene being opened is ready.
     arrival: Option<Arrival>,
     lesson: Option<Lesson>,
-    /// The selected ray is still to be followed.
+    /// The selected ray still has to be followed.
     is_to_follow: bool,
-    /// Something had the keys at the end of the last frame.
+    /// Whether something had keyboard focus at the end of the last frame.
     had_focus: bool,
     saved: Saved,
 }
 
-/// Where to go in a scene that is still being opened.
+/// The place to go to in a scene that is being opened.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrival {
     /// The ray to look at.
     pub pixel: Option<[u32; 2]>,
-    /// After so many passes, or as many as there are.
+    /// The number of passes to run, or as many as there are.
     pub place: Option<usize>,
-    /// What the first stream view is to show.
+    /// The view of the first stream panel.
     pub shown: Option<Shown>,
 }
 
 impl Arrival {
-    /// After the last pass: how a scene is seen first.
+    /// After the last pass: the initial view of a scene.
     #[must_use]
     pub fn picture() -> Self {
         Self { pixel: None, place: Some(usize::MAX), shown: None }
@@ -124,7 +125,7 @@ impl Inspector {
         }
     }
 
-    /// Opens a scene by its path; the one that is open stays until the new one has been read.
+    /// Opens a scene by its path; the open one stays until the new one has been read.
     pub fn open(&mut self, path: &str, settings: Settings, arrival: Arrival) {
         let load = match path {
             lessons::BUILT_IN => Box::new(|| Ok(raystep_scenes::generate::cornell_box())),
@@ -134,12 +135,12 @@ impl Inspector {
         self.model.ask(Request::Open { path: path.to_owned(), load, settings: Box::new(settings) });
     }
 
-    /// Does a command, as a menu would.
+    /// Performs a command, as its menu item would.
     pub fn perform(&mut self, command: Command) {
         self.todo.push_back(command);
     }
 
-    /// Whether work goes on.
+    /// Whether work is in progress.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.model.is_busy()
@@ -149,25 +150,25 @@ impl Inspector {
             || self.lesson.as_ref().is_some_and(Lesson::is_waiting)
     }
 
-    /// The run that is shown.
+    /// The current run.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// What went wrong last, in one line.
+    /// The last error, in one line.
     #[must_use]
     pub fn last_error(&self) -> Option<&str> {
         self.shared.log.iter().rev().find(|line| line.is_error).map(|line| line.text.as_str())
     }
 
-    /// The ray that is looked at.
+    /// The selected ray.
     #[must_use]
     pub fn pixel(&self) -> Option<[u32; 2]> {
         self.shared.pixel
     }
 
-    /// The panels in view, not those behind other tabs.
+    /// The visible panels, excluding those behind other tabs.
     #[must_use]
     pub fn panes_in_view(&self) -> Vec<PaneKind> {
         let active = self.tree.active_tiles().into_iter();
@@ -180,14 +181,14 @@ impl Inspector {
         self.model.opened.as_ref().map_or_else(|| "raystep".into(), |opened| format!("{} – raystep", opened.scene.name))
     }
 
-    /// For whoever lost the window: how to come back to this place; empty without a scene.
+    /// For the host that lost the window: how to return to this place; empty without a scene.
     #[must_use]
     pub fn how_to_go_on(&self) -> String {
         let Some(link) = self.link() else { return String::new() };
-        format!("; to go on: raystep inspect --link \"{link}\"")
+        format!("; to resume: raystep inspect --link \"{link}\"")
     }
 
-    /// Shows everything, and does what was asked for.
+    /// Shows everything, and performs requests.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.listen(&ctx);
@@ -219,7 +220,7 @@ impl Inspector {
         }
     }
 
-    /// Takes in what engines and host have said.
+    /// Processes the messages of engines and host.
     fn listen(&mut self, ctx: &egui::Context) {
         let (place, is_at_end) = (self.model.place, self.model.next.is_none());
         self.model.update();
@@ -229,7 +230,7 @@ impl Inspector {
         let failures = self.model.failures.drain(..).chain(self.other.iter_mut().flat_map(|m| m.failures.drain(..)));
         for (what, message) in failures.collect::<Vec<_>>() {
             if what == OPENING {
-                // Nobody arrives there: the next run is another one.
+                // The place of the old run no longer applies.
                 self.arrival = None;
             }
             self.fail(format!("{what}: {message}"));
@@ -253,17 +254,17 @@ impl Inspector {
         }
         if self.generation != self.model.generation {
             self.generation = self.model.generation;
-            // Other options of the same scene: where the last run was.
+            // Other options for the same scene: go to the place of the last run.
             let place = if is_at_end { usize::MAX } else { place };
             self.arrival.get_or_insert(Arrival { place: Some(place), ..Arrival::default() });
             self.arrived();
         } else if !self.model.is_busy() {
-            // What could not be opened leaves nothing behind.
+            // A scene that could not be opened leaves no state behind.
             self.arrival = None;
         }
     }
 
-    /// A file from a dialog, a drop or the list of recent ones: with the settings in use, seen as it wants.
+    /// A file from a dialog, a drop or the list of recent ones: with the current settings, and the scene's own view.
     fn open_file(&mut self, path: &str) {
         let settings = self.model.opened.as_ref().map(|o| o.settings.clone());
         let settings = settings.unwrap_or_else(|| Settings { device: DeviceKind::Auto, ..Settings::default() });
@@ -271,7 +272,7 @@ impl Inspector {
         self.open(path, settings, Arrival::picture());
     }
 
-    /// A new run is there.
+    /// A new run is ready.
     fn arrived(&mut self) {
         self.path = self.model.opened.as_ref().and_then(|opened| opened.path.clone());
         self.remember_file();
@@ -280,8 +281,8 @@ impl Inspector {
         for note in &opened.scene.notes {
             self.shared.say(false, format!("note: {}", note.0));
         }
-        let text =
-            format!("{}: {} triangles, {} rays on {}", opened.scene.name, plan.triangles, plan.rays, opened.device);
+        let (triangles, rays) = (counted(plan.triangles, "triangle"), counted(plan.rays, "ray"));
+        let text = format!("{}: {triangles}, {rays} on {}", opened.scene.name, opened.device);
         self.shared.say(false, text);
         let Arrival { pixel, place, shown } = self.arrival.take().unwrap_or_default();
         let inside = |[x, y]: &[u32; 2]| *x < plan.width && *y < plan.height;
@@ -317,7 +318,7 @@ impl Inspector {
         self.todo.extend(todo);
     }
 
-    /// Says what was done, also to who looks later.
+    /// Reports success, also to screen readers and the log.
     fn note(&mut self, text: impl Into<String>) {
         let text = text.into();
         self.shared.say(false, text.clone());
@@ -330,7 +331,7 @@ impl Inspector {
         self.warn(message);
     }
 
-    /// What panels asked for through what they share.
+    /// Performs the requests that panels left in the shared state.
     fn follow_up(&mut self) {
         if let Some(path) = self.shared.open.take() {
             self.open_file(&path);
@@ -354,7 +355,7 @@ impl Inspector {
                 self.is_to_follow = true;
             }
         }
-        // One at a time: while a key is held, the last one counts.
+        // One at a time: while a key is held, the last request counts.
         if let Some(pixel) = self.shared.pixel.filter(|_| self.is_to_follow && !self.model.is_busy()) {
             self.is_to_follow = false;
             self.model.ask(Request::Follow(pixel));
@@ -365,9 +366,12 @@ impl Inspector {
     }
 }
 
-/// What to say where the scene has no such camera.
+/// The message if the scene has no such camera.
 fn missing_camera(opened: &Opened) -> Option<String> {
     let (View::Scene(index), count) = (opened.settings.view, opened.scene.cameras.len()) else { return None };
-    let text = format!("camera {index}: the scene has {count}, counted from 0; one that frames it is shown");
+    let text = format!(
+        "camera {index} does not exist (the scene has {count}, counted from 0); using one that frames \
+                        the scene"
+    );
     (index > 0 && index >= count).then_some(text)
 }

@@ -1,9 +1,9 @@
-//! The walk of one ray as plain geometry: the cells, nodes and triangles of the first rows of a [`Trace`], in
-//! traced units, for pictures of any kind.
+//! The walk of one ray as geometry: the cells, nodes and triangles of the first rows of a [`Trace`], in traced units,
+//! for any kind of picture.
 //!
-//! What the device decided is taken from its streams (which cell came next, the tmax that chose it, which triangle was
-//! the nearest); only what the streams do not keep is worked out here, in f64: where a ray enters a box, and
-//! where it meets the plane of a triangle that it missed.
+//! The device's decisions are taken from its streams (which cell came next, the tmax that selected it, which triangle
+//! was nearest); only what the streams do not contain is computed here, in f64: where a ray enters a box, and where it
+//! meets the plane of a triangle that it missed.
 
 mod aabb;
 mod cells;
@@ -32,14 +32,14 @@ pub use svg::{SvgOptions, walk_svg};
 pub use tested::{Outcome, TestedTriangle};
 pub use unfolded::{Spacing, Strip, StripCell, StripNode, StripTest, letters};
 
-/// What the ray walks through.
+/// The structure that the ray traverses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Structure {
     /// The cells of a uniform grid.
     Grid,
-    /// The nodes of a tree of boxes.
+    /// The nodes of a BVH.
     Tree,
-    /// Nothing: every triangle is tested.
+    /// No structure: every triangle is tested.
     Nothing,
 }
 
@@ -48,42 +48,42 @@ pub enum Structure {
 pub struct NearestHit {
     /// The triangle.
     pub triangle: u32,
-    /// Where on the ray.
+    /// Its t.
     pub t: f64,
-    /// Where in space.
+    /// Its position.
     pub point: DVec3,
     /// Weights of vertices 1 and 2.
     pub barycentric: [f64; 2],
-    /// Its corners.
+    /// Its vertices.
     pub corners: [DVec3; 3],
 }
 
-/// The walk of a ray up to one row of its trace, that row included.
+/// The walk of a ray up to and including one row of its trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WalkGeometry {
-    /// What the ray walks through.
+    /// The structure that the ray traverses.
     pub structure: Structure,
-    /// The row; the last one where the trace has fewer, `None` where it has none.
+    /// The row; the last one if the trace has fewer, `None` if it has none.
     pub row: Option<usize>,
-    /// Where the ray starts.
+    /// The ray's origin.
     pub origin: DVec3,
-    /// Where it goes.
+    /// The ray's direction.
     pub direction: DVec3,
-    /// The box of the grid, of the tree's root, or of all triangles.
+    /// The box of the grid, of the BVH's root, or of all triangles.
     pub bounds: Aabb,
-    /// The t at which the ray is in `bounds`, from 0 on.
+    /// The t interval in which the ray is in `bounds`, from 0.
     pub inside: Option<[f64; 2]>,
     /// Size of a cell; zero without a grid.
     pub cell_size: DVec3,
     /// Cells along each axis; zero without a grid.
     pub grid_cells: [i32; 3],
-    /// The cells visited, in order. The last is where the ray is, unless it has left the grid.
+    /// The cells visited, in order. The last is the current one, unless the ray has left the grid.
     pub cells: Vec<CellVisit>,
     /// The planes crossed between them, in order.
     pub crossings: Vec<Crossing>,
     /// The nodes whose boxes were tested, in order.
     pub nodes: Vec<NodeVisit>,
-    /// The node at which the ray is.
+    /// The current node.
     pub current_node: Option<u32>,
     /// Its box.
     pub current_box: Option<Aabb>,
@@ -91,14 +91,14 @@ pub struct WalkGeometry {
     pub tested: Vec<TestedTriangle>,
     /// The nearest hit so far.
     pub hit: Option<NearestHit>,
-    /// How far the ray has come: the t at which it entered the cell or node where it is, or at which the walk ended.
+    /// Progress of the ray: the t at which it entered the current cell or node, or at which the walk ended.
     pub t: f64,
     /// Whether the walk has ended.
     pub is_over: bool,
 }
 
 impl WalkGeometry {
-    /// The walk up to row `row` of the trace, that row included.
+    /// The walk up to and including row `row` of the trace.
     #[must_use]
     pub fn new(trace: &Trace, data: &SceneData, row: usize) -> Self {
         let row = trace.rows.len().checked_sub(1).map(|last| row.min(last));
@@ -124,19 +124,20 @@ impl WalkGeometry {
         self.origin + self.direction * t
     }
 
-    /// Where the ray is.
+    /// The ray's current position.
     #[must_use]
     pub fn current_point(&self) -> DVec3 {
         self.point(self.t)
     }
 
-    /// The cell where the ray is.
+    /// The current cell.
     #[must_use]
     pub fn current_cell(&self) -> Option<&CellVisit> {
         self.cells.last().filter(|cell| cell.is_current)
     }
 
-    /// Where the ray would leave its cell along each axis: the tmax that the next step, if it is no leap, compares.
+    /// Where the ray would leave its cell along each axis: the tmax values that the next step compares, unless it skips
+    /// empty cells.
     #[must_use]
     pub fn next_crossings(&self) -> Vec<Crossing> {
         let Some(cell) = self.current_cell() else { return Vec::new() };
@@ -146,7 +147,7 @@ impl WalkGeometry {
             .collect()
     }
 
-    /// The last t that a picture of the ray has to show: the hit, or where the ray leaves the scene.
+    /// The last t that a picture of the ray must include: the hit, or where the ray leaves the scene.
     #[must_use]
     pub fn last_t(&self) -> f64 {
         let crossed = self.crossings.last().map_or(0.0, |crossing| crossing.t);
@@ -155,7 +156,7 @@ impl WalkGeometry {
         if last.max(crossed) > 0.0 {
             return last.max(crossed);
         }
-        // A ray that misses the scene: on to beside it.
+        // A ray that misses the scene: on to the point beside it.
         let length = self.direction.length();
         if length > 0.0 { (self.bounds.center() - self.origin).length() / length } else { 0.0 }
     }
@@ -213,7 +214,7 @@ impl WalkGeometry {
     }
 }
 
-/// The triangles that a cell or leaf lists; all of them where there is neither.
+/// The triangles that a cell or leaf lists; all of them without a structure.
 pub fn listed(data: &SceneData, cell_or_node: u32) -> impl Iterator<Item = u32> {
     list(data, cell_or_node).map(|place| {
         let items = match (data.features.grid, data.features.bvh) {
@@ -225,7 +226,7 @@ pub fn listed(data: &SceneData, cell_or_node: u32) -> impl Iterator<Item = u32> 
     })
 }
 
-/// The places of a list; empty for a cell or node that there is not.
+/// The positions of a list; empty for a nonexistent cell or node.
 fn list(data: &SceneData, cell_or_node: u32) -> Range<u32> {
     let at = cell_or_node as usize;
     if data.features.grid {
@@ -240,7 +241,7 @@ fn list(data: &SceneData, cell_or_node: u32) -> Range<u32> {
     }
 }
 
-/// The corners of a triangle; `None` for one that there is not.
+/// The vertices of a triangle; `None` for a nonexistent one.
 fn corners(data: &SceneData, triangle: u32) -> Option<[DVec3; 3]> {
     let first = (triangle as usize).checked_mul(9)?;
     let v = data.vertices.get(first..first.checked_add(9)?)?;
@@ -266,7 +267,7 @@ fn is_kernel(row: &TraceRow, kernel: Kernel) -> bool {
     row.kernel == kernel.name()
 }
 
-/// Whether the ray is at work in a cell or at a node.
+/// Whether the ray is active in a cell or at a node.
 fn is_walking(ray: &RayState) -> bool {
     matches!(ray.tag, states::TRAV | states::ISECT_HIT | states::ISECT_NO_HIT)
 }

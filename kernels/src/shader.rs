@@ -288,13 +288,14 @@ fn structs_of(module: &Module) -> Vec<StructLayout> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::programs::closest_hit::kernels;
 
     #[test]
     fn a_variant_is_kept_until_it_is_forgotten() {
         // Options that no other test has.
         let features = Features { turns: 4321, ..Features::default() };
-        let is_kept = || kept().contains_key(&(Kernel::Setup, features));
-        Variant::new(Kernel::Setup, &features).expect("a variant");
+        let is_kept = || kept().contains_key(&(kernels::SETUP, features));
+        Variant::new(kernels::SETUP, &features).expect("a variant");
         assert!(is_kept());
         forget_variants();
         assert!(!is_kept());

@@ -117,13 +117,13 @@ pub enum LoadError {
     #[error("{0}")]
     Container(String),
     /// The JSON is malformed, or a property has the wrong type.
-    #[error("the glTF JSON is wrong: {0}")]
+    #[error("the glTF JSON is invalid: {0}")]
     Json(String),
     /// The file needs an extension that raystep does not know.
     #[error("the file requires the extension {0}, which is not supported (supported: {1})")]
     RequiredExtension(String, String),
     /// [`LoadOptions::scene`] names a scene that is not there.
-    #[error("scene {asked} was asked for, but the file has {count} (counted from 0)")]
+    #[error("scene {asked} does not exist; the file has {count} (counted from 0)")]
     NoSuchScene {
         /// What was asked for.
         asked: usize,
@@ -175,7 +175,7 @@ pub enum LoadError {
         limit: u64,
     },
     /// This machine's memory does not hold it.
-    #[error("{path}: there is no memory for the {bytes} bytes that this takes")]
+    #[error("{path}: not enough memory for the {bytes} bytes that this takes")]
     OutOfMemory {
         /// The place.
         path: String,
@@ -240,10 +240,10 @@ pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOpt
         notes.add("the scene has no triangles");
     }
     if cameras.is_empty() {
-        notes.add("no camera in the file: one that frames the scene is used");
+        notes.add("no camera in the file: using one that frames the scene");
     }
     if lights.is_empty() {
-        notes.add("no lights in the file: a headlight at the eye is used");
+        notes.add("no lights in the file: using a headlight at the eye");
     }
     if !root.animations.is_empty() {
         notes.add("animations are ignored");

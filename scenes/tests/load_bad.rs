@@ -65,7 +65,7 @@ fn wrong_indices_counts_and_types() {
         (
             "/asset",
             json!({"version": "2.0", "minVersion": "2.1"}),
-            vec!["asset.minVersion", "2.1", "a reader of 2.0 cannot"],
+            vec!["asset.minVersion", "2.1", "raystep cannot read"],
         ),
         ("/nodes", json!(3), vec!["nodes", "sequence"]),
     ];

@@ -295,8 +295,8 @@ fn notes_say_what_is_left_out_or_assumed() {
     let scene = doc.scene();
     let expected = [
         "the extension KHR_materials_unlit is ignored",
-        "no camera in the file: one that frames the scene is used",
-        "no lights in the file: a headlight at the eye is used",
+        "no camera in the file: using one that frames the scene",
+        "no lights in the file: using a headlight at the eye",
         "animations are ignored",
     ];
     assert_eq!(notes(&scene), expected);

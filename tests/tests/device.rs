@@ -187,7 +187,7 @@ fn a_buffer_larger_than_the_adapter_binds_is_refused_with_the_numbers() {
     assert!(matches!(error, PlanError::BufferSize { name: "vertices", bytes: 3_600_000, limit: 3_000_000 }), "{error}");
     assert_eq!(
         error.to_string(),
-        "vertices needs 3.4 MiB in one buffer, this device binds at most 2.9 MiB: 585.9 KiB too many"
+        "vertices needs 3.4 MiB in one buffer, but this device binds at most 2.9 MiB: 585.9 KiB too many"
     );
     // A kernel that takes several steps reads triangles in another form.
     let error = Plan::new(&scene, &options(&scene, 16, 16), &limits).expect_err("too large");

@@ -22,17 +22,17 @@ use crate::scene_file::read_file;
 use crate::session::run_id;
 use crate::terminal::{Progress, print};
 
-/// Measure how fast rays are traced
+/// Benchmark tracing
 ///
-/// Every scene at every size with every kind of rays is a group; in it, every accelerator with every schedule
-/// is measured in turn, run 1 of each, run 2 of each, and so on, so that what drifts hits all alike. Building
-/// and compiling are timed apart. DIR/summary.csv has a row a configuration: n, median, 5th and 95th percentile
-/// of the device's time of a run, rays a second, and the counts behind it; DIR/passes.csv has the passes of one
-/// more run of each; DIR/run.json says on what and with which options. Shading is left out.
+/// Each scene, size and kind of rays forms a group, in which every accelerator is combined with every schedule. Runs
+/// are interleaved: run 1 of each configuration, then run 2 of each, and so on, so that drift affects all equally.
+/// Building and compiling are timed separately. DIR/summary.csv has one row per configuration: n, median, 5th and 95th
+/// percentile of the device time of a run, rays per second, and counters; DIR/passes.csv has the passes of one
+/// additional run of each; DIR/run.json describes machine and options. Shading is excluded.
 ///
-/// Rays: primary, from the camera; bounce, one from each primary hit, cosine-weighted about the normal; shadow,
-/// from each primary hit to a light, or where the scene has none to the middle of the top of its box; random,
-/// from anywhere in the scene's box in any direction. They are the same in every run.
+/// Rays: primary, from the camera; bounce, one from each primary hit, cosine-weighted about the normal; shadow, from
+/// each primary hit to a light, or, if the scene has none, to the top centre of its box; random, from anywhere in the
+/// scene's box in any direction. They are the same in every run.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -45,15 +45,15 @@ pub(crate) struct BenchArgs {
     /// The scenes: glTF 2.0, .gltf or .glb
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// What keeps a ray from testing every triangle, see 'raystep render --help'
+    /// Acceleration structures, see 'raystep render --help'
     #[arg(long, value_name = "A,B…", value_delimiter = ',', default_value = Accelerator::default().name(),
           value_parser = named(Accelerator::ALL, Accelerator::name), help_heading = "What is measured")]
     accelerators: Vec<Accelerator>,
-    /// How a ray's walk is cut into passes, see 'raystep render --help'
+    /// Schedules, see 'raystep render --help'
     #[arg(long, value_name = "S,T…", value_delimiter = ',', default_value = ScheduleKind::default().name(),
           value_parser = named(ScheduleKind::ALL, ScheduleKind::name), help_heading = "What is measured")]
     schedules: Vec<ScheduleKind>,
-    /// Pixels a row and rows
+    /// Width and height in pixels
     #[arg(
         long,
         value_name = "WxH…",
@@ -64,28 +64,28 @@ pub(crate) struct BenchArgs {
         help_heading = "What is measured"
     )]
     sizes: Vec<Size>,
-    /// Which rays
+    /// Kinds of rays
     #[arg(long, value_name = "KIND…", value_delimiter = ',', default_value = RayKind::default().name(),
           value_parser = named(RayKind::ALL, RayKind::name), help_heading = "What is measured")]
     rays: Vec<RayKind>,
-    /// Runs that count
+    /// Measured runs per configuration
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32>(1, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
     repeats: u32,
-    /// Runs before them that do not
+    /// Warm-up runs per configuration, not counted
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(0, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
     warmups: u32,
-    /// The folder of an earlier benchmark: give the times now by the times then
+    /// Folder of an earlier benchmark, to add ratios of the times
     #[arg(long, value_name = "DIR")]
     baseline: Option<PathBuf>,
-    /// The folder to write: new, or empty
+    /// Output folder: new, or empty
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Replace the benchmark in a folder that is not empty; other files stay
+    /// Replace the benchmark in a folder that is not empty; other files are kept
     #[arg(long)]
     force: bool,
-    /// Which scene of files that hold several, counted from 0 [default: each file's own]
+    /// Index of the scene in files with several, counted from 0 [default: each file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     scene_index: Option<usize>,
     #[command(flatten)]
@@ -101,7 +101,7 @@ pub(crate) struct BenchArgs {
 }
 
 impl BenchArgs {
-    /// One of the scenes, and how it is read.
+    /// A scene, and how it is read.
     fn file(&self, path: &Path) -> SceneArgs {
         SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
     }
@@ -128,11 +128,11 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
     if args.quiet.quiet { Ok(()) } else { print(&table) }
 }
 
-/// Measures and writes every file; the table of what was measured.
+/// Measures and writes every file; returns the table of results.
 fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
     output::refuse_others(&args.output)?;
     let progress = Progress::new(args.quiet.quiet);
-    // What can be wrong is looked at before anything takes its time.
+    // Checks come before slow work.
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
     progress.stage("reading scenes");
     let (inputs, subjects) = read_scenes(args, folder, &progress)?;
@@ -153,7 +153,7 @@ fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
     Ok(bench::text(&measured.rows))
 }
 
-/// Reads every scene once, and refuses to write over any.
+/// Reads every scene once, and refuses to overwrite any.
 fn read_scenes(
     args: &BenchArgs,
     folder: &TargetFolder,
@@ -168,15 +168,15 @@ fn read_scenes(
     Ok(all.into_iter().unzip())
 }
 
-/// Most bytes of an earlier summary: some millions of configurations.
+/// Most bytes of an earlier summary: several million configurations.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Reads the summary in the folder of an earlier benchmark.
+/// Reads the summary from the folder of an earlier benchmark.
 fn read_baseline(folder: &Path) -> Result<Baseline, Error> {
     let path = folder.join(output::SUMMARY);
     let cannot = |reason: String| {
         let at = path.display();
-        Error::failed(format!("--baseline: {at}: {reason}; a folder that 'raystep bench' wrote is wanted"))
+        Error::failed(format!("--baseline: {at}: {reason}; expected a folder written by 'raystep bench'"))
     };
     let bytes = read_file(&path, MOST_BYTES).map_err(|e| cannot(e.to_string()))?;
     let rows = bench::read_summary(bytes.as_slice()).map_err(|e| cannot(e.to_string()))?;

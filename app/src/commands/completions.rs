@@ -7,7 +7,7 @@ use crate::cli::Cli;
 use crate::error::Error;
 use crate::terminal::print;
 
-/// Write a shell's completion script to standard output
+/// Print a completion script for a shell
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -15,7 +15,7 @@ Examples:
   raystep completions bash > ~/.local/share/bash-completion/completions/raystep
   raystep completions fish > ~/.config/fish/completions/raystep.fish")]
 pub(crate) struct CompletionsArgs {
-    /// Which shell
+    /// The shell
     shell: Shell,
 }
 

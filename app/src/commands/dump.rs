@@ -14,6 +14,7 @@ use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
 use raystep_kernels::{Kernel, Pass, Stream, StreamData};
+use raystep_lab::text::counted;
 use serde::Serialize;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
@@ -25,10 +26,10 @@ use crate::terminal::Progress;
 use left_out::{LeftOut, NOT_NEEDED, needs_shading};
 use wanted::streams;
 
-/// Write the values of streams after one pass or after each
+/// Write streams after one pass or after every pass
 ///
-/// DIR/pass-000123.hit.npy holds the stream 'hit' after pass 123, (layer, row, column), float32 or uint32 as
-/// the stream is; index.json says what each pass did, and how many scene units a stream's unit is.
+/// DIR/pass-000123.hit.npy has the stream 'hit' after pass 123 as an array (layer, row, column) of float32 or uint32,
+/// depending on the stream; index.json describes every pass, and the length of a stream's unit in scene units.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -38,20 +39,20 @@ Examples:
 pub(crate) struct DumpArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// After which pass, counted from 0
+    /// Pass after which to write, counted from 0
     #[arg(long, value_name = "N|last|all", default_value = "last", allow_negative_numbers = true)]
     pass: Which,
-    /// Which streams, with commas between them; see 'raystep plan'
+    /// Streams, separated by commas; 'raystep plan' lists them
     #[arg(long, value_name = "NAME|all", default_value = "all", value_delimiter = ',', value_parser = parse_stream)]
     stream: Vec<Wanted>,
-    /// The folder to write: new, or empty
+    /// Output folder: new, or empty
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// NumPy arrays, OpenEXR images (a channel a layer), or both
+    /// NumPy arrays, OpenEXR images (one channel per layer), or both
     #[arg(long, value_enum, default_value_t = Format::Npy)]
     format: Format,
-    /// Replace the dump in a folder that is not empty: the files that its index.json lists go, others stay.
-    /// Also try where the file system may be too full
+    /// Replace the dump in a folder that is not empty: files listed in its index.json are deleted, others are kept.
+    /// Also write if free space may be insufficient
     #[arg(long)]
     force: bool,
     /// Count cells visited and triangles tested
@@ -79,7 +80,7 @@ impl FromStr for Which {
         match value {
             "last" => Ok(Self::Last),
             "all" => Ok(Self::All),
-            _ => value.parse().map(Self::Number).map_err(|_| "a pass's number from 0, last or all is wanted"),
+            _ => value.parse().map(Self::Number).map_err(|_| "expected a pass number of at least 0, last or all"),
         }
     }
 }
@@ -96,7 +97,7 @@ fn parse_stream(value: &str) -> Result<Wanted, String> {
     }
     let names = || names::streams().collect::<Vec<_>>().join(", ");
     let found = names::stream(value).map(Wanted::Stream);
-    found.ok_or_else(|| format!("there is no such stream; there are {}, and all", names()))
+    found.ok_or_else(|| format!("no such stream; the streams are {}, and all", names()))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -106,7 +107,7 @@ enum Format {
     Both,
 }
 
-/// The file that tells what the others hold.
+/// The file that describes the others.
 const INDEX: &str = "index.json";
 
 /// `index.json`
@@ -128,10 +129,10 @@ struct Index {
 
 #[derive(Serialize)]
 struct IndexPass {
-    /// Its number: the same whatever is dumped.
+    /// Its number, which does not depend on what is dumped.
     index: usize,
     kernel: &'static str,
-    /// Why it did not run, else `null`. What it would have done is not known then.
+    /// Why it did not run, otherwise `null`. Its results are then unknown.
     left_out: Option<&'static str>,
     iteration: Option<u32>,
     rays_in: Option<u32>,
@@ -151,8 +152,8 @@ impl IndexPass {
 pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
     if args.pass != Which::Last && !args.run.schedule.is_stepped() {
         return Err(Error::usage(
-            "--schedule fused takes every ray to its end in one pass: --pass last has its hits; \
-             first, second and compact have passes to look at",
+            "--schedule fused traces every ray in one pass: use --pass last for its hits, or schedule first, second \
+             or compact, which have steps",
         ));
     }
     let folder = TargetFolder::new(&args.output, args.force)?;
@@ -161,7 +162,7 @@ pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes every file; tells what was written.
+/// Writes every file, and prints a summary.
 fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
     let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
@@ -171,7 +172,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         let needs_shading = |s| is_wanted(s) && needs_shading(s, options.schedule);
         options.shade = PROGRAM.streams().any(needs_shading) || options.samples.count > 1;
     })?;
-    // So many lights take several passes, and how many is known only by running them.
+    // With many lights, shading takes several passes; how many is only known after running them.
     if !session.options.shade && session.scene.lights.len() as u64 > u64::from(session.chosen.limits().turns) {
         session.options.shade = true;
         (session.plan, session.data) = Plan::new(&session.scene, &session.options, &session.chosen.limits())?;
@@ -199,19 +200,24 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let plan = running.renderer.plan();
     let bytes = bytes(&streams, plan, args.format) * passes.len() as u64;
     let files = streams.len() * passes.len() * if args.format == Format::Both { 2 } else { 1 };
-    let about = if args.format == Format::Npy { "" } else { " at most, as EXR is compressed" };
-    progress.say(format_args!("writing {}, {}{about}, to {}", count(files), Bytes(bytes), args.output.display()));
+    let about = if args.format == Format::Npy { "" } else { " at most (EXR is compressed)" };
+    progress.say(format_args!(
+        "writing {}, {}{about}, to {}",
+        counted(files, "file"),
+        Bytes(bytes),
+        args.output.display()
+    ));
     if !args.force {
-        // Where the system does not say, writing will tell.
+        // If the system does not report free space, writing will show.
         fs4::available_space(folder.place()).map_or(Ok(()), |free| must_fit(bytes, free, &args.output))?;
     }
 
     let mut index = index(&running, &streams, left_out, passes.last().copied());
     for pass in index.passes.iter().filter(|pass| pass.left_out.is_some()) {
-        progress.say(format_args!("pass {} ({}) is left out: {NOT_NEEDED}", pass.index, pass.kernel));
+        progress.say(format_args!("pass {} ({}) is omitted: {NOT_NEEDED}", pass.index, pass.kernel));
     }
     if args.pass == Which::All {
-        // Known only now how many there are: the same passes once more, as kernels are deterministic.
+        // The number of passes is only known now: run the same passes again, since kernels are deterministic.
         running.renderer.restart();
     }
     for (done, &wanted) in passes.iter().enumerate() {
@@ -226,10 +232,10 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     }
     let text = super::json_text(&index)?;
     folder.write(INDEX, |out| std::io::Write::write_all(out, text.as_bytes()))?;
-    Ok(format!("wrote {} and index.json to {}", count(files), args.output.display()))
+    Ok(format!("wrote {} and index.json to {}", counted(files, "file"), args.output.display()))
 }
 
-/// Refuses what is larger than the space that is left.
+/// Refuses output larger than the free space.
 fn must_fit(bytes: u64, free: u64, output: &Path) -> Result<(), Error> {
     if bytes <= free {
         return Ok(());
@@ -247,7 +253,7 @@ fn is_ours(name: &str) -> bool {
     name == INDEX || (name.starts_with("pass-") && (name.ends_with(".npy") || name.ends_with(".exr")))
 }
 
-/// The dump's files that the index in a folder lists, if there is one: plain names only.
+/// The dump's files that an existing index lists: plain names only.
 fn listed(folder: &Path) -> Vec<String> {
     const MOST_BYTES: u64 = 1 << 30;
     let index = read_file(&folder.join(INDEX), MOST_BYTES).ok();
@@ -256,10 +262,6 @@ fn listed(folder: &Path) -> Vec<String> {
     let files = passes.into_iter().flatten().filter_map(|pass| pass["files"].as_array()).flatten();
     let is_plain = |name: &str| is_ours(name) && !name.contains(['/', '\\']);
     files.filter_map(|name| name.as_str()).filter(|name| is_plain(name)).map(str::to_owned).collect()
-}
-
-fn count(files: usize) -> String {
-    if files == 1 { "1 file".into() } else { format!("{files} files") }
 }
 
 fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &Progress) -> Result<(), Error> {

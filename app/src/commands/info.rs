@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::scene_file;
 use crate::terminal::print;
 
-/// List the GPU adapters and which one would be used; or what a scene holds
+/// List GPU adapters and the default device, or describe a scene
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -26,14 +26,14 @@ Examples:
   raystep info scenes/teapot.glb
   raystep info --json | jq '.adapters[].name'")]
 pub(crate) struct InfoArgs {
-    /// A scene to tell about instead
+    /// Describe this scene instead
     scene: Option<PathBuf>,
-    /// Which scene of a file that holds several, counted from 0
+    /// Index of the scene in a file with several, counted from 0
     #[arg(long, value_name = "N", requires = "scene", value_parser = counted, allow_negative_numbers = true)]
     scene_index: Option<usize>,
     #[command(flatten)]
     read: ReadArgs,
-    /// As JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Error> {
 #[derive(Serialize)]
 struct AboutDevices {
     adapters: Vec<AboutAdapter>,
-    /// What `--device auto` takes.
+    /// The device that `--device auto` selects.
     device: &'static str,
     name: String,
     reason: String,
@@ -75,7 +75,7 @@ struct AboutAdapter {
     info: AdapterInfo,
     is_usable: bool,
     has_timestamps: bool,
-    /// What its clock said of work that the host's clock timed as well; `null` where it has none.
+    /// Time of some work by its clock and by the host's; `null` if it has no clock.
     clock: Option<AboutClock>,
     image_side_px: u32,
     storage_binding_bytes: u64,
@@ -85,12 +85,12 @@ struct AboutAdapter {
     storage_buffers_per_stage: u32,
 }
 
-/// Opens the adapter and asks its clock.
+/// Opens the adapter, and checks its clock.
 fn clock(adapter: &AdapterSummary) -> Option<AboutClock> {
     if !adapter.is_usable || !adapter.has_timestamps {
         return None;
     }
-    // One that cannot be opened says so where it is to be used.
+    // An adapter that cannot be opened is reported when it is used.
     let gpu = open(&AdapterChoice::Named(adapter.info.name.clone())).ok()?;
     gpu.clock_check().map(AboutClock::from)
 }
@@ -101,7 +101,7 @@ impl AboutAdapter {
             _ if !self.has_timestamps => "no: passes cannot be timed".into(),
             None => "yes, but not compared with the host's clock".into(),
             Some(clock) if clock.agrees => format!("yes: {clock}"),
-            Some(clock) => format!("not true, passes cannot be timed: {clock}"),
+            Some(clock) => format!("wrong, so passes cannot be timed: {clock}"),
         }
     }
 
@@ -127,7 +127,7 @@ impl AboutDevices {
         let mut text = String::new();
         let mut line = |line: String| text.extend([line.as_str(), "\n"]);
         if self.adapters.is_empty() {
-            line("No GPU adapter was found: neither a driver nor a software one. The CPU twins need none.\n".into());
+            line("No GPU adapter was found, neither hardware nor software. Runs use the CPU.\n".into());
         }
         for a in &self.adapters {
             line(a.info.name.clone());
@@ -143,18 +143,18 @@ impl AboutDevices {
             ));
             line(format!("  timestamps  {}", a.timestamps()));
             if let Some(turns) = a.info.loops_end_after {
-                line(format!("  loops       end after {turns} turns: longer walks take several dispatches"));
+                line(format!("  loops       end after {turns} iterations: longer walks take several dispatches"));
             }
-            line(format!("  images      up to {} pixels a side", a.image_side_px));
+            line(format!("  images      up to {} pixels per side", a.image_side_px));
             line(format!("  buffers     {} each, {} bound", Bytes(a.buffer_bytes), Bytes(a.storage_binding_bytes)));
             line(format!(
                 "  a stage     {} storage textures, {} storage buffers",
                 a.storage_textures_per_stage, a.storage_buffers_per_stage
             ));
-            line(format!("  a dispatch  {} workgroups each way\n", a.workgroups_per_dimension));
+            line(format!("  a dispatch  {} workgroups per dimension\n", a.workgroups_per_dimension));
         }
         line(format!(
-            "--device auto takes {}: {}",
+            "--device auto selects {}: {}",
             if self.device == "cpu" { "the CPU" } else { &self.name },
             self.reason
         ));

@@ -1,4 +1,4 @@
-//! Scenes to measure: with a view, and a hash that tells whether they have changed.
+//! Scenes to measure: with a view, and a hash that identifies their contents.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ pub(crate) struct Input {
     pub(crate) files: Vec<PathBuf>,
 }
 
-/// Reads a scene, says its notes.
+/// Reads a scene, and prints its notes.
 pub(crate) fn read(file: SceneArgs, camera: &CameraArgs, progress: &Progress) -> Result<(Input, Subject), Error> {
     let SceneFile { scene, inputs: files } = scene_file::read(&file)?;
     let mut hash = Hash::default();

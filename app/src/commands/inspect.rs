@@ -22,9 +22,9 @@ use crate::terminal::print;
 use crate::usage::did_you_mean;
 use crate::window::{self, SceneChoice, Start};
 
-/// Open the inspector: step through passes, see every stream, walk with a ray
+/// Open the inspector: step through passes, view streams, follow rays
 ///
-/// The same as 'raystep SCENE'. With --screenshot it draws its window without a display, and exits.
+/// Same as 'raystep SCENE'. With --screenshot, draws the window without a display, and exits.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -35,26 +35,26 @@ Examples:
 pub(crate) struct InspectArgs {
     #[command(flatten)]
     link: LinkArgs,
-    /// The ray to look at, by its pixel from the top left
+    /// Pixel of the ray to select, from the top left
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pixel: Option<Pixel>,
-    /// Go there first: after so many passes
+    /// Start after this many passes
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(0, u64::MAX))]
     pass: Option<usize>,
-    /// Draw the window into a PNG without a display, and exit
+    /// Draw the window to a PNG without a display, and exit
     #[arg(long, value_name = "F.png")]
     screenshot: Option<PathBuf>,
-    /// The window's size in points
+    /// Size of the window in points
     #[arg(long, value_name = "WxH", default_value = "1280x800", allow_hyphen_values = true)]
     window: Size,
-    /// Pixels a point of a screenshot
+    /// Pixels per point in a screenshot
     #[arg(long, value_name = "S", default_value_t = 1.0, requires = "screenshot", value_parser = parse_scale,
           allow_negative_numbers = true)]
     scale: f32,
-    /// Before the screenshot, do this command of the palette, see --list; may be given again and again
+    /// Perform this command before the screenshot, see --list; can be repeated
     #[arg(long = "do", value_name = "COMMAND", requires = "screenshot", value_parser = parse_command)]
     commands: Vec<Command>,
-    /// List the commands of the palette
+    /// List all commands for --do
     #[arg(long)]
     list: bool,
     #[command(flatten)]
@@ -71,7 +71,7 @@ impl FromStr for Size {
     type Err = &'static str;
 
     fn from_str(value: &str) -> Result<Self, Self::Err> {
-        const WRONG: &str = "two whole numbers from 16 to 16384 with an x between them are wanted, such as 1280x800";
+        const WRONG: &str = "expected two integers from 16 to 16384 separated by x, such as 1280x800";
         let (width, height) = value.split_once(['x', 'X']).ok_or(WRONG)?;
         let side =
             |text: &str| text.parse::<u16>().ok().filter(|n| (16..=16384).contains(n)).map(f32::from).ok_or(WRONG);
@@ -80,7 +80,7 @@ impl FromStr for Size {
 }
 
 fn parse_scale(text: &str) -> Result<f32, &'static str> {
-    text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or("a number from 0.25 to 8 is wanted")
+    text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or("expected a number from 0.25 to 8")
 }
 
 fn parse_command(name: &str) -> Result<Command, String> {
@@ -88,7 +88,7 @@ fn parse_command(name: &str) -> Result<Command, String> {
     let found = COMMANDS.iter().find(|info| info.name.trim_end_matches('…').to_lowercase() == wanted);
     found.map(|info| info.command).ok_or_else(|| {
         let names: Vec<&str> = COMMANDS.iter().map(|info| info.name).collect();
-        format!("no command is called so; {}'raystep inspect --list' lists them", did_you_mean(name, &names))
+        format!("no such command; {}'raystep inspect --list' lists them", did_you_mean(name, &names))
     })
 }
 
@@ -105,7 +105,8 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     }
     if args.screenshot.is_none() && !window::has_display() {
         return Err(Error::failed(
-            "there is no display to open a window on; --screenshot F.png draws it into a file, 'raystep render' an image",
+            "no display to open a window on; use --screenshot F.png to draw the window to a file, or 'raystep \
+             render' for an image",
         ));
     }
     let target = args.screenshot.as_deref().map(Target::new).transpose()?;
@@ -129,7 +130,7 @@ fn adapter(args: &DeviceArgs) -> AdapterChoice {
     args.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named)
 }
 
-/// The options that are about the window.
+/// The options of the window.
 struct WindowArgs {
     screenshot: Option<PathBuf>,
     scale: f32,
@@ -137,14 +138,14 @@ struct WindowArgs {
     device: DeviceArgs,
 }
 
-/// What the options, or the link, ask for.
+/// The request, from options or from a link.
 fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, view, run, list: _ } = args;
     let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, shown: None };
     if let Some(text) = &link.link {
         let link: Link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
         if link.pass.is_some() && pass.is_some() {
-            return Err(Error::usage("--link says after how many passes, and so does --pass: leave one of them out"));
+            return Err(Error::usage("--link has a number of passes, and so does --pass: omit one of them"));
         }
         arrival.place = arrival.place.or(link.pass);
         arrival.shown = Shown::of(&link);
@@ -162,22 +163,22 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     wanted.view.samples.check()?;
     if !run.schedule.is_stepped() {
         return Err(Error::usage(
-            "--schedule fused takes a ray to its end in one pass, which cannot be stepped; first, second and compact can",
+            "--schedule fused traces a ray in one pass, so it cannot be stepped; use first, second or compact",
         ));
     }
     if wanted.view.camera.eye.is_some() {
-        // The same checks as everywhere; the scene has no say in a camera of one's own.
+        // The same checks as elsewhere; they do not depend on the scene for a custom camera.
         scene_file::camera(&wanted.view.camera, &raystep_scenes::Scene::default())?;
     }
     let linked = link_of(&wanted)?;
     if let Some(LinkRay::Pixel(pixel)) = linked.ray {
         if arrival.pixel.is_some() {
-            return Err(Error::usage("--link names a pixel, and so does --pixel: leave one of them out"));
+            return Err(Error::usage("--link has a pixel, and so does --pixel: omit one of them"));
         }
         arrival.pixel = Some(pixel);
     }
     if matches!(linked.ray, Some(LinkRay::Given(_))) && linked.samples.count > 1 {
-        return Err(Error::usage("--link has a ray of its own, which --spp cannot spread over a pixel"));
+        return Err(Error::usage("--link has a single ray, to which --spp does not apply"));
     }
     let [width, height] = linked.size;
     if let Some([x, y]) = arrival.pixel
@@ -185,7 +186,7 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     {
         let (right, bottom) = (width - 1, height - 1);
         return Err(Error::usage(format!(
-            "--pixel {x},{y}: the image has pixels 0,0 to {right},{bottom}; --size makes it larger"
+            "--pixel {x},{y}: the image has pixels 0,0 to {right},{bottom}; --size enlarges it"
         )));
     }
     let settings = Settings::from(&linked);

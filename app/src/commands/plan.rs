@@ -9,10 +9,10 @@ use crate::error::Error;
 use crate::session::Session;
 use crate::terminal::{Progress, print};
 
-/// Show what a run would need, and what it leaves out and why
+/// Show what a run needs, what it omits, and why
 ///
-/// Kernels with their bindings, streams and buffers with their bytes. What is left out is neither compiled,
-/// bound, allocated nor uploaded.
+/// Lists kernels with their bindings, and streams and buffers with their sizes. Omitted parts are not compiled, bound,
+/// allocated or uploaded.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -22,7 +22,7 @@ Examples:
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// As JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
     /// Count cells visited and triangles tested

@@ -22,13 +22,13 @@ use crate::output::{Target, ending, refuse_inputs, write};
 use crate::session::{Running, Session};
 use crate::terminal::{Progress, print};
 
-/// Mistakes that `--check` names; the rest is counted.
+/// Mistakes that `--check` lists; the rest are counted.
 const MISTAKES_SHOWN: usize = 8;
 
-/// Trace a scene to the end and write the image
+/// Render a scene to an image
 ///
-/// PNG is sRGB. EXR is linear, and carries what each ray hit: Z, Hit.T.V, Hit.Bary.U and .V, Hit.TriId.V,
-/// Normal.X, .Y and .Z.
+/// PNG is sRGB. EXR is linear, with additional channels for what each ray hit: Z, Hit.T.V, Hit.Bary.U and .V,
+/// Hit.TriId.V, Normal.X, .Y and .Z.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -42,22 +42,22 @@ Examples:
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// The image to write; its name ends in .png or .exr
+    /// Output image; its name ends in .png or .exr
     #[arg(short, long, value_name = "OUT.png|OUT.exr")]
     output: PathBuf,
-    /// Time every pass, and write one row a pass
+    /// Time every pass, and write one row per pass
     #[arg(long, value_name = "F")]
     passes_csv: Option<PathBuf>,
-    /// Time every pass, and write a trace that Perfetto opens: passes as slices, rays in each state as counters
+    /// Time every pass, and write a trace for Perfetto: passes as slices, rays in each state as counters
     #[arg(long, value_name = "F")]
     trace_json: Option<PathBuf>,
-    /// Write what the run did
+    /// Write a summary of the run
     #[arg(long, value_name = "F")]
     summary_json: Option<PathBuf>,
     /// Count cells visited and triangles tested
     #[arg(long)]
     counters: bool,
-    /// Compare what every ray hit with f64 brute force; with --numerics robust, a difference is a failure
+    /// Compare every hit with f64 brute force; with --numerics robust, a difference is a failure
     #[arg(long)]
     check: bool,
     #[command(flatten)]
@@ -129,13 +129,16 @@ fn refuse_doubles(targets: &[Option<&Target>]) -> Result<(), Error> {
         if let Some(a) = a
             && targets[..i].iter().flatten().any(|b| a.is_same(b))
         {
-            return Err(Error::usage(format!("{} is named for two outputs: give each its own", a.path().display())));
+            return Err(Error::usage(format!(
+                "{} is used for two outputs: choose different names",
+                a.path().display()
+            )));
         }
     }
     Ok(())
 }
 
-/// Runs to the end. With `per_pass`, tells what each pass added to the counters.
+/// Runs to the end. With `per_pass`, reports what each pass added to the counters.
 fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<Option<Vec<PassWork>>, Error> {
     let Running { chosen, renderer, .. } = running;
     progress.rays(&renderer.progress());
@@ -150,7 +153,7 @@ fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<O
     let (mut all, mut before) = (Vec::new(), CounterSums::default());
     while let Some(pass) = chosen.wait(renderer.step())? {
         if matches!(pass.kernel.role(), Role::Enter | Role::Whole) {
-            // They count from 0 in every sample.
+            // Counters restart with every sample.
             before = CounterSums::default();
         }
         let after =
@@ -178,7 +181,7 @@ fn check(running: &mut Running, progress: &Progress) -> Result<Report, Error> {
     Ok(report)
 }
 
-/// Says what the comparison found; errors fail the run, unless the paper's numerics make them as expected.
+/// Prints the result of the comparison; errors fail the run, unless the paper's numerics are expected to make them.
 fn judge(report: &Report, running: &Running) -> Result<(), Error> {
     let width = running.renderer.plan().width as usize;
     let mut text = format!("{report}\n");
@@ -186,7 +189,7 @@ fn judge(report: &Report, running: &Running) -> Result<(), Error> {
         let (x, y) = (m.ray % width, m.ray / width);
         let found = m.found.map_or("nothing".into(), |(triangle, t)| format!("triangle {triangle} at t {t}"));
         let exact = m.exact.map_or("nothing".into(), |(triangle, t)| format!("triangle {triangle} at t {t}"));
-        text += &format!("  pixel {x},{y}: {found}, but the truth is {exact} (t in traced units)\n");
+        text += &format!("  pixel {x},{y}: {found}, expected {exact} (t in traced units)\n");
     }
     print(&text)?;
     if report.errors() > 0 && running.options.numerics == Numerics::Robust {

@@ -18,14 +18,15 @@ use crate::error::Error;
 use crate::output::{self, TargetFolder};
 use crate::terminal::Progress;
 
-/// Measure error against run time: CSVs, plots and a page
+/// Report error against run time: CSV files, plots and a page
 ///
-/// How fast rays are resolved and how many of them wrongly, by accelerator and schedule; which rule costs what and saves
-/// which rays; the error far from the origin and in tiny and huge units; the grid's resolution; samples a pixel; what
-/// leaving out saves. Every ray is compared with f64 brute force, or in large scenes a sample of them.
+/// Measures how fast rays are resolved, and how many wrongly, by accelerator and schedule; the cost and benefit of each
+/// numerical rule; errors far from the origin and at tiny and huge scales; effects of grid resolution and samples per
+/// pixel; and what omitting unneeded work saves. Every ray, or in large scenes a sample of them, is compared with f64
+/// brute force.
 ///
-/// DIR/index.html is a page that needs nothing beside it; each of its numbers is in a CSV there, and each of its plots is
-/// an SVG there. The same command on the same machine finds the same errors; times differ.
+/// DIR/index.html is self-contained; all its numbers are also in CSV files, and all its plots are also SVG files. The
+/// same command on the same machine finds the same errors; times differ.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -37,29 +38,29 @@ pub(crate) struct ReportArgs {
     /// The scenes: glTF 2.0, .gltf or .glb
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// The folder to write: new, or empty
+    /// Output folder: new, or empty
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Replace the report in a folder that is not empty; other files stay
+    /// Replace the report in a folder that is not empty; other files are kept
     #[arg(long)]
     force: bool,
-    /// Fewer rays, fewer repeats
+    /// Use fewer rays and repeats
     #[arg(long)]
     quick: bool,
-    /// Only these sections
+    /// Write only these sections
     #[arg(long = "section", value_name = "A,B…", value_delimiter = ',',
           value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
     sections: Vec<String>,
-    /// Which scene of files that hold several, counted from 0 [default: each file's own]
+    /// Index of the scene in files with several, counted from 0 [default: each file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
     scene_index: Option<usize>,
     #[command(flatten)]
     read: ReadArgs,
-    /// Pixels a row and rows of views [default: 192x192; with --quick 64x64]
+    /// Width and height of views in pixels [default: 192x192; with --quick 64x64]
     #[arg(long, value_name = "WxH", value_parser = parse_size, help_heading = "Scene and view",
           allow_hyphen_values = true)]
     size: Option<Size>,
-    /// Cells of the grid in the section factors [default: auto, finer than elsewhere]
+    /// Number of grid cells in the section factors [default: auto, finer than elsewhere]
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
           value_parser = parse_grid, allow_hyphen_values = true, help_heading = "Tracing")]
     grid: GridSize,
@@ -71,11 +72,11 @@ pub(crate) struct ReportArgs {
     device: DeviceArgs,
 }
 
-/// Pixels each way, unless asked otherwise: quick, and not.
+/// Default pixels per side, for quick and full reports.
 const SIDES: [u32; 2] = [64, 192];
 
 impl ReportArgs {
-    /// One of the scenes, and how it is read.
+    /// A scene, and how it is read.
     fn file(&self, path: &Path) -> SceneArgs {
         SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
     }
@@ -96,7 +97,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
     let stale = report_files(&args.output);
     TargetFolder::new(&args.output, args.force)?.fill(&stale, |folder| fill(args, folder, &progress))?;
     progress.finish();
-    progress.say(format_args!("wrote {} with its CSVs and plots", args.output.join(report::PAGE).display()));
+    progress.say(format_args!("wrote {} with its CSV files and plots", args.output.join(report::PAGE).display()));
     Ok(())
 }
 
@@ -104,7 +105,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
 fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result<(), Error> {
     let names = report_files(&args.output);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    output::refuse_others(&args.output, &names, "such report's", report::PAGE, report::is_report)?;
+    output::refuse_others(&args.output, &names, "a report", report::PAGE, report::is_report)?;
     progress.stage("reading scenes");
     let mut subjects = Vec::new();
     for path in &distinct(&args.scenes) {
@@ -121,14 +122,14 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
     files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))
 }
 
-/// The files in a folder that a report may have. They go with it: another one may have fewer sections, and fewer plots.
+/// Existing files of an earlier report. They are replaced with it: a new one may have fewer sections and plots.
 fn report_files(folder: &Path) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     names.filter(|name| report::is_ours(name)).collect()
 }
 
-/// On what, by which command.
+/// The machine and the command.
 fn about(machine: &Machine) -> About {
     let command_line = std::env::args_os().skip(1).map(|argument| visible(&argument.to_string_lossy()).into_owned());
     let mut about = vec![
@@ -146,7 +147,7 @@ fn about(machine: &Machine) -> About {
         }
         None => {
             let cores = std::thread::available_parallelism().map_or(1, usize::from);
-            about.push(("adapter", format!("none: the CPU twins on {cores} cores")));
+            about.push(("adapter", format!("CPU with {cores} cores")));
         }
     }
     about

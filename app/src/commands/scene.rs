@@ -1,4 +1,4 @@
-//! `raystep scene`: generated and converted scenes. Every generator of the table is a subcommand of its own.
+//! `raystep scene`: generated and converted scenes. Every generator in the table is a subcommand.
 
 use std::path::{Path, PathBuf};
 
@@ -15,27 +15,27 @@ use crate::terminal::{Progress, print};
 /// Largest file that `convert` reads.
 const MOST_BYTES: u64 = 16 << 30;
 
-/// What to do.
+/// The action.
 #[derive(Clone, Debug)]
 pub(crate) enum SceneCommand {
-    /// Lists the generators.
+    /// Lists generators.
     List,
-    /// Turns OBJ or PLY into GLB.
+    /// Converts OBJ or PLY to GLB.
     Convert(ConvertArgs),
-    /// Makes a scene.
+    /// Generates a scene.
     Generate { generator: &'static Generator, parameters: Vec<(&'static str, u64)>, output: PathBuf, quiet: bool },
 }
 
-/// Turn a Wavefront OBJ or a Stanford PLY into a GLB
+/// Convert a Wavefront OBJ or Stanford PLY file to GLB
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 Examples:
   printf 'v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n' > triangle.obj
   raystep scene convert triangle.obj -o triangle.glb")]
 pub(crate) struct ConvertArgs {
-    /// The file: .obj or .ply
+    /// Input file: .obj or .ply
     input: PathBuf,
-    /// The GLB to write
+    /// Output GLB
     #[arg(short, long, value_name = "F.glb")]
     output: PathBuf,
     #[command(flatten)]
@@ -44,7 +44,7 @@ pub(crate) struct ConvertArgs {
 
 impl FromArgMatches for SceneCommand {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let missing = || clap::Error::raw(clap::error::ErrorKind::MissingSubcommand, "a scene's name is wanted");
+        let missing = || clap::Error::raw(clap::error::ErrorKind::MissingSubcommand, "missing generator");
         let (name, matches) = matches.subcommand().ok_or_else(missing)?;
         match name {
             "list" => Ok(Self::List),
@@ -71,13 +71,13 @@ impl FromArgMatches for SceneCommand {
 impl Subcommand for SceneCommand {
     fn augment_subcommands(command: Command) -> Command {
         let command = command
-            .about("Generate a scene, or convert one, into a GLB")
+            .about("Generate or convert a scene, as GLB")
             .after_help(
                 "Examples:\n  raystep scene list\n  raystep scene soup --triangles 100000 --seed 7 -o soup.glb\n  \
                  raystep render soup.glb -o soup.png",
             )
             .subcommand_required(true)
-            .subcommand(Command::new("list").about("List what can be generated, with parameters and their ranges"))
+            .subcommand(Command::new("list").about("List generators with parameters and their ranges"))
             .subcommand(ConvertArgs::augment_args(Command::new("convert")));
         GENERATORS.iter().fold(command, |command, g| command.subcommand(generator_command(g)))
     }
@@ -102,7 +102,7 @@ fn generator_command(generator: &'static Generator) -> Command {
     let example = generator.parameters.first().map(|p| format!(" --{} {}", p.name, p.default)).unwrap_or_default();
     let output = Arg::new("output").short('o').long("output").value_name("F.glb").required(true);
     command
-        .arg(output.value_parser(value_parser!(PathBuf)).help("The GLB to write"))
+        .arg(output.value_parser(value_parser!(PathBuf)).help("Output GLB"))
         .after_help(format!("Examples:\n  raystep scene {0}{example} -o {0}.glb", generator.name))
 }
 
@@ -160,7 +160,7 @@ fn read_other(path: &Path) -> Result<Scene, Error> {
     let convert = match super::extension(path).as_str() {
         "obj" => convert::obj,
         "ply" => convert::ply,
-        _ => return Err(Error::usage(format!("{}: a name that ends in .obj or .ply is wanted", path.display()))),
+        _ => return Err(Error::usage(format!("{}: expected a name that ends in .obj or .ply", path.display()))),
     };
     let bytes = read_file(path, MOST_BYTES).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
     convert(&path.to_string_lossy(), &bytes).map_err(Error::failed)

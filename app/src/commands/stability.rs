@@ -17,16 +17,16 @@ use crate::usage::did_you_mean;
 
 /// Trace extreme cases, and compare every ray with f64 brute force
 ///
-/// Each case is a scene and rays on which tracers break: rays along axes, in faces, at edges and corners, slivers,
-/// scenes far away, huge or tiny, flat or crowded. It is traced by the robust rules and by the paper's, through grid
-/// and tree and without either, on a GPU and by the CPU twins in f32 and f64. Robust rules must make no error at all;
-/// the paper's must fail where theory says so. If either is not so, the exit code is 1.
+/// Each case has a scene and rays that are hard for ray tracers: rays along axes, in faces, at edges and corners,
+/// slivers, and scenes that are far away, huge, tiny, flat or crowded. They are traced with robust and with the paper's
+/// numerics, through grid and BVH and without either, on a GPU and on the CPU in f32 and f64. Robust numerics must make
+/// no error; the paper's must fail where theory predicts it. Otherwise the exit code is 1.
 ///
-/// How far tMax is off along a walk of 3,000 cells is measured for each way to keep it, and pairs of rays and triangles
-/// are tested by every pipeline that has the triangle test in it.
+/// The error of tMax along a walk of 3,000 cells is measured for each way to compute it, and pairs of rays and
+/// triangles are tested by every pipeline that includes the triangle test.
 ///
-/// DIR/stability.csv has a row a case and way, DIR/tmax.csv one a sample of the walk, DIR/pipelines.csv one a pipeline;
-/// DIR/stability.html shows all of it, and where the errors are.
+/// DIR/stability.csv has one row per case and configuration, DIR/tmax.csv one per sample of the walk, DIR/pipelines.csv
+/// one per pipeline; DIR/stability.html shows all of it, and where the errors are.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -35,23 +35,23 @@ Examples:
   raystep stability --quick --device cpu --accelerator grid
   raystep stability --list")]
 pub(crate) struct StabilityArgs {
-    /// The folder to write: new, or empty
+    /// Output folder: new, or empty
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Replace the report in a folder that is not empty; other files stay
+    /// Replace the report in a folder that is not empty; other files are kept
     #[arg(long, requires = "output")]
     force: bool,
-    /// Only cases with this in their names; may be given several times
+    /// Only cases with this text in their names; can be repeated
     #[arg(long = "case", value_name = "NAME")]
     cases: Vec<String>,
-    /// List the cases and what is expected of each
+    /// List the cases and the expected results
     #[arg(long)]
     list: bool,
-    /// What keeps a ray from testing every triangle
+    /// Acceleration structures
     #[arg(long, value_name = "A,B…", value_delimiter = ',', default_value = "grid,bvh,none",
           value_parser = named(ACCELERATORS, Accelerator::name))]
     accelerator: Vec<Accelerator>,
-    /// An eighth of the rays
+    /// Use an eighth of the rays
     #[arg(long)]
     quick: bool,
     #[command(flatten)]
@@ -59,7 +59,7 @@ pub(crate) struct StabilityArgs {
     /// Where to trace
     #[arg(long, value_enum, default_value_t = Devices::Auto, help_heading = "Device")]
     device: Devices,
-    /// The GPU adapter with this in its name, see 'raystep info'
+    /// Name of the GPU adapter, or part of it; see 'raystep info'
     #[arg(long, value_name = "NAME", help_heading = "Device")]
     adapter: Option<String>,
 }
@@ -67,11 +67,11 @@ pub(crate) struct StabilityArgs {
 /// `--device`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Devices {
-    /// The best adapter, software too, and the CPU twins
+    /// The best adapter, even if it is software, and the CPU
     Auto,
-    /// The best adapter, software too
+    /// The best adapter, even if it is software
     Gpu,
-    /// The CPU twins in f32 and in f64
+    /// The CPU in f32 and in f64
     Cpu,
 }
 
@@ -86,7 +86,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
         Some(path) => {
             let [csv, ..] = FILES;
             let is_ours = |bytes: &[u8]| bytes.starts_with(COLUMNS.join(",").as_bytes());
-            output::refuse_others(path, &FILES, "such report", csv, is_ours)?;
+            output::refuse_others(path, &FILES, "a stability report", csv, is_ours)?;
             let report = TargetFolder::new(path, args.force)?.fill(&[], |folder| {
                 let report = all(args, cases, &progress)?;
                 let files = report.files()?;
@@ -101,11 +101,11 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
     if !args.quiet.quiet {
         print(&(stability::text(&report.outcomes) + &stability::text_beside(&report)))?;
     }
-    // A gate: what is not as it must be fails the command.
+    // A gate: unexpected results fail the command.
     report.unexpected().map_or(Ok(()), |line| Err(Error::failed(line)))
 }
 
-/// Those whose names have one of the texts in them.
+/// Cases whose names contain one of the texts.
 fn chosen_cases(names: &[String]) -> Result<Vec<&'static Case>, Error> {
     if let Some(unknown) = names.iter().find(|name| !CASES.iter().any(|case| case.name.contains(name.as_str()))) {
         let all: Vec<&str> = CASES.iter().map(|case| case.name).collect();
@@ -118,10 +118,10 @@ fn chosen_cases(names: &[String]) -> Result<Vec<&'static Case>, Error> {
     Ok(CASES.iter().filter(is_chosen).collect())
 }
 
-/// Where to trace, and how it is called in the report.
+/// Where to trace, and its name in the report.
 fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Machine)>, Error> {
     if args.device == Devices::Cpu && args.adapter.is_some() {
-        return Err(Error::usage("--adapter names a GPU adapter, and --device cpu uses none: leave one of them out"));
+        return Err(Error::usage("--adapter names a GPU adapter, but --device cpu uses none: omit one of them"));
     }
     let mut places = Vec::new();
     if args.device != Devices::Cpu {
@@ -129,13 +129,13 @@ fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Machi
         match device::choose(&DeviceArgs { device: DeviceKind::Gpu, adapter: args.adapter.clone() }) {
             Ok(chosen) => places.push((Place { device: "gpu", adapter: chosen.name() }, chosen)),
             Err(error) if args.device == Devices::Gpu || args.adapter.is_some() => return Err(error),
-            Err(error) => progress.say(format_args!("note: {}: the CPU twins only", error.message())),
+            Err(error) => progress.say(format_args!("note: {}; using the CPU only", error.message())),
         }
     }
     if args.device != Devices::Gpu {
         let twins = [("cpu_f32", Device::Cpu(None)), ("cpu_f64", Device::CpuF64(None))];
         places.extend(twins.map(|(name, device)| {
-            let reason = "the CPU twins".to_owned();
+            let reason = "CPU".to_owned();
             (Place { device: name, adapter: String::new() }, Machine { device, reason })
         }));
     }

@@ -1,4 +1,4 @@
-//! What a run did, for people and for `--summary-json`.
+//! Summary of a run, for the terminal and for `--summary-json`.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use raystep_lab::judge::Report;
 
 use crate::session::Running;
 
-/// Of a run that is complete.
+/// The summary of a complete run.
 pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, report: Option<&Report>) -> Summary {
     let (renderer, plan) = (&running.renderer, running.renderer.plan());
     Summary {
@@ -39,10 +39,10 @@ pub(crate) fn of(running: &Running, hits: u64, counters: Option<CounterSums>, re
     }
 }
 
-/// A stage's name for people.
+/// A stage's displayed name.
 fn in_words(stage: &str) -> String {
     match stage {
-        // The key in JSON is older than the tree.
+        // The key in JSON is older than the BVH.
         "plan_and_grid" => "plan and structure".into(),
         other => other.replace('_', " "),
     }
@@ -61,12 +61,12 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
     };
     line("device", format!("{device}: {}", summary.device_reason));
     line("triangles", summary.triangles.to_string());
-    // It has its own name in the column.
+    // It includes its own name.
     let _ = writeln!(text, "{}", summary.structure);
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<9} {value}");
     };
-    // In the order in which they ran, not by name.
+    // In execution order, not by name.
     let mut kernels: Vec<String> = Vec::new();
     for variant in &running.renderer.plan().variants {
         if let Some(k) = summary.kernels.get(variant.kernel.name()) {
@@ -80,17 +80,17 @@ pub(crate) fn text(summary: &Summary, running: &Running) -> String {
         1 => line("rays", hits),
         spp => {
             let (sampler, seed) = (summary.options.sampler.unwrap_or_default(), summary.options.seed.unwrap_or(0));
-            line("samples", format!("{spp} a pixel, {sampler}, seed {seed}"));
+            line("samples", format!("{spp} per pixel, {sampler}, seed {seed}"));
             line("rays", format!("{hits}, in the last sample"));
         }
     }
     if summary.unfinished > 0 {
-        line("", format!("{} were still walking at the bound on passes", summary.unfinished));
+        line("", format!("{} unresolved at the limit on passes", summary.unfinished));
     }
     if let Some(c) = &summary.counters {
         let places = if summary.structure.bvh.is_some() { "nodes" } else { "cells" };
         let of = if summary.options.spp > 1 { ", in the last sample" } else { "" };
-        let again = c.repeated_tests.map(|n| format!(", {n} of them again")).unwrap_or_default();
+        let again = c.repeated_tests.map(|n| format!(", {n} of them repeated")).unwrap_or_default();
         line(
             "counters",
             format!("{} {places} visited, {} triangles tested{again}{of}", c.cells_visited, c.triangles_tested),

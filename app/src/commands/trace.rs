@@ -14,16 +14,15 @@ use crate::link::{LinkArgs, link_of};
 use crate::session::Session;
 use crate::terminal::{Progress, print, say};
 
-/// Follow one ray through every pass, with what was decided and why
+/// Print the history of one ray, with the reason for every step
 ///
-/// A row for every pass that worked on the ray, from the executor's own streams: kernel, state, cell, tmax,
-/// item, triangle tested, hit, and the reason in words. A row shows the cell as it was before the pass, and
-/// tmax, item, t and hit as they were after it. t counts multiples of the ray's direction; a camera's direction
-/// has length 1 along the view axis, so there t is depth. Values are in the streams' units: the footer gives
-/// the factors.
+/// Prints one row for every pass that processed the ray, from the executor's streams: kernel, state, cell, tmax, item,
+/// triangle tested, hit, and the reason. A row shows the cell as it was before the pass, and tmax, item, t and hit as
+/// they were after it. t is a multiple of the ray's direction; a camera's rays have length 1 along the view axis, so
+/// there t is depth. Values are in the streams' units; the footer has the conversion factors.
 ///
-/// Only this ray is traced, unless --all-rays asks for the others. How many passes the run of all rays takes, and
-/// so the number of the last one, in which rays are shaded, is known only then.
+/// Only this ray is traced, unless --all-rays is used. Only then is the number of passes of the run known, and so the
+/// number of the last one, which shades.
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("which").args(["pixel", "ray"]), after_help = "\
 Examples:
@@ -35,22 +34,22 @@ Examples:
 pub(crate) struct TraceArgs {
     #[command(flatten)]
     scene: LinkArgs,
-    /// The ray through the centre of a pixel, counted from 0 at the top left
+    /// Pixel of the ray, counted from 0 at the top left
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pixel: Option<Pixel>,
-    /// A ray of your own: origin and direction, decimal or as the bits of an f32 in hex
+    /// A single ray: origin and direction, decimal or as the bits of an f32 in hex
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", allow_hyphen_values = true)]
     ray: Option<TypedRay>,
-    /// Trace the rays of all pixels too, as 'render' does: tells how many passes they take, and the number of the last
+    /// Also trace the rays of all other pixels, as 'render' does, to show the number of passes
     ///
-    /// Without it only the one ray is traced: its rows are the same, bit for bit. With --schedule first and with
-    /// several samples a pixel, a ray's passes depend on the other rays, and all are traced.
+    /// Without it, only this ray is traced; its rows are the same, bit for bit. With --schedule first and with several
+    /// samples per pixel, a ray's passes depend on the other rays, so all are traced.
     #[arg(long)]
     all_rays: bool,
-    /// A table for people, or data
+    /// A readable table, or data
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
-    /// Print the link of this trace on stderr, for 'trace' and for the inspector
+    /// Print a link to this trace on stderr, for 'trace' and for the inspector
     #[arg(long)]
     print_link: bool,
     #[command(flatten)]
@@ -81,7 +80,7 @@ impl FromStr for Pixel {
     type Err = &'static str;
 
     fn from_str(value: &str) -> Result<Self, Self::Err> {
-        const WRONG: &str = "two whole numbers with a comma between them are wanted, such as 256,256";
+        const WRONG: &str = "expected two integers separated by a comma, such as 256,256";
         let (x, y) = value.split_once(',').ok_or(WRONG)?;
         Ok(Self { x: x.trim().parse().map_err(|_| WRONG)?, y: y.trim().parse().map_err(|_| WRONG)? })
     }
@@ -94,7 +93,7 @@ impl FromStr for TypedRay {
     type Err = &'static str;
 
     fn from_str(value: &str) -> Result<Self, Self::Err> {
-        const WRONG: &str = "six numbers with commas between them are wanted, decimal or hex bits such as 0x3f800000";
+        const WRONG: &str = "expected six numbers separated by commas, decimal or hex bits such as 0x3f800000";
         let number = |text: &str| match text.trim().strip_prefix("0x") {
             Some(bits) => u32::from_str_radix(bits, 16).map(f32::from_bits).map_err(|_| WRONG),
             None => text.trim().parse::<f32>().map_err(|_| WRONG),
@@ -105,9 +104,9 @@ impl FromStr for TypedRay {
     }
 }
 
-/// Why `--all-rays` is taken for granted.
-const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedule first, or several samples a pixel): all \
-                         are traced";
+/// Why `--all-rays` is implied.
+const NOT_ALONE: &str = "a ray's passes depend on the other rays here (--schedule first, or several samples per \
+                         pixel), so all are traced";
 
 pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let asked = match (args.pixel, args.ray) {
@@ -118,9 +117,9 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let mut wanted = args.scene.wanted(args.view, args.run)?;
     let ray = match (asked, wanted.ray) {
         (Some(_), Some(_)) => {
-            return Err(Error::usage("--link names a ray, and so does --pixel or --ray: leave one of them out"));
+            return Err(Error::usage("--link has a ray, and so does --pixel or --ray: omit one of them"));
         }
-        (None, None) => return Err(Error::usage("which ray is missing: --pixel X,Y or --ray OX,OY,OZ,DX,DY,DZ")),
+        (None, None) => return Err(Error::usage("missing ray: use --pixel X,Y or --ray OX,OY,OZ,DX,DY,DZ")),
         (asked, linked) => asked.or(linked),
     };
     wanted.ray = ray;
@@ -128,23 +127,22 @@ pub(crate) fn run(args: TraceArgs) -> Result<(), Error> {
     let [x, y] = if let Some(LinkRay::Pixel(pixel)) = ray { pixel } else { [0, 0] };
     if x >= size.width || y >= size.height {
         return Err(Error::usage(format!(
-            "--pixel {x},{y}: the image has pixels 0,0 to {},{}; --size makes it larger",
+            "--pixel {x},{y}: the image has pixels 0,0 to {},{}; --size enlarges it",
             size.width - 1,
             size.height - 1
         )));
     }
     if !wanted.run.schedule.is_stepped() {
         return Err(Error::usage(
-            "--schedule fused takes a ray to its end in one pass, which cannot be followed; first, second and compact can",
+            "--schedule fused traces a ray in one pass, so there are no steps to follow; use first, second or \
+             compact",
         ));
     }
     if matches!(ray, Some(LinkRay::Given(_))) && wanted.view.samples.spp > 1 {
-        return Err(Error::usage("--spp spreads samples over a pixel, and --ray is one ray: leave one of them out"));
+        return Err(Error::usage("--spp applies to pixels, but --ray is a single ray: omit one of them"));
     }
     if matches!(ray, Some(LinkRay::Given(_))) && args.all_rays {
-        return Err(Error::usage(
-            "--all-rays is about the rays of other pixels, and --ray has none: leave one of them out",
-        ));
+        return Err(Error::usage("--all-rays applies to pixels, but --ray is a single ray: omit one of them"));
     }
     let link = args.print_link.then(|| link_of(&wanted)).transpose()?;
     let progress = Progress::new(args.quiet.quiet);

@@ -1,4 +1,4 @@
-//! The files beside a scene: those in its folder and below it, unless the user lets it read others.
+//! Files that a scene refers to: those in its folder and below, unless the user permits others.
 
 use std::cell::RefCell;
 use std::fs;
@@ -9,18 +9,17 @@ use raystep_scenes::{FileError, Resolver};
 use super::read_file;
 use crate::output::{folder_of, reason};
 
-/// Reads the files that a scene names.
+/// Reads the files that a scene refers to.
 pub(super) struct Beside {
-    /// Without links on the way, so that it can be compared.
+    /// With links resolved, for comparison.
     folder: PathBuf,
     allow_outside: bool,
-    /// What was read so far.
+    /// Bytes read so far.
     read: RefCell<Vec<PathBuf>>,
 }
 
 impl Beside {
-    /// The files beside the scene at `path`. Where the scene's own name is a link, they are looked for beside the
-    /// link.
+    /// The files beside the scene at `path`. If the scene's own name is a link, they are relative to the link.
     pub(super) fn new(path: &Path, allow_outside: bool) -> Result<Self, String> {
         let folder = fs::canonicalize(folder_of(path)).map_err(|e| reason(&e))?;
         Ok(Self { folder, allow_outside, read: RefCell::default() })
@@ -31,14 +30,14 @@ impl Beside {
         self.read.into_inner()
     }
 
-    /// Where a file is once all links are followed, if that is where it may be.
+    /// The path of a file after resolving links, if it is permitted.
     fn place(&self, relative: &Path) -> Result<PathBuf, FileError> {
         let path = self.folder.join(relative);
         let found = fs::canonicalize(&path);
         if self.allow_outside {
             return found.map_err(|e| reason(&e).into());
         }
-        // Of what is missing, its nearest folder decides: what lies outside is not said to exist or not.
+        // For a missing file, its nearest existing folder decides, so that nothing is revealed about files outside.
         let known = match &found {
             Ok(path) => Some(path.clone()),
             Err(_) => path.ancestors().skip(1).find_map(|path| fs::canonicalize(path).ok()),
@@ -53,9 +52,9 @@ impl Beside {
 impl Resolver for Beside {
     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, FileError> {
         let relative = Path::new(path);
-        // A drive alone makes a path that is not relative to the folder either.
+        // On Windows, a drive without a root also leaves the folder.
         if relative.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir)) {
-            return Err("an absolute path; one relative to the scene is wanted".into());
+            return Err("an absolute path; expected one relative to the scene".into());
         }
         let path = self.place(relative)?;
         let bytes = read_file(&path, max_bytes)?;

@@ -1,11 +1,11 @@
-//! What a desktop keeps for the next time.
+//! Files that persist on a desktop.
 
 use std::path::PathBuf;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
-/// Waits for a dialog, on a thread that has nothing else to do.
+/// Waits for a dialog, on its own thread.
 pub(super) fn wait<T>(dialog: impl Future<Output = T>) -> T {
     let mut dialog = pin!(dialog);
     loop {
@@ -16,17 +16,17 @@ pub(super) fn wait<T>(dialog: impl Future<Output = T>) -> T {
     }
 }
 
-/// The file of saved sessions, where this system keeps such things.
+/// The file of saved sessions, if the system has a place for it.
 fn place() -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "raystep").map(|folders| folders.data_dir().join("inspector.json"))
 }
 
-/// What was kept the last time; nothing where there is nothing that can be read.
+/// The saved session; empty if it cannot be read.
 pub(super) fn recall() -> Option<Vec<u8>> {
     crate::scene_file::read_file(&place()?, raystep_inspector::saved::MOST_BYTES as u64).ok()
 }
 
-/// Keeps it. Where that fails, the next window begins as the first did.
+/// Saves the session. If that fails, the next window starts with defaults.
 pub(super) fn remember(saved: &str) {
     let Some(place) = place() else { return };
     let folder = place.parent().map(std::fs::create_dir_all);
@@ -37,7 +37,7 @@ pub(super) fn remember(saved: &str) {
     }
 }
 
-/// A path for a file of this name, in the folder where the program runs, that no file has yet.
+/// An unused path for a file of this name, in the current folder.
 pub(super) fn proposed(name: &str) -> String {
     let folder = std::env::current_dir().unwrap_or_default();
     let (stem, extension) = name.split_once('.').map_or((name, ""), |(stem, _)| (stem, &name[stem.len()..]));

@@ -17,7 +17,7 @@ use crate::args::{ReadArgs, SceneArgs};
 use crate::output::{Target, write};
 use crate::scene_file;
 
-/// A scene by its path, and which of a file that holds several.
+/// A scene's path, and which scene of a file with several.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct SceneChoice {
     /// The file.
@@ -34,7 +34,7 @@ impl fmt::Display for SceneChoice {
 }
 
 impl SceneChoice {
-    /// The other way round. A file whose name ends like an index is that file.
+    /// The inverse. A file whose name ends like an index is that file.
     fn parse(text: &str) -> Self {
         let whole = Self { path: text.into(), index: None };
         match text.rsplit_once('#') {
@@ -47,14 +47,14 @@ impl SceneChoice {
     }
 }
 
-/// A desktop.
+/// A desktop host.
 pub(super) struct Desktop {
     ctx: egui::Context,
     gpu: Arc<Gpu>,
     read: ReadArgs,
     events: Receiver<HostEvent>,
     tell: Sender<HostEvent>,
-    /// What was remembered last.
+    /// The settings that were saved last.
     remembered: String,
 }
 
@@ -64,7 +64,7 @@ impl Desktop {
         Self { ctx, gpu, read, events, tell, remembered: String::new() }
     }
 
-    /// Does something that takes its time, and tells what came of it.
+    /// Runs slow work in a thread, and reports its result.
     fn aside(&self, work: impl FnOnce() -> Option<HostEvent> + Send + 'static) {
         let (tell, ctx) = (self.tell.clone(), self.ctx.clone());
         std::thread::spawn(move || {
@@ -102,7 +102,7 @@ impl Host for Desktop {
     }
 
     fn choose_scene(&mut self) {
-        // Dialogs want the main thread on macOS, and are asynchronous everywhere.
+        // Dialogs require the main thread on macOS, and are asynchronous everywhere.
         let asking = Asking::begin();
         let dialog = rfd::AsyncFileDialog::new().add_filter("glTF 2.0", &["gltf", "glb"]).pick_file();
         self.aside(move || {
@@ -110,7 +110,7 @@ impl Host for Desktop {
                 Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),
                 None => match asking.failure() {
                     Some(why) => HostEvent::AskPath { file: None, path: files::proposed(""), why },
-                    None => HostEvent::Cancelled("cancelled: no scene is opened"),
+                    None => HostEvent::Cancelled("cancelled: no scene opened"),
                 },
             })
         });
@@ -123,11 +123,11 @@ impl Host for Desktop {
             rfd::AsyncFileDialog::new().set_file_name(&file.name).add_filter(&extension, &[&extension]).save_file();
         self.aside(move || {
             Some(match files::wait(dialog) {
-                // The dialog has asked whether to replace what is there.
+                // The dialog has already asked whether to replace an existing file.
                 Some(chosen) => save(file, &chosen.path().to_string_lossy(), chosen.path(), true),
                 None => match asking.failure() {
                     Some(why) => HostEvent::AskPath { path: files::proposed(&file.name), file: Some(file), why },
-                    None => HostEvent::Cancelled("cancelled: nothing is written"),
+                    None => HostEvent::Cancelled("cancelled: nothing written"),
                 },
             })
         });
@@ -150,11 +150,11 @@ impl Host for Desktop {
     }
 }
 
-/// What came of a file. Where it cannot be written, another path is asked for.
+/// The result of writing a file. If it failed, the user is asked for another path.
 fn save(file: FileToSave, name: &str, path: &Path, replaces: bool) -> HostEvent {
     let path_text = name.to_owned();
     if !replaces && path.exists() {
-        let why = format!("{name} is there already: name another file, or allow that it is replaced");
+        let why = format!("{name} already exists: choose another file, or allow replacing it");
         return HostEvent::AskPath { file: Some(file), path: path_text, why };
     }
     match Target::new(path).and_then(|target| write(vec![(target, file.bytes.clone())])) {
@@ -163,8 +163,8 @@ fn save(file: FileToSave, name: &str, path: &Path, replaces: bool) -> HostEvent 
     }
 }
 
-/// A dialog that was begun. rfd answers alike where its user closes it and where there is none: it tells the one from
-/// the other in what it logs alone.
+/// An open dialog. rfd returns the same value whether the user closed it or there is none; only its log messages tell
+/// them apart.
 struct Asking;
 
 impl Asking {
@@ -176,6 +176,6 @@ impl Asking {
     /// Why there was no dialog.
     fn failure(&self) -> Option<String> {
         last_error::take_of("rfd")?;
-        Some("There is no dialog for files here: xdg-desktop-portal or zenity would show one.".into())
+        Some("There is no file dialog on this system: install xdg-desktop-portal or zenity to get one.".into())
     }
 }

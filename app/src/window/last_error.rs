@@ -1,12 +1,11 @@
-//! The last errors that libraries logged: why a window cannot be opened, or a dialog for files not be shown, eframe and
-//! rfd say nowhere else.
+//! The last errors logged by libraries: eframe and rfd only log why a window or a file dialog cannot be opened.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
-/// By the crate that logged it.
+/// By crate.
 struct LastErrors(Mutex<BTreeMap<String, String>>);
 
 static LAST: LastErrors = LastErrors(Mutex::new(BTreeMap::new()));
@@ -26,14 +25,14 @@ impl Log for LastErrors {
     fn flush(&self) {}
 }
 
-/// From now on.
+/// Installs the logger.
 pub(super) fn listen() {
     if log::set_logger(&LAST).is_ok() {
         log::set_max_level(LevelFilter::Error);
     }
 }
 
-/// The last one of a library since, in one line.
+/// The last error of a library since then, in one line.
 pub(super) fn take_of(library: &str) -> Option<String> {
     let last = LAST.0.lock().unwrap_or_else(PoisonError::into_inner).remove(library)?;
     Some(last.split_whitespace().collect::<Vec<_>>().join(" "))

@@ -1,4 +1,4 @@
-//! The inspector as a picture, drawn by egui's own renderer without a display.
+//! Draws the inspector into an image by egui's own renderer, without a display.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -14,10 +14,10 @@ use raystep_lab::block_on;
 use super::{Start, inspector};
 use crate::error::Error;
 
-/// How long work may go on before the picture is taken of what there is.
+/// How long to wait for work before the screenshot is taken anyway.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Draws the interface once nothing is left to do. `commands` are done one after the other before.
+/// Draws the interface once all work is done. `commands` are performed first, one after the other.
 pub(crate) fn screenshot(
     gpu: &Arc<Gpu>,
     start: Start,
@@ -27,7 +27,7 @@ pub(crate) fn screenshot(
     let [width, height] = start.size.map(|side| (side * scale).round().max(1.0) as u32);
     let most = gpu.device.limits().max_texture_dimension_2d;
     if width > most || height > most {
-        return Err(Error::failed(format!("--window: the adapter draws pictures of at most {most} pixels a side")));
+        return Err(Error::failed(format!("--window: the adapter supports at most {most} pixels per side")));
     }
     let ctx = egui::Context::default();
     ctx.set_pixels_per_point(scale);
@@ -58,7 +58,7 @@ struct Stage {
 }
 
 impl Stage {
-    /// Frames until nothing goes on, and a few more for what needs several to find its size.
+    /// Runs frames until no work is left, and some more because layouts need several frames to settle.
     fn settle(&mut self) -> Result<(), Error> {
         let begin = Instant::now();
         let mut calm = 0;
@@ -86,7 +86,7 @@ impl Stage {
             renderer.update_texture(&self.gpu.device, &self.gpu.queue, *id, delta);
         }
         let jobs = self.ctx.tessellate(output.shapes, self.scale);
-        // What is freed is still shown by this frame's shapes.
+        // This frame's shapes still use textures that are freed now.
         self.gpu.submit([]);
         for id in &output.textures_delta.free {
             renderer.free_texture(id);

@@ -1,9 +1,9 @@
-//! The window's surface, on a queue that others use too.
+//! The window's surface, on a queue that is shared with other threads.
 //!
-//! eframe configures the surface by itself: as it opens, in the event that tells a new size, and before it paints where
-//! the picture acquired last did not fit. wgpu refuses to, where another thread submits meanwhile. So nothing is
-//! submitted while a window's events are handled and while a surface that may have to be configured is painted; a
-//! frame that fails all the same is painted again with a surface configured anew.
+//! eframe configures the surface itself: when it opens, on resize events, and before painting if the last acquired
+//! texture did not fit. wgpu refuses to do so while another thread submits work. So nothing is submitted while a
+//! window's events are handled or while a surface is painted that may have to be configured; a frame that fails all the
+//! same is painted again with a newly configured surface.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -18,21 +18,21 @@ use winit::event::{DeviceEvent, StartCause, WindowEvent};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::WindowId;
 
-/// Frames that may fail one after the other.
+/// Most consecutive failures of frames.
 const MOST_FAILURES: usize = 8;
 
-/// What is known of the surface, for all who have to do with it.
+/// The state of the surface, shared by all that use it.
 pub(super) struct Surface {
     gpu: Arc<Gpu>,
     ctx: OnceLock<egui::Context>,
     held: Mutex<Option<Held>>,
-    /// It has to be configured before the next frame.
+    /// It must be configured before the next frame.
     is_stale: AtomicBool,
     /// It may be configured before the next frame.
     is_changing: AtomicBool,
-    /// A frame was drawn since the events that are handled now began.
+    /// Whether a frame was drawn since the current events began.
     is_drawn: AtomicBool,
-    /// Failures since the last frame that went well.
+    /// Failures since the last successful frame.
     failures: AtomicUsize,
     trouble: Mutex<Option<String>>,
 }
@@ -44,7 +44,7 @@ impl Surface {
             ctx: OnceLock::new(),
             held: Mutex::default(),
             is_stale: false.into(),
-            // The first picture acquired may not fit what the window manager made of the window.
+            // The first acquired texture may not fit the size that the window manager chose.
             is_changing: true.into(),
             is_drawn: false.into(),
             failures: 0.into(),
@@ -52,12 +52,12 @@ impl Surface {
         })
     }
 
-    /// From now on frames can be asked for.
+    /// Allows requests for frames.
     pub(super) fn opened(&self, ctx: &egui::Context) {
         let _ = self.ctx.set(ctx.clone());
     }
 
-    /// What went wrong for good.
+    /// The permanent error, if any.
     pub(super) fn trouble(&self) -> Option<String> {
         self.trouble.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -71,17 +71,17 @@ impl Surface {
         self.held.lock().unwrap_or_else(PoisonError::into_inner).take();
     }
 
-    /// A frame begins: whoever draws it submits work of its own.
+    /// Begins a frame: the application submits work of its own.
     pub(super) fn begin_frame(&self) {
         self.let_go();
         self.is_drawn.store(true, Ordering::Relaxed);
     }
 
-    /// A frame is about to be painted.
+    /// About to paint a frame.
     pub(super) fn end_frame(&self, frame: &mut eframe::Frame) {
         let is_stale = self.is_stale.swap(false, Ordering::Relaxed);
         if is_stale && let Some(now) = frame.wgpu_surface_config() {
-            // What is configured is what has changed. Nothing said is wgpu's two frames, so that both mean the same.
+            // Only changed values are configured. An unset latency is wgpu's default of two frames, so that both agree.
             let other = if now.desired_maximum_frame_latency.is_some() { None } else { Some(2) };
             frame.set_wgpu_surface_config(SurfaceConfig { desired_maximum_frame_latency: other, ..now });
         }
@@ -90,7 +90,7 @@ impl Surface {
         }
     }
 
-    /// eframe's own configuration, that tells before it configures.
+    /// eframe's configuration, which notifies before it configures.
     pub(super) fn configuration(self: &Arc<Self>, wgpu_setup: eframe::egui_wgpu::WgpuSetup) -> WgpuConfiguration {
         let usual = WgpuConfiguration { wgpu_setup, ..Default::default() };
         let (surface, decide) = (self.clone(), usual.on_surface_status.clone());
@@ -106,12 +106,12 @@ impl Surface {
         WgpuConfiguration { on_surface_status, ..usual }
     }
 
-    /// Lets eframe handle something. What the device refuses to this thread meanwhile is tried again.
+    /// Lets eframe handle an event. Work that the device refuses meanwhile is repeated.
     fn during(&self, work: impl FnOnce()) {
         self.bearing(MOST_FAILURES, work);
     }
 
-    /// The same, where no more than so many failures are borne.
+    /// The same, with a limit on failures.
     fn bearing(&self, most: usize, work: impl FnOnce()) {
         self.is_drawn.store(false, Ordering::Relaxed);
         let scope = self.gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -134,7 +134,7 @@ impl Surface {
     }
 }
 
-/// eframe's application, whose surface is looked after.
+/// eframe's application with a supervised surface.
 pub(super) struct Application<'a> {
     pub(super) eframe: EframeWinitApplication<'a>,
     pub(super) surface: Arc<Surface>,

@@ -1,19 +1,19 @@
-//! Three rows, ordered so that few edges cross (Sugiyama, Tagawa and Toda 1981: by the mean place of the neighbours;
-//! then by exchanging neighbours as long as that helps).
+//! Three rows, ordered to reduce edge crossings (Sugiyama, Tagawa and Toda 1981: by the mean position of the
+//! neighbours; then by swapping neighbours while that helps).
 
 use super::{DataFlow, Edge, Node, NodeKind};
 
-/// Points a character of a label, at most.
+/// Points per character of a label, at most.
 const CHARACTER: f32 = 7.5;
-/// Points inside of a node beside its label.
+/// Points inside a node beside its label.
 const PADDING: f32 = 12.0;
-/// Points between two nodes of a row, at least.
+/// Minimum distance between two nodes of a row, points.
 const GAP: f32 = 18.0;
 /// Height of a node, points: two lines.
 const HEIGHT: f32 = 40.0;
 /// Points between two rows.
 const BETWEEN_ROWS: f32 = 130.0;
-/// Points around all.
+/// Margin, points.
 const MARGIN: f32 = 16.0;
 
 /// Orders and places nodes and the ends of edges.
@@ -48,7 +48,7 @@ fn width(node: &Node) -> f32 {
     node.label.chars().count().max(detail) as f32 * CHARACTER + 2.0 * PADDING
 }
 
-/// One row, so that few edges to the kernels cross. `row` gives the order of those that are alike.
+/// Orders one row to reduce crossings of edges to the kernels. `row` is the initial order, which breaks ties.
 fn ordered(mut row: Vec<usize>, edges: &[Edge]) -> Vec<usize> {
     let kernels = |node: usize| edges.iter().filter(move |e| e.data == node).map(|e| e.kernel);
     let mean = |&node: &usize| kernels(node).sum::<usize>() as f32 / kernels(node).count().max(1) as f32;
@@ -86,7 +86,7 @@ fn in_order(
     let nodes: Vec<Node> = order.iter().map(moved).collect();
     edges.sort_by_key(|e| (e.kernel, e.data));
 
-    // Along a side, ends come in the order of what they lead to.
+    // The ends along a side follow the order of their other ends.
     let port = |node: usize, other: usize| {
         let is_above = |i: usize| nodes[i].max[1] <= nodes[node].min[1];
         let mut side: Vec<usize> = edges

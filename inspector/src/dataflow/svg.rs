@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use raystep_kernels::Kernel;
+use raystep_lab::text::counted;
 
 use super::{Access, DataFlow, Edge, Node, NodeKind};
 
@@ -82,7 +83,7 @@ impl DataFlow {
         let detail = match node.kind {
             NodeKind::Kernel(kernel) => {
                 let found = rays.iter().find(|(k, _)| *k == kernel);
-                found.map(|(_, n)| format!("{n} rays")).unwrap_or_default()
+                found.map(|(_, n)| counted(*n, "ray")).unwrap_or_default()
             }
             _ => node.detail.clone(),
         };

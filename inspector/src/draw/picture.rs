@@ -1,10 +1,10 @@
-//! Textures that pictures are drawn into.
+//! Textures to render into.
 
-/// The format of every picture. egui blends sRGB-encoded colours as they are and wants this for its textures, so colours
-/// are written encoded too.
+/// The format of every picture. egui blends sRGB-encoded colours directly and expects this format of its textures, so
+/// colours are written encoded too.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// A buffer that holds these bytes, a multiple of four. Nothing of it is mapped, which on a lost device is a panic.
+/// A buffer with these bytes, a multiple of four. It is never mapped, since mapping panics on a lost device.
 pub(super) fn filled(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -20,8 +20,8 @@ pub(super) fn filled(
     buffer
 }
 
-/// A texture to draw a picture into: to be shown by a panel, or copied to a file. Of at least one pixel, and of no more
-/// than the device can hold.
+/// A texture to render into, for display or for copying to a file. At least one pixel, and at most what the device
+/// supports.
 #[must_use]
 pub fn picture(device: &wgpu::Device, size: [u32; 2]) -> wgpu::Texture {
     let most = device.limits().max_texture_dimension_2d;

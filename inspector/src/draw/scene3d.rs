@@ -43,7 +43,7 @@ struct Targets {
 }
 
 impl Scene3d {
-    /// Makes the pipelines; there is nothing to draw yet.
+    /// Creates the pipelines; there is nothing to draw yet.
     #[must_use]
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let pipelines = Pipelines::new(device);
@@ -71,17 +71,17 @@ impl Scene3d {
         }
     }
 
-    /// Uploads a scene's triangles; once a scene. Returns how many of them will be seen.
+    /// Uploads a scene's triangles, once per scene. Returns how many of them are drawn.
     pub fn set_scene(&mut self, data: &SceneData) -> Shown {
         self.bounds = Aabb::of_vertices(&data.vertices);
         self.frustum = Frustum::of(data);
-        // The old buffers go first: both may not fit.
+        // The old buffers are freed first: both may not fit.
         self.triangles = Triangles::default();
         self.triangles = Triangles::new(&self.device, &self.queue, &self.pipelines.triangles_layout, data);
         self.triangles.shown
     }
 
-    /// The box of the scene's triangles, traced units: what a camera frames first.
+    /// The box of the scene's triangles, in traced units, for framing.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
@@ -178,7 +178,7 @@ fn view(camera: &Orbit, settings: &Settings, center: Vec3, size: [u32; 2]) -> Vi
     let is_perspective = matches!(camera.pose.lens, Lens::Perspective { .. });
     View {
         clip_from_world: clip.as_mat4().to_cols_array(),
-        // Over the viewer's right shoulder: every side of a box has a shade of its own.
+        // The light comes from over the viewer's right shoulder: every side of a box has a different shade.
         light: (up * 0.45 + right * 0.25 - forward).normalize().as_vec3().to_array(),
         opacity: settings.opacity(),
         center: center.to_array(),

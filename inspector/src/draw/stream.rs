@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 
 use super::picture::{FORMAT, filled};
 
-/// How numbers become colours. NaN and infinities have colours and a hatch of their own.
+/// How values become colours. NaN and infinities have special colours and a hatch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Colors {
     /// Counts and cost (van der Walt and Smith 2015).
     #[default]
     Viridis,
-    /// As viridis, told apart by more eyes (Nuñez, Anderton and Renslow 2018).
+    /// As viridis, adapted to more kinds of colour vision (Nuñez, Anderton and Renslow 2018).
     Cividis,
     /// Distances along rays.
     Magma,
@@ -29,7 +29,7 @@ impl Colors {
     /// Every map.
     pub const ALL: [Self; 5] = [Self::Viridis, Self::Cividis, Self::Magma, Self::Diverging, Self::Gray];
 
-    /// What people read.
+    /// The displayed name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -67,14 +67,14 @@ pub fn state_color(states: States, tag: Tag) -> [u8; 3] {
     states.0.get(tag as usize).or(states.0.last()).map_or([0; 3], |state| state.colour)
 }
 
-/// What a component means for its colour.
+/// The meaning of a component, which determines its colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A float.
     Scalar,
-    /// A whole number that counts.
+    /// A count.
     Count,
-    /// A name: equal or not.
+    /// An id: equal or different.
     Id,
     /// Three layers, linear light.
     Color,
@@ -83,7 +83,7 @@ pub enum Meaning {
 }
 
 impl Meaning {
-    /// What a layer means; without a layer all of them together, where that is a colour.
+    /// The meaning of a layer; without a layer that of all together, if they are a colour.
     #[must_use]
     pub fn of(stream: Stream, layer: Option<usize>) -> Self {
         let Some(layer) = layer else {
@@ -108,13 +108,13 @@ pub struct Picture<'a> {
     pub states: States,
     /// Its texture.
     pub texture: &'a wgpu::Texture,
-    /// Taken from it, texel by texel: the same stream of another run.
+    /// Subtracted from it, texel by texel: the same stream of another run.
     pub minus: Option<&'a wgpu::Texture>,
-    /// Which component; the first of three for a colour.
+    /// The component; the first of three for a colour.
     pub layer: usize,
     /// What it means.
     pub meaning: Meaning,
-    /// Where the first colour is, and the last.
+    /// The values of the first and the last colour.
     pub range: [f32; 2],
     /// Factor of a colour.
     pub exposure: f32,
@@ -122,7 +122,7 @@ pub struct Picture<'a> {
     pub colors: Colors,
     /// Pixel of the target at which texel (0, 0) begins.
     pub offset: [f32; 2],
-    /// Pixels of the target a texel.
+    /// Pixels of the target per texel.
     pub scale: f32,
 }
 
@@ -243,7 +243,7 @@ impl StreamPainter {
             mode: picture.meaning as u32,
             is_float: u32::from(is_float),
             has_other: u32::from(picture.minus.is_some()),
-            // Where an id is missing; a count of all ones cannot be.
+            // The value of a missing id; a count cannot reach it.
             unwritten: u32::MAX,
             inf: INF,
         };

@@ -1,4 +1,4 @@
-//! That uniforms lie in memory as their shaders say.
+//! Checks that uniforms have the memory layout that their shaders declare.
 
 /// Asserts that a WGSL struct has these members, in this order, at these offsets, and this size.
 pub(super) fn assert_lies_as(source: &str, name: &str, members: &[(&str, usize)], size: usize) {

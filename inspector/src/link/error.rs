@@ -1,44 +1,44 @@
-//! Why a text is no link: what, where, and what would be right, in one line.
+//! Errors in links: one line with the problem, its place, and what is valid.
 
 use super::{KEYS, VERSION};
 
-/// A text is no link.
+/// A text is not a link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LinkError {
-    /// It begins otherwise.
-    #[error("{0:?} is no link: one begins with \"raystep:{VERSION}?\"")]
+    /// It has another beginning.
+    #[error("{0:?} is not a link: links start with \"raystep:{VERSION}?\"")]
     NotALink(String),
     /// It is of another version.
-    #[error("the link is of version {0:?}, and this raystep reads version {VERSION}")]
+    #[error("the link has version {0:?}, but this raystep reads version {VERSION}")]
     Version(String),
-    /// Something between two `&` is no pair.
-    #[error("{0:?}: a key, = and a value are wanted")]
+    /// Text between two `&` is not a pair.
+    #[error("{0:?}: expected KEY=VALUE")]
     NoValue(String),
-    /// A key that has no meaning.
-    #[error("{0:?} is no key of a link; the keys are {keys}", keys = KEYS.join(", "))]
+    /// An unknown key.
+    #[error("{0:?} is not a key of a link; the keys are {keys}", keys = KEYS.join(", "))]
     UnknownKey(String),
-    /// A key that is there twice.
-    #[error("{0} is there twice: leave one out")]
+    /// A duplicate key.
+    #[error("{0} is there twice: omit one")]
     Twice(&'static str),
-    /// Two keys of which one makes the other meaningless.
-    #[error("{0} and {1} are both there: leave one out")]
+    /// Two keys that exclude each other.
+    #[error("{0} and {1} exclude each other: omit one")]
     Both(&'static str, &'static str),
-    /// A key without the one that gives it its meaning.
-    #[error("{0} is there without {1}: add {1}, or leave {0} out")]
+    /// A key that requires another one.
+    #[error("{0} requires {1}: add {1}, or omit {0}")]
     Without(&'static str, &'static str),
-    /// A value that its key cannot have.
+    /// An invalid value.
     #[error("{key}={value:?}: {wanted}")]
     Value {
         /// The key.
         key: &'static str,
         /// The value; the start of a long one.
         value: String,
-        /// What would be right.
+        /// The valid values.
         wanted: String,
     },
 }
 
-/// As much of a text as an error needs to say where it is.
+/// The start of a text, enough to locate the error.
 pub(super) fn start(text: &str) -> String {
     const MOST: usize = 40;
     match text.char_indices().nth(MOST) {

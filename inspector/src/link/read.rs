@@ -1,4 +1,4 @@
-//! From a text to a [`Link`]. The text comes from anybody: it may be wrong in every way, and nothing panics.
+//! Parses links. The text is untrusted: it may be wrong in any way, and nothing panics.
 
 use std::str::FromStr;
 
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::names;
 
-/// The pairs of a link; a key is there once.
+/// The pairs of a link, each key once.
 struct Pairs(Vec<(&'static str, String)>);
 
 impl FromStr for Link {
@@ -27,7 +27,7 @@ impl FromStr for Link {
         let pairs = Pairs::read(query)?;
         let default = Self::default();
         let link = Self {
-            scene: pairs.take("scene", |v| not_empty(v).ok_or("a file is wanted".into()))?,
+            scene: pairs.take("scene", |v| not_empty(v).ok_or("expected a file".into()))?,
             scene_index: pairs.take("scene-index", count)?,
             camera: camera(&pairs)?,
             size: pairs.take("size", size)?.unwrap_or(default.size),
@@ -37,29 +37,28 @@ impl FromStr for Link {
             grid: pairs.take("grid", grid)?.unwrap_or(default.grid),
             skip: pairs.take("skip", named)?.unwrap_or(default.skip),
             steps_per_pass: pairs.take("steps-per-pass", steps)?.unwrap_or(default.steps_per_pass),
-            keep_all: pairs.take("keep-all", |v| v.parse().map_err(|_| "true or false is wanted".into()))?
-                == Some(true),
+            keep_all: pairs.take("keep-all", |v| v.parse().map_err(|_| "expected true or false".into()))? == Some(true),
             samples: Samples {
                 count: pairs.take("spp", spp)?.unwrap_or(default.samples.count),
                 sampler: pairs.take("sampler", named)?.unwrap_or(default.samples.sampler),
                 seed: pairs.take("seed", seed)?.unwrap_or(default.samples.seed),
             },
             device: pairs.take("device", device)?.unwrap_or(default.device),
-            adapter: pairs.take("adapter", |v| not_empty(v).ok_or("part of an adapter's name is wanted".into()))?,
+            adapter: pairs.take("adapter", |v| not_empty(v).ok_or("expected part of an adapter's name".into()))?,
             ray: ray(&pairs)?,
             pass: pairs.take("pass", count)?,
             stream: pairs.take("stream", stream)?,
             zoom: pairs.take("zoom", |v| {
                 let points = finite::<f32, 1>(v).map(|[points]| points).filter(|&points| points > 0.0);
-                points.ok_or("a number above 0 is wanted".into())
+                points.ok_or("expected a number above 0".into())
             })?,
-            pan: pairs.take("pan", |v| finite(v).ok_or("two numbers are wanted, such as 12.5,30".into()))?,
+            pan: pairs.take("pan", |v| finite(v).ok_or("expected two numbers, such as 12.5,30".into()))?,
         };
         if let Some(LinkRay::Pixel([x, y])) = link.ray
             && (x >= link.size[0] || y >= link.size[1])
         {
             let (right, bottom) = (link.size[0] - 1, link.size[1] - 1);
-            let wanted = format!("the image has pixels 0,0 to {right},{bottom}; size makes it larger");
+            let wanted = format!("the image has pixels 0,0 to {right},{bottom}; size enlarges it");
             return Err(LinkError::Value { key: "pixel", value: format!("{x},{y}"), wanted });
         }
         Ok(link)
@@ -79,7 +78,7 @@ impl Pairs {
             let decoded = percent_decode_str(value).decode_utf8().map_err(|_| LinkError::Value {
                 key,
                 value: start(value),
-                wanted: "this is no UTF-8 once its percent signs are decoded".into(),
+                wanted: "not UTF-8 after percent-decoding".into(),
             })?;
             pairs.push((key, decoded.into_owned()));
         }
@@ -90,7 +89,7 @@ impl Pairs {
         self.0.iter().any(|(k, _)| *k == key)
     }
 
-    /// The value of a key by `parse`, which says what would be right.
+    /// The value of a key, parsed by `parse`, which describes the valid values.
     fn take<T>(
         &self,
         key: &'static str,
@@ -102,13 +101,13 @@ impl Pairs {
 }
 
 fn camera(pairs: &Pairs) -> Result<LinkCamera, LinkError> {
-    const POINT: &str = "three numbers are wanted, such as 0,1.5,-3";
+    const POINT: &str = "expected three numbers, such as 0,1.5,-3";
     let point = |key| pairs.take(key, |v| finite::<f64, 3>(v).ok_or(POINT.into()));
     let index = pairs.take("camera", count)?;
     let (eye, look_at, up) = (point("eye")?, point("look-at")?, point("up")?);
     let fov_deg = pairs.take("fov", |v| {
         let angle = finite::<f64, 1>(v).map(|[degrees]| degrees).filter(|&degrees| degrees > 0.0 && degrees < 180.0);
-        angle.ok_or("an angle between 0 and 180 degrees is wanted".into())
+        angle.ok_or("expected an angle between 0 and 180 degrees".into())
     })?;
     if index.is_some()
         && let Some(other) = ["eye", "look-at", "up", "fov"].into_iter().find(|key| pairs.has(key))
@@ -131,8 +130,8 @@ fn camera(pairs: &Pairs) -> Result<LinkCamera, LinkError> {
 }
 
 fn ray(pairs: &Pairs) -> Result<Option<LinkRay>, LinkError> {
-    const RAY: &str = "six numbers are wanted, decimal or the bits of an f32 such as 0x3f800000, none of them infinite";
-    const PIXEL: &str = "two whole numbers are wanted, such as 256,256";
+    const RAY: &str = "expected six finite numbers, decimal or the bits of an f32 such as 0x3f800000";
+    const PIXEL: &str = "expected two integers, such as 256,256";
     let pixel = pairs.take("pixel", |v| numbers(v, |part| part.parse::<u32>().ok()).ok_or(PIXEL.into()))?;
     let given = pairs.take("ray", |v| {
         let [ox, oy, oz, dx, dy, dz] = numbers(v, component).ok_or(RAY)?;
@@ -144,7 +143,7 @@ fn ray(pairs: &Pairs) -> Result<Option<LinkRay>, LinkError> {
     }
 }
 
-/// A finite f32, decimal or by its bits.
+/// A finite f32, decimal or as bits.
 fn component(text: &str) -> Option<f32> {
     let value = match text.strip_prefix("0x") {
         Some(bits) => f32::from_bits(u32::from_str_radix(bits, 16).ok()?),
@@ -156,7 +155,7 @@ fn component(text: &str) -> Option<f32> {
 fn size(value: &str) -> Result<[u32; 2], String> {
     let sides = value.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let fits = |sides: &[u32; 2]| sides.iter().all(|side| (1..=MOST_PIXELS).contains(side));
-    sides.filter(fits).ok_or_else(|| format!("two numbers from 1 to {MOST_PIXELS} are wanted, such as 640x480"))
+    sides.filter(fits).ok_or_else(|| format!("expected two numbers from 1 to {MOST_PIXELS}, such as 640x480"))
 }
 
 fn grid(value: &str) -> Result<GridSize, String> {
@@ -165,22 +164,22 @@ fn grid(value: &str) -> Result<GridSize, String> {
     }
     let number = |part: &str| part.parse::<u32>().ok().filter(|n| (1..=MOST_CELLS).contains(n));
     let cells = numbers(value, number).or_else(|| numbers(value, number).map(|[n]| [n; 3]));
-    let wanted = || format!("auto, or one or three numbers from 1 to {MOST_CELLS} are wanted, such as 32 or 32,8,32");
+    let wanted = || format!("expected auto, or one or three numbers from 1 to {MOST_CELLS}, such as 32 or 32,8,32");
     cells.map(GridSize::Cells).ok_or_else(wanted)
 }
 
 fn steps(value: &str) -> Result<u32, String> {
     let steps = value.parse().ok().filter(|n| (1..=MOST_STEPS).contains(n));
-    steps.ok_or_else(|| format!("a number from 1 to {MOST_STEPS} is wanted"))
+    steps.ok_or_else(|| format!("expected a number from 1 to {MOST_STEPS}"))
 }
 
 fn spp(value: &str) -> Result<u32, String> {
     let count = value.parse().ok().filter(|n| (1..=Samples::MOST).contains(n));
-    count.ok_or_else(|| format!("a number from 1 to {} is wanted", Samples::MOST))
+    count.ok_or_else(|| format!("expected a number from 1 to {}", Samples::MOST))
 }
 
 fn seed(value: &str) -> Result<u32, String> {
-    value.parse().map_err(|_| format!("a number from 0 to {} is wanted", u32::MAX))
+    value.parse().map_err(|_| format!("expected a number from 0 to {}", u32::MAX))
 }
 
 fn stream(value: &str) -> Result<LinkStream, String> {
@@ -189,7 +188,7 @@ fn stream(value: &str) -> Result<LinkStream, String> {
         None => (value, None),
     };
     let stream = names::stream(name)
-        .ok_or_else(|| format!("one of {} is wanted", names::streams().collect::<Vec<_>>().join(", ")))?;
+        .ok_or_else(|| format!("expected one of {}", names::streams().collect::<Vec<_>>().join(", ")))?;
     let layers = stream.info().layers;
     let index = layer.map(|layer| layers.iter().position(|l| *l == layer));
     match index {
@@ -200,7 +199,7 @@ fn stream(value: &str) -> Result<LinkStream, String> {
 
 fn device(value: &str) -> Result<LinkDevice, String> {
     let device = LinkDevice::ALL.into_iter().find(|d| d.name() == value);
-    device.ok_or_else(|| format!("one of {} is wanted", LinkDevice::ALL.map(LinkDevice::name).join(", ")))
+    device.ok_or_else(|| format!("expected one of {}", LinkDevice::ALL.map(LinkDevice::name).join(", ")))
 }
 
 fn named<T: FromStr<Err: ToString>>(value: &str) -> Result<T, String> {
@@ -208,20 +207,20 @@ fn named<T: FromStr<Err: ToString>>(value: &str) -> Result<T, String> {
 }
 
 fn count(value: &str) -> Result<usize, String> {
-    value.parse().map_err(|_| "a whole number from 0 is wanted".into())
+    value.parse().map_err(|_| "expected an integer of at least 0".into())
 }
 
 fn not_empty(value: &str) -> Option<String> {
     (!value.is_empty()).then(|| value.to_owned())
 }
 
-/// As many numbers as are wanted, with commas between them.
+/// The expected count of numbers, separated by commas.
 fn numbers<T, const N: usize>(value: &str, parse: impl Fn(&str) -> Option<T>) -> Option<[T; N]> {
     let numbers = value.split(',').take(N + 1).map(parse).collect::<Option<Vec<_>>>()?;
     numbers.try_into().ok()
 }
 
-/// The same, none of them infinite.
+/// The same, all finite.
 fn finite<T: FromStr + Copy + Into<f64>, const N: usize>(value: &str) -> Option<[T; N]> {
     numbers(value, |part| part.parse::<T>().ok().filter(|&n| n.into().is_finite()))
 }

@@ -4,7 +4,7 @@ use glam::{DMat4, DVec4};
 use raystep_scenes::Projection;
 use serde::{Deserialize, Serialize};
 
-/// How pixels spread.
+/// The projection.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Lens {
     /// From the eye.
@@ -20,7 +20,7 @@ pub enum Lens {
 }
 
 impl Lens {
-    /// As a scene's camera has it.
+    /// From a scene's camera.
     #[must_use]
     pub fn of(projection: Projection) -> Self {
         match projection {
@@ -45,7 +45,7 @@ impl Lens {
         }
     }
 
-    /// By how much looking around turns over the picture's height.
+    /// How far looking around turns over the picture's height.
     pub(super) fn vertical_angle(self) -> f64 {
         match self {
             Self::Perspective { vertical_fov } => vertical_fov,
@@ -62,7 +62,7 @@ impl Lens {
                 DMat4::from_cols(DVec4::X * (scale / aspect), DVec4::Y * scale, -DVec4::W, DVec4::Z * near)
             }
             Self::Orthographic { half_height } => {
-                // The eye of a parallel view is no place: what lies behind it is seen as well.
+                // The eye of a parallel view is arbitrary: points behind it are visible as well.
                 let (scale, depth) = (1.0 / half_height, 1.0 / (2.0 * far));
                 let z = DVec4::Z * depth;
                 DMat4::from_cols(DVec4::X * (scale / aspect), DVec4::Y * scale, z, DVec4::new(0.0, 0.0, 0.5, 1.0))

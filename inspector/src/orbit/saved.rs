@@ -1,5 +1,4 @@
-//! A camera in a file: plain numbers, brought into their ranges when they are written, as JSON has none for NaN and
-//! infinities, and when they are read.
+//! A camera as saved: plain numbers, clamped to their ranges when they are read.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,4 +1,4 @@
-//! What a hand on the mouse would notice.
+//! The camera under mouse input.
 
 use super::*;
 

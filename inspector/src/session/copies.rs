@@ -1,4 +1,4 @@
-//! Textures that hold what the twins' streams hold, to be drawn from.
+//! Textures with the streams of the CPU reference, for drawing.
 
 use raystep_kernels::executor::gpu::stream_format;
 use raystep_kernels::{Gpu, Stream, StreamData};
@@ -17,7 +17,7 @@ pub(super) fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) ->
     })
 }
 
-/// Puts a stream's values into such a texture.
+/// Copies a stream's values into such a texture.
 pub(super) fn fill(gpu: &Gpu, texture: &wgpu::Texture, data: &StreamData) {
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,

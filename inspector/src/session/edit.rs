@@ -1,4 +1,4 @@
-//! Texels changed by hand: part of the run's history, so that going back and forth makes them again.
+//! Texels edited by hand: part of the run's history, so that going back and forth repeats them.
 
 use raystep_kernels::{RenderError, Stream};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use super::travel::Guide;
 use super::{OnProgress, Session, go_on};
 use crate::names::saved_stream;
 
-/// One component of one ray that was changed between two passes.
+/// One component of one ray that was edited between two passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edit {
     /// Passes before it.
@@ -21,13 +21,13 @@ pub struct Edit {
     pub x: u32,
     /// Its row.
     pub y: u32,
-    /// What it is from then on; a float as its bits.
+    /// The new value; a float as its bits.
     pub bits: u32,
 }
 
 impl Session {
-    /// Changes one component of one ray at the current place. The passes that follow work on it, also after going
-    /// back to before it and forward again.
+    /// Edits one component of one ray at the current place. The following passes use it, also after going back to an
+    /// earlier place and forwards again.
     ///
     /// # Errors
     /// Where the plan left the stream out, there is no such layer or pixel, or the device fails: nothing is changed.
@@ -45,7 +45,7 @@ impl Session {
         result
     }
 
-    /// Where an edit belongs: behind those of its place, in place of one of the same component.
+    /// The position of an edit in the list: after those of the same place, replacing one of the same component.
     fn insert(&mut self, edit: Edit) {
         let is_same = |e: &Edit| Edit { bits: 0, ..*e } == Edit { bits: 0, ..edit };
         self.edits.retain(|e| !is_same(e));
@@ -53,14 +53,13 @@ impl Session {
         self.edits.insert(behind, edit);
     }
 
-    /// Everything that was changed, in the order of places.
+    /// All edits, in the order of places.
     #[must_use]
     pub fn edits(&self) -> &[Edit] {
         &self.edits
     }
 
-    /// Takes all changes back. The session stays where it is, as far as the run then allows; returns the place
-    /// reached.
+    /// Undoes all edits. The session stays at its place, as far as the run then allows; returns the place reached.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -68,8 +67,8 @@ impl Session {
         self.set_edits(Vec::new(), progress).await
     }
 
-    /// Puts changes in place of those that there are: those of a saved session, or all but one. The session stays
-    /// where it is, as far as the run then allows; returns the place reached.
+    /// Replaces the edits, for example by those of a saved session, or by all but one. The session stays at its place,
+    /// as far as the run then allows; returns the place reached.
     ///
     /// # Errors
     /// As [`step`](Self::step).

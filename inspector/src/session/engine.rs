@@ -1,6 +1,6 @@
-//! Serves a run: one task that does what it is asked, says how far it is, and can be told to stop.
+//! Serves a run: a task that processes requests, reports progress, and can be cancelled.
 //!
-//! The task blocks on nothing. On a desktop it gets a thread of its own, in a browser it is polled there.
+//! The task never blocks. On a desktop it has its own thread, in a browser it is polled there.
 
 use std::ops::ControlFlow;
 use std::pin::Pin;
@@ -17,20 +17,20 @@ use super::copies::{fill, stream_copy};
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
 use crate::settings::{DeviceKind, Settings};
 
-/// What opening a scene is called where it fails.
+/// The name of opening a scene in errors.
 pub const OPENING: &str = "opening the scene";
 
-/// A task that serves requests until nobody can send any.
+/// A task that serves requests until all senders are gone.
 pub type EngineTask = Pin<Box<dyn Future<Output = ()> + Send>>;
 
-/// What an engine runs on.
+/// The devices of an engine.
 #[derive(Clone)]
 pub struct Devices {
-    /// The adapter that the window draws with.
+    /// The adapter that the window renders with.
     pub gpu: Arc<Gpu>,
-    /// Nanoseconds from any start, to time the twins' passes.
+    /// A clock in nanoseconds, to time the CPU reference's passes.
     pub clock: Option<fn() -> u64>,
-    /// Called after every answer: asks whoever shows it to look.
+    /// Called after every answer, to wake the user interface.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
 
@@ -38,7 +38,7 @@ pub struct Devices {
 pub struct Engine {
     inbox: UnboundedReceiver<Request>,
     outbox: UnboundedSender<Update>,
-    /// Requests up to this one are not to be served any more.
+    /// Requests up to this one are cancelled.
     cancel: Arc<AtomicU64>,
     moving: Arc<AtomicU64>,
 }
@@ -49,11 +49,11 @@ struct Run {
     settings: Settings,
     session: Session,
     device: Device,
-    /// Copies of the twins' streams.
+    /// Copies of the CPU reference's streams.
     copies: Vec<(Stream, wgpu::Texture)>,
-    /// Passes that the other side knows.
+    /// Number of passes that the client knows.
     known: usize,
-    /// The pixel whose ray is looked at.
+    /// The selected pixel.
     followed: Option<[u32; 2]>,
 }
 
@@ -106,16 +106,16 @@ impl Engine {
     }
 }
 
-/// What a request is called where people read of it.
+/// The displayed name of a request.
 fn name(request: &Request) -> &'static str {
     match request {
         Request::Open { .. } => OPENING,
         Request::Plan(_) | Request::Share(..) => "preparing the run",
         Request::Step(_) => "stepping",
         Request::RunToWatch { .. } => "running to a watch",
-        Request::Edit(..) => "changing a texel",
-        Request::ClearEdits => "taking changes back",
-        Request::TwinsUntil(_) => "running passes on the twins",
+        Request::Edit(..) => "editing a texel",
+        Request::ClearEdits => "undoing edits",
+        Request::TwinsUntil(_) => "running passes on the CPU reference",
         Request::Follow(_) => "following the ray",
         Request::Read { .. } | Request::ReadAll(_) | Request::Count(..) => "reading a stream",
         Request::Pin(_) => "pinning a stream",
@@ -133,7 +133,7 @@ struct Server {
     run: Option<Run>,
 }
 
-/// Says, while it lives, that the streams are between places.
+/// While it exists, marks the streams as between places.
 struct Moving(Arc<AtomicU64>);
 
 impl Moving {
@@ -151,7 +151,7 @@ impl Drop for Moving {
 
 impl Server {
     fn say(&self, update: Update) {
-        // Nobody listens any more: the inbox ends next.
+        // The client is gone: the inbox ends next.
         let _ = self.outbox.unbounded_send(update);
         (self.devices.wake)();
     }
@@ -160,13 +160,13 @@ impl Server {
         self.cancel.load(Ordering::Relaxed) >= self.served
     }
 
-    /// What work reports to; it goes on while this says so.
+    /// The progress callback of work; work continues while it returns true.
     fn reporter(&self, what: &'static str) -> impl FnMut(u64, u64) -> bool + Send + use<> {
         let (outbox, cancel, wake) = (self.outbox.clone(), self.cancel.clone(), self.devices.wake.clone());
         let served = self.served;
         let mut last = u64::MAX;
         move |done, of| {
-            // A hundred reports are enough for a bar; without an end in sight, every hundredth.
+            // A hundred reports are enough for a progress bar; without a known end, every hundredth.
             let mark = done.saturating_mul(100).checked_div(of).unwrap_or(done / 100);
             if mark != last {
                 last = mark;
@@ -226,7 +226,7 @@ impl Server {
                 self.arrived().await
             }
             Request::ClearEdits => {
-                let mut report = self.reporter("taking changes back");
+                let mut report = self.reporter("undoing edits");
                 let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
                 let cleared = run.session.clear_edits(&mut |p: &Progress| flow(report(p.rays_decided, p.rays))).await;
@@ -235,7 +235,7 @@ impl Server {
                 cleared.map(drop).map_err(Trouble::from)
             }
             Request::TwinsUntil(passes) => {
-                let mut report = self.reporter("running passes on the twins");
+                let mut report = self.reporter("running passes on the CPU reference");
                 let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
                 let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
@@ -319,7 +319,7 @@ impl Server {
         };
         let why_no_times = match &device {
             Device::Gpu(gpu) => gpu.why_no_times(),
-            Device::Cpu(clock) | Device::CpuF64(clock) => clock.is_none().then(|| "nobody has given a clock".into()),
+            Device::Cpu(clock) | Device::CpuF64(clock) => clock.is_none().then(|| "the host provided no clock".into()),
         };
         self.say(Update::Opened(Box::new(Opened {
             path: path.clone(),
@@ -335,11 +335,11 @@ impl Server {
         self.arrived().await
     }
 
-    /// Says where the run is, after its streams were made visible.
+    /// Reports the run's place, once its streams can be drawn.
     async fn arrived(&mut self) -> Result<(), Trouble> {
         let Some(run) = &mut self.run else { return Ok(()) };
         if run.copies.is_empty() {
-            // Without its device the run is nowhere: the place known last is where to go on.
+            // Without its device the run has no place: the last known place is where to resume.
             self.devices.gpu.health().map_err(|error| Trouble::Failed(error.to_string()))?;
         }
         for (stream, texture) in &run.copies {
@@ -347,7 +347,7 @@ impl Server {
             fill(&self.devices.gpu, texture, &data);
         }
         let (place, passes) = (run.session.place(), run.session.passes());
-        // One that is known goes along: it tells whether the rest is still what it was.
+        // One known pass is included: it shows whether the rest is unchanged.
         let first = run.known.min(place.saturating_sub(1));
         let at = At {
             place,

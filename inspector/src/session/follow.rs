@@ -1,4 +1,4 @@
-//! One ray's whole life, from the session's own passes: edits and twins included.
+//! The whole history of one ray, from the session's own passes: including edits and the CPU reference.
 
 use raystep_kernels::RenderError;
 use raystep_kernels::export::trace::{Trace, TraceRow, ray_state};
@@ -7,8 +7,8 @@ use super::travel::Guide;
 use super::{OnProgress, Session, go_on};
 
 impl Session {
-    /// Follows one ray from the first pass to the last, and comes back. What was changed by hand right after a pass
-    /// counts as that pass's work.
+    /// Follows one ray from the first pass to the last, then returns to the current place. An edit right after a pass
+    /// counts as part of it.
     ///
     /// # Errors
     /// Where the image has no such pixel; [`RenderError::Cancelled`] where `progress` stopped it, after coming back; else
@@ -18,7 +18,7 @@ impl Session {
         ray_state(&self.renderer, x, y).await?;
         let here = self.place();
         let followed = self.follow_from_start([x, y], &mut guide).await;
-        // Also where it was stopped: whoever looks at a place is not taken elsewhere.
+        // Return even if it was stopped: following must not move the user's view.
         if matches!(followed, Ok(_) | Err(RenderError::Cancelled { .. })) {
             self.go(here, &mut Guide::new(&mut go_on)).await?;
         }
@@ -35,7 +35,7 @@ impl Session {
             let place = self.place();
             let Some(pass) = self.passes().last().copied() else { break };
             let is_worked_on = pass.kernel.info().takes.contains(&before.tag);
-            // A kernel leaves alone every ray that is not in its states: nothing to read back then.
+            // A kernel ignores rays in other states: there is nothing to read back then.
             if is_worked_on || self.edits.iter().any(|e| (e.place, e.x, e.y) == (place, x, y)) {
                 let after = ray_state(&self.renderer, x, y).await?;
                 if is_worked_on {

@@ -1,18 +1,18 @@
-//! What is known of a run, and the few places of it that are kept.
+//! The known passes of a run, and the checkpoints that are kept.
 //!
-//! Cost is counted in threads that passes launch: there is no clock here. A checkpoint is taken where replay from the
-//! one before it would cost more than [`span`] allows; where all of them do not fit the budget, those go without which
-//! the longest way from one to the next stays shortest.
+//! Cost is counted in threads launched: there is no clock here. A checkpoint is taken if a replay from the previous one
+//! would cost more than [`span`] allows; if they exceed the budget, those are dropped whose absence increases the
+//! longest replay the least.
 
 use std::collections::BTreeMap;
 
 use raystep_kernels::{Checkpoint, GpuError, Pass, RenderError, Renderer};
 
-/// Bytes that checkpoints may take unless somebody says otherwise.
+/// Default budget of checkpoints, in bytes.
 pub const DEFAULT_BUDGET: u64 = 1 << 30;
 
-/// Threads that may be launched between two checkpoints: some milliseconds of a large GPU, some ten of a small one,
-/// and about a second where there is none.
+/// Threads launched between two checkpoints: some milliseconds on a large GPU, some ten on a small one, and about a
+/// second on a CPU.
 fn span(renderer: &Renderer) -> u64 {
     match renderer.gpu().map(|gpu| gpu.gpu().info.device_type) {
         Some(wgpu::DeviceType::DiscreteGpu) => 1 << 28,
@@ -23,12 +23,12 @@ fn span(renderer: &Renderer) -> u64 {
 
 pub(super) struct History {
     known: Vec<Pass>,
-    /// What the first passes cost together, from none of them to all that are known.
+    /// Cumulative cost of the passes, from none of them to all that are known.
     costs: Vec<u64>,
     kept: BTreeMap<usize, Checkpoint>,
     budget: u64,
     span: u64,
-    /// Bytes of the last checkpoint, by itself.
+    /// Bytes of the last checkpoint alone.
     size: Option<u64>,
     /// Cost of a pass, until passes have shown it.
     rays: u64,
@@ -59,20 +59,20 @@ impl History {
         }
     }
 
-    /// What happened after a place is not what will happen.
+    /// Invalidates what is known after a place.
     pub(super) fn forget_after(&mut self, place: usize) {
         self.known.truncate(place);
         self.costs.truncate(place + 1);
         self.kept.split_off(&(place + 1));
     }
 
-    /// The same of what is there at the place itself.
+    /// Also invalidates the place itself.
     pub(super) fn forget_from(&mut self, place: usize) {
         self.forget_after(place);
         self.kept.remove(&place);
     }
 
-    /// The last checkpoint that is not after a place.
+    /// The last checkpoint at or before a place.
     pub(super) fn nearest(&self, place: usize) -> Option<&Checkpoint> {
         self.kept.range(..=place).next_back().map(|(_, checkpoint)| checkpoint)
     }
@@ -81,7 +81,7 @@ impl History {
         self.costs.get(place).or(self.costs.last()).copied().unwrap_or(0)
     }
 
-    /// Cost from one checkpoint to the next: more than the span where not so many fit.
+    /// Cost between checkpoints: more than the span if fewer of them fit.
     fn spacing(&self) -> u64 {
         let most = self.size.map_or(u64::MAX, |size| self.budget / size.max(1));
         self.span.max(self.cost(usize::MAX) / most.saturating_mul(2).max(1))
@@ -105,7 +105,7 @@ impl History {
         fits && self.since_checkpoint(place) >= self.spacing()
     }
 
-    /// Keeps a checkpoint, and lets others go where there is no room for all.
+    /// Keeps a checkpoint, and drops others if there is no room for all.
     ///
     /// # Errors
     /// Where the device failed. A device without room for more is no failure: what is kept by now has to do.
@@ -117,7 +117,7 @@ impl History {
                 self.thin();
             }
             Err(RenderError::Gpu(GpuError::OutOfMemory(_)) | RenderError::Memory(_)) => {
-                // What was refused now may be wanted by others too: one place is given back.
+                // Other allocations may fail for the same reason: free one more place.
                 self.budget = self.bytes();
                 self.drop_one();
             }
@@ -130,7 +130,7 @@ impl History {
         while self.bytes() > self.budget && self.drop_one() {}
     }
 
-    /// Lets go the checkpoint that leaves the shortest way between its neighbours.
+    /// Drops the checkpoint whose neighbours are closest together.
     fn drop_one(&mut self) -> bool {
         let places: Vec<usize> = self.kept.keys().copied().collect();
         let gap = |i: usize| {

@@ -1,16 +1,16 @@
-//! Whether the rays of a session's run can be judged.
+//! Whether a session's run can be judged.
 
 use raystep_kernels::Plan;
 
 use super::Edit;
 
-/// Why they cannot be, in a line; `None` where they can.
+/// Why it cannot be judged, in one line; `None` if it can.
 #[must_use]
 pub fn why_not(plan: &Plan, edits: &[Edit], twins: Option<usize>) -> Option<&'static str> {
     if !edits.is_empty() {
-        Some("not judged: the run was changed by hand, and is judged once the changes are taken back")
+        Some("not judged: the run contains edits; undo them to judge it")
     } else if twins.is_some() {
-        Some("not judged: the first passes are the twins', and what is judged is a run of the device alone")
+        Some("not judged: its first passes ran on the CPU reference, and only runs on the device alone are judged")
     } else {
         raystep_lab::judge::why_not(plan)
     }
@@ -31,7 +31,7 @@ mod tests {
         let (plan, _) = Plan::new(&scene, &Options::new(rays), &Limits::CPU).expect("a plan");
         assert_eq!(why_not(&plan, &[], None), None);
         let edit = Edit { place: 3, stream: streams::HIT, layer: 0, x: 1, y: 1, bits: 0 };
-        assert!(why_not(&plan, &[edit], None).is_some_and(|why| why.contains("by hand")));
-        assert!(why_not(&plan, &[], Some(3)).is_some_and(|why| why.contains("twins")));
+        assert!(why_not(&plan, &[edit], None).is_some_and(|why| why.contains("edits")));
+        assert!(why_not(&plan, &[], Some(3)).is_some_and(|why| why.contains("CPU reference")));
     }
 }

@@ -1,4 +1,4 @@
-//! What is known of a run: plain data that panels look at, kept up to date by an engine's answers.
+//! The client's view of a run: plain data that panels read, updated from an engine's answers.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -17,9 +17,9 @@ use super::{Edit, Fired};
 pub struct Work {
     /// What is done.
     pub what: &'static str,
-    /// How much of it.
+    /// Work completed.
     pub done: u64,
-    /// Of how much; 0 where that is not known.
+    /// Total work; 0 if unknown.
     pub of: u64,
 }
 
@@ -28,15 +28,15 @@ pub struct Work {
 pub struct Pinned {
     /// Which stream.
     pub stream: Stream,
-    /// After so many passes.
+    /// Number of passes before it.
     pub place: usize,
-    /// Of which run.
+    /// The generation of its run.
     pub generation: u64,
     /// The copy.
     pub texture: wgpu::Texture,
 }
 
-/// A run as it is known here, and the way to its engine.
+/// The client's view of a run, and the channel to its engine.
 pub struct Model {
     requests: UnboundedSender<Request>,
     updates: UnboundedReceiver<Update>,
@@ -46,16 +46,15 @@ pub struct Model {
     waiting: usize,
     /// The run; `None` until a scene is open.
     pub opened: Option<Opened>,
-    /// Grows with every run that is opened.
+    /// Incremented with every run.
     pub generation: u64,
-    /// Grows with every run that is opened, and where the streams of a place become others: by a change by hand, by
-    /// the twins.
+    /// Incremented with every run, and when the streams at a place change: by an edit, or by the CPU reference.
     pub edition: u64,
-    /// How many of the first passes run on the twins.
+    /// How many of the first passes run on the CPU reference.
     pub twins: Option<usize>,
-    /// What the passes before `place` took on the host's clock.
+    /// Time of the passes before `place` by the host's clock.
     pub host_ns: Option<u64>,
-    /// Every pass that is known, also those after `place` where the run was there before.
+    /// All known passes, including those after `place` if the run was there before.
     pub passes: Vec<Pass>,
     /// Passes so far.
     pub place: usize,
@@ -63,32 +62,32 @@ pub struct Model {
     pub is_complete: bool,
     /// The kernel of the next pass; `None` at the end.
     pub next: Option<Kernel>,
-    /// Bytes of what is kept for going back.
+    /// Bytes of checkpoints.
     pub kept_bytes: u64,
-    /// Bytes that may be kept.
+    /// Budget of checkpoints in bytes.
     pub budget: u64,
-    /// What was changed by hand.
+    /// Edits by hand.
     pub edits: Vec<Edit>,
-    /// What a run to a watch stopped at, for whom shows it to take; within, `None` where nothing fired.
+    /// The result of the last run to a watch, until taken; the inner option is `None` if no watch fired.
     pub fired: Option<Option<Fired>>,
-    /// The life of the ray that is looked at.
+    /// The history of the selected ray.
     pub life: Option<Arc<Trace>>,
-    /// The texels that were read last, of each stream.
+    /// The texels read last, by stream.
     pub texels: Vec<Texels>,
     /// Copies that were asked for, oldest first.
     pub pinned: Vec<Pinned>,
-    /// What goes on.
+    /// Work in progress.
     pub work: Option<Work>,
-    /// What jobs answered, for whom they were done to take.
+    /// Answers of jobs, until their requester takes them.
     pub answers: Vec<(&'static str, Box<dyn Any + Send>)>,
-    /// What went wrong, for whom shows it to take.
+    /// Errors, until taken for display.
     pub failures: Vec<(&'static str, String)>,
-    /// What was cancelled, for whom shows it to take.
+    /// Cancelled work, until taken for display.
     pub cancelled: Vec<&'static str>,
 }
 
 impl Model {
-    /// A model, and the task that serves it: the caller gives it a thread, or polls it.
+    /// A model, and the task that serves it: the caller runs it in a thread, or polls it.
     #[must_use]
     pub fn new(make: impl FnOnce(Engine) -> EngineTask) -> (Self, EngineTask) {
         let (requests, inbox) = unbounded();
@@ -126,40 +125,40 @@ impl Model {
         (model, task)
     }
 
-    /// Asks the engine. False where it is gone.
+    /// Sends a request. Returns false if the engine is gone.
     pub fn ask(&mut self, request: Request) -> bool {
         let is_sent = self.requests.unbounded_send(request).is_ok();
         if is_sent {
             self.waiting += 1;
             self.sent += 1;
         } else {
-            // It ended by a panic: what it was asked before will not be answered either.
+            // It also ended if it panicked: earlier requests will not be answered either.
             self.waiting = 0;
             self.work = None;
-            let message = "what traces has ended; this is a defect of raystep: open the scene in a new window";
+            let message = "the tracing task has ended; this is a bug in raystep: open the scene in a new window";
             self.failures.push(("tracing", message.into()));
         }
         is_sent
     }
 
-    /// Stops what goes on, and what waits.
+    /// Cancels current and queued work.
     pub fn cancel(&self) {
         self.cancel.store(self.sent, Ordering::Relaxed);
     }
 
-    /// Whether requests wait for their answer.
+    /// Whether requests are pending.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.waiting > 0
     }
 
-    /// Whether the streams are on their way from one place to another: what is drawn of them now belongs to none.
+    /// Whether the streams are between two places: drawing them now would show neither.
     #[must_use]
     pub fn is_moving(&self) -> bool {
         self.moving.load(Ordering::Acquire) > 0
     }
 
-    /// Takes in what the engine has said. Whether it said anything.
+    /// Processes the engine's messages. Returns whether there were any.
     pub fn update(&mut self) -> bool {
         let mut is_new = false;
         while let Ok(update) = self.updates.try_recv() {
@@ -184,7 +183,7 @@ impl Model {
             Update::Fired(fired) => self.fired = Some(fired),
             Update::Followed(life) => self.life = Some(Arc::new(*life)),
             Update::Texels(mut texels) => {
-                // What was counted of the same texels is known still.
+                // Statistics of the same texels stay valid.
                 let old = self.texels.iter_mut().find(|t| (t.stream, t.place) == (texels.stream, texels.place));
                 if texels.counted.is_none() {
                     texels.counted = old.and_then(|old| old.counted.take());
@@ -207,7 +206,7 @@ impl Model {
     }
 
     fn arrive(&mut self, at: At) {
-        // Other streams at the same place, and another future.
+        // Other streams at the same place, and other passes after it.
         if at.edits != self.edits || at.twins != self.twins {
             self.edition += 1;
             self.texels.clear();
@@ -216,7 +215,7 @@ impl Model {
         }
         (self.twins, self.host_ns) = (at.twins, at.host_ns);
         let end = at.first + at.passes.len();
-        // Other passes than those known: an edit, or another plan.
+        // The passes differ from those known: an edit, or another plan.
         let same = self.passes.get(at.first..end.min(self.passes.len())).is_some_and(|known| {
             known.iter().zip(&at.passes).all(|(a, b)| (a.kernel, a.counts) == (b.kernel, b.counts))
         });
@@ -232,7 +231,7 @@ impl Model {
         self.is_complete |= at.next.is_none();
     }
 
-    /// A stream's texture, to draw from.
+    /// A stream's texture, for drawing.
     #[must_use]
     pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
         self.opened.as_ref()?.textures.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture)
@@ -244,7 +243,7 @@ impl Model {
         self.place.checked_sub(1).and_then(|i| self.passes.get(i))
     }
 
-    /// Takes the answer of a job, where it has come.
+    /// Takes the answer of a job, if it has arrived.
     pub fn take_answer<T: 'static>(&mut self, what: &'static str) -> Option<Box<T>> {
         let at = self.answers.iter().position(|(name, answer)| *name == what && answer.is::<T>())?;
         self.answers.remove(at).1.downcast().ok()

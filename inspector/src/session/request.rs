@@ -1,4 +1,4 @@
-//! What an engine is asked, and what it answers.
+//! Requests to an engine, and its answers.
 
 use std::sync::Arc;
 
@@ -12,18 +12,18 @@ use raystep_scenes::Scene;
 use super::{Edit, Fired, Target, Watch, Way};
 use crate::settings::Settings;
 
-/// Reads a scene, or says in one line why it cannot.
+/// Reads a scene; the error is one line.
 pub type Loader = Box<dyn FnOnce() -> Result<Scene, String> + Send>;
 
-/// Something to do. Requests are served one after the other.
+/// A request. Requests are served one after the other.
 pub enum Request {
-    /// Reads a scene and prepares a run; the old run stays where the new scene cannot be read.
+    /// Reads a scene and prepares a run; if the new scene cannot be read, the old run stays.
     Open {
-        /// What its user calls it, for [`Opened::path`].
+        /// The user's name for it, for [`Opened::path`].
         path: String,
-        /// Reads it.
+        /// Its loader.
         load: Loader,
-        /// What to run.
+        /// The settings of the run.
         settings: Box<Settings>,
     },
     /// Prepares a run of the same scene.
@@ -34,44 +34,44 @@ pub enum Request {
     Step(Target),
     /// Runs to where one of the watches fires.
     RunToWatch {
-        /// What to stop at.
+        /// The watches.
         watches: Vec<Watch>,
-        /// Which way.
+        /// The direction.
         way: Way,
     },
-    /// Changes a component of a ray's texel at the current place: stream, layer, pixel, bits.
+    /// Edits a component of a ray's texel at the current place: stream, layer, pixel, bits.
     Edit(Stream, usize, [u32; 2], u32),
-    /// Takes all changes back.
+    /// Undoes all edits.
     ClearEdits,
-    /// Lets the first passes run on the twins.
+    /// Runs the first passes on the CPU reference.
     TwinsUntil(Option<usize>),
-    /// Follows this pixel's ray from the first pass to the last; the place stays as it is.
+    /// Follows this pixel's ray from the first pass to the last; the place stays the same.
     Follow([u32; 2]),
-    /// Reads part of a stream as it is now: x, y, width, height.
+    /// Reads a region of the current stream: x, y, width, height.
     Read {
         /// Which stream.
         stream: Stream,
-        /// Texels.
+        /// The region.
         region: [u32; 4],
     },
-    /// Reads a whole stream as it is now.
+    /// Reads the whole current stream.
     ReadAll(Stream),
-    /// Reads a whole stream as it is now, and counts one of its layers.
+    /// Reads the whole current stream, and computes statistics of one of its layers.
     Count(Stream, usize),
-    /// Keeps a copy of a stream as it is now.
+    /// Copies the current stream.
     Pin(Stream),
-    /// Something of one's own to do with the session: an export, a map of divergence.
+    /// Custom work with the session: an export, a map of divergence.
     Job(&'static str, Job),
 }
 
-/// Work on a session that the engine does between two requests.
+/// Work on a session that the engine performs between two requests.
 pub type Job = Box<dyn for<'a> FnOnce(JobContext<'a>) -> JobFuture<'a> + Send>;
 
-/// A future of a [`Job`]: what it answers, or why it failed.
+/// The future of a [`Job`]: its answer, or an error.
 pub type JobFuture<'a> =
     std::pin::Pin<Box<dyn Future<Output = Result<Box<dyn std::any::Any + Send>, String>> + Send + 'a>>;
 
-/// What a [`Job`] works with.
+/// The context of a [`Job`].
 pub struct JobContext<'a> {
     /// The run.
     pub session: &'a mut super::Session,
@@ -79,57 +79,57 @@ pub struct JobContext<'a> {
     pub scene: &'a Arc<Scene>,
     /// Its settings.
     pub settings: &'a Settings,
-    /// Where it runs.
+    /// Its device.
     pub device: raystep_kernels::Device,
-    /// Says how far it is, and hears whether to stop: `true` to go on.
+    /// Reports progress; returns `true` to continue.
     pub progress: &'a mut (dyn FnMut(u64, u64) -> bool + Send),
 }
 
 /// A run that is ready.
 #[derive(Clone)]
 pub struct Opened {
-    /// The path that it was opened by; `None` where another engine read it.
+    /// The path it was opened by; `None` if another engine read it.
     pub path: Option<String>,
     /// The scene.
     pub scene: Arc<Scene>,
     /// What it was asked for.
     pub settings: Settings,
-    /// What it needs.
+    /// Its plan.
     pub plan: Arc<Plan>,
-    /// The scene as kernels read it.
+    /// The scene data for kernels.
     pub data: Arc<SceneData>,
-    /// Streams as textures that can be drawn from; on the twins copies.
+    /// Streams as textures for drawing; copies, for the CPU reference.
     pub textures: Vec<(Stream, wgpu::Texture)>,
-    /// The name of what it runs on.
+    /// The name of its device.
     pub device: String,
-    /// Why its passes have no times; `None` where they have.
+    /// Why its passes have no times; `None` if they have.
     pub why_no_times: Option<String>,
 }
 
-/// Where a run is.
+/// The place of a run.
 #[derive(Clone, Debug)]
 pub struct At {
     /// Passes so far.
     pub place: usize,
-    /// Where `passes` begins in the list of all passes.
+    /// The index of the first of `passes` in the list of all passes.
     pub first: usize,
     /// The passes from there on to `place`.
     pub passes: Vec<Pass>,
     /// The kernel of the next pass; `None` at the end.
     pub next: Option<Kernel>,
-    /// Bytes of what is kept for going back.
+    /// Bytes of checkpoints.
     pub kept_bytes: u64,
-    /// Bytes that may be kept.
+    /// Budget of checkpoints in bytes.
     pub budget: u64,
-    /// What was changed by hand.
+    /// Edits by hand.
     pub edits: Vec<Edit>,
-    /// How many of the first passes run on the twins.
+    /// How many of the first passes run on the CPU reference.
     pub twins: Option<usize>,
-    /// What the passes so far took on the host's clock.
+    /// Time of the passes so far by the host's clock.
     pub host_ns: Option<u64>,
 }
 
-/// Texels that were asked for.
+/// Requested texels.
 #[derive(Clone, Debug)]
 pub struct Texels {
     /// Which stream.
@@ -138,9 +138,9 @@ pub struct Texels {
     pub place: usize,
     /// x, y, width, height.
     pub region: [u32; 4],
-    /// Layer after layer, rows from the top, floats as bits.
+    /// Layers in order, rows from the top, floats as bits.
     pub bits: Vec<u32>,
-    /// One of the layers in numbers, where it was to be counted.
+    /// Statistics of one of the layers, if they were requested.
     pub counted: Option<(usize, LayerStats)>,
 }
 
@@ -154,15 +154,15 @@ impl Texels {
     }
 }
 
-/// What an engine says.
+/// A message from an engine.
 pub enum Update {
     /// A run is ready.
     Opened(Box<Opened>),
-    /// The run is somewhere.
+    /// The place of the run.
     At(At),
-    /// A watch fired; `None` where none did.
+    /// A watch fired; `None` if none did.
     Fired(Option<Fired>),
-    /// A ray's life.
+    /// The history of a ray.
     Followed(Box<Trace>),
     /// Texels.
     Texels(Texels),
@@ -170,19 +170,19 @@ pub enum Update {
     Pinned {
         /// Which stream.
         stream: Stream,
-        /// After so many passes.
+        /// Number of passes before it.
         place: usize,
         /// The copy.
         texture: wgpu::Texture,
     },
-    /// What a job answers, by the job's name.
+    /// The answer of a job, with the job's name.
     Done(&'static str, Box<dyn std::any::Any + Send>),
-    /// Work goes on: what, how much is done, of how much (0 where that is not known).
+    /// Progress: name of the work, amount done, total (0 if unknown).
     Progress(&'static str, u64, u64),
     /// Work was refused or failed; one line.
     Failed(&'static str, String),
     /// Work was cancelled.
     Cancelled(&'static str),
-    /// A request is served.
+    /// A request has been served.
     Idle,
 }

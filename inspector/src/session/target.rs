@@ -1,27 +1,27 @@
-//! Where to step to.
+//! Targets of steps.
 
 use raystep_kernels::{Kernel, Pass, RenderError};
 
 use super::travel::Guide;
 use super::{OnProgress, Session};
 
-/// Where to step to.
+/// The target of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// One pass on.
+    /// One pass forwards.
     Next,
-    /// One pass back.
+    /// One pass backwards.
     Previous,
     /// After the next pass of a kernel.
     NextOf(Kernel),
     /// After the previous pass of a kernel.
     PreviousOf(Kernel),
-    /// Before the first pass of the turn of the schedule's loop that the last pass belongs to. What comes before the
-    /// loop, and what comes after it, counts as a turn.
+    /// Before the first pass of the iteration of the schedule's loop that the last pass belongs to. Passes before the
+    /// loop, and those after it, count as one iteration.
     IterationStart,
-    /// After the last pass of the turn that the next pass belongs to.
+    /// After the last pass of the iteration that the next pass belongs to.
     IterationEnd,
-    /// After so many passes in all.
+    /// After this many passes in total.
     Pass(usize),
     /// Before the first pass.
     Start,
@@ -29,7 +29,7 @@ pub enum Target {
     End,
 }
 
-/// Which turn of the loop a pass belongs to, and whether it belongs to the loop at all.
+/// The iteration that a pass belongs to, and whether it is part of the loop.
 fn turn(kernel: Kernel, iteration: u32) -> (u32, bool) {
     (iteration, kernel.is_walk())
 }
@@ -75,7 +75,7 @@ impl Session {
         if let Some(passes) = self.known()[here..].iter().position(|p| p.kernel == kernel) {
             return self.go(here + passes + 1, guide).await;
         }
-        // Behind what is known, nobody can tell before the pass.
+        // Beyond the known passes, only running a pass can tell.
         self.go(self.known().len(), guide).await?;
         loop {
             let before = self.place();

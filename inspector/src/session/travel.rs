@@ -1,4 +1,4 @@
-//! From one place of a run to another, through its passes, checkpoints and edits.
+//! Moves a run between places, through passes, checkpoints and edits.
 
 use std::ops::ControlFlow;
 
@@ -6,7 +6,7 @@ use raystep_kernels::{Progress, RenderError};
 
 use super::{OnProgress, Session};
 
-/// Who follows the way, and may call a halt.
+/// Reports progress, and may stop the run.
 pub(super) struct Guide<'a> {
     progress: &'a mut OnProgress<'a>,
     is_halted: bool,
@@ -23,7 +23,7 @@ impl<'a> Guide<'a> {
         answer
     }
 
-    /// Whether to go on.
+    /// Whether to continue.
     ///
     /// # Errors
     /// After a halt, with the place reached.
@@ -36,7 +36,7 @@ impl Session {
     /// Goes to a place, or to the end where that comes first.
     pub(super) async fn go(&mut self, place: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
         let result = self.travel(place, guide).await;
-        // A halt is called between two legs, where all is in order.
+        // A stop takes effect between two legs, when the state is consistent.
         self.is_settled = matches!(result, Ok(()) | Err(RenderError::Cancelled { .. }));
         result
     }
@@ -62,7 +62,7 @@ impl Session {
         Ok(())
     }
 
-    /// As far as the next thing to do between two passes.
+    /// Up to the next action between two passes.
     async fn leg(&mut self, place: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
         let here = self.place();
         let mut stop = place.min(here.saturating_add(self.history.passes_to_checkpoint(here)));
@@ -82,7 +82,7 @@ impl Session {
         Ok(())
     }
 
-    /// Runs passes where they are to run: on the twins first, if so many of them are, else on the session's device.
+    /// Runs passes: first on the CPU reference, as many as are assigned to it, then on the session's device.
     async fn run_to(&mut self, stop: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
         let here = self.place();
         let mut tell = |progress: &Progress| guide.tell(progress);
@@ -92,7 +92,7 @@ impl Session {
         }
     }
 
-    /// Makes the changes of this place.
+    /// Applies the edits of this place.
     async fn apply_edits(&mut self) -> Result<(), RenderError> {
         let here = self.place();
         for edit in self.edits.iter().filter(|e| e.place == here) {

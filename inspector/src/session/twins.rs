@@ -1,4 +1,4 @@
-//! The first passes of a run on the twins, the others on the session's device.
+//! The first passes of a run on the CPU reference, the others on the session's device.
 
 use std::ops::ControlFlow;
 
@@ -7,17 +7,17 @@ use raystep_kernels::{Device, Progress, RenderError, Renderer};
 use super::travel::Guide;
 use super::{OnProgress, Session};
 
-/// The twins, in f32, and how far they go.
+/// The CPU reference in f32, and the number of its passes.
 pub(super) struct Twins {
     renderer: Renderer,
-    /// Passes that they run.
+    /// Number of its passes.
     pub(super) until: usize,
-    /// They are where the session's run is, with the same streams.
+    /// Whether it is at the place of the session's run, with the same streams.
     is_in_step: bool,
 }
 
 impl Twins {
-    /// Runs passes up to `stop`, or as many as are the twins', and hands streams and place to `renderer`.
+    /// Runs passes up to `stop`, or to the last of the CPU reference, and copies streams and place to `renderer`.
     pub(super) async fn run_to(
         &mut self,
         renderer: &mut Renderer,
@@ -36,18 +36,18 @@ impl Twins {
 }
 
 impl Session {
-    /// How many of the first passes run on the twins.
+    /// How many of the first passes run on the CPU reference.
     #[must_use]
     pub fn twin_passes(&self) -> Option<usize> {
         self.twins.as_ref().map(|twins| twins.until)
     }
 
-    /// Lets the first `passes` passes run on the twins, in f32, and those after them on the session's device, from
-    /// the twins' streams; `None`: all on the device. The session stays where it is, as far as the run allows;
-    /// returns the place reached.
+    /// Assigns the first `passes` passes to the CPU reference in f32; those after them run on the session's device,
+    /// starting from its streams. `None`: all passes run on the device. The session stays at its place, as far as the
+    /// run allows; returns the place reached.
     ///
     /// # Errors
-    /// As [`step`](Self::step); the twins are as asked for even where that was cancelled.
+    /// As [`step`](Self::step); the assignment takes effect even if that was cancelled.
     pub async fn twins_until(
         &mut self,
         passes: Option<usize>,
@@ -75,7 +75,7 @@ impl Session {
         Ok(self.place())
     }
 
-    /// The session's run was taken elsewhere.
+    /// The session's run has moved.
     pub(super) fn leave_twins(&mut self) {
         if let Some(twins) = &mut self.twins {
             twins.is_in_step = false;

@@ -1,23 +1,24 @@
-//! What a run can be stopped at.
+//! Conditions at which a run stops.
 
 mod look;
 
 use raystep_kernels::RenderError;
+use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
 
 use super::travel::Guide;
 use super::{OnProgress, Session};
 use look::Look;
 
-/// Something to stop at. It fires after the pass that brings it about, and not again while it lasts; what was changed
-/// by hand right after a pass counts as that pass's work.
+/// A condition to stop at. It fires after the pass in which it becomes true, and not again while it stays true; an edit
+/// right after a pass counts as part of that pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Watch {
     /// A float of any ray, in any stream, becomes infinite or not a number. No layer may hold such a value: t without
     /// a hit, and `tmax` along an axis that is never crossed, are [`INF`](raystep_kernels::shared::constants::INF),
     /// which is a finite number.
     NonFinite,
-    /// `tmax` of any ray that is walking becomes smaller along any axis: a walk that turns back.
+    /// `tmax` of any active ray decreases along any axis: the walk goes backwards.
     TMaxBackwards,
     /// Any ray visits more cells, or nodes, than this.
     MoreSteps(u32),
@@ -34,27 +35,27 @@ impl Watch {
     pub const ALL: [Self; 6] =
         [Self::NonFinite, Self::TMaxBackwards, Self::MoreSteps(64), Self::RayState, Self::RayHit, Self::RayCell];
 
-    /// In words.
+    /// The displayed name.
     #[must_use]
     pub fn name(self) -> String {
         match self {
-            Self::NonFinite => "any ray: a number that is not finite".into(),
-            Self::TMaxBackwards => "any ray: tmax goes backwards".into(),
-            Self::MoreSteps(steps) => format!("any ray: more than {steps} steps"),
+            Self::NonFinite => "any ray: value that is not finite".into(),
+            Self::TMaxBackwards => "any ray: tmax decreases".into(),
+            Self::MoreSteps(steps) => format!("any ray: more than {}", counted(steps, "step")),
             Self::RayState => "selected ray: its state changes".into(),
             Self::RayHit => "selected ray: its hit changes".into(),
-            Self::RayCell => "selected ray: another cell".into(),
+            Self::RayCell => "selected ray: its cell changes".into(),
         }
     }
 
-    /// Whether it looks at the selected ray only, which takes far less time.
+    /// Whether it concerns the selected ray only, which is much faster.
     #[must_use]
     pub fn is_of_ray(self) -> bool {
         matches!(self, Self::RayState | Self::RayHit | Self::RayCell)
     }
 }
 
-/// Which way to run.
+/// The direction to run in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// To the next place at which a watch fires.
@@ -74,13 +75,13 @@ pub struct Fired {
     pub ray: [u32; 2],
     /// How many rays it fired for.
     pub rays: u32,
-    /// What happened, with the numbers.
+    /// Description with values.
     pub value: String,
 }
 
 impl Session {
-    /// Runs to a place at which one of the watches fires: of several there, the first in the list. `None` where none
-    /// does: the session is then after the last pass, or before the first.
+    /// Runs to a place at which one of the watches fires: if several do, the first in the list. `None` if none does:
+    /// the session is then after the last pass, or before the first.
     ///
     /// # Errors
     /// [`RenderError::Cancelled`] with the place reached where `progress` stopped it. Else where the device fails.
@@ -98,7 +99,7 @@ impl Session {
         if way == Way::Forward {
             return self.last_fired(watches, [here, usize::MAX], true, &mut guide).await;
         }
-        // From checkpoint to checkpoint, the last first, so that little is run for nothing.
+        // From checkpoint to checkpoint, the last first, to run as few passes as possible.
         let mut starts: Vec<usize> = match Look::needs_start(&self.renderer, watches) {
             true => Vec::new(),
             false => self.kept_places().filter(|&place| place > 0 && place + 1 < here).collect(),
@@ -116,7 +117,7 @@ impl Session {
         Ok(None)
     }
 
-    /// What fires at places after `start` and not after `end`: the first if `is_first`, else the last.
+    /// What fires at places after `start` and not after `end`: the first if `is_first`, otherwise the last.
     async fn last_fired(
         &mut self,
         watches: &[Watch],

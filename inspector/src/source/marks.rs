@@ -191,6 +191,8 @@ impl Walker<'_> {
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::programs::closest_hit::kernels;
+
     use super::*;
 
     #[test]
@@ -199,7 +201,7 @@ mod tests {
                     fn setup() {\n    @if(grid) x();\n    @else @if(bvh) y();\n    @else z();\n}\n";
         for (grid, bvh, kept) in [(true, true, 0), (true, false, 0), (false, true, 1), (false, false, 2)] {
             let features = Features { grid, bvh, ..Features::default() };
-            let marks = marks(Kernel::Setup, text, &features, None);
+            let marks = marks(kernels::SETUP, text, &features, None);
             let left_out: Vec<usize> = (0..marks.len()).filter(|&line| marks[line] == Mark::LeftOut).collect();
             let expected: Vec<usize> = [0, 1, 2, 4, 5, 6].into_iter().filter(|line| line % 4 != kept).collect();
             assert_eq!(left_out, expected, "{grid} {bvh}");

@@ -1,4 +1,4 @@
-//! Asking for a path in the window itself, where there is no dialog for files.
+//! Asks for a path inside the window, for systems without a file dialog.
 
 use egui::{Key, TextEdit, Ui};
 
@@ -6,14 +6,14 @@ use super::Inspector;
 use super::dialogs::Dialog;
 use super::host::FileToSave;
 
-/// Said where an export comes to nothing because its user wants it so.
-pub(super) const NOT_WRITTEN: &str = "cancelled: nothing is written";
-/// Said where no scene is chosen.
-const NOT_OPENED: &str = "cancelled: no scene is opened";
+/// Shown when the user cancels an export.
+pub(super) const NOT_WRITTEN: &str = "cancelled: nothing written";
+/// Shown when the user cancels opening a scene.
+const NOT_OPENED: &str = "cancelled: no scene opened";
 
-/// A path that is asked for.
+/// A path that the user is being asked for.
 pub(super) struct AskedPath {
-    /// What is to be written; `None` where a scene is to be opened.
+    /// The file to write; `None` to open a scene.
     file: Option<FileToSave>,
     path: String,
     why: String,
@@ -37,7 +37,7 @@ impl AskedPath {
         let label = ui.label("Path").id;
         let field = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY)).labelled_by(label);
         if self.file.is_some() {
-            ui.checkbox(&mut self.replaces, "replace a file that is there");
+            ui.checkbox(&mut self.replaces, "replace an existing file");
         }
         if ui.memory(|memory| memory.focused().is_none()) {
             field.request_focus();
@@ -48,14 +48,14 @@ impl AskedPath {
 }
 
 impl Inspector {
-    /// Opens the dialog for the next path that is asked for, once no other dialog is open.
+    /// Opens the dialog for the next requested path, once no other dialog is open.
     pub(super) fn ask_path(&mut self) {
         if self.dialog.is_none() {
             self.dialog = self.asked.pop_front().map(Dialog::Path);
         }
     }
 
-    /// What was asked for is known.
+    /// The path was entered.
     pub(super) fn go_on_with(&mut self, asked: &mut AskedPath) {
         let path = asked.path.trim();
         match asked.file.take() {

@@ -1,4 +1,4 @@
-//! Pictures that are drawn on the GPU and shown by egui.
+//! Pictures drawn on the GPU and shown by egui.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use raystep_kernels::{Gpu, Stream};
 use crate::draw::picture::picture;
 use crate::draw::stream::StreamPainter;
 
-/// What draws pictures, and how egui gets to see them.
+/// Draws pictures and makes them available to egui.
 pub struct Canvas {
     /// The device.
     pub gpu: Arc<Gpu>,
@@ -19,7 +19,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// Pictures on this device, for this renderer of egui's.
+    /// A canvas on this device, for this egui renderer.
     #[must_use]
     pub fn new(gpu: Arc<Gpu>, renderer: Arc<RwLock<egui_wgpu::Renderer>>) -> Self {
         let streams = StreamPainter::new(&gpu.device, &gpu.queue);
@@ -33,7 +33,7 @@ impl Canvas {
     }
 }
 
-/// A picture of some size, kept from frame to frame.
+/// A picture of a certain size, kept between frames.
 #[derive(Default)]
 pub struct Picture {
     kept: Option<Kept>,
@@ -58,13 +58,13 @@ impl Picture {
         (&kept.view, !fits)
     }
 
-    /// The name by which egui shows it; `None` where nothing was drawn yet.
+    /// The name by which egui shows it; `None` before it was drawn.
     #[must_use]
     pub fn id(&self) -> Option<egui::TextureId> {
         self.kept.as_ref().map(|k| k.id)
     }
 
-    /// The texture, to read it back.
+    /// The texture, for reading it back.
     #[must_use]
     pub fn texture(&self) -> Option<&wgpu::Texture> {
         self.kept.as_ref().map(|k| &k.texture)
@@ -89,14 +89,14 @@ impl Drop for Kept {
 /// Which run, and after how many passes.
 pub type Moment = (u64, usize);
 
-/// A stream as it was at some moment: it can be drawn at any zoom while the run goes elsewhere.
+/// A snapshot of a stream, which can be drawn at any zoom while the run goes elsewhere.
 #[derive(Default)]
 pub struct Still {
     kept: Option<(Moment, Stream, wgpu::Texture)>,
 }
 
 impl Still {
-    /// Takes a copy of a stream's texture, unless there is one of this moment.
+    /// Copies a stream's texture, unless there is a copy of this moment already.
     pub fn take(&mut self, canvas: &Canvas, moment: Moment, stream: Stream, source: &wgpu::Texture) {
         if self.kept.as_ref().is_some_and(|(m, s, _)| (*m, *s) == (moment, stream)) {
             return;
@@ -105,7 +105,7 @@ impl Still {
         let old = self.kept.take().map(|(.., texture)| texture).filter(fits);
         let texture = old.unwrap_or_else(|| {
             canvas.gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("stream as it was"),
+                label: Some("stream snapshot"),
                 size: source.size(),
                 mip_level_count: 1,
                 sample_count: 1,
@@ -121,7 +121,7 @@ impl Still {
         self.kept = Some((moment, stream, texture));
     }
 
-    /// The copy of a stream, and its moment.
+    /// The copy of a stream, and the moment it was taken.
     #[must_use]
     pub fn of(&self, stream: Stream) -> Option<(Moment, &wgpu::Texture)> {
         self.kept.as_ref().filter(|(_, s, _)| *s == stream).map(|(moment, _, texture)| (*moment, texture))

@@ -1,137 +1,137 @@
-//! Everything that can be done, in one table: menus, keys, the palette and the tests are made from it.
+//! All commands, in one table that defines menus, keys, the palette and the tests.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::pane::PaneKind;
 
-/// Something that a user can ask for.
+/// A command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Command {
-    /// Open a scene by dialog.
+    /// Opens a scene from a dialog.
     OpenScene,
-    /// The run's place as one line of text, to the clipboard.
+    /// Copies a link to the current view.
     CopyLink,
-    /// Go to the place that a line of text names.
+    /// Opens a link.
     PasteLink,
-    /// What can be taken away.
+    /// Opens the export dialog.
     Export,
-    /// Passes as CSV.
+    /// Exports passes as CSV.
     ExportPasses,
-    /// Passes as a trace for Perfetto.
+    /// Exports passes as a trace for Perfetto.
     ExportTrace,
-    /// The stream in view as EXR.
+    /// Exports the stream in view as EXR.
     ExportExr,
-    /// The stream in view as npy.
+    /// Exports the stream in view as npy.
     ExportNpy,
-    /// The ray's life as CSV.
+    /// Exports the ray's history as CSV.
     ExportRay,
-    /// The stream view as it is shown, as PNG.
+    /// Exports the stream view as PNG.
     ExportView,
-    /// The ray's walk as a drawing, SVG.
+    /// Exports the ray's walk as SVG.
     ExportWalk,
-    /// The data flow as a drawing, SVG.
+    /// Exports the data flow as SVG.
     ExportDataflow,
-    /// Close the window.
+    /// Closes the window.
     Quit,
 
-    /// One pass on.
+    /// One pass forwards.
     NextPass,
-    /// One pass back.
+    /// One pass backwards.
     PreviousPass,
-    /// After the next pass of the kernel that ran last.
+    /// To the next pass of the kernel that ran last.
     NextOfKernel,
-    /// After the previous pass of the kernel that ran last.
+    /// To the previous pass of the kernel that ran last.
     PreviousOfKernel,
-    /// The end of this turn of the loop.
+    /// To the end of the schedule's current iteration.
     IterationEnd,
-    /// Its start.
+    /// To the start of the schedule's current iteration.
     IterationStart,
-    /// After the last pass.
+    /// To the end of the run.
     End,
-    /// Before the first pass.
+    /// To the start of the run.
     Start,
-    /// The ray's next cell or triangle.
+    /// To the ray's next cell or triangle.
     NextEvent,
-    /// The ray's previous cell or triangle.
+    /// To the ray's previous cell or triangle.
     PreviousEvent,
-    /// On to where a watch fires.
+    /// Forwards to where a watch fires.
     RunToWatch,
-    /// Back to where a watch fired.
+    /// Backwards to where a watch fires.
     RunBackToWatch,
-    /// A watch on the selected ray's state and hit, on or off.
+    /// Toggles a watch on the selected ray's state and hit.
     ToggleWatch,
-    /// Step by itself, or stop.
+    /// Starts or stops automatic stepping.
     Play,
-    /// Stop what goes on.
+    /// Cancels work in progress.
     Cancel,
 
-    /// A pixel by its numbers.
+    /// Selects a pixel by its coordinates.
     GoToPixel,
-    /// A ray by its numbers.
+    /// Traces a ray entered as text.
     TypeRay,
-    /// The pixel to the left.
+    /// Selects the pixel to the left.
     NudgeLeft,
-    /// The pixel to the right.
+    /// Selects the pixel to the right.
     NudgeRight,
-    /// The pixel above.
+    /// Selects the pixel above.
     NudgeUp,
-    /// The pixel below.
+    /// Selects the pixel below.
     NudgeDown,
-    /// The ray that costs a little more.
+    /// Selects the next more expensive ray.
     PreviousRayByCost,
-    /// The ray that costs a little less.
+    /// Selects the next cheaper ray.
     NextRayByCost,
 
-    /// A component of the selected ray's texel by its number.
+    /// Edits a component of the selected ray's texel.
     EditTexel,
 
-    /// Twice as bright.
+    /// Doubles the exposure.
     ExposureUp,
-    /// Half as bright.
+    /// Halves the exposure.
     ExposureDown,
-    /// The range a tenth up.
+    /// Moves the range up by a tenth.
     OffsetUp,
-    /// The range a tenth down.
+    /// Moves the range down by a tenth.
     OffsetDown,
-    /// The range from the values.
+    /// Takes the range from the values.
     Normalise,
-    /// Exposure, offset and range as at first.
+    /// Resets exposure, offset and range.
     ResetRange,
-    /// All of the picture in view.
+    /// Fits the picture to its panel.
     Fit,
-    /// A copy of the stream as it is, in a view of its own.
+    /// Shows a copy of the current stream in a new tab.
     Pin,
-    /// Light or dark.
+    /// Switches between light and dark theme.
     Theme,
-    /// The first three panels.
+    /// The default layout of three panels.
     SimpleLayout,
-    /// All that is used daily.
+    /// The layout with all panels for daily use.
     FullLayout,
-    /// A panel, on or off.
+    /// Toggles a panel.
     Show(PaneKind),
 
-    /// A second run beside this one: the tree beside the grid.
+    /// Opens a second run: with the BVH if this one has the grid.
     Compare,
-    /// End of the comparison.
+    /// Ends the comparison.
     EndCompare,
-    /// Where GPU and twins part, as a map.
+    /// Maps differences between GPU and CPU reference.
     Divergence,
-    /// Which rays are resolved wrongly, by f64 brute force.
+    /// Compares hits with f64 brute force.
     Judge,
 
-    /// The palette.
+    /// Opens the palette.
     Palette,
-    /// Keys and what they do.
+    /// Shows keyboard shortcuts.
     Help,
-    /// How one ray finds its triangle.
+    /// Lesson: how one ray finds its triangle.
     LessonRay,
-    /// Why the grid lost in 2004.
+    /// Lesson: why the grid lost in 2004.
     LessonGrid,
-    /// A crack at a voxel face.
+    /// Lesson: a crack at a voxel face.
     LessonCrack,
 }
 
-/// Where a command is in the menus.
+/// A menu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Menu {
     /// Scenes, links, exports.
@@ -173,9 +173,9 @@ pub struct CommandInfo {
     pub command: Command,
     /// Where it is in the menus.
     pub menu: Menu,
-    /// What people read.
+    /// Its name in menus and in the palette.
     pub name: &'static str,
-    /// Keys, the first of which menus show.
+    /// Keys; menus show the first.
     pub keys: &'static [(Modifiers, Key)],
 }
 
@@ -199,8 +199,8 @@ use Command as C;
 pub const COMMANDS: &[CommandInfo] = table! {
     File {
         C::OpenScene, "Open scene…", CTRL O;
-        C::CopyLink, "Copy link to this place", CTRL_SHIFT C;
-        C::PasteLink, "Go to link…", CTRL_SHIFT V;
+        C::CopyLink, "Copy link to this view", CTRL_SHIFT C;
+        C::PasteLink, "Open link…", CTRL_SHIFT V;
         C::Export, "Export…", CTRL E;
         C::ExportPasses, "Export passes as CSV";
         C::ExportTrace, "Export passes as trace JSON";
@@ -221,8 +221,8 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::PreviousEvent, "Previous event of the ray", SHIFT F11;
         C::IterationEnd, "End of this iteration", CTRL F11;
         C::IterationStart, "Start of this iteration", CTRL_SHIFT F11;
-        C::Start, "To the start", NONE Home;
-        C::End, "To the end", NONE End;
+        C::Start, "Go to start", NONE Home;
+        C::End, "Go to end", NONE End;
         C::RunToWatch, "Run to watch", NONE F5;
         C::RunBackToWatch, "Run back to watch", SHIFT F5;
         C::ToggleWatch, "Watch the selected ray's state and hit", NONE F9;
@@ -231,12 +231,12 @@ pub const COMMANDS: &[CommandInfo] = table! {
     }
     Ray {
         C::GoToPixel, "Go to pixel…", CTRL G;
-        C::TypeRay, "Type a ray…";
+        C::TypeRay, "Enter a ray…";
         C::NudgeLeft, "Pixel to the left", NONE ArrowLeft;
         C::NudgeRight, "Pixel to the right", NONE ArrowRight;
         C::NudgeUp, "Pixel above", NONE ArrowUp;
         C::NudgeDown, "Pixel below", NONE ArrowDown;
-        C::EditTexel, "Change a texel…";
+        C::EditTexel, "Edit texel…";
         C::PreviousRayByCost, "Costlier ray", NONE OpenBracket;
         C::NextRayByCost, "Cheaper ray", NONE CloseBracket;
     }
@@ -247,23 +247,23 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::OffsetDown, "Offset down", SHIFT O;
         C::Normalise, "Normalise range", NONE N;
         C::ResetRange, "Reset range", NONE R;
-        C::Fit, "Fit picture", NONE F;
+        C::Fit, "Fit to panel", NONE F;
         C::Pin, "Pin this stream", NONE P;
-        C::Theme, "Light or dark";
+        C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";
         C::FullLayout, "Full layout", CTRL L;
         C::Show(PaneKind::Passes), "Passes", CTRL Num1;
         C::Show(PaneKind::Stream), "Stream", CTRL Num2;
         C::Show(PaneKind::Ray), "Ray", CTRL Num3;
         C::Show(PaneKind::Walk3d), "Walk in 3D", CTRL Num4;
-        C::Show(PaneKind::Walk2d), "Walk, unfolded", CTRL Num5;
+        C::Show(PaneKind::Walk2d), "Unfolded walk", CTRL Num5;
         C::Show(PaneKind::Timeline), "Timeline", CTRL Num6;
         C::Show(PaneKind::Kernel), "Kernel", CTRL Num7;
         C::Show(PaneKind::Dataflow), "Data flow", CTRL Num8;
         C::Show(PaneKind::Timings), "Timings", CTRL Num9;
         C::Show(PaneKind::Plan), "Plan";
         C::Show(PaneKind::Cost), "Cost";
-        C::Show(PaneKind::Structure), "Grid and tree";
+        C::Show(PaneKind::Structure), "Grid and BVH";
         C::Show(PaneKind::Compare), "Compare";
         C::Show(PaneKind::Divergence), "Divergence";
         C::Show(PaneKind::Error), "Error over time";
@@ -272,14 +272,14 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Show(PaneKind::Log), "Log";
     }
     Compare {
-        C::Compare, "Compare with the tree", CTRL B;
-        C::EndCompare, "End the comparison";
-        C::Divergence, "Map where GPU and twins part", CTRL D;
-        C::Judge, "Judge what rays hit";
+        C::Compare, "Compare with BVH", CTRL B;
+        C::EndCompare, "End comparison";
+        C::Divergence, "Map GPU/CPU differences", CTRL D;
+        C::Judge, "Judge hits";
     }
     Help {
         C::Palette, "Commands…", CTRL P;
-        C::Help, "Keys", SHIFT Questionmark, NONE Questionmark;
+        C::Help, "Keyboard shortcuts", SHIFT Questionmark, NONE Questionmark;
         C::LessonRay, "Lesson: how one ray finds its triangle";
         C::LessonGrid, "Lesson: why the grid lost in 2004";
         C::LessonCrack, "Lesson: a crack at a voxel face";
@@ -293,13 +293,13 @@ impl Command {
         COMMANDS.iter().find(|info| info.command == self)
     }
 
-    /// What people read.
+    /// Its name in menus and in the palette.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.info().map_or("?", |info| info.name)
     }
 
-    /// The first key, as the system writes it; empty where there is none.
+    /// The first key in the system's notation; empty if there is none.
     #[must_use]
     pub fn key_text(self, ctx: &egui::Context) -> String {
         let first = self.info().and_then(|info| info.keys.first());
@@ -307,8 +307,8 @@ impl Command {
     }
 }
 
-/// The commands whose keys were pressed. Text fields, menus and lists that are open keep their own keys; `had_focus`:
-/// something had the keys at the end of the last frame.
+/// The commands whose keys were pressed. Open text fields, menus and lists keep their own keys; `had_focus`: something
+/// had keyboard focus at the end of the last frame.
 pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
     let is_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     let mut keys: Vec<(&CommandInfo, KeyboardShortcut)> = COMMANDS
@@ -316,12 +316,12 @@ pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
         .flat_map(|info| info.keys.iter().map(move |&(modifiers, key)| (info, KeyboardShortcut::new(modifiers, key))))
         .filter(|(_, shortcut)| !is_taken || is_global(shortcut))
         .collect();
-    // The more modifiers, the earlier: else Ctrl+Shift+F10 would be Ctrl+F10.
+    // Most modifiers first: otherwise Ctrl+Shift+F10 would match Ctrl+F10.
     keys.sort_by_key(|(_, s)| {
         let m = s.modifiers;
         std::cmp::Reverse([m.alt, m.shift, m.ctrl, m.command].iter().filter(|&&on| on).count())
     });
-    // Escape closes what is open, and leaves what is typed, before it stops work.
+    // Escape first closes what is open and leaves a text field, and only then cancels work.
     let is_escape_taken = had_focus || is_taken;
     // A key that was pressed twice since the last frame counts twice.
     let times = |input: &mut egui::InputState, shortcut: &KeyboardShortcut| match shortcut.logical_key {
@@ -331,7 +331,7 @@ pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
     ctx.input_mut(|input| keys.iter().flat_map(|(info, shortcut)| vec![info.command; times(input, shortcut)]).collect())
 }
 
-/// Whether a key does the same while text is typed.
+/// Whether a key also works while text is being entered.
 fn is_global(shortcut: &KeyboardShortcut) -> bool {
     let function_keys = Key::F1..=Key::F12;
     function_keys.contains(&shortcut.logical_key)

@@ -1,34 +1,35 @@
-//! Small windows over the panels.
+//! Dialogs.
 
 use egui::{ComboBox, Id, Key, Modal};
 use raystep_kernels::Stream;
+use raystep_lab::text::counted;
 
 use super::Inspector;
 use super::asked_path::AskedPath;
 use super::command::{COMMANDS, Command, Menu};
 use super::palette::Palette;
 
-/// A window over the panels.
+/// A dialog.
 pub(super) enum Dialog {
-    /// Commands by name.
+    /// The command palette.
     Palette(Palette),
-    /// Keys.
+    /// Keyboard shortcuts.
     Help,
-    /// A pixel's numbers as they are typed.
+    /// The text of a pixel.
     Pixel(String),
-    /// A ray's numbers as they are typed.
+    /// The text of a ray.
     Ray(String),
-    /// A link as it is typed or pasted.
+    /// The text of a link.
     Link(String),
-    /// A component of the selected ray: stream, layer, its value as it is typed.
+    /// An edit of the selected ray: stream, layer, and the text of the value.
     Edit(Stream, usize, String),
-    /// What can be taken away, and whether passes only up to here.
+    /// Exports, and whether to include passes only up to the current place.
     Export(bool),
-    /// A path, where there is no dialog for files.
+    /// A path, if there is no file dialog.
     Path(AskedPath),
 }
 
-/// The commands of the export window.
+/// The commands of the export dialog.
 const EXPORTS: [Command; 8] = [
     Command::ExportPasses,
     Command::ExportTrace,
@@ -60,21 +61,21 @@ impl Inspector {
             }
             Dialog::Ray(text) => {
                 ui.set_width(460.0);
-                ui.label("Origin and direction in scene units, decimal or as bits such as 0x3f800000.");
+                ui.label("Origin and direction in scene units, decimal or bits such as 0x3f800000.");
                 if let Some(text) = ask(ui, "Ray, as ox,oy,oz,dx,dy,dz", text) {
                     stays = self.trace_ray(&text);
                 }
             }
             Dialog::Link(text) => {
                 ui.set_width(560.0);
-                if let Some(text) = ask(ui, "Link, as 'Copy link to this place' makes it", text) {
+                if let Some(text) = ask(ui, "Link, as created by 'Copy link to this view'", text) {
                     stays = self.go_to_link(&text);
                 }
             }
             Dialog::Edit(stream, layer, text) => {
                 ui.set_width(420.0);
                 self.choose_component(ui, stream, layer);
-                if let Some(text) = ask(ui, "Value, decimal or as bits such as 0x3f800000", text) {
+                if let Some(text) = ask(ui, "Value, decimal or bits such as 0x3f800000", text) {
                     stays = self.edit_texel(*stream, *layer, &text);
                 }
             }
@@ -107,13 +108,13 @@ impl Inspector {
 }
 
 impl Inspector {
-    /// What the choice of passes says.
+    /// The label of the choice of passes.
     fn which_passes(&self) -> String {
         let (place, known) = (self.model.place, self.model.passes.len());
         if self.model.is_complete {
             format!("only up to here: {place} of {known} passes")
         } else {
-            format!("only up to here: {place} passes; else the run goes to its end first")
+            format!("only up to here: {}; otherwise the run is completed first", counted(place, "pass"))
         }
     }
 
@@ -134,12 +135,12 @@ impl Inspector {
             }
         });
         if let Some([x, y]) = self.shared.pixel {
-            ui.weak(format!("of the ray of pixel {x},{y}, after {} passes", self.model.place));
+            ui.weak(format!("of the ray of pixel {x},{y}, after {}", counted(self.model.place, "pass")));
         }
     }
 }
 
-/// One line of text; what was entered, once it is.
+/// A line of text; returns it once it is entered.
 fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<String> {
     let name = ui.label(label).id;
     let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(name);
@@ -149,7 +150,7 @@ fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<Stri
 }
 
 fn help(ui: &mut egui::Ui) {
-    ui.heading("Keys");
+    ui.heading("Keyboard shortcuts");
     egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
         for menu in Menu::ALL {
             ui.strong(menu.name());

@@ -1,4 +1,4 @@
-//! What is kept from one start to the next: the layout, watches, the last place, recent files.
+//! Settings that persist between sessions: the layout, watches, the last place, recent files.
 
 use egui_tiles::Tree;
 
@@ -8,7 +8,7 @@ use crate::saved::Saved;
 use crate::session::Watch;
 
 impl Inspector {
-    /// Takes over what was kept. What cannot be read is said, and left at its defaults.
+    /// Restores saved settings. What cannot be read is reported, and keeps its default.
     pub fn restore(&mut self, bytes: &[u8]) {
         let (saved, error) = Saved::from_bytes_or_default(bytes);
         if let Some(error) = error {
@@ -27,7 +27,7 @@ impl Inspector {
         self.saved = saved;
     }
 
-    /// Hands the host what is to be kept.
+    /// Hands the settings to the host for saving.
     pub fn keep(&mut self) {
         self.saved.layout = serde_json::to_string(&self.tree).ok();
         self.saved.watches = serde_json::to_string(&self.shared.watches).ok();

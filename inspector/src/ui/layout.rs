@@ -1,15 +1,15 @@
-//! Where panels are.
+//! The arrangement of panels.
 
 use egui_tiles::{Behavior, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
 
 use super::pane::{Context, Pane, PaneKind};
 
-/// Arrangements to begin with.
+/// Predefined layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
     /// Passes, one stream, the ray.
     Simple,
-    /// What is used daily.
+    /// The panels for daily use.
     Full,
 }
 
@@ -60,7 +60,7 @@ fn share(tiles: &mut Tiles<Pane>, id: TileId, children: &[TileId], shares: &[f32
     }
 }
 
-/// Shows the panel if it is hidden, hides it if it is shown.
+/// Toggles a panel.
 pub(super) fn toggle(tree: &mut Tree<Pane>, kind: PaneKind) {
     let is_kind = |tile: &Tile<Pane>| matches!(tile, Tile::Pane(pane) if pane.kind == kind);
     let found = tree.tiles.iter().find(|(_, tile)| is_kind(tile)).map(|(&id, _)| id);
@@ -71,7 +71,7 @@ pub(super) fn toggle(tree: &mut Tree<Pane>, kind: PaneKind) {
     }
 }
 
-/// Shows a panel, if it is not shown.
+/// Shows a panel if it is hidden.
 pub(super) fn show(tree: &mut Tree<Pane>, kind: PaneKind) {
     let is_shown = tree.active_tiles().into_iter().any(|id| tree.tiles.get_pane(&id).is_some_and(|p| p.kind == kind));
     if !is_shown {
@@ -79,7 +79,7 @@ pub(super) fn show(tree: &mut Tree<Pane>, kind: PaneKind) {
     }
 }
 
-/// Adds a panel: as a tab beside another of its kind, else where there is most room.
+/// Adds a panel: as a tab beside another of its kind, otherwise in the largest tile.
 pub(super) fn add(tree: &mut Tree<Pane>, pane: Pane) {
     let is_kind = |tile: &Tile<Pane>| matches!(tile, Tile::Pane(other) if other.kind == pane.kind);
     let beside = tree.tiles.iter().find(|(_, tile)| is_kind(tile)).map(|(&id, _)| id);
@@ -120,7 +120,7 @@ impl Behavior<Pane> for Panes<'_> {
         if ui.rect_contains_pointer(ui.max_rect()) {
             self.cx.shared.under = Some(id);
         }
-        // Ids begin anew with every arrangement: a list would be scrolled as far as another panel was.
+        // Ids restart with every layout: a list would otherwise inherit another panel's scroll position.
         ui.push_id((id, pane.kind), |ui| {
             egui::Frame::central_panel(ui.style()).inner_margin(6.0).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());

@@ -1,4 +1,4 @@
-//! Built-in lessons: a text a step, and the inspector set up for it.
+//! Built-in lessons: each step has a text and sets up the inspector for it.
 
 mod texts;
 
@@ -13,27 +13,27 @@ use crate::session::request::Request;
 use crate::settings::Settings;
 use texts::LESSONS;
 
-/// What a step sets up besides showing its text.
+/// An action of a step, besides showing its text.
 enum Do {
-    /// Opens the built-in Cornell box with these settings, at a pixel, after so many passes.
+    /// Opens the built-in Cornell box with these settings, at a pixel, after a number of passes.
     Open(fn() -> Settings, [u32; 2], usize),
     /// Goes to a place.
     Go(usize),
     /// To the end.
     End,
-    /// To the selected ray's next event, so many times.
+    /// Goes to the selected ray's next event, this many times.
     Events(usize),
     /// Shows a panel.
     Show(super::pane::PaneKind),
-    /// Does a command.
+    /// Performs a command.
     Perform(Command),
 }
 
 /// A step of a lesson.
 struct Step {
-    /// What it says, one paragraph: `**strong**` and `` `code` `` as in Markdown.
+    /// Its text, one paragraph: `**strong**` and `` `code` `` as in Markdown.
     text: &'static str,
-    /// What it sets up.
+    /// Its actions.
     set_up: &'static [Do],
 }
 
@@ -44,18 +44,18 @@ struct LessonText {
     steps: &'static [Step],
 }
 
-/// The lesson that is open, and where in it one is.
+/// The open lesson, and the current step.
 pub(super) struct Lesson {
     lesson: &'static LessonText,
     step: usize,
-    /// What is still to be set up for this step: a run has to be open for it.
+    /// Actions still to be performed for this step; they need an open run.
     waiting: Vec<&'static Do>,
 }
 
-/// The path of the scene that needs no file.
+/// The path of the built-in scene.
 pub(super) const BUILT_IN: &str = "built-in:cornell-box";
 
-/// What `**` and `` ` `` enclose, in the styles that they stand for.
+/// Text enclosed in `**` and `` ` ``, in the corresponding styles.
 fn paragraph(ui: &egui::Ui, text: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     for (strong, part) in text.split("**").enumerate() {
@@ -82,7 +82,7 @@ impl Inspector {
         }
     }
 
-    /// Shows the lesson that is open, and sets its step up once nothing else goes on.
+    /// Shows the open lesson, and sets up its step once nothing else is in progress.
     pub(super) fn show_lesson(&mut self, ctx: &egui::Context) {
         let Some(mut lesson) = self.lesson.take() else { return };
         let mut is_open = true;
@@ -144,7 +144,7 @@ impl Lesson {
         self.waiting = self.lesson.steps[self.step].set_up.iter().collect();
     }
 
-    /// Whether there is still something to set up.
+    /// Whether actions remain.
     pub(super) fn is_waiting(&self) -> bool {
         !self.waiting.is_empty()
     }

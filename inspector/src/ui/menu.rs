@@ -1,4 +1,4 @@
-//! Menus, the bar of buttons, and the line at the bottom.
+//! Menus, the toolbar and the status bar.
 
 use egui::containers::menu::MenuBar;
 use egui::{Button, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
@@ -8,7 +8,7 @@ use raystep_kernels::plan::Bytes;
 use super::Inspector;
 use super::command::{COMMANDS, Command, Menu};
 
-/// What the bar of buttons holds.
+/// The buttons of the toolbar.
 const BUTTONS: [Command; 7] = [
     Command::Start,
     Command::PreviousPass,
@@ -99,9 +99,9 @@ impl Inspector {
                 }
                 let (kept, budget) = (Bytes(self.model.kept_bytes), Bytes(self.model.budget));
                 if kept.0 > 0 {
-                    let text =
-                        "checkpoints, from which earlier passes are reached by running the passes after them again";
-                    ui.weak(format!("{kept} of {budget} kept for going back")).on_hover_text(text);
+                    let text = "Memory for checkpoints. To go back, the run restarts from a checkpoint and repeats the \
+                         passes after it.";
+                    ui.weak(format!("checkpoints: {kept} of {budget}")).on_hover_text(text);
                 }
             });
         });
@@ -109,7 +109,7 @@ impl Inspector {
     }
 }
 
-/// A button's sign, as on tape recorders; events have a dot, the ray's own.
+/// A button's icon, as on tape recorders; event buttons have a dot.
 fn sign(painter: &Painter, middle: Pos2, command: Command, is_on: bool, color: Color32) {
     let triangle = |x: f32, width: f32| {
         let [base, tip] = [middle + vec2(x, 0.0), middle + vec2(x + width, 0.0)];

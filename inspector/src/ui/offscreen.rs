@@ -1,4 +1,4 @@
-//! The window as a picture, drawn by egui's own renderer.
+//! Draws the window into an image, by egui's own renderer.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub async fn draw(
     submit(gpu, &mut renderer.write(), jobs, &texture, pixels_per_point);
     let texels = gpu.read_rgba8(&texture).await?;
     RgbaImage::from_raw(width, height, texels)
-        .ok_or_else(|| GpuError::Readback("the picture came back in another size".into()))
+        .ok_or_else(|| GpuError::Readback("the image was returned in another size".into()))
 }
 
 fn submit(

@@ -1,18 +1,18 @@
-//! Every command by its name.
+//! The command palette.
 
 use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
 use nucleo_matcher::{Config, Matcher};
 
 use super::command::{COMMANDS, Command};
 
-/// What was typed, and which match is chosen.
+/// The text entered, and the selected match.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Palette {
     text: String,
     chosen: usize,
 }
 
-/// The commands whose names hold what was typed, the best first: one that is called just so before all others.
+/// Commands that match the text, the best first; an exact match precedes all others.
 pub(super) fn matches(text: &str) -> Vec<Command> {
     let names = COMMANDS.iter().map(|info| info.name);
     let pattern = Pattern::parse(text, CaseMatching::Ignore, Normalization::Smart);
@@ -22,10 +22,10 @@ pub(super) fn matches(text: &str) -> Vec<Command> {
 }
 
 impl Palette {
-    /// Shows it. What was chosen, where something was.
+    /// Shows it; returns the chosen command, if any.
     pub(super) fn show(&mut self, ui: &mut egui::Ui) -> Option<Command> {
         ui.set_width(420.0);
-        let field = egui::TextEdit::singleline(&mut self.text).hint_text("a command").desired_width(f32::INFINITY);
+        let field = egui::TextEdit::singleline(&mut self.text).hint_text("command").desired_width(f32::INFINITY);
         let response = ui.add(field);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "command"));
         response.request_focus();
@@ -56,7 +56,7 @@ impl Palette {
             }
         });
         if found.is_empty() {
-            ui.weak("no command is called like that");
+            ui.weak("No matching command.");
         }
         picked
     }

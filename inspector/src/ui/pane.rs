@@ -1,4 +1,4 @@
-//! The panels that there are, and what all of them look at.
+//! The kinds of panels, and their common context.
 
 use std::sync::Arc;
 
@@ -17,37 +17,37 @@ pub enum PaneKind {
     Passes,
     /// A stream.
     Stream,
-    /// The selected ray's life.
+    /// The selected ray's history.
     Ray,
-    /// Its walk in space.
+    /// Its walk in 3D.
     Walk3d,
     /// Its walk, unfolded.
     Walk2d,
-    /// Passes over time, and live rays.
+    /// Rays in each state, over passes or time.
     Timeline,
-    /// The kernel's WGSL with the taken branch.
+    /// The kernel's WGSL with the branches taken.
     Kernel,
     /// Kernels and streams.
     Dataflow,
     /// Durations.
     Timings,
-    /// What the run needs, and what was left out.
+    /// What the run needs, and what is omitted.
     Plan,
-    /// Where the cost is.
+    /// The cost of rays.
     Cost,
-    /// Statistics of the grid or tree.
+    /// Statistics of the grid or BVH.
     Structure,
-    /// Two runs.
+    /// Comparison of two runs.
     Compare,
-    /// Where GPU and twins part.
+    /// Differences between GPU and CPU reference.
     Divergence,
     /// Rays not yet resolved, and resolved wrongly, over time.
     Error,
-    /// What to stop at.
+    /// Watches and edits.
     Watches,
-    /// What the run is asked for.
+    /// The options of the run.
     Options,
-    /// What happened.
+    /// Messages.
     Log,
 }
 
@@ -101,7 +101,7 @@ impl PaneKind {
     }
 }
 
-/// What a panel looks at and may ask for.
+/// What a panel can read and request.
 pub struct Context<'a> {
     /// The run.
     pub model: &'a mut Model,
@@ -109,31 +109,31 @@ pub struct Context<'a> {
     pub other: Option<&'a mut Model>,
     /// Pictures.
     pub canvas: &'a Arc<Canvas>,
-    /// What panels have in common: the selected ray, the cursor, ranges.
+    /// State shared by panels: the selected ray, the cursor, ranges.
     pub shared: &'a mut Shared,
-    /// What is to be done once all panels are shown.
+    /// Commands to perform once all panels are shown.
     pub todo: &'a mut Vec<Command>,
 }
 
 /// A panel.
 pub trait Panel: Send {
-    /// Its title, for its tab.
+    /// The title of its tab.
     fn title(&self) -> String;
     /// Shows it.
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>);
-    /// What of it is saved, as JSON; empty where there is nothing.
+    /// Its saved state, as RON; empty if there is none.
     fn save(&self) -> String {
         String::new()
     }
-    /// Takes over what was saved; ignores what it cannot read.
+    /// Restores saved state; ignores what it cannot read.
     fn load(&mut self, _saved: &str) {}
-    /// For a command about a view: whether the panel did it.
+    /// Handles a command about a view; returns whether it did.
     fn command(&mut self, _command: Command, _cx: &mut Context<'_>) -> bool {
         false
     }
 }
 
-/// A panel in its place.
+/// A panel in a tile.
 pub struct Pane {
     /// What it is.
     pub kind: PaneKind,

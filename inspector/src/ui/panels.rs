@@ -1,4 +1,4 @@
-//! One file a panel.
+//! One file per panel.
 
 mod chart;
 pub(super) mod compare;

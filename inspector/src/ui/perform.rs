@@ -12,7 +12,7 @@ use raystep_kernels::export::trace::TraceRow;
 use raystep_kernels::programs::closest_hit::streams;
 
 impl Inspector {
-    /// Whether a command would do anything now.
+    /// Whether a command would have an effect now.
     pub(super) fn can(&self, command: Command) -> bool {
         use Command as C;
         let (model, has_run) = (&self.model, self.model.opened.is_some());
@@ -30,7 +30,7 @@ impl Inspector {
         }
     }
 
-    /// The place after the next or previous pass that did something to the ray.
+    /// The place after the next or previous pass that processed the ray.
     fn event(&self, forward: bool) -> Option<usize> {
         let (rows, place) = (&self.model.life.as_ref()?.rows, self.model.place);
         let mut places = rows.iter().filter_map(TraceRow::place);
@@ -80,7 +80,7 @@ impl Inspector {
             C::CopyLink => {
                 if let Some(link) = self.link() {
                     ctx.copy_text(link.to_string());
-                    self.tell("the link is in the clipboard");
+                    self.tell("link copied to the clipboard");
                 }
             }
             C::PasteLink => self.dialog = Some(Dialog::Link(String::new())),
@@ -133,7 +133,7 @@ impl Inspector {
         }
     }
 
-    /// Commands about a view go to the panels, until one does it: the one under the cursor first, then streams.
+    /// Passes commands about a view to the panels until one handles it: first the one under the cursor, then streams.
     fn ask_panels(&mut self, command: Command) {
         let mut todo = Vec::new();
         let mut cx = Context {
@@ -170,7 +170,7 @@ impl Inspector {
         self.shared.select = Some([moved(x, dx, opened.plan.width), moved(y, dy, opened.plan.height)]);
     }
 
-    /// Whether the text has to be mended first.
+    /// Returns whether the text must be corrected first.
     pub(super) fn go_to_pixel(&mut self, text: &str) -> bool {
         let Some(opened) = &self.model.opened else { return false };
         let numbers: Vec<u32> = text.split([',', ' ']).filter_map(|part| part.trim().parse().ok()).collect();
@@ -181,13 +181,13 @@ impl Inspector {
             }
             _ => {
                 let (w, h) = (opened.plan.width - 1, opened.plan.height - 1);
-                self.warn(format!("{text:?}: a column from 0 to {w} and a row from 0 to {h} are wanted"));
+                self.warn(format!("{text:?}: expected a column from 0 to {w} and a row from 0 to {h}"));
                 true
             }
         }
     }
 
-    /// Whether the text has to be mended first.
+    /// Returns whether the text must be corrected first.
     pub(super) fn trace_ray(&mut self, text: &str) -> bool {
         let Some(opened) = &self.model.opened else { return false };
         match crate::ray_text::parse(text) {

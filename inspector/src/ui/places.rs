@@ -1,6 +1,7 @@
-//! Where the inspector is: links, the second run, watches, texels by hand.
+//! Places: links, the second run, watches, edited texels.
 
 use raystep_kernels::{Accelerator, Stream};
+use raystep_lab::text::counted;
 
 use super::layout;
 use super::pane::PaneKind;
@@ -25,7 +26,7 @@ impl Inspector {
         Some(Link { scene: Some(scene), scene_index, ray, stream, zoom, pan, pass: Some(self.model.place), ..link })
     }
 
-    /// Goes to where a link points.
+    /// Goes to the target of a link.
     pub fn follow_link(&mut self, link: &Link) {
         let pixel = match link.ray {
             Some(LinkRay::Pixel(pixel)) => Some(pixel),
@@ -39,7 +40,7 @@ impl Inspector {
         }
     }
 
-    /// Whether the text has to be mended first.
+    /// Returns whether the text must be corrected first.
     pub(super) fn go_to_link(&mut self, text: &str) -> bool {
         match text.parse::<Link>() {
             Ok(link) => {
@@ -53,7 +54,7 @@ impl Inspector {
         }
     }
 
-    /// Whether the text has to be mended first.
+    /// Returns whether the text must be corrected first.
     pub(super) fn edit_texel(&mut self, stream: Stream, layer: usize, text: &str) -> bool {
         let Some(pixel) = self.shared.pixel else { return false };
         let text = text.trim();
@@ -63,8 +64,8 @@ impl Inspector {
             None => text.parse().ok(),
         };
         let Some(bits) = bits else {
-            let kind = if stream.is_float_layer(layer) { "a number" } else { "a whole number from 0" };
-            self.fail(format!("{text:?}: {kind} is wanted, or bits such as 0x3f800000"));
+            let kind = if stream.is_float_layer(layer) { "a number" } else { "an integer of at least 0" };
+            self.fail(format!("{text:?}: expected {kind}, or bits such as 0x3f800000"));
             return true;
         };
         self.model.ask(Request::Edit(stream, layer, pixel, bits));
@@ -81,7 +82,7 @@ impl Inspector {
         }
     }
 
-    /// What the last run to a watch came to.
+    /// Reports the result of the last run to a watch.
     pub(super) fn tell_fired(&mut self) {
         let Some(fired) = self.model.fired.take() else { return };
         let text = match fired {
@@ -90,8 +91,12 @@ impl Inspector {
                 if !fired.watch.is_of_ray() {
                     self.shared.select = Some(fired.ray);
                 }
-                let more = if fired.rays > 1 { format!(" and {} other rays", fired.rays - 1) } else { String::new() };
-                format!("after {} passes, pixel {x},{y}{more}: {}", fired.place, fired.value)
+                let more = if fired.rays > 1 {
+                    format!(" and {}", counted(fired.rays - 1, "other ray"))
+                } else {
+                    String::new()
+                };
+                format!("after {}, pixel {x},{y}{more}: {}", counted(fired.place, "pass"), fired.value)
             }
             None => "no watch fired".into(),
         };
@@ -100,18 +105,18 @@ impl Inspector {
         self.shared.fired = Some(text);
     }
 
-    /// Watches the selected ray's state and hit, or not.
+    /// Toggles the watch on the selected ray's state and hit.
     pub(super) fn toggle_watch(&mut self) {
         let of_ray = |watch: Watch| matches!(watch, Watch::RayState | Watch::RayHit);
         let is_on = self.shared.watches.iter().any(|(watch, is_on)| of_ray(*watch) && *is_on);
         for (_, on) in self.shared.watches.iter_mut().filter(|(watch, _)| of_ray(*watch)) {
             *on = !is_on;
         }
-        let what = if is_on { "no longer watched" } else { "watched: F5 runs to where its state or hit changes" };
+        let what = if is_on { "no longer watched" } else { "watched: F5 runs to the next change of its state or hit" };
         self.tell(format!("the selected ray is {what}"));
     }
 
-    /// Opens a second run of the same scene: with the tree where this one has the grid, else with the grid.
+    /// Opens a second run of the same scene: with the BVH if this run has the grid, otherwise with the grid.
     pub(super) fn compare(&mut self) {
         let Some(opened) = &self.model.opened else { return };
         let (scene, settings) = (opened.scene.clone(), opened.settings.clone());

@@ -1,4 +1,4 @@
-//! What panels have in common.
+//! State shared by panels.
 
 use raystep_kernels::Stream;
 
@@ -9,66 +9,66 @@ use crate::session::Watch;
 /// A line of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogLine {
-    /// Something went wrong.
+    /// An error.
     pub is_error: bool,
-    /// What happened.
+    /// A message.
     pub text: String,
 }
 
-/// What a stream view shows, as links say it.
+/// The contents of a stream view, as in links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     /// The stream, and one of its layers.
     pub stream: LinkStream,
-    /// Points a texel; `None` fits the picture into its panel.
+    /// Points per texel; `None` fits the picture to its panel.
     pub zoom: Option<f32>,
     /// The texel in the middle.
     pub pan: Option<[f32; 2]>,
 }
 
 impl Shown {
-    /// What a link asks for, where it names a stream.
+    /// The view that a link requests, if it names a stream.
     #[must_use]
     pub fn of(link: &Link) -> Option<Self> {
         Some(Self { stream: link.stream?, zoom: link.zoom, pan: link.pan })
     }
 }
 
-/// What panels have in common.
+/// State shared by panels.
 pub struct Shared {
-    /// The pixel whose ray is looked at.
+    /// The selected pixel.
     pub pixel: Option<[u32; 2]>,
     /// The pixel under the cursor, in any stream view.
     pub hovered: Option<[u32; 2]>,
     /// The panel that the cursor was over last: commands about a view go to it first.
     pub under: Option<egui_tiles::TileId>,
-    /// Where this frame's panels want the run to be, as a number of passes.
+    /// The place that this frame's panels request, as a number of passes.
     pub go_to: Option<usize>,
-    /// A pixel that a panel wants to be looked at.
+    /// A pixel that a panel selects.
     pub select: Option<[u32; 2]>,
-    /// What the first stream view is asked to show.
+    /// The view requested of the first stream panel.
     pub show: Option<Shown>,
-    /// What the first stream view shows.
+    /// The view of the first stream panel.
     pub shown: Option<Shown>,
-    /// The stream that commands are about.
+    /// The stream that commands apply to.
     pub stream: Option<Stream>,
-    /// Files that panels want to be saved.
+    /// Files that panels want to save.
     pub files: Vec<FileToSave>,
-    /// The next export of passes ends here.
+    /// Whether the next export of passes ends at the current place.
     pub is_up_to_here: bool,
-    /// What to stop at, and whether it is on.
+    /// Watches, and whether they are active.
     pub watches: Vec<(Watch, bool)>,
-    /// What the last run to a watch stopped at, in words.
+    /// The result of the last run to a watch, for display.
     pub fired: Option<String>,
-    /// Files that were opened, the latest first.
+    /// Recent files, the latest first.
     pub recent: Vec<String>,
-    /// A file that a panel wants to be opened.
+    /// A file that a panel wants to open.
     pub open: Option<String>,
-    /// A link that a panel wants to be gone to.
+    /// A link that a panel wants to open.
     pub visit: Option<String>,
-    /// Where the inspector was when it was closed, as a link.
+    /// The place at which the inspector was closed, as a link.
     pub last_place: Option<String>,
-    /// What happened, oldest first.
+    /// Messages, oldest first.
     pub log: Vec<LogLine>,
 }
 
@@ -97,7 +97,7 @@ impl Default for Shared {
 }
 
 impl Shared {
-    /// Notes what happened.
+    /// Adds a message.
     pub fn say(&mut self, is_error: bool, text: impl Into<String>) {
         const MOST: usize = 1000;
         if self.log.len() == MOST {

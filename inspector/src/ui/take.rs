@@ -1,4 +1,4 @@
-//! What is taken away: exports, handed to the host to be saved.
+//! Exports, handed to the host for saving.
 
 use std::any::Any;
 use std::ops::ControlFlow;
@@ -16,7 +16,7 @@ use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::session::{Target, go_on};
 use crate::settings::DeviceKind;
 
-/// The name of jobs whose answer is an [`Export`].
+/// The name of jobs that answer with an [`Export`].
 pub(in crate::ui) const EXPORTING: &str = "exporting";
 
 impl From<Export> for FileToSave {
@@ -26,7 +26,7 @@ impl From<Export> for FileToSave {
 }
 
 impl Inspector {
-    /// Exports what a command names.
+    /// Performs an export command.
     pub(super) fn take(&mut self, command: Command) {
         let export = match command {
             Command::ExportPasses => self.take_passes(|run, passes| exports::passes_csv(run, passes, &[])),
@@ -47,7 +47,7 @@ impl Inspector {
         }
     }
 
-    /// All passes, or those up to here where that was chosen. Where they are not all known, they are run first.
+    /// All passes, or those up to here if that was chosen. If not all are known, they are run first.
     fn take_passes(&mut self, write: WritePasses) -> Option<Result<Export, ExportError>> {
         let is_up_to_here = std::mem::take(&mut self.shared.is_up_to_here);
         let run = self.context()?;
@@ -62,7 +62,7 @@ impl Inspector {
         None
     }
 
-    /// What all rows of this run have in common.
+    /// The columns that all rows of this run share.
     fn context(&self) -> Option<RunContext> {
         let opened = self.model.opened.as_ref()?;
         let (settings, plan) = (&opened.settings, &opened.plan);
@@ -91,7 +91,7 @@ impl Inspector {
         })
     }
 
-    /// Hands over what jobs and panels made.
+    /// Hands over the exports made by jobs and panels.
     pub(super) fn hand_over(&mut self) {
         if let Some(export) = self.model.take_answer::<Export>(EXPORTING) {
             self.shared.files.push((*export).into());
@@ -104,7 +104,7 @@ impl Inspector {
 
 type WritePasses = fn(&RunContext, &[Pass]) -> Result<Export, ExportError>;
 
-/// Runs to the end, writes all passes, and comes back.
+/// Runs to the end, writes all passes, and returns.
 fn run_and_write(run: RunContext, write: WritePasses) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
@@ -115,7 +115,7 @@ fn run_and_write(run: RunContext, write: WritePasses) -> Job {
             };
             let ran = session.step(Target::End, &mut tell).await;
             let passes = session.passes().to_vec();
-            // Also where it was stopped: whoever looks at a place is not taken elsewhere.
+            // Returns even if it was stopped: an export must not move the user's view.
             session.step(Target::Pass(here), &mut go_on).await.map_err(|e| e.to_string())?;
             ran.map_err(|e| e.to_string())?;
             let export = write(&run, &passes).map_err(|e| e.to_string())?;
@@ -126,7 +126,7 @@ fn run_and_write(run: RunContext, write: WritePasses) -> Job {
 
 type Write = fn(&raystep_kernels::StreamData, Option<usize>) -> Result<Export, ExportError>;
 
-/// Reads a stream as it is, and writes it as a file.
+/// Reads the current stream, and writes it as a file.
 fn read(stream: Stream, write: Write) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
@@ -137,17 +137,17 @@ fn read(stream: Stream, write: Write) -> Job {
     })
 }
 
-/// Reads a picture back, and writes it as PNG.
+/// Reads an image back, and writes it as PNG.
 pub(in crate::ui) fn png(canvas: &Canvas, texture: &wgpu::Texture, name: String) -> Job {
     let (gpu, texture) = (canvas.gpu.clone(), texture.clone());
     Box::new(move |_: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let texels = gpu.read_rgba8(&texture).await.map_err(|e| e.to_string())?;
             let image = image::RgbaImage::from_raw(texture.width(), texture.height(), texels);
-            let image = image.ok_or("the picture came back in another size")?;
+            let image = image.ok_or("the image was returned in another size")?;
             let mut bytes = std::io::Cursor::new(Vec::new());
             image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| e.to_string())?;
-            let holds = format!("a picture of {} x {} pixels", texture.width(), texture.height());
+            let holds = format!("an image of {} x {} pixels", texture.width(), texture.height());
             let export = Export { name: name.replace(' ', "-"), extension: "png", bytes: bytes.into_inner(), holds };
             Ok(Box::new(export) as Box<dyn Any + Send>)
         })

@@ -21,7 +21,7 @@ impl Aabb {
         Self { min: to_f64(min), max: to_f64(max) }
     }
 
-    /// Of `count` cells from cell `first` on.
+    /// The box of `count` cells starting at cell `first`.
     #[must_use]
     pub fn of_cells(grid: &Grid, first: [i32; 3], count: [i32; 3]) -> Self {
         let plane = |cell: [i32; 3]| to_f64(grid.corner) + to_f64(grid.width) * DVec3::from_array(cell.map(f64::from));
@@ -29,7 +29,7 @@ impl Aabb {
         Self { min: plane(first), max: plane(end) }
     }
 
-    /// Of triangles' corners, nine floats a triangle; the origin where there are none.
+    /// The box of triangles, nine floats each; the origin if there are none.
     #[must_use]
     pub fn of_vertices(vertices: &[f32]) -> Self {
         let (points, _) = vertices.as_chunks::<3>();
@@ -52,7 +52,7 @@ impl Aabb {
         (self.max - self.min).length() * 0.5
     }
 
-    /// Its corners; bit `a` of the index chooses the upper one along axis `a`.
+    /// Its corners; bit `a` of the index selects the upper one along axis `a`.
     #[must_use]
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
@@ -103,7 +103,7 @@ impl Aabb {
         FACES.map(|face| face.map(|corner| c[corner]))
     }
 
-    /// The t, 0 or more, at which a ray enters and leaves; `None` where it misses.
+    /// The t interval, from 0, in which a ray is inside; `None` if it misses.
     #[must_use]
     pub fn interval(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let (mut enter, mut leave) = (0.0f64, f64::INFINITY);

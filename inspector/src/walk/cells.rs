@@ -10,31 +10,32 @@ use raystep_kernels::shared::grid_walk::smallest_axis;
 
 use super::{Aabb, WalkGeometry, finite, is_kernel, is_walking, list};
 
-/// How a ray came into a cell.
+/// How a ray entered a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
     /// The walk starts here.
     Start,
-    /// Through the face that it shares with the cell before it.
+    /// Through the face shared with the previous cell.
     Face {
-        /// The axis along which it went.
+        /// The axis of the step.
         axis: usize,
         /// 1 or -1.
         step: i32,
     },
-    /// Over cells between that were not visited one by one: they are empty, or the pass took several steps.
+    /// Across cells that were not visited one by one: they are empty, or the pass took several steps.
     Leap {
-        /// So many cells on, along each axis.
+        /// The number of cells, along each axis.
         cells: [i32; 3],
     },
-    /// Over a face of the grid, where the paper's rules take the index of the next row's cell for that of the next cell.
+    /// Across a face of the grid, where the paper's rules take the index of a cell in the next row for that of the next
+    /// cell.
     Wrap,
 }
 
-/// A cell that the ray visited.
+/// A visited cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellVisit {
-    /// The row that brought the ray here.
+    /// The row that moved the ray here.
     pub row: usize,
     /// Cell coordinates.
     pub cell: [i32; 3],
@@ -42,15 +43,15 @@ pub struct CellVisit {
     pub index: u32,
     /// Its box.
     pub bounds: Aabb,
-    /// How the ray came here.
+    /// How the ray entered.
     pub entry: Entry,
     /// t at which the ray enters.
     pub t_in: f64,
-    /// t at which it leaves: the smallest tmax. As `t_in` where it crosses no plane.
+    /// t at which it leaves: the smallest tmax. Equal to `t_in` if it crosses no plane.
     pub t_out: f64,
     /// t at which the ray leaves the cell, per axis; `None` for an axis that it never crosses.
     pub tmax: [Option<f64>; 3],
-    /// The axis whose tmax is the smallest.
+    /// The axis with the smallest tmax.
     pub exit_axis: usize,
     /// Triangles in the cell's list.
     pub listed: u32,
@@ -65,14 +66,14 @@ pub struct Crossing {
     pub from: usize,
     /// The axis across which the plane lies.
     pub axis: usize,
-    /// Where on the ray: a tmax of that cell.
+    /// Its t: a tmax of that cell.
     pub t: f64,
-    /// Where in space.
+    /// Its position.
     pub point: DVec3,
 }
 
 impl WalkGeometry {
-    /// Follows a row that may bring the ray to another cell, or out of the grid.
+    /// Processes a row that may move the ray to another cell, or out of the grid.
     pub(super) fn move_to_cell(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
         let starts = is_kernel(row, kernels::SETUP);
         let steps = is_kernel(row, kernels::TRAVERSE_GRID) || is_kernel(row, kernels::WALK);
@@ -81,7 +82,7 @@ impl WalkGeometry {
         }
         let after = &row.after;
         let moved = starts || before.is_none_or(|before| before.cell_index != after.cell_index);
-        // A pass of many steps may end the walk in the cell where it was, or in another one.
+        // A pass of several steps may end the walk in the current cell, or in another one.
         let left = is_kernel(row, kernels::TRAVERSE_GRID) || moved || after.tag == states::BACKGROUND;
         if steps && left {
             self.leave_cell();
@@ -143,7 +144,7 @@ impl WalkGeometry {
         }
     }
 
-    /// From the stream, or, where a run keeps none, from the cell as its kernel does.
+    /// From the stream, or, if a run has none, computed from the cell as the kernel does.
     fn tmax(&self, data: &SceneData, cell: [i32; 3], ray: &RayState) -> [Option<f64>; 3] {
         if ray.tmax.iter().any(Option::is_some) {
             return ray.tmax.map(|t| t.map(f64::from));

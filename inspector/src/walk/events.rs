@@ -1,4 +1,4 @@
-//! The rows of a trace in which something happens to the ray: what F11 steps through.
+//! The rows of a trace that move the ray or test a triangle: the events that F11 steps through.
 
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::kernels;
@@ -6,25 +6,25 @@ use raystep_kernels::scene_data::SceneData;
 
 use super::{is_kernel, is_walking};
 
-/// What happens.
+/// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// The ray comes into a cell.
+    /// The ray enters a cell.
     Cell([i32; 3]),
-    /// The ray comes to a node.
+    /// The ray reaches a node.
     Node(u32),
     /// A triangle is tested.
     Test(u32),
-    /// The ray has left the grid or the tree.
+    /// The ray has left the grid or the BVH.
     Left,
 }
 
-/// Something that happens to the ray.
+/// An event of the ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
     /// The row of the trace.
     pub row: usize,
-    /// What happens.
+    /// Its kind.
     pub kind: EventKind,
 }
 
@@ -61,7 +61,7 @@ pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
     trace.rows.iter().enumerate().filter_map(|(row, r)| Some(Event { row, kind: kind(r)? })).collect()
 }
 
-/// The first event after a row; the first of all where no row is given.
+/// The first event after a row; the first of all without a row.
 #[must_use]
 pub fn next_event(events: &[Event], row: Option<usize>) -> Option<Event> {
     events.get(events.partition_point(|event| row.is_some_and(|row| event.row <= row))).copied()
@@ -73,7 +73,7 @@ pub fn previous_event(events: &[Event], row: usize) -> Option<Event> {
     events[..events.partition_point(|event| event.row < row)].last().copied()
 }
 
-/// The row that a ray is at after so many passes of its run; `None` before its first.
+/// The row that a ray is at after this many passes of its run; `None` before its first.
 #[must_use]
 pub fn row_after_passes(trace: &Trace, passes: usize) -> Option<usize> {
     trace.rows.partition_point(|row| row.is_within(passes)).checked_sub(1)

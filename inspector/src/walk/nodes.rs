@@ -1,4 +1,4 @@
-//! The nodes of a walk through the tree.
+//! The nodes of a walk through the BVH.
 
 use raystep_kernels::export::trace::{RayState, TraceRow};
 use raystep_kernels::programs::closest_hit::{kernels, states};
@@ -8,31 +8,31 @@ use raystep_kernels::shared::constants::NO_NODE;
 
 use super::{Aabb, WalkGeometry, is_kernel, is_walking};
 
-/// A node whose box the ray was tested against. Coming back up through it is no visit.
+/// A node whose box was tested. Returning upwards through a node does not count as a visit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeVisit {
     /// The row that tested it.
     pub row: usize,
     /// The node.
     pub node: u32,
-    /// The node above; `None` for the root.
+    /// The parent; `None` for the root.
     pub parent: Option<u32>,
     /// Its box.
     pub bounds: Aabb,
     /// Levels below the root.
     pub depth: u32,
-    /// Whether the ray meets the box before its nearest hit so far, as the device decided.
+    /// Whether the ray meets the box before its nearest hit so far, as decided by the device.
     pub is_met: bool,
-    /// Whether it holds triangles.
+    /// Whether it is a leaf.
     pub is_leaf: bool,
     /// Triangles that a leaf lists.
     pub listed: u32,
-    /// The t, 0 or more, at which the ray is in the box, hit or no hit; worked out in f64.
+    /// The t interval, from 0, in which the ray is in the box, regardless of hits; computed in f64.
     pub inside: Option<[f64; 2]>,
 }
 
 impl WalkGeometry {
-    /// Follows a row that may test a node's box.
+    /// Processes a row that may test a node's box.
     pub(super) fn move_to_node(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
         let after = &row.after;
         self.current_node = is_walking(after).then_some(after.cell_index);
@@ -42,7 +42,7 @@ impl WalkGeometry {
         let index = before.cell_index;
         let Some(node) = data.bvh_nodes.get(index as usize) else { return };
         let parent = parent(data, index);
-        // Back from a child, or from the leaf itself: its box is not tested again.
+        // Returning from a child, or from the leaf itself: its box is not tested again.
         if before.previous != Some(parent.unwrap_or(NO_NODE)) {
             return;
         }
@@ -73,6 +73,6 @@ fn parent(data: &SceneData, node: u32) -> Option<u32> {
 
 fn depth(data: &SceneData, node: u32) -> u32 {
     let above = std::iter::successors(parent(data, node), |&above| parent(data, above));
-    // Bounded, though no tree that is built has a cycle.
+    // Bounded, although no BVH that is built has a cycle.
     above.take(data.bvh_parents.len()).count() as u32
 }

@@ -5,18 +5,18 @@ use glam::{DVec2, DVec3};
 use super::unfolded::letters;
 use super::{Outcome, Structure, WalkGeometry};
 
-/// A column of cells, or a node's box, seen along the axis that is left out.
+/// A column of cells, or a node's box, seen along the projection axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Square {
     /// Lower corner.
     pub min: DVec2,
     /// Upper corner.
     pub max: DVec2,
-    /// Indices of the cell or node visits that fall on it, in order.
+    /// Indices of the visits to its cells or node, in order.
     pub visits: Vec<usize>,
-    /// Letters of the first of them, see [`letters`].
+    /// Letters of the first visit, see [`letters`].
     pub letters: String,
-    /// Whether one of them is where the ray is.
+    /// Whether the ray is in one of them.
     pub is_current: bool,
 }
 
@@ -27,16 +27,16 @@ pub struct ProjectedTriangle {
     pub test: usize,
     /// Its corners.
     pub corners: [DVec2; 3],
-    /// What became of it.
+    /// The result of its test.
     pub outcome: Outcome,
 }
 
-/// The walk in two dimensions, traced units; the first axis points to the right, the second one up.
+/// The walk in two dimensions, traced units; the first axis points right and the second up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Projected {
     /// The two axes along which the ray moves most, the lower one first.
     pub axes: [usize; 2],
-    /// What is shown: the squares, the ray among them, and a cell more on each side.
+    /// The visible region: the squares, the ray's part among them, and one more cell on each side.
     pub min: DVec2,
     /// Its upper corner.
     pub max: DVec2,
@@ -46,17 +46,17 @@ pub struct Projected {
     pub squares: Vec<Square>,
     /// Where the ray enters the picture, or starts, and where it ends.
     pub ray: [DVec2; 2],
-    /// Where the ray is.
+    /// The ray's current position.
     pub at: DVec2,
-    /// Where the ray crosses planes of the two axes, and of which.
+    /// Where the ray crosses planes of the two axes, with the axis.
     pub crossings: Vec<(DVec2, usize)>,
-    /// The triangles tested, each once; of several tests of one, that with the best outcome.
+    /// The triangles tested, each once with the best outcome.
     pub triangles: Vec<ProjectedTriangle>,
     /// The nearest hit so far.
     pub hit: Option<DVec2>,
 }
 
-/// Most grid lines of an axis; more would be a grey area.
+/// Most grid lines per axis; more would become a grey area.
 const MOST_LINES: f64 = 256.0;
 
 impl Projected {
@@ -68,7 +68,7 @@ impl Projected {
         let squares = squares(walk, axes);
         let hit = walk.hit.map(|hit| flat(hit.point));
         let first = walk.inside.map_or(0.0, |[enter, _]| enter);
-        // In a grid, no farther than the cells shown.
+        // In a grid, no farther than the visible cells.
         let last = match (walk.structure, walk.hit, walk.cells.last()) {
             (Structure::Grid, Some(hit), Some(cell)) => hit.t.max(cell.t_out),
             (Structure::Grid, None, Some(cell)) => cell.t_out,
@@ -87,7 +87,7 @@ impl Projected {
             (min, max) = (min.min(from.min(to)), max.max(from.max(to)));
         }
         let lines = [0, 1].map(|a| lines(walk, axes[a], min[a], max[a]));
-        // From a little before, so that one sees where the ray comes from.
+        // Starts a little earlier, to show where the ray comes from.
         let before = (max - min).length() * 0.08 / flat(walk.direction).length().max(f64::MIN_POSITIVE);
         let start = flat(walk.point((first - before).max(0.0)));
         let room = DVec2::splat((max - min).max_element() * 0.01);
@@ -120,7 +120,7 @@ fn squares(walk: &WalkGeometry, axes: [usize; 2]) -> Vec<Square> {
     let flat = |v: DVec3| DVec2::new(v[axes[0]], v[axes[1]]);
     let mut squares: Vec<Square> = Vec::new();
     let mut push = |square: Square| {
-        // Cells behind each other follow each other; a walk never comes back to a square.
+        // Cells of one column are consecutive; a walk never returns to a square.
         match squares.last_mut().filter(|last| last.min == square.min && last.max == square.max) {
             Some(last) => {
                 last.is_current |= square.is_current;

@@ -1,18 +1,20 @@
-//! The walk as a drawing of its own: the picture seen along one axis, and under it the walk unfolded along t.
+//! The walk as an SVG drawing: seen along one axis, and below it unfolded along t.
 
 mod picture;
 mod sheet;
 mod strip;
 
+use raystep_lab::text::counted;
+
 use super::{Projected, Spacing, Strip, Structure, WalkGeometry};
 use sheet::Sheet;
 
-/// How the drawing looks.
+/// The style of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SvgOptions {
-    /// Its width, in units of which a line of text is 12 high.
+    /// Its width, in units in which a line of text is 12 high.
     pub width: f64,
-    /// How wide cells are.
+    /// The width of cells.
     pub spacing: Spacing,
     /// Light on dark.
     pub is_dark: bool,
@@ -24,7 +26,7 @@ impl Default for SvgOptions {
     }
 }
 
-/// The drawing, as a whole SVG file. `title` is written above it.
+/// The drawing as an SVG file, with a title.
 #[must_use]
 pub fn walk_svg(walk: &WalkGeometry, title: &str, options: &SvgOptions) -> String {
     let width = if options.width.is_finite() { options.width.clamp(320.0, 8000.0) } else { 900.0 };
@@ -39,13 +41,12 @@ pub fn walk_svg(walk: &WalkGeometry, title: &str, options: &SvgOptions) -> Strin
 
 /// One sentence.
 fn summary(walk: &WalkGeometry) -> String {
-    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
     let visited = match walk.structure {
-        Structure::Grid => format!("{} visited, ", count(walk.cells.len(), "cell", "cells")),
-        Structure::Tree => format!("{} visited, ", count(walk.nodes.len(), "node", "nodes")),
+        Structure::Grid => format!("{} visited, ", counted(walk.cells.len(), "cell")),
+        Structure::Tree => format!("{} visited, ", counted(walk.nodes.len(), "node")),
         Structure::Nothing => String::new(),
     };
-    let tested = count(walk.tested.len(), "triangle tested", "triangles tested");
+    let tested = counted(walk.tested.len(), "triangle") + " tested";
     let end = match (walk.hit, walk.is_over) {
         (Some(hit), true) => format!("hit triangle {} at t {}", hit.triangle, sheet::short(hit.t)),
         (Some(hit), false) => format!("nearest hit so far: triangle {} at t {}", hit.triangle, sheet::short(hit.t)),

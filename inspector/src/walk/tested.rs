@@ -10,12 +10,12 @@ use raystep_kernels::shared::triangle::{Shear, hit_triangle, plane_hit};
 
 use super::{Structure, WalkGeometry, corners};
 
-/// What became of a test, the best last.
+/// The outcome of a test, the best last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
-    /// The ray passes the triangle by.
+    /// The ray misses the triangle.
     Missed,
-    /// A hit, but not the nearest so far, or not one that this cell may accept.
+    /// A hit, but not the nearest so far, or one that this cell must not accept.
     NotNearest,
     /// The nearest hit so far.
     Nearest,
@@ -28,7 +28,7 @@ impl Outcome {
         self != Self::Missed
     }
 
-    /// In words.
+    /// The displayed name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -48,19 +48,19 @@ pub struct TestedTriangle {
     pub triangle: u32,
     /// Its corners.
     pub corners: [DVec3; 3],
-    /// Index of the cell visit, or of the node visit, that lists it; `None` without either.
+    /// Index of the cell or node visit that lists it; `None` without a structure.
     pub visit: Option<usize>,
-    /// What became of it.
+    /// The outcome.
     pub outcome: Outcome,
-    /// Where the ray meets the triangle's plane; `None` where it never does.
+    /// Where the ray meets the triangle's plane; `None` if it does not.
     pub t: Option<f64>,
     /// Weights of vertices 1 and 2 there.
     pub barycentric: Option<[f64; 2]>,
 }
 
 impl WalkGeometry {
-    /// Indices into [`tested`](Self::tested) with each triangle once, by its id; of several tests of one, the first of
-    /// those with the best outcome.
+    /// Indices into [`tested`](Self::tested) with each triangle once, in order of id; of several tests of one, the
+    /// first with the best outcome.
     #[must_use]
     pub fn distinct_tested(&self) -> Vec<usize> {
         let mut best = BTreeMap::new();
@@ -73,7 +73,7 @@ impl WalkGeometry {
         best.into_values().map(|(_, i)| i).collect()
     }
 
-    /// Follows a row that may test a triangle.
+    /// Processes a row that may test a triangle.
     pub(super) fn test_triangle(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
         let Some((triangle, at)) = row.tested.and_then(|triangle| Some((triangle, corners(data, triangle)?))) else {
             return;
@@ -93,7 +93,7 @@ impl WalkGeometry {
             (false, true) => Outcome::NotNearest,
             (false, false) => Outcome::Missed,
         };
-        // The device's own numbers where it kept them.
+        // The device's own values if it stored them.
         let (t, barycentric) = match (outcome, after.t, after.barycentric) {
             (Outcome::Nearest, Some(t), Some(barycentric)) => (t, barycentric),
             _ => (candidate.t, [candidate.u, candidate.v]),

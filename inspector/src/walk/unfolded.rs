@@ -1,25 +1,25 @@
-//! The walk unfolded: what a ray visits laid out along t, whatever way it takes through space.
+//! The walk unfolded: visits arranged along t, regardless of their direction in space.
 
 use super::{Entry, Outcome, Structure, WalkGeometry};
 
-/// How wide cells are drawn.
+/// The width of cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spacing {
-    /// As long as the ray is in them.
+    /// Proportional to the length along the ray.
     #[default]
     ByT,
-    /// All the same: a ray that only cuts the corner of a cell is in it too.
+    /// Equal, so that cells that the ray barely touches are visible.
     Equal,
 }
 
-/// A test, at its place on the strip.
+/// A test, with its position on the strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripTest {
     /// Index into [`WalkGeometry::tested`].
     pub test: usize,
     /// The triangle.
     pub triangle: u32,
-    /// What became of it.
+    /// The outcome.
     pub outcome: Outcome,
     /// Where the ray meets the triangle's plane.
     pub t: Option<f64>,
@@ -44,13 +44,13 @@ pub struct StripCell {
     pub listed: u32,
     /// The tests made in it.
     pub tests: Vec<StripTest>,
-    /// How the ray went from here to the next cell; `None` where it has not.
+    /// How the ray went from here to the next cell; `None` if it has not.
     pub next: Option<Entry>,
     /// Whether the ray is here.
     pub is_current: bool,
 }
 
-/// A node of the strip: a bar from where the ray enters its box to where it leaves, under the bar of the node above it.
+/// A node of the strip: a bar from where the ray enters its box to where it leaves, below the bar of its parent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StripNode {
     /// Index into [`WalkGeometry::nodes`].
@@ -59,13 +59,13 @@ pub struct StripNode {
     pub node: u32,
     /// Levels below the root.
     pub depth: u32,
-    /// The line that its bar is on, from 0 on: every level of the tree has as many as it needs for bars that overlap.
+    /// The row of its bar, from 0: every level of the BVH has enough rows to avoid overlap.
     pub line: usize,
-    /// t at which the ray is in the box; `None` where it passes it by: it has no bar.
+    /// The t interval in which the ray is in the box; `None` if it misses it: it has no bar.
     pub t: Option<[f64; 2]>,
-    /// Whether the device let the ray in.
+    /// Whether the device entered the node.
     pub is_met: bool,
-    /// Whether it holds triangles.
+    /// Whether it is a leaf.
     pub is_leaf: bool,
     /// The tests made in it.
     pub tests: Vec<StripTest>,
@@ -76,22 +76,22 @@ pub struct StripNode {
 /// The walk along t.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
-    /// The t shown.
+    /// The visible range of t.
     pub t: [f64; 2],
-    /// How far the ray has come.
+    /// Progress of the ray.
     pub at: f64,
-    /// Cells in the order of the walk; none without a grid.
+    /// Cells in the order of the walk; empty without a grid.
     pub cells: Vec<StripCell>,
-    /// Nodes in the order of the walk; none without a tree.
+    /// Nodes in the order of the walk; empty without a BVH.
     pub nodes: Vec<StripNode>,
-    /// Tests that belong to neither.
+    /// Tests outside cells and nodes.
     pub tests: Vec<StripTest>,
     /// t of the nearest hit so far.
     pub hit: Option<f64>,
 }
 
 impl Strip {
-    /// Lays a walk out.
+    /// Arranges a walk.
     #[must_use]
     pub fn new(walk: &WalkGeometry) -> Self {
         let mut of_visit = vec![Vec::new(); walk.cells.len().max(walk.nodes.len())];
@@ -141,7 +141,7 @@ impl Strip {
         Self { t: [first, last.max(first)], at: walk.t, cells, nodes, tests: loose, hit: walk.hit.map(|hit| hit.t) }
     }
 
-    /// Where each cell lies, from 0 at the strip's left end to 1 at its right.
+    /// The position of each cell, from 0 at the strip's left end to 1 at its right.
     #[must_use]
     pub fn columns(&self, spacing: Spacing) -> Vec<[f64; 2]> {
         let count = self.cells.len() as f64;
@@ -154,7 +154,7 @@ impl Strip {
             .collect()
     }
 
-    /// Where a t of the ray lies on the strip, from 0 to 1.
+    /// The position of a t on the strip, from 0 to 1.
     #[must_use]
     pub fn place(&self, t: f64, spacing: Spacing) -> f64 {
         if spacing == Spacing::ByT || self.cells.is_empty() {
@@ -166,15 +166,15 @@ impl Strip {
         (cell as f64 + within) / self.cells.len() as f64
     }
 
-    /// How high the bar of a tmax is: 0 at the strip's first t, 1 at half as far again as its last. Above 1 where the bar
-    /// has to be cut off, as the tmax of an axis along which the ray hardly moves is.
+    /// The height of a tmax bar: 0 at the strip's first t, 1 at one and a half times its range. Above 1, the bar is
+    /// truncated, as for an axis along which the ray hardly moves.
     #[must_use]
     pub fn tmax_height(&self, tmax: f64) -> f64 {
         let range = (self.t[1] - self.t[0]) * 1.5;
         if range > 0.0 { ((tmax - self.t[0]) / range).max(0.0) } else { 0.0 }
     }
 
-    /// Lines that the bars of nodes are on.
+    /// Rows for the bars of nodes.
     #[must_use]
     pub fn lines(&self) -> usize {
         self.nodes.iter().map(|node| node.line + 1).max().unwrap_or(0)
@@ -186,7 +186,7 @@ impl Strip {
     }
 }
 
-/// Level by level, each bar on the first line of its level where no earlier bar is in its way.
+/// Level by level, each bar in the first row of its level where it does not overlap an earlier one.
 fn put_on_lines(nodes: &mut [StripNode]) {
     let deepest = nodes.iter().map(|node| node.depth).max().unwrap_or(0);
     let mut levels = vec![Vec::new(); deepest as usize + 1];

@@ -96,7 +96,7 @@ impl Host for TestHost {
         let event = match (desk.dialogs, choice) {
             (Dialogs::Missing, _) => HostEvent::AskPath { file: None, path: "/here/".into(), why: NO_DIALOG.into() },
             (Dialogs::Answer, Some(choice)) => HostEvent::Chosen(choice),
-            _ => HostEvent::Cancelled("cancelled: no scene is opened"),
+            _ => HostEvent::Cancelled("cancelled: no scene opened"),
         };
         desk.events.push(event);
     }
@@ -109,7 +109,7 @@ impl Host for TestHost {
                 desk.saved.push(file);
                 HostEvent::Saved { holds, path }
             }
-            Dialogs::Cancel => HostEvent::Cancelled("cancelled: nothing is written"),
+            Dialogs::Cancel => HostEvent::Cancelled("cancelled: nothing written"),
             Dialogs::Missing => {
                 HostEvent::AskPath { path: format!("/here/{}", file.name), file: Some(file), why: NO_DIALOG.into() }
             }

@@ -37,7 +37,7 @@ fn passes_end_here_only_where_that_is_chosen() {
     let mut stage = stage();
     stage.perform(Command::Export);
     stage.frames(2);
-    let choice = "only up to here: 12 passes; else the run goes to its end first";
+    let choice = "only up to here: 12 passes; otherwise the run is completed first";
     stage.click(Role::CheckBox, choice);
     stage.frame();
     stage.click(Role::Button, Command::ExportPasses.name());
@@ -57,14 +57,14 @@ fn what_is_cancelled_is_said() {
     stage.inspector().perform(Command::ExportPasses);
     stage.inspector().perform(Command::Cancel);
     stage.settle();
-    says(&stage, "cancelled: nothing is written");
+    says(&stage, "cancelled: nothing written");
     assert_eq!((stage.place(), rows(&stage).len()), (PLACE, 0));
     let mut stage = self::stage();
     dialogs(&stage, Dialogs::Cancel);
     stage.perform(Command::ExportPasses);
-    says(&stage, "cancelled: nothing is written");
+    says(&stage, "cancelled: nothing written");
     stage.perform(Command::OpenScene);
-    says(&stage, "cancelled: no scene is opened");
+    says(&stage, "cancelled: no scene opened");
     assert_eq!(rows(&stage).len(), 0);
 }
 
@@ -86,7 +86,7 @@ fn where_there_are_no_dialogs_the_window_asks_for_a_path() {
     stage.settle();
     says(&stage, "it is there already");
     assert_eq!(rows(&stage), [all]);
-    stage.click(Role::CheckBox, "replace a file that is there");
+    stage.click(Role::CheckBox, "replace an existing file");
     stage.frame();
     stage.click(Role::Button, "Save");
     stage.settle();
@@ -95,7 +95,7 @@ fn where_there_are_no_dialogs_the_window_asks_for_a_path() {
     stage.perform(Command::ExportPasses);
     stage.key(Modifiers::NONE, Key::Escape);
     stage.settle();
-    says(&stage, "cancelled: nothing is written");
+    says(&stage, "cancelled: nothing written");
     assert_eq!(rows(&stage), [all, all]);
     // A scene by its path.
     let generation = stage.inspector().model().generation;
@@ -106,7 +106,7 @@ fn where_there_are_no_dialogs_the_window_asks_for_a_path() {
     stage.perform(Command::OpenScene);
     stage.key(Modifiers::NONE, Key::Escape);
     stage.settle();
-    says(&stage, "cancelled: no scene is opened");
+    says(&stage, "cancelled: no scene opened");
 }
 
 #[test]

@@ -114,7 +114,7 @@ fn a_lost_device() {
     assert!(gpu.health().is_err());
     assert!(stage.reads("the GPU device was lost"), "{}", stage.read_out());
     let link = "raystep:1?scene=cornell-box&size=32x32&device=gpu&pixel=16,16&pass=9";
-    assert_eq!(stage.inspector().how_to_go_on(), format!("; to go on: raystep inspect --link \"{link}\""));
+    assert_eq!(stage.inspector().how_to_go_on(), format!("; to resume: raystep inspect --link \"{link}\""));
     tour_without_drawing(&mut stage);
 }
 

@@ -58,7 +58,7 @@ fn panels() {
 fn options_of_each_kind_and_combo_boxes() {
     let mut stage = stage();
     stage.perform(Command::Show(PaneKind::Options));
-    for name in ["accelerator", "schedule", "numerics", "leaps", "device", "camera"] {
+    for name in ["accelerator", "schedule", "numerics", "skip empty space", "device", "camera"] {
         stage.click(Role::ComboBox, name);
         stage.frames(2);
         named(&stage, name);

@@ -110,9 +110,9 @@ fn go_on(mut stage: Stage, settings: Settings) {
         })
     };
     assert!(reads(&line, &end), "{line}…{end}\n{}", stage.read_out());
-    stage.click(Role::Button, "Both to the end");
+    stage.click(Role::Button, "Run both to the end");
     stage.settle();
-    assert!(stage.reads("triangle: the same bits for all rays"), "{}", stage.read_out());
+    assert!(stage.reads("triangle: identical bits for all rays"), "{}", stage.read_out());
 
     // Export the passes.
     stage.key(Modifiers::COMMAND, Key::E);

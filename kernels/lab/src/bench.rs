@@ -90,7 +90,7 @@ pub fn measure(
             let mut viewed = Viewed::new(subject, size, wanted.tuning.grid);
             for &kind in &wanted.rays {
                 let name = format!("{} {size} {kind}", subject.scene.name);
-                reporter.stage(&format!("{name}: making rays"));
+                reporter.stage(&format!("{name}: generating rays"));
                 match viewed.rays(kind, &meter.machine) {
                     Ok(Some(rays)) => bench.group(Group { name, subject, size, kind }, rays, &ways)?,
                     Ok(None) => bench.skip(format!("{name}: no pixel has such a ray")),
@@ -111,7 +111,7 @@ fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<(Accelerator, ScheduleKin
             let is_first_again = accelerator == Accelerator::None && schedule == ScheduleKind::Second;
             if is_first_again && wanted.schedules.contains(&ScheduleKind::First) {
                 bench.skip(format!(
-                    "accelerator {accelerator} with schedule {schedule}: it runs the same passes as with first"
+                    "accelerator {accelerator} with schedule {schedule}: same passes as with schedule first"
                 ));
             } else {
                 ways.push((accelerator, schedule));

@@ -35,10 +35,10 @@ pub enum Error {
     #[error("nothing was built")]
     NothingBuilt,
     /// A run took longer than it may.
-    #[error("given up: too slow, or without an end")]
+    #[error("stopped: too slow, or endless")]
     GivenUp,
     /// No scene has a ray of the kinds that were asked for.
-    #[error("there is nothing to measure: no pixel has a ray of the kinds that were asked for")]
+    #[error("nothing to measure: no pixel has a ray of the requested kinds")]
     NoRays,
     /// A plot could not be drawn.
     #[error("cannot draw a plot: {0}")]

@@ -62,7 +62,7 @@ impl Machine {
     #[must_use]
     pub fn note_on_times(&self) -> Option<String> {
         let why = self.gpu()?.why_no_times()?;
-        Some(format!("{why}: passes have no times, a run has the host's, waiting for the adapter included"))
+        Some(format!("{why}: passes have no times, and a run is timed by the host, including waits for the adapter"))
     }
 
     /// Forgets the kernels that were composed and compiled before, so that what is timed next is a first plan and a first

@@ -38,9 +38,9 @@ impl fmt::Display for Breach {
         write!(f, "{} (pass {}): ", self.kernel.name(), self.pass)?;
         write!(f, "ray {} {}.{}: ", self.ray, stream.name(), stream.info().layers[layer])?;
         if stream.is_float_layer(layer) {
-            write!(f, "gpu {:e}, twin {:e}", f32::from_bits(self.gpu), f32::from_bits(self.twin))
+            write!(f, "gpu {:e}, CPU reference {:e}", f32::from_bits(self.gpu), f32::from_bits(self.twin))
         } else {
-            write!(f, "gpu {}, twin {}", self.gpu, self.twin)
+            write!(f, "gpu {}, CPU reference {}", self.gpu, self.twin)
         }
     }
 }
@@ -83,7 +83,7 @@ pub enum ParityError {
     #[error(transparent)]
     Twin(#[from] CpuError),
     /// The executors do not have the same streams, by the name of one.
-    #[error("stream {0}: device and twin do not both have it in one size")]
+    #[error("stream {0}: device and CPU reference do not both have it in the same size")]
     Unlike(&'static str),
 }
 
@@ -184,7 +184,7 @@ fn record(
     }
     if counts != pass.counts {
         let kernel = pass.kernel.name();
-        found.miscounts.push(format!("{kernel} (pass {}): {:?} booked, {counts:?} there", pass.index, pass.counts));
+        found.miscounts.push(format!("{kernel} (pass {}): counted {:?}, found {counts:?}", pass.index, pass.counts));
     }
     found.components += after.iter().map(|(on_gpu, _)| on_gpu.bits.len() as u64).sum::<u64>();
     let pairs: Vec<_> = after.iter().map(|(on_gpu, on_cpu)| [on_gpu, on_cpu]).collect();

@@ -132,7 +132,7 @@ pub enum StabilityError {
     #[error(transparent)]
     Render(#[from] RenderError),
     /// A camera has no view.
-    #[error("the case's camera looks nowhere")]
+    #[error("the case's camera has no direction")]
     NoView,
 }
 

@@ -1,6 +1,7 @@
 //! Text for people: tables in columns, and nothing in it that a terminal, a browser or an editor would obey.
 
 use std::borrow::Cow;
+use std::fmt::Display;
 
 /// Whether a terminal, a browser or an editor would obey a character instead of showing it: control characters (C0,
 /// DEL, C1), separators of lines and paragraphs, and those that turn the direction of what follows.
@@ -39,6 +40,19 @@ fn escaped(text: &str, may_stay: fn(char, Option<char>) -> bool) -> Cow<'_, str>
     Cow::Owned(escaped)
 }
 
+/// A number and its noun: "1 pass", "2 passes", "3 leaves".
+#[must_use]
+pub fn counted<N: Display + PartialEq + From<bool>>(count: N, noun: &str) -> String {
+    if count == N::from(true) {
+        return format!("{count} {noun}");
+    }
+    match noun.strip_suffix('f') {
+        Some(stem) => format!("{count} {stem}ves"),
+        None if noun.ends_with("ss") => format!("{count} {noun}es"),
+        None => format!("{count} {noun}s"),
+    }
+}
+
 /// Lines of a table, each with a line feed; two blanks between columns, the first `left` of which hold words and stand
 /// at the left, the others numbers. A line may have fewer cells than others.
 #[must_use]
@@ -74,6 +88,13 @@ mod tests {
     fn lines_keep_their_ends_and_nothing_else() {
         assert_eq!(visible_lines("a\tb\r\nc\n"), "a\tb\r\nc\n");
         assert_eq!(visible_lines("over\rwritten\u{1b}[2J\n"), "over\\rwritten\\u{1b}[2J\n");
+    }
+
+    #[test]
+    fn nouns_agree_with_their_numbers() {
+        let counts = [counted(1_u32, "pass"), counted(0_usize, "pass"), counted(2_u64, "leaf"), counted(1_u8, "leaf")];
+        assert_eq!(counts, ["1 pass", "0 passes", "2 leaves", "1 leaf"]);
+        assert_eq!(counted(12_usize, "triangle"), "12 triangles");
     }
 
     #[test]

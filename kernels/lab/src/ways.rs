@@ -63,7 +63,7 @@ impl fmt::Display for Way {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {} {}", self.accelerator, self.schedule, self.steps)?;
         if self.skip == Skip::On {
-            f.write_str(" leaping")?;
+            f.write_str(" skipping")?;
         }
         if self.numerics == Numerics::Paper {
             f.write_str(" paper")?;
@@ -113,8 +113,8 @@ pub const FAST: [Way; 6] = {
 pub const STEPPED: Way = Way::new(Accelerator::Grid, ScheduleKind::Second, 1);
 
 /// What a user should know where the paper's rules miss everything.
-pub const MISSES_ALL: &str = "the paper's rules do not handle an eye outside of the grid: its rays miss \
-                              everything; put the eye inside, or use --numerics robust";
+pub const MISSES_ALL: &str = "the paper's rules require the eye to be inside the grid: from here, all rays miss; \
+                              move the eye inside, or use --numerics robust";
 
 /// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
 #[must_use]

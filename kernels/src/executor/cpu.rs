@@ -54,7 +54,7 @@ pub enum CpuError {
 
 /// The streams do not fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the streams need {} of memory, and the system refused them: use a smaller image", Bytes(*bytes))]
+#[error("not enough memory: the streams need {}; use a smaller image", Bytes(*bytes))]
 pub struct OutOfMemory {
     /// What they need.
     pub bytes: u64,

@@ -33,17 +33,17 @@ pub const STEPPED: Reason = (Because::Options, "the schedule steps");
 /// The schedule does not step.
 pub const FUSED: Reason = (Because::Options, "--schedule fused");
 /// Steps and tests are one kernel.
-pub const MANY_STEPS: Reason = (Because::Options, "several steps a pass are taken in one kernel");
+pub const MANY_STEPS: Reason = (Because::Options, "several steps per pass are taken in one kernel");
 /// A pass is one step.
-pub const ONE_STEP: Reason = (Because::Options, "one step a pass");
+pub const ONE_STEP: Reason = (Because::Options, "one step per pass");
 /// Nothing is shaded.
-pub const NO_SHADE: Reason = (Because::View, "the result wanted is the hits, not the image");
+pub const NO_SHADE: Reason = (Because::View, "the result is hits, not an image");
 /// There is no mean of samples.
-pub const ONE_SAMPLE: Reason = (Because::Options, "one sample a pixel");
+pub const ONE_SAMPLE: Reason = (Because::Options, "one sample per pixel");
 /// Rays come from outside.
-pub const GIVEN: Reason = (Because::View, "the rays are given");
+pub const GIVEN: Reason = (Because::View, "input rays");
 /// Rays are made where they are traced.
-pub const EYE_RAYS: Reason = (Because::Options, "the fused kernel makes its rays itself");
+pub const EYE_RAYS: Reason = (Because::Options, "the fused kernel generates its rays");
 
 impl Run<'_> {
     /// Whether one kernel takes rays from their start to their hit.

@@ -30,7 +30,7 @@ pub enum PlanError {
         rays: u64,
     },
     /// A buffer is larger than the device binds, be it a GPU or the CPU.
-    #[error("{name} needs {} in one buffer, this device binds at most {}: {} too many", Bytes(*bytes), Bytes(*limit), Bytes(bytes - limit))]
+    #[error("{name} needs {} in one buffer, but this device binds at most {}: {} too many", Bytes(*bytes), Bytes(*limit), Bytes(bytes - limit))]
     BufferSize {
         /// The buffer.
         name: &'static str,
@@ -47,11 +47,12 @@ pub enum PlanError {
     TooManyTriangles(usize),
     /// The scene is so small for its distance from the origin that f32 cannot tell its points apart.
     #[error(
-        "the scene's points are not finite, or are a hundred million times farther from the origin than from each other: move the scene to the origin"
+        "the scene's points are not finite, or are a hundred million times farther from the origin than from each \
+         other: move the scene to the origin"
     )]
     Extent,
     /// The camera cannot make rays.
-    #[error("the camera cannot make rays: {0}")]
+    #[error("the camera cannot generate rays: {0}")]
     Camera(String),
     /// A ray that was given cannot be traced.
     #[error("ray {index} cannot be traced: {reason}")]
@@ -62,7 +63,7 @@ pub enum PlanError {
         reason: &'static str,
     },
     /// So many samples a pixel cannot be taken.
-    #[error("{count} samples a pixel cannot be taken: {reason}")]
+    #[error("cannot take {count} samples per pixel: {reason}")]
     Samples {
         /// How many were asked for.
         count: u32,
@@ -231,10 +232,10 @@ pub(super) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanErr
 pub(super) fn check_samples(options: &Options) -> Result<(), PlanError> {
     let count = options.samples.count;
     let reason = match options.rays {
-        _ if !(1..=Samples::MOST).contains(&count) => "1 to 65536 can",
+        _ if !(1..=Samples::MOST).contains(&count) => "expected 1 to 65536",
         _ if count == 1 => return Ok(()),
-        RaySource::Given(_) => "rays that are given have no pixels to spread samples over",
-        RaySource::Camera { .. } if !options.shade => "they are for the mean of colours, and this run does not shade",
+        RaySource::Given(_) => "input rays have no pixels to distribute samples over",
+        RaySource::Camera { .. } if !options.shade => "samples average colours, but this run does not shade",
         RaySource::Camera { .. } => return Ok(()),
     };
     Err(PlanError::Samples { count, reason })

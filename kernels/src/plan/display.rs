@@ -19,12 +19,11 @@ impl fmt::Display for Plan {
 pub(crate) fn element(program: &Program, name: &str) -> &'static str {
     match (program.buffer(name), name) {
         (Some(info), _) => info.element,
-        (None, "fill") => "u32 texels: what streams begin with",
-        (None, "launch") => "256 bytes a pass: how many elements it is launched over",
-        (None, "given") => "rays from outside: what some streams begin with",
-        (None, "live_rays") => "u32 a ray in the list of a kernel: x and y << 16",
-        (None, "sent" | "sent_copy") => "256 bytes a pass: how many rays it sent to each state",
-        (None, _) => "256 bytes a pass of its kernel: its arguments, and where its list lies",
+        (None, "fill") => "u32 texels: initial contents of streams",
+        (None, "given") => "input rays: initial contents of some streams",
+        (None, "live_rays") => "u32 per ray in the list of a kernel: x and y << 16",
+        (None, "sent" | "sent_copy") => "256 bytes per pass: number of rays it sent to each state",
+        (None, _) => "256 bytes per pass of its kernel: its arguments, and the position of its list",
     }
 }
 
@@ -82,7 +81,7 @@ impl Plan {
             writeln!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(self.program, b.what))?;
         }
         writeln!(f, "  {:<19} {:>10}", "in all", Bytes(self.bytes()).to_string())?;
-        writeln!(f, "\nleft out")?;
+        writeln!(f, "\nomitted")?;
         for item in &self.left_out {
             let because = match item.because {
                 Because::Scene => "scene",

@@ -174,8 +174,8 @@ impl fmt::Display for Structure {
                 let [x, y, z] = g.cells;
                 let leaps = match (g.empty_cells, g.leaps) {
                     (0, _) => "",
-                    (_, true) => " and leapt over",
-                    (_, false) => " and walked through",
+                    (_, true) => " and skipped over",
+                    (_, false) => " and visited one by one",
                 };
                 write!(
                     f,

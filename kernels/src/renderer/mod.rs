@@ -86,7 +86,7 @@ pub enum RenderError {
         passes: usize,
     },
     /// The stream is not part of the plan.
-    #[error("stream {0:?} is left out of this run's plan")]
+    #[error("stream {0:?} is omitted from this run's plan")]
     NoStream(&'static str),
     /// The image has no such pixels.
     #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]

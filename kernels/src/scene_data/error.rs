@@ -4,7 +4,7 @@ use crate::numbers::bytes::Bytes;
 
 /// This machine's memory does not hold a buffer of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no memory for the {} of {name}", Bytes(*bytes))]
+#[error("not enough memory for {name}, which needs {}", Bytes(*bytes))]
 pub struct SceneDataError {
     /// The buffer.
     pub name: &'static str,

@@ -163,7 +163,7 @@ impl Elements<'_> {
         if kinds.contains(&self.kind) && components.contains(&self.component) {
             return Ok(());
         }
-        Err(self.wrong(format!("is {:?} of {:?}; {right} would be right", self.kind, self.component)))
+        Err(self.wrong(format!("is {:?} of {:?}; expected {right}", self.kind, self.component)))
     }
 
     /// Refuses integers that are not normalised where only normalised ones have a meaning.
@@ -171,7 +171,7 @@ impl Elements<'_> {
         if self.component == ComponentType::F32 || self.normalized {
             return Ok(());
         }
-        Err(self.wrong("has integers that are not normalized; \"normalized\": true would be right"))
+        Err(self.wrong("has integers that are not normalized; expected \"normalized\": true"))
     }
 
     /// The first `N` components of every element as numbers, normalised where the accessor says so.

@@ -56,7 +56,7 @@ impl<'a> Buffers<'a> {
             (Some(uri), _) => Cow::Owned(read_uri(uri, &format!("{path}.uri"), self.resolver, self.budget)?),
             (None, Some(bin)) if index.value() == 0 => Cow::Borrowed(bin),
             (None, _) => {
-                let problem = "has no uri, and only buffers[0] of a GLB with a BIN chunk may do without";
+                let problem = "has no uri, which only buffers[0] of a GLB with a BIN chunk may omit";
                 return Err(at(path, problem));
             }
         };
@@ -107,20 +107,20 @@ pub(super) fn read_uri(uri: &str, path: &str, resolver: &dyn Resolver, budget: &
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         return read_data_uri(uri.get(5..).unwrap_or_default(), path, budget);
     }
-    const ABSOLUTE: &str = "is an absolute path; one relative to the glTF file would be right";
+    const ABSOLUTE: &str = "is an absolute path; expected one relative to the glTF file";
     let scheme = scheme(uri);
     // A scheme of one letter is a drive.
     if is_absolute(uri) || scheme.is_some_and(|scheme| scheme.len() == 1) {
         return Err(at(path, ABSOLUTE));
     }
     if let Some(scheme) = scheme {
-        return Err(at(path, format!("is a {scheme}: URI; a data: URI or a relative path is what raystep reads")));
+        return Err(at(path, format!("is a {scheme}: URI; expected a data: URI or a relative path")));
     }
     let Ok(file) = percent_encoding::percent_decode_str(uri).decode_utf8() else {
         return Err(at(path, "is not UTF-8 once its percent signs are decoded"));
     };
     let problem = if file.is_empty() {
-        "is empty; a relative path or a data: URI would be right"
+        "is empty; expected a relative path or a data: URI"
     } else if is_absolute(&file) {
         ABSOLUTE
     } else if file.contains('\0') {

@@ -26,7 +26,7 @@ pub(super) fn get<'a, T, I>(list: &'a [T], index: Index<I>, path: &str, what: &s
 pub(super) fn known<T: Copy>(value: &Checked<T>, path: &str, expected: &str) -> Result<T, LoadError> {
     match value {
         Checked::Valid(value) => Ok(*value),
-        Checked::Invalid => Err(at(path, format!("is not a known value; {expected} would be right"))),
+        Checked::Invalid => Err(at(path, format!("is not a known value; expected {expected}"))),
     }
 }
 

@@ -23,12 +23,11 @@ pub(super) fn parse<'a>(bytes: &'a [u8], budget: &Budget) -> Result<(Root, Optio
     // Without a minVersion, every 2.x file is readable as 2.0.
     match &root.asset.min_version {
         Some(needed) if needed != "2.0" => {
-            let problem =
-                format!("is {needed:?}: the file says that a reader of 2.0 cannot show it, and that is raystep");
+            let problem = format!("is {needed:?}, which raystep cannot read; it reads 2.0");
             return Err(at("asset.minVersion", problem));
         }
         None if !version.starts_with("2.") => {
-            return Err(at("asset", format!("is of glTF version {version:?}; 2.0 is what raystep reads")));
+            return Err(at("asset", format!("is of glTF version {version:?}; expected 2.0")));
         }
         _ => {}
     }
@@ -46,7 +45,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LoadError> {
         return Err(wrong(format!("{} bytes are too few for its header of {HEADER_BYTES}", bytes.len())));
     };
     if version != 2 {
-        return Err(wrong(format!("it is of version {version}; 2 is what raystep reads")));
+        return Err(wrong(format!("it has version {version}; expected 2")));
     }
     let length = usize::try_from(length).unwrap_or(usize::MAX);
     let Some(mut rest) = bytes.get(HEADER_BYTES..length) else {
@@ -88,7 +87,7 @@ fn parse_json(json: &[u8], budget: &Budget) -> Result<Root, LoadError> {
     // Neither a byte order mark nor zeros as a chunk's padding are allowed, and both are met.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches('\0');
     if text.trim_start().is_empty() {
-        return Err(LoadError::Container("this file is empty; glTF JSON or a GLB would be right".into()));
+        return Err(LoadError::Container("the file is empty; expected glTF JSON or a GLB".into()));
     }
     if !text.trim_start().starts_with('{') {
         return Err(LoadError::Container("this is neither a GLB nor glTF JSON, which starts with `{`".into()));

@@ -92,11 +92,11 @@ pub(super) fn survey<'a>(
             let path = format!("meshes[{}].primitives[{k}]", group.mesh_index);
             let mode = check::known(&json.mode, &format!("{path}.mode"), "0 to 6")?;
             if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-                notes.borrow_mut().add("points and lines are left out");
+                notes.borrow_mut().add("points and lines are omitted");
                 continue;
             }
             let Some(&position) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
-                notes.borrow_mut().add("primitives without positions are left out");
+                notes.borrow_mut().add("primitives without positions are omitted");
                 continue;
             };
             let counting = match json.indices {
@@ -105,7 +105,7 @@ pub(super) fn survey<'a>(
             };
             let corners = counting.count;
             if mode == Mode::Triangles && !corners.is_multiple_of(3) {
-                return Err(counting.wrong(format!("has {corners} corners; a multiple of 3 makes triangles")));
+                return Err(counting.wrong(format!("has {corners} corners; expected a multiple of 3")));
             }
             let triangles = if mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) };
             if let Some(material) = json.material {
@@ -133,7 +133,7 @@ pub(super) fn triangles(
         primitives.iter().map(|p| p.triangles.saturating_mul(p.group.nodes.len() as u64)).fold(0, u64::saturating_add);
     let path = "meshes";
     if total >= u64::from(u32::MAX) {
-        return Err(at(path, format!("the scene has {total} triangles; fewer than {} would be right", u32::MAX)));
+        return Err(at(path, format!("the scene has {total} triangles; expected fewer than {}", u32::MAX)));
     }
     let any = |semantic: &Semantic| primitives.iter().any(|p| p.attribute(semantic.clone()).is_some());
     let textured = primitives.iter().any(|p| materials.id(p.material()).1.is_some());

@@ -1,4 +1,4 @@
-//! The files of a benchmark.
+//! The output files of a benchmark.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -18,16 +18,16 @@ use crate::device::AboutClock;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
 
-/// One row a configuration.
+/// One row per configuration.
 pub(super) const SUMMARY: &str = "summary.csv";
-/// One row a pass.
+/// One row per pass.
 const PASSES: &str = "passes.csv";
-/// On what, with which options.
+/// Machine and options.
 const RUN: &str = "run.json";
 /// All of them.
 pub(super) const NAMES: [&str; 3] = [PASSES, SUMMARY, RUN];
 
-/// What `run.json` begins with, by which the folder is known.
+/// The start of `run.json`, which identifies the folder.
 const KIND: &str = "raystep bench";
 
 #[derive(Serialize)]
@@ -41,12 +41,12 @@ struct About<'a> {
     device_reason: &'a str,
     adapter: Option<AdapterInfo>,
     timer_source: &'static str,
-    /// Nanoseconds a tick of the adapter's timestamps; `null` where another clock is used.
+    /// Nanoseconds per tick of the adapter's timestamps; `null` if another clock is used.
     timestamp_period_ns: Option<f64>,
-    /// What the adapter's clock said of work that the host's clock timed as well; `null` where it has none.
+    /// Time of some work by the adapter's clock and by the host's; `null` if it has no clock.
     clock_check: Option<AboutClock>,
     options: AboutOptions,
-    /// How they are defined.
+    /// Definitions of the rays.
     percentiles: &'static str,
     scenes: Vec<AboutScene>,
     configurations: Vec<AboutConfiguration<'a>>,
@@ -85,9 +85,9 @@ struct AboutConfiguration<'a> {
     shaders: &'a BTreeMap<&'static str, String>,
 }
 
-/// Refuses a folder whose files of our names are not a benchmark's.
+/// Refuses a folder whose files of these names are not from a benchmark.
 pub(super) fn refuse_others(folder: &Path) -> Result<(), Error> {
-    output::refuse_others(folder, &NAMES, "benchmark's", RUN, |bytes| {
+    output::refuse_others(folder, &NAMES, "a benchmark", RUN, |bytes| {
         serde_json::from_slice::<serde_json::Value>(bytes).is_ok_and(|about| about["kind"] == KIND)
     })
 }

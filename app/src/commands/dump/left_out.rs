@@ -1,4 +1,4 @@
-//! Passes that a dump does without, and what they are called.
+//! Passes that a dump omits, and their numbers.
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::programs::closest_hit::streams;
@@ -7,17 +7,17 @@ use raystep_kernels::{Kernel, ScheduleKind, Stream};
 
 use crate::session::Running;
 
-/// Why a pass is left out.
-pub(super) const NOT_NEEDED: &str = "it changes no stream that is asked for";
+/// Why a pass is omitted.
+pub(super) const NOT_NEEDED: &str = "it changes none of the requested streams";
 
-/// Whether a stream's values are only those of a run that shades: it holds what only shading makes, shading changes it,
-/// or, with the fused kernel, it holds the rays that are made for shading.
+/// Whether a stream's values require shading: only shading writes it, shading changes it, or, with the fused kernel, it
+/// holds the rays that are generated for shading.
 pub(super) fn needs_shading(stream: Stream, schedule: ScheduleKind) -> bool {
     let is_ray = [streams::RAY_ORIGIN, streams::RAY_DIRECTION].contains(&stream);
     [streams::STATE, streams::COLOR, streams::ACCUMULATED].contains(&stream) || is_ray && !schedule.is_stepped()
 }
 
-/// Passes of the run with all streams that this one does without. They keep their numbers.
+/// Passes of the full run that this one omits. They keep their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LeftOut {
     /// Before the first pass.
@@ -35,12 +35,12 @@ impl LeftOut {
         Self { first: missing(Role::Source), last: missing(Role::Finish) }
     }
 
-    /// Numbers before that of the renderer's first pass.
+    /// Offset of the number of the renderer's first pass.
     pub(super) fn before(self) -> usize {
         usize::from(self.first.is_some())
     }
 
-    /// Passes of a run that is at its end, those that are left out among them.
+    /// Number of passes of a completed run, including omitted ones.
     pub(super) fn count(self, running: &Running) -> usize {
         self.before() + running.renderer.pass_count() + usize::from(self.last.is_some())
     }
@@ -53,7 +53,8 @@ mod tests {
 
     use super::*;
 
-    /// A stream that is dumped without shading must be there, and be what it is with shading: by what kernels write.
+    /// A stream that is dumped without shading must exist, and equal that with shading, according to what kernels
+    /// write.
     #[test]
     fn what_needs_no_shading_is_untouched_by_what_is_left_out() {
         let scene = generate::cornell_box();
@@ -78,7 +79,7 @@ mod tests {
                 };
                 let LeftOut { first, last } = LeftOut::of(&without);
                 for planned in &with.streams {
-                    // What is written first is nothing if it is written again.
+                    // A first write does not matter if it is overwritten.
                     let is_written = without.schedule.kernels().into_iter().any(|k| writes(Some(k), planned.what));
                     let can_do_without = without.has_stream(planned.what)
                         && !writes(last, planned.what)

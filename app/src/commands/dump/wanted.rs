@@ -1,4 +1,4 @@
-//! The streams that are asked for, and how to get one that the run leaves out.
+//! The requested streams, and how to obtain one that the run omits.
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Limits, Options, ScheduleKind, Stream};
@@ -6,7 +6,7 @@ use raystep_kernels::{Accelerator, Limits, Options, ScheduleKind, Stream};
 use super::{DumpArgs, Wanted};
 use crate::error::Error;
 
-/// The streams to write; an error where one that was named is not part of the plan.
+/// The streams to write; an error if a named stream is not part of the plan.
 pub(super) fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result<Vec<Stream>, Error> {
     if args.stream.contains(&Wanted::All) {
         return Ok(plan.streams.iter().map(|s| s.what).collect());
@@ -17,8 +17,8 @@ pub(super) fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result
         if !plan.has_stream(stream) {
             let what = format!("stream {}", stream.name());
             let reason = plan.left_out.iter().find(|l| l.what == what).map_or("not needed", |l| l.reason);
-            let tip = option_for(stream, options).map(|o| format!("; {o} has it")).unwrap_or_default();
-            return Err(Error::usage(format!("--stream {}: this run leaves it out: {reason}{tip}", stream.name())));
+            let tip = option_for(stream, options).map(|o| format!("; {o} adds it")).unwrap_or_default();
+            return Err(Error::usage(format!("--stream {}: this run omits it: {reason}{tip}", stream.name())));
         }
         if !streams.contains(&stream) {
             streams.push(stream);
@@ -27,7 +27,7 @@ pub(super) fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result
     Ok(streams)
 }
 
-/// One option more with which a run has a stream that it leaves out, where there is one: found by planning with it.
+/// An additional option with which a run has a stream that it omits, if there is one: found by planning with it.
 fn option_for(stream: Stream, options: &Options) -> Option<&'static str> {
     type Change = (&'static str, fn(&mut Options));
     let changes: [Change; 5] = [
@@ -37,7 +37,7 @@ fn option_for(stream: Stream, options: &Options) -> Option<&'static str> {
         ("--steps-per-pass 1", |o| o.steps_per_pass = 1),
         ("--spp 2", |o| o.samples.count = 2),
     ];
-    // Which streams there are does not depend on the scene, and this one is planned at once.
+    // Which streams exist does not depend on the scene, and planning this one is fast.
     let scene = raystep_scenes::generate::cornell_box();
     let has_it = |change: fn(&mut Options)| {
         let mut options = options.clone();

@@ -1,4 +1,4 @@
-//! What is drawn, and how.
+//! Settings of the 3D view.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,14 +9,14 @@ pub enum TriangleStyle {
     Hidden,
     /// Their edges.
     Wireframe,
-    /// Like glass: what is behind them is seen.
+    /// Transparent: items behind them are visible.
     #[default]
     Translucent,
-    /// Solid: what is behind them is faint.
+    /// Opaque: items behind them are faint.
     Opaque,
 }
 
-/// What is drawn, and how.
+/// Settings of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -24,7 +24,7 @@ pub struct Settings {
     pub triangles: TriangleStyle,
     /// Darker edges on triangles that are not drawn as wireframe.
     pub edges: bool,
-    /// The box of the grid or of the tree's root.
+    /// The box of the grid or of the BVH's root.
     pub bounds: bool,
     /// The cells or nodes visited.
     pub visited: bool,
@@ -36,7 +36,7 @@ pub struct Settings {
     pub tested: bool,
     /// The ray and its hit.
     pub ray: bool,
-    /// The camera that the rays come from.
+    /// The camera that generates the rays.
     pub camera: bool,
     /// The directions of x, y and z, beside a lower corner of the scene.
     pub axes: bool,

@@ -177,5 +177,5 @@ fn of_more_triangles_than_can_be_drawn_every_nth_is() {
     assert_eq!(Shown::of(MOST_TRIANGLES).to_string(), "");
     let many = Shown::of(2 * MOST_TRIANGLES + 1);
     assert_eq!((many.every, many.drawn), (3, (2 * MOST_TRIANGLES + 1).div_ceil(3)));
-    assert!(many.to_string().contains("one of 3"), "{many}");
+    assert!(many.to_string().contains("one in 3"), "{many}");
 }

@@ -4,8 +4,8 @@ use raystep_kernels::scene_data::{SceneData, linear_to_srgb};
 
 use crate::draw::picture::filled;
 
-/// Most triangles that are drawn: 400 MB of corners and colours. Of more, every second, third, ... is drawn, so that a
-/// surface of many gets holes but keeps its shape.
+/// Most triangles that are drawn: 400 MB of vertices and colours. If there are more, every second, third, ... is drawn,
+/// so that a dense surface gets holes but keeps its shape.
 pub const MOST_TRIANGLES: usize = 10_000_000;
 
 /// How many of a scene's triangles are drawn.
@@ -20,7 +20,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// What to do for so many triangles.
+    /// The selection for this many triangles.
     #[must_use]
     pub fn of(triangles: usize) -> Self {
         let every = triangles.div_ceil(MOST_TRIANGLES).max(1);
@@ -29,10 +29,10 @@ impl Shown {
 }
 
 impl std::fmt::Display for Shown {
-    /// Nothing where all are drawn, else a sentence to the user.
+    /// Empty if all are drawn, otherwise a sentence for the user.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.every > 1 {
-            write!(f, "the 3D view shows one of {} triangles: {} of {}", self.every, self.drawn, self.of)?;
+            write!(f, "the 3D view shows one in {} triangles: {} of {}", self.every, self.drawn, self.of)?;
         }
         Ok(())
     }
@@ -97,7 +97,7 @@ impl Triangles {
     }
 }
 
-/// The material's colour where a run knows it, paler, so that the walk stands out; else grey.
+/// The material's colour if it is known, paler so that the walk stands out; otherwise grey.
 fn color(data: &SceneData, triangle: usize) -> [u8; 4] {
     const GREY: f32 = 0.72;
     let material = data.triangle_materials.get(triangle).map_or(0, |&material| material as usize);

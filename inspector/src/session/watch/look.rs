@@ -1,4 +1,4 @@
-//! Streams before and after a pass, and what watches make of the difference.
+//! Compares streams before and after a pass, for watches.
 
 use std::collections::BTreeMap;
 
@@ -9,17 +9,18 @@ use raystep_kernels::shared::constants::{INF, NO_TRIANGLE};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, RenderError, Renderer, Stream, StreamData};
+use raystep_lab::text::counted;
 
 use super::{Fired, Watch};
 
-/// What watches look at, as it is at some place of a run.
+/// The data that watches examine at a place of a run.
 pub(super) struct Look {
     watches: Vec<Watch>,
     /// Whole streams.
     streams: BTreeMap<Stream, StreamData>,
     /// The selected ray: pixel, texels of `state` and of `hit`.
     ray: Option<([u32; 2], [Vec<u32>; 2])>,
-    /// Cells that each ray has visited, where the run itself does not count them.
+    /// Cells that each ray has visited, if the run itself does not count them.
     steps: Option<Vec<u32>>,
 }
 
@@ -46,7 +47,7 @@ fn has_watch_of_ray(watches: &[Watch]) -> bool {
 }
 
 impl Look {
-    /// Whether the watches can only be told by what happened since the first pass.
+    /// Whether the watches depend on everything since the first pass.
     pub(super) fn needs_start(renderer: &Renderer, watches: &[Watch]) -> bool {
         let counts = watches.iter().any(|watch| matches!(watch, Watch::MoreSteps(_)));
         counts && !renderer.plan().has_stream(streams::COUNTERS)
@@ -70,7 +71,7 @@ impl Look {
         Ok(Self { watches: watches.to_vec(), streams, ray, steps })
     }
 
-    /// Looks again after one more pass: what fires. `edited` are streams that were changed by hand since.
+    /// Examines one more pass and returns what fires. `edited` are streams that were edited since.
     pub(super) async fn after_pass(
         &mut self,
         renderer: &Renderer,
@@ -120,7 +121,7 @@ impl Look {
         Ok(None)
     }
 
-    /// Counts a pass's steps; returns the counts before it, where the pass makes steps.
+    /// Counts a pass's steps; returns the counts before it, if the pass takes steps.
     fn count_steps(&mut self, kernel: Kernel, before: Option<&StreamData>) -> Option<Vec<u32>> {
         let (steps, before) = (self.steps.as_mut()?, before?);
         let now = self.streams.get(&streams::STATE)?;
@@ -141,7 +142,7 @@ async fn ray_texels(renderer: &Renderer, [x, y]: [u32; 2]) -> Result<[Vec<u32>; 
     Ok([texels.next().unwrap_or_default(), texels.next().unwrap_or_default()])
 }
 
-/// The first ray that something is true of, and how many there are.
+/// The first ray that satisfies a condition, and how many do.
 fn first_and_count(rays: usize, is_so: impl Fn(usize) -> bool) -> Option<(usize, u32)> {
     let mut all = (0..rays).filter(|&ray| is_so(ray));
     let first = all.next()?;
@@ -169,7 +170,7 @@ fn non_finite(before: &BTreeMap<Stream, StreamData>, now: &BTreeMap<Stream, Stre
 
 fn backwards(before: &BTreeMap<Stream, StreamData>, now: &BTreeMap<Stream, StreamData>) -> Option<Found> {
     let (tmax_before, tmax) = (before.get(&streams::TMAX)?, now.get(&streams::TMAX)?);
-    // A pass that writes no state leaves the tags as they are.
+    // A pass that does not write the state leaves the tags unchanged.
     let state = before.get(&streams::STATE).or(now.get(&streams::STATE))?;
     let is_less = |axis: usize, ray: usize| tmax.get_f32(axis, ray) < tmax_before.get_f32(axis, ray);
     let walks = |ray: usize| matches!(state.get(STATE_TAG, ray), TRAV | ISECT_NO_HIT | ISECT_HIT);
@@ -182,10 +183,10 @@ fn backwards(before: &BTreeMap<Stream, StreamData>, now: &BTreeMap<Stream, Strea
 
 fn more_steps(before: &[u32], now: &[u32], most: u32) -> Option<Found> {
     let (first, count) = first_and_count(now.len(), |ray| now[ray] > most && before[ray] <= most)?;
-    Some((first, count, format!("{} steps", now[first])))
+    Some((first, count, counted(now[first], "step")))
 }
 
-/// What changed of the selected ray.
+/// Changes of the selected ray.
 fn ray_change(renderer: &Renderer, watch: Watch, before: &[Vec<u32>; 2], now: &[Vec<u32>; 2]) -> Option<String> {
     let [(state_before, hit_before), (state_now, hit_now)] = [before, now].map(|[state, hit]| (state, hit));
     let both = |layer: usize| Some((*state_before.get(layer)?, *state_now.get(layer)?));

@@ -1,4 +1,4 @@
-//! What the lessons say, and what they set up.
+//! The texts of the lessons, and what their steps set up.
 
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind};
 
@@ -12,7 +12,7 @@ fn in_grid() -> Settings {
     Settings { size: [256, 256], device: DeviceKind::Auto, ..Settings::default() }
 }
 
-/// As the paper launches it: every pass works on every ray.
+/// As in the paper: every pass launches every ray.
 fn second() -> Settings {
     Settings { schedule: ScheduleKind::Second, ..in_grid() }
 }
@@ -30,7 +30,7 @@ fn mended() -> Settings {
     Settings { numerics: Numerics::Robust, ..cracked() }
 }
 
-/// A pixel whose ray sees the short block after passing through empty cells, and past a hit in a later cell.
+/// A pixel whose ray crosses empty cells, finds a hit beyond its current cell, and accepts it in the next: the short block.
 const SEES_BLOCK: [u32; 2] = [96, 180];
 
 /// A pixel whose ray runs along a face of the 20 × 20 × 20 grid.
@@ -42,43 +42,45 @@ pub(super) const LESSONS: [LessonText; 3] = [
         title: "How one ray finds its triangle",
         steps: &[
             Step {
-                text: "Every pixel has one ray, and a ray is a **texel**: its numbers lie at the same place in every \
-                       stream. The first pass, `generate`, has just made all of them. The square in the picture is \
-                       the ray that this lesson follows; the panel on the right has a row for every pass that \
-                       works on it.",
+                text: "Every pixel has one ray, and every ray is a **texel**: its values are stored at the same \
+                       position in every stream. The first pass, `generate`, has just created all rays. The square in \
+                       the picture marks the ray that this lesson follows; the panel on the right has one row for \
+                       every pass that processes it.",
                 set_up: &[Do::Open(in_grid, SEES_BLOCK, 1)],
             },
             Step {
-                text: "`setup` finds the **cell** of the grid in which the ray starts, and `tmax`: for each axis \
-                       the t at which the ray leaves that cell. The smallest of the three says which face it will \
-                       leave through.",
+                text: "`setup` finds the **cell** of the grid in which the ray starts, and `tmax`: for each axis, the \
+                       t at which the ray leaves that cell. The smallest of the three determines the face through \
+                       which it leaves.",
                 set_up: &[Do::Go(2), Do::Show(PaneKind::Walk3d)],
             },
             Step {
-                text: "The cell lists no triangle, so `intersect` has nothing to do: the state goes to `TRAV`. \
-                       `traverse_grid` then takes the **smallest tmax**, steps one cell along that axis and moves \
-                       this tmax one cell width on. Six empty cells go by like this. F11 goes from event to event.",
+                text: "The cell lists no triangle, so `intersect` has nothing to do and sets the state to `TRAV`. \
+                       `traverse_grid` then takes the **smallest tmax**, steps one cell along that axis and increases \
+                       this tmax by one cell width. The ray crosses six empty cells in this way. F11 goes from event \
+                       to event.",
                 set_up: &[Do::Go(14)],
             },
             Step {
-                text: "Here the cell lists five triangles. `intersect` tests **one a pass**; why it misses is in the \
-                       row: a barycentric coordinate is below 0.",
+                text: "This cell lists five triangles. `intersect` tests **one per pass**; the row shows why the ray \
+                       misses: a barycentric coordinate is below 0.",
                 set_up: &[Do::Go(17)],
             },
             Step {
-                text: "Triangle 17 is hit, at t 0.812. But the ray leaves this cell at t 0.774: the hit lies **beyond \
-                       the exit**, in another cell, where something nearer may be listed. The hit is kept, and the \
-                       ray goes on.",
+                text: "Triangle 17 is hit at t 0.812. But the ray leaves this cell at t 0.774, so the hit lies \
+                       **beyond the exit**, in another cell, which may list a nearer triangle. The hit is kept, and \
+                       the ray continues.",
                 set_up: &[Do::Go(35)],
             },
             Step {
-                text: "In the next cell the list ends with t 0.812 still the nearest, and the exit is at 0.819: \
-                       accepted. Note that triangle 17 was tested again: it lies in both cells. `mailboxing` would \
-                       save that test.",
+                text: "At the end of the next cell's list, t 0.812 is still the nearest hit, and the exit is at 0.819: \
+                       the hit is accepted. Triangle 17 was tested twice, because both cells list it. `mailboxing` \
+                       would avoid the second test.",
                 set_up: &[Do::Go(45)],
             },
             Step {
-                text: "`shade` colours the ray from its triangle, u and v. Click any other pixel, and read its life.",
+                text: "`shade` computes the colour from the triangle, u and v. Click another pixel to see its ray's \
+                       history.",
                 set_up: &[Do::End],
             },
         ],
@@ -88,30 +90,31 @@ pub(super) const LESSONS: [LessonText; 3] = [
         title: "Why the grid lost in 2004",
         steps: &[
             Step {
-                text: "The paper's Table 3 is a surprise: **without** a grid, testing every triangle, the Cornell box \
-                       was faster than with one. The run that you see is the paper's second schedule with a grid.",
+                text: "The paper's Table 3 is surprising: the Cornell box was faster **without** a grid, testing every \
+                       triangle, than with one. This run uses the paper's second schedule with a grid.",
                 set_up: &[Do::Open(second, SEES_BLOCK, 0), Do::End, Do::Show(PaneKind::Timeline)],
             },
             Step {
-                text: "The timeline has a column a pass: how many rays were in which state. A pass of 2004 drew a \
-                       quad over the **whole image**: rays whose state was not the kernel's were discarded, but were \
-                       launched and read all the same. Look at how few rays walk in the last third.",
+                text: "The timeline has one column per pass, which shows how many rays were in each state. In 2004, a \
+                       pass drew a quad over the **whole image**: rays in another kernel's state were discarded, but \
+                       they were launched and their state was read all the same. Note how few rays are active in the \
+                       last third.",
                 set_up: &[Do::Go(40)],
             },
             Step {
-                text: "Rays also **diverge**: while some test triangles, others traverse, and a pass serves one kind. \
-                       The cost panel shows how many of 32 neighbouring lanes had work in a pass.",
+                text: "Rays also **diverge**: some test triangles while others traverse, and a pass serves only one \
+                       kind. The cost panel shows how many of 32 neighbouring lanes had work in a pass.",
                 set_up: &[Do::Show(PaneKind::Cost)],
             },
             Step {
-                text: "Without a grid every ray does the same in every pass: 26 passes of `intersect`, all lanes \
-                       busy until the end. A few triangles more per ray were cheaper than idle passes.",
+                text: "Without a grid, every ray does the same thing in every pass: 26 passes of `intersect`, with all \
+                       lanes busy until the end. A few more triangle tests per ray were cheaper than idle threads.",
                 set_up: &[Do::Open(without, SEES_BLOCK, 0), Do::End],
             },
             Step {
-                text: "What changed: the **compact** schedule launches only rays that have work, from lists that the \
-                       kernels append to themselves, and takes several steps a pass. The same box, the same grid; \
-                       compare the bars in the timings. `docs/performance.md` has the measurements.",
+                text: "The **compact** schedule changes this: it launches only rays that have work, from lists that \
+                       the kernels themselves append to, and takes several steps per pass. The scene and the grid are \
+                       the same; compare the bars in the timings. `docs/performance.md` has measurements.",
                 set_up: &[Do::Open(in_grid, SEES_BLOCK, 0), Do::End, Do::Show(PaneKind::Timings)],
             },
         ],
@@ -121,32 +124,30 @@ pub(super) const LESSONS: [LessonText; 3] = [
         title: "A crack at a voxel face",
         steps: &[
             Step {
-                text: "This is the Cornell box by the paper's rules in a grid of 20 × 20 × 20 cells. Look at the middle \
-                       column: some rays there hit **nothing**, although the box is closed. Scroll into the picture.",
+                text: "This is the Cornell box with the paper's numerics in a grid of 20 × 20 × 20 cells. In the \
+                       middle column, some rays hit **nothing**, although the box is closed. Zoom in to see them.",
                 set_up: &[Do::Open(cracked, AT_FACE, 0), Do::End],
             },
             Step {
-                text: "Follow one of them. It runs along a **face** between two cells. The paper accepts a hit only \
-                       if the hit point lies in the voxel that lists the triangle, and computes that point with \
-                       rounding: the hit falls just outside of the cell in which it was found, and in the next cell \
-                       just outside of that one.",
+                text: "Follow one of them. It runs along a **face** between two cells. The paper accepts a hit only if \
+                       the hit point lies in the voxel that lists the triangle, and the computed point is rounded: it \
+                       falls just outside the cell in which it was found, and in the next cell just outside that one.",
                 set_up: &[Do::Show(PaneKind::Walk2d), Do::Events(1)],
             },
             Step {
-                text: "The accumulated tMax is a second reason: adding tDelta again and again grows the rounding error \
-                       with every step of the walk, so the cell that the ray is said to be in drifts from the one \
-                       that it is in.",
+                text: "A second cause is the accumulated tMax: with every addition of tDelta the rounding error grows, \
+                       so that the cell that the ray is assumed to be in drifts away from its true cell.",
                 set_up: &[],
             },
             Step {
-                text: "The robust rules keep the **nearest** hit whichever cell it lies in, accept it once t is not \
-                       beyond the exit, compute each tMax from the cell's own plane, and grow every cell's list by the \
-                       bound of what rounding can do. The same ray now hits.",
+                text: "Robust numerics keep the **nearest** hit in whichever cell it lies, accept it once t is not \
+                       beyond the exit, compute each tMax from the cell's own plane, and grow every cell by a bound on \
+                       the rounding error before its list is made. The same ray now hits.",
                 set_up: &[Do::Open(mended, AT_FACE, 0), Do::End],
             },
             Step {
-                text: "Set both side by side: run A by the robust rules, run B by the paper's (choose `paper` and the \
-                       grid for B). `raystep stability` does this for 47 extreme cases.",
+                text: "Compare both: run A with robust numerics, run B with the paper's (choose `paper` and the grid \
+                       for B). `raystep stability` does this for 47 extreme cases.",
                 set_up: &[Do::Perform(Command::Compare)],
             },
         ],

@@ -1,29 +1,28 @@
-//! Bars that several panels paint, and the colours of kernels.
+//! Bar charts shared by several panels, and the colours of kernels.
 
 use egui::{Align2, Color32, FontId, Rect, Response, Sense, Ui, pos2, vec2};
 use raystep_kernels::Kernel;
 
-/// Points below the bars, for what they stand for.
+/// Points below the bars, for labels.
 const FOOT: f32 = 14.0;
 /// Points that a number below a bar needs.
 const LABEL: f32 = 34.0;
 
-/// The colour of a kernel: the same in every panel, readable on light and dark.
+/// The colour of a kernel: the same in every panel, readable on light and dark backgrounds.
 pub(in crate::ui) fn kernel_color(kernel: Kernel) -> Color32 {
     let [r, g, b] = kernel.info().colour;
     Color32::from_rgb(r, g, b)
 }
 
-/// How many there are of each of 0, 1, …: a bar each, its height the logarithm, so that a single one is seen beside
-/// a million.
+/// A histogram over 0, 1, …, with logarithmic heights, so that a count of one is visible beside a million.
 pub(in crate::ui) struct Histogram<'a> {
-    /// The numbers; zeros at the end are left out.
+    /// The counts; trailing zeros are omitted.
     pub counts: &'a [u64],
-    /// What is counted, for those who do not see it.
+    /// What is counted, for screen readers.
     pub name: &'a str,
-    /// A bar in words: its index, and how many.
+    /// Describes a bar from its index and count.
     pub about: &'a dyn Fn(usize, u64) -> String,
-    /// Whether the last entry stands for everything from there on.
+    /// Whether the last entry also includes everything beyond it.
     pub is_open: bool,
 }
 
@@ -94,7 +93,7 @@ fn without_zeros(counts: &[u64]) -> &[u64] {
     &counts[..end]
 }
 
-/// From 0 for none to 1 for the most; one is seen.
+/// Height from 0 for none to 1 for the maximum; a single one is visible.
 fn log_height(count: u64, most: u64) -> f32 {
     if count == 0 { 0.0 } else { ((count as f64 + 1.0).ln() / (most.max(count) as f64 + 1.0).ln()) as f32 }
 }

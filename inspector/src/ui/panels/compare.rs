@@ -8,6 +8,7 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::state::States;
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind, Stream, StreamData};
+use raystep_lab::text::counted;
 
 use crate::draw::stream::{self, Colors, Meaning};
 use crate::session::request::Request;
@@ -27,7 +28,7 @@ enum Side {
     Difference,
 }
 
-/// What the pictures were drawn from.
+/// The inputs that the pictures were drawn from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Drawn {
     runs: [Moment; 2],
@@ -45,7 +46,7 @@ pub(in crate::ui) struct Compare {
     pictures: [Picture; 3],
     stills: [Still; 2],
     drawn: [Option<Drawn>; 3],
-    /// What the second run's stream was read for, what the first's engine counts, and what it found.
+    /// What the second run's stream was read for, what the first run's engine counts, and the result.
     reading: Option<Question>,
     counting: Option<Question>,
     found: Option<Counted>,
@@ -84,7 +85,7 @@ impl Panel for Compare {
             if other.is_busy() {
                 ui.spinner();
             } else {
-                ui.label("the second run could not be prepared: the log says why");
+                ui.label("the second run could not be prepared; see the log");
             }
             if ui.button(Command::EndCompare.name()).clicked() {
                 cx.todo.push(Command::EndCompare);
@@ -92,7 +93,7 @@ impl Panel for Compare {
             return;
         };
         ui.horizontal_wrapped(|ui| {
-            ui.strong("A").on_hover_text("the run that everything else shows");
+            ui.strong("A").on_hover_text("the run shown in all other panels");
             ui.label(text_of(&a.settings));
             ui.separator();
             ui.strong("B");
@@ -108,16 +109,16 @@ impl Panel for Compare {
             }
         });
         ui.horizontal_wrapped(|ui| {
-            ui.label(format!("A after {} passes, B after {}", model.place, other.place));
-            if ui.button("Both to the end").clicked() {
+            ui.label(format!("A after {}, B after {}", counted(model.place, "pass"), counted(other.place, "pass")));
+            if ui.button("Run both to the end").clicked() {
                 model.ask(Request::Step(Target::End));
                 other.ask(Request::Step(Target::End));
             }
-            if ui.button("Both one pass on").clicked() {
+            if ui.button("Step both").clicked() {
                 model.ask(Request::Step(Target::Next));
                 other.ask(Request::Step(Target::Next));
             }
-            if ui.button("B to A's pass").clicked() {
+            if ui.button("Move B to A's pass").clicked() {
                 other.ask(Request::Step(Target::Pass(model.place)));
             }
         });
@@ -129,8 +130,8 @@ impl Panel for Compare {
         self.choose_stream(ui, &streams);
         let seen = |settings: &Settings| (settings.size, settings.view, settings.ray);
         if seen(&a.settings) != seen(&b.settings) {
-            ui.label("the two runs do not see the same");
-            if ui.button("Let B see what A sees").clicked() {
+            ui.label("the runs have different views");
+            if ui.button("Use A's view for B").clicked() {
                 let Settings { size, view, ray, .. } = a.settings.clone();
                 other.ask(Request::Plan(Box::new(Settings { size, view, ray, ..b.settings.clone() })));
                 other.ask(Request::Step(Target::End));
@@ -167,7 +168,7 @@ impl Panel for Compare {
                         Side::B => format!("B: {}", b.settings.accelerator),
                         Side::Difference => self.legend(),
                     };
-                    ui.small(name).on_hover_text("Shift shows the other run in its place");
+                    ui.small(name).on_hover_text("hold Shift to show the other run here");
                     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
                     let plan = [a.plan.width, a.plan.height];
                     let picture = self.draw(ui, cx.canvas, model, other, shown, i, rect, plan);
@@ -186,7 +187,7 @@ impl Panel for Compare {
                         match shown {
                             Side::A => "run A",
                             Side::B => "run B",
-                            Side::Difference => "the difference",
+                            Side::Difference => "difference",
                         }
                     );
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
@@ -196,13 +197,13 @@ impl Panel for Compare {
     }
 }
 
-/// What sets a run apart.
+/// The settings that distinguish a run.
 fn text_of(settings: &Settings) -> String {
     let Settings { accelerator, schedule, numerics, device, .. } = settings;
     format!("{accelerator}, {schedule}, {numerics}, {}", device.name())
 }
 
-/// The settings of the other run, where they were changed.
+/// The settings of the other run, if they were changed.
 fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
     let mut new = settings.clone();
     fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, all: &[T], text: fn(T) -> &'static str, value: &mut T) {
@@ -222,7 +223,7 @@ fn edit(ui: &mut Ui, settings: &Settings) -> Option<Settings> {
     (new != *settings).then_some(new)
 }
 
-/// The ray's two lives, in a line each.
+/// The history of the ray in both runs, one line each.
 fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
     let line = |life: &Trace| {
         let of = |part: &str| life.rows.iter().filter(|row| row.kernel.starts_with(part)).count();
@@ -232,7 +233,12 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
             || "hits nothing".into(),
             |(id, t)| format!("hits triangle {id} at t {}", f64::from(t) * life.t_scale),
         );
-        format!("{} steps, {tests} triangles tested, {} passes: {hit}", of("traverse"), life.rows.len())
+        format!(
+            "{}, {} tested, {}: {hit}",
+            counted(of("traverse"), "step"),
+            counted(tests, "triangle"),
+            counted(life.rows.len(), "pass")
+        )
     };
     for (name, life) in [("A", a), ("B", b)] {
         if let Some(life) = life {
@@ -243,12 +249,12 @@ fn lives(ui: &mut Ui, a: Option<&Trace>, b: Option<&Trace>) {
 }
 
 impl Compare {
-    /// The range that both pictures have.
+    /// The range shared by both pictures.
     fn range(&self) -> [f32; 2] {
         self.found.as_ref().map_or([0.0, 1.0], |found| found.range)
     }
 
-    /// What the difference's colours mean.
+    /// The meaning of the difference's colours.
     fn legend(&self) -> String {
         match Meaning::of(self.stream, Some(self.layer)) {
             Meaning::Scalar | Meaning::Count => format!("A − B, from −{0:.1e} to {0:.1e}", self.spread()),
@@ -256,7 +262,7 @@ impl Compare {
         }
     }
 
-    /// The largest difference that has a colour of its own: of counts a tenth of their range, of floats a thousandth.
+    /// The largest difference with a colour of its own: for counts a tenth of their range, for floats a thousandth.
     fn spread(&self) -> f32 {
         let part = if Meaning::of(self.stream, Some(self.layer)) == Meaning::Count { 0.1 } else { 1e-3 };
         let [lo, hi] = self.range();
@@ -281,7 +287,7 @@ impl Compare {
         });
     }
 
-    /// Has both streams compared, once a pair of places: the second's is read, and the first's engine counts.
+    /// Compares both streams once per pair of places: the second run's is read, and the first run's engine counts.
     fn count(&mut self, model: &mut Model, other: &mut Model) {
         let moments = [(model.edition, model.place), (other.edition, other.place)];
         let question = (moments, self.stream, self.layer);

@@ -1,4 +1,4 @@
-//! Where the cost is: rays from the dearest to the cheapest, and how many threads have a ray to work on.
+//! The cost of rays, from the most expensive to the cheapest, and how many threads have a ray to process.
 
 mod curve;
 mod lanes;
@@ -16,16 +16,16 @@ use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, PaneKind, Panel};
 
-/// What the engine is asked for, and what goes on meanwhile.
+/// The engine's job, named while it runs.
 const SORTING: &str = "sorting rays by cost";
-/// Most rays in the list: all are in the curve.
+/// Most rays in the list; the curve includes all.
 const MOST_LISTED: usize = 1000;
 
-/// What the order is of.
+/// The key of the order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Of {
     generation: u64,
-    /// What was changed by hand: rays cost something else from then on.
+    /// Edits by hand: they change the cost of rays.
     edits: Vec<Edit>,
     measure: Measure,
 }
@@ -34,7 +34,7 @@ struct Of {
 struct Sorted {
     order: CostOrder,
     curve: Curve,
-    /// Shares of the whole that the dearest 1% and 10% have.
+    /// Fraction of the total cost in the most expensive 1% and 10%.
     dearest: [f64; 2],
 }
 
@@ -63,7 +63,7 @@ pub(in crate::ui) struct Cost {
     shown: Shown,
     asked: Option<Of>,
     sorted: Option<(Of, Sorted)>,
-    /// The ray that was scrolled to.
+    /// The ray that was last scrolled to.
     scrolled: Option<usize>,
     lanes: LanesView,
 }
@@ -75,7 +75,7 @@ impl Panel for Cost {
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
-            ui.weak("open a scene, and what its rays cost appears here");
+            ui.weak("Open a scene to see the cost of its rays.");
             return;
         }
         let of = self.of(cx);
@@ -121,7 +121,7 @@ impl Panel for Cost {
         self.take(cx, of.as_ref());
         let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return false };
         let Some(order) = self.sorted(of.as_ref()).map(|sorted| &sorted.order) else {
-            cx.shared.say(false, "rays are in no order of cost yet: step to the end, with counters on");
+            cx.shared.say(false, "rays are not sorted by cost yet: run to the end, with counters enabled");
             return true;
         };
         if let Some(ray) = step(order, cx.shared.pixel.map(|pixel| ray_at(pixel, width)), is_dearer) {
@@ -131,7 +131,7 @@ impl Panel for Cost {
     }
 }
 
-/// The ray beside one in the order; the dearest where none is selected. `None` at either end.
+/// The next or previous ray in the order; the most expensive one without a selection. `None` at either end.
 fn step(order: &CostOrder, ray: Option<usize>, is_dearer: bool) -> Option<usize> {
     match ray.filter(|&ray| order.rank(ray).is_some()) {
         Some(ray) if is_dearer => order.dearer(ray),
@@ -150,7 +150,7 @@ fn pixel_of(ray: usize, width: u32) -> [u32; 2] {
 }
 
 impl Cost {
-    /// What order is wanted; `None` while not all passes are known.
+    /// The order to ask for; `None` while not all passes are known.
     fn of(&self, cx: &Context<'_>) -> Option<Of> {
         let model = &cx.model;
         let (generation, measure) = (model.generation, self.shown.measure());
@@ -161,13 +161,13 @@ impl Cost {
         self.sorted.as_ref().filter(|(known, _)| Some(known) == of).map(|(_, sorted)| sorted)
     }
 
-    /// Takes the answer; asks for it where the run is at its end.
+    /// Takes the answer; asks for it when the run is at its end.
     fn take(&mut self, cx: &mut Context<'_>, of: Option<&Of>) {
         while let Some(answer) = cx.model.take_answer::<(Of, Option<Sorted>)>(SORTING) {
             let (of, sorted) = *answer;
             match sorted {
                 Some(sorted) => self.sorted = Some((of, sorted)),
-                // The run went away from its end.
+                // The run left its end.
                 None => self.asked = None,
             }
         }
@@ -188,18 +188,19 @@ impl Cost {
         }
     }
 
-    /// What the whole order is like.
+    /// Summary of the whole order.
     fn order(&mut self, ui: &mut Ui, cx: &mut Context<'_>, of: Option<&Of>, height: f32) {
         ui.horizontal_wrapped(|ui| {
-            let label = ui.strong("cost").on_hover_text("what a ray is charged for").id;
+            let label = ui.strong("cost").on_hover_text("definition of cost").id;
             for (shown, name, about) in [
                 (
                     Shown::Sum,
                     "sum",
-                    "cells or nodes visited, and triangles tested: with one step a pass, the passes of its walk",
+                    "cells or nodes visited plus triangles tested; with one step per pass, this is the number of \
+                     passes of the walk",
                 ),
-                (Shown::Cells, "cells", "cells or nodes that the ray visited"),
-                (Shown::Triangles, "triangles", "triangles that the ray was tested against"),
+                (Shown::Cells, "cells", "cells or nodes visited by the ray"),
+                (Shown::Triangles, "triangles", "triangles tested against the ray"),
             ] {
                 let choice = ui.selectable_label(self.shown == shown, name).labelled_by(label);
                 if choice.on_hover_text(about).clicked() {
@@ -208,7 +209,7 @@ impl Cost {
             }
         });
         if !cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(streams::COUNTERS)) {
-            ui.label("this run does not count what rays cost: turn counters on in the options");
+            ui.label("This run has no counters. Enable them in the options to see the cost of rays.");
             if ui.button("Options").clicked() {
                 cx.todo.push(Command::Show(PaneKind::Options));
             }
@@ -218,8 +219,8 @@ impl Cost {
             if cx.model.is_busy() {
                 ui.weak("…");
             } else {
-                ui.label("rays are sorted by what they cost once the run has reached its end");
-                if ui.button("Step to the end").clicked() {
+                ui.label("Run to the end to sort rays by cost.");
+                if ui.button("Run to the end").clicked() {
                     self.asked = None;
                     cx.todo.push(Command::End);
                 }
@@ -229,12 +230,12 @@ impl Cost {
         let (order, rays) = (&sorted.order, sorted.order.rays().len());
         let [one, ten] = sorted.dearest;
         ui.horizontal_wrapped(|ui| {
-            ui.label(format!("{} in all", order.total()));
-            ui.label(format!("{:.2} a ray", order.total() as f64 / rays.max(1) as f64));
-            ui.label(format!("dearest 1%: {:.1}%", one * 100.0))
-                .on_hover_text("of the whole cost, of the dearest 1% of rays");
-            ui.label(format!("dearest 10%: {:.1}%", ten * 100.0))
-                .on_hover_text("of the whole cost, of the dearest 10% of rays");
+            ui.label(format!("total {}", order.total()));
+            ui.label(format!("{:.2} per ray", order.total() as f64 / rays.max(1) as f64));
+            ui.label(format!("top 1%: {:.1}%", one * 100.0))
+                .on_hover_text("the most expensive 1% of rays, as a percentage of the total cost");
+            ui.label(format!("top 10%: {:.1}%", ten * 100.0))
+                .on_hover_text("the most expensive 10% of rays, as a percentage of the total cost");
         });
         let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return };
         let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width)).filter(|&ray| order.rank(ray).is_some());
@@ -251,14 +252,14 @@ impl Cost {
             }
             for (name, command) in [("dearer", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
                 let key = command.key_text(ui.ctx());
-                if ui.button(name).on_hover_text(format!("the ray beside it in the order  {key}")).clicked() {
+                if ui.button(name).on_hover_text(format!("the neighbouring ray in the order  {key}")).clicked() {
                     cx.todo.push(command);
                 }
             }
         });
     }
 
-    /// The dearest rays.
+    /// The list of the most expensive rays.
     fn list(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let of = self.of(cx);
         let Some((_, sorted)) = self.sorted.as_ref().filter(|(known, _)| Some(known) == of.as_ref()) else { return };
@@ -285,10 +286,10 @@ impl Cost {
         table
             .header(height, |mut header| {
                 for (head, about) in [
-                    ("rank", "1 for the dearest"),
-                    ("pixel", "column and row; a click selects its ray"),
-                    ("cost", "what the ray is charged"),
-                    ("share", "of the whole cost"),
+                    ("rank", "1 is the most expensive"),
+                    ("pixel", "column and row; click to select the ray"),
+                    ("cost", "cost of the ray"),
+                    ("share", "percentage of the total cost"),
                 ] {
                     header.col(|ui| drop(ui.strong(head).on_hover_text(about)));
                 }
@@ -312,7 +313,7 @@ impl Cost {
     }
 }
 
-/// Reads what rays have cost, and sorts them. `None` where the run is not at its end.
+/// Reads the cost of all rays, and sorts them. `None` if the run is not at its end.
 fn sort(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
     Box::pin(async move {
         let renderer = job.session.renderer();
@@ -340,7 +341,7 @@ mod tests {
         assert_eq!(step(&order, None, false), Some(1));
         assert_eq!((step(&order, Some(1), false), step(&order, Some(3), true)), (Some(3), Some(1)));
         assert_eq!((step(&order, Some(1), true), step(&order, Some(2), false)), (None, None));
-        // A pixel of another, larger run.
+        // A pixel of a different, larger run.
         assert_eq!(step(&order, Some(99), true), Some(1));
         assert_eq!((pixel_of(7, 3), ray_at([1, 2], 3)), ([1, 2], 7));
     }

@@ -1,9 +1,10 @@
-//! Kernels, and which streams and buffers they read and write; what the last pass did is lit.
+//! Kernels, with the streams and buffers that they read and write; the last pass is highlighted.
 
 mod paint;
 
 use egui::{Pos2, Rect, Sense, Ui, Vec2, vec2};
 use raystep_kernels::{Kernel, Plan};
+use raystep_lab::text::counted;
 
 use crate::dataflow::{Access, DataFlow, NodeKind};
 use crate::session::Model;
@@ -12,20 +13,20 @@ use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, Panel};
 use paint::{Paint, access_color};
 
-/// Points within which the cursor touches an edge.
+/// Distance in points within which the cursor selects an edge.
 const TOUCH: f32 = 5.0;
 
 /// The panel.
 #[derive(Default)]
 pub(in crate::ui) struct Dataflow {
     flow: Option<(u64, DataFlow)>,
-    /// Screen points a point of the graph, along x and y; `None` fits it into the panel.
+    /// Screen points per graph point, along x and y; `None` fits the graph into the panel.
     scale: Option<Vec2>,
     /// The graph's point in the middle of the panel.
     center: Vec2,
 }
 
-/// What is under the cursor.
+/// The item under the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Touched {
     /// By its index.
@@ -41,7 +42,7 @@ impl Panel for Dataflow {
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
-            ui.weak("open a scene, and its kernels and streams are drawn here");
+            ui.weak("Open a scene to see its kernels and streams.");
             return;
         };
         let plan = opened.plan.clone();
@@ -60,9 +61,9 @@ impl Panel for Dataflow {
         let touched = response.hover_pos().and_then(|at| touched(flow, at, &place));
         Paint { ui, rect, flow, place: &place, last, next, rays: &rays, touched }.all();
         let text = format!(
-            "{} kernels, {} bindings; last {}, next {}",
-            plan.variants.len(),
-            flow.edges.len(),
+            "{}, {}; last {}, next {}",
+            counted(plan.variants.len(), "kernel"),
+            counted(flow.edges.len(), "binding"),
             last.map_or("none", Kernel::name),
             next.map_or("none", Kernel::name)
         );
@@ -96,10 +97,10 @@ impl Dataflow {
                 ui.small(access.verb());
             }
             let zoom = self.scale.map_or_else(|| "fit".into(), |scale| format!("{:.0}%", scale.min_elem() * 100.0));
-            if ui.button(zoom).on_hover_text("fit the drawing (double click)").clicked() {
+            if ui.button(zoom).on_hover_text("fit to panel (double click)").clicked() {
                 self.scale = None;
             }
-            if ui.button("SVG…").on_hover_text("save the drawing").clicked() {
+            if ui.button("SVG…").on_hover_text("save as SVG").clicked() {
                 cx.todo.push(Command::ExportDataflow);
             }
         });
@@ -125,21 +126,21 @@ impl Dataflow {
     }
 }
 
-/// Screen points a point of the graph, and where its corner is. Panels are often wide and low: the graph is then drawn
-/// wider than high.
+/// Screen points per graph point, and the position of its corner. Panels are often wide and low: the graph is then
+/// stretched horizontally.
 fn placement(rect: Rect, size: Vec2, scale: Option<Vec2>, center: Vec2) -> (Vec2, Pos2) {
     match scale {
         Some(scale) => (scale, rect.center() - center * scale),
         None => {
             let scale = (rect.size() / size).clamp(Vec2::splat(0.05), Vec2::splat(1.6));
-            // No more than twice as wide as high, or high as wide.
+            // Stretched by a factor of two at most.
             let scale = scale.min(Vec2::splat(2.0 * scale.min_elem()));
             (scale, rect.center() - 0.5 * scale * size)
         }
     }
 }
 
-/// Rays that wait for each kernel.
+/// Rays waiting for each kernel.
 fn waiting(plan: &Plan, model: &Model) -> Vec<(Kernel, u64)> {
     let kernels = plan.variants.iter().map(|variant| variant.kernel);
     match model.last_pass() {
@@ -149,7 +150,7 @@ fn waiting(plan: &Plan, model: &Model) -> Vec<(Kernel, u64)> {
     }
 }
 
-/// The node or edge at a point; nodes lie above edges.
+/// The node or edge at a point; nodes take precedence.
 fn touched(flow: &DataFlow, at: Pos2, place: &dyn Fn([f32; 2]) -> Pos2) -> Option<Touched> {
     let is_in = |node: &crate::dataflow::Node| Rect::from_two_pos(place(node.min), place(node.max)).contains(at);
     if let Some(node) = flow.nodes.iter().position(is_in) {
@@ -160,14 +161,14 @@ fn touched(flow: &DataFlow, at: Pos2, place: &dyn Fn([f32; 2]) -> Pos2) -> Optio
     (distance <= TOUCH).then_some(Touched::Edge(edge))
 }
 
-/// From a point to a line between two others.
+/// The distance from a point to a line segment.
 fn distance(at: Pos2, from: Pos2, to: Pos2) -> f32 {
     let along = to - from;
     let part = ((at - from).dot(along) / along.length_sq().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
     (at - (from + part * along)).length()
 }
 
-/// A node or edge in words.
+/// Describes a node or edge.
 fn about(flow: &DataFlow, touched: Touched, rays: &[(Kernel, u64)]) -> String {
     let label = |node: usize| flow.nodes[node].label.as_str();
     match touched {
@@ -180,7 +181,7 @@ fn about(flow: &DataFlow, touched: Touched, rays: &[(Kernel, u64)]) -> String {
             let mut text = format!("{}: {}", node.label, node.about);
             if let NodeKind::Kernel(kernel) = node.kind {
                 let count = rays.iter().find(|(k, _)| *k == kernel).map_or(0, |(_, count)| *count);
-                text += &format!("\n{count} rays wait for it");
+                text += &format!("\n{} waiting", counted(count, "ray"));
             }
             if !node.detail.is_empty() {
                 text += &format!("\n{}", node.detail);

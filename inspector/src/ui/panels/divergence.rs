@@ -1,4 +1,4 @@
-//! Where GPU and twins part: per ray the first pass, as a map over the image.
+//! Where the GPU differs from the CPU reference: the first such pass of each ray, as a map over the image.
 
 use std::ops::ControlFlow;
 
@@ -11,7 +11,7 @@ use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
-const WHAT: &str = "comparing every pass with the twins";
+const WHAT: &str = "comparing every pass with the CPU reference";
 
 /// The map.
 #[derive(Default)]
@@ -32,7 +32,7 @@ fn color(class: Class) -> Color32 {
     }
 }
 
-/// A run of its own beside the one that is shown, compared pass by pass.
+/// A second run, compared pass by pass.
 fn job(generation: u64) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
@@ -61,7 +61,7 @@ impl Panel for Divergence {
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
-            ui.weak("open a scene first");
+            ui.weak("Open a scene first.");
             return;
         };
         let bytes = Bytes(divergence_bytes(&opened.plan));
@@ -72,16 +72,17 @@ impl Panel for Divergence {
             (self.map, self.picture) = (None, None);
         }
         ui.horizontal_wrapped(|ui| {
-            let button = egui::Button::new("Compare every pass with the twins");
+            let button = egui::Button::new("Compare every pass with the CPU reference");
             let about = format!(
-                "each pass is run by the f32 and f64 twins too, from the device's own streams before it; takes {bytes} of memory"
+                "Each pass also runs on the CPU reference kernels in f32 and f64, starting from the device's streams \
+                 before it. Takes {bytes} of memory."
             );
             if ui.add_enabled(!cx.model.is_busy(), button).on_hover_text(about).clicked() {
                 cx.model.ask(Request::Job(WHAT, job(cx.model.generation)));
             }
         });
         let Some((_, map)) = &self.map else {
-            ui.weak("the first pass in which each ray leaves its twin, or in which f32 and f64 decide otherwise");
+            ui.weak("The first pass where a ray differs from the CPU reference, or where f32 and f64 disagree.");
             return;
         };
         ui.horizontal_wrapped(|ui| {
@@ -101,7 +102,7 @@ impl Panel for Divergence {
             }
         });
         if map.counts().iter().all(|&count| count == 0) {
-            ui.strong("no ray parts from its twin in any pass, and f32 decides as f64 does");
+            ui.strong("No ray differs from the CPU reference in any pass, and f32 and f64 agree.");
         }
         let (width, height) = (map.width(), map.height());
         let hidden = &self.hidden;
@@ -121,7 +122,7 @@ impl Panel for Divergence {
         let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
         let texel = texel.map(|at| [(at.x as u32).min(width - 1), (at.y as u32).min(height - 1)]);
         let counts = Class::ALL.map(|class| format!("{} {}", map.count(class), class.name())).join(", ");
-        let text = format!("where rays part from their twins: {counts}");
+        let text = format!("map of rays that differ from the CPU reference: {counts}");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         let Some([x, y]) = texel else { return };
         cx.shared.hovered = Some([x, y]);
@@ -142,7 +143,11 @@ impl Panel for Divergence {
                     true => f32::from_bits(bits).to_string(),
                     false => bits.to_string(),
                 };
-                ui.label(format!("{} here, {} in the f32 twin", value(parting.theirs), value(parting.twin)));
+                ui.label(format!(
+                    "{} on the device, {} on the CPU reference in f32",
+                    value(parting.theirs),
+                    value(parting.twin)
+                ));
                 if let Some(ulps) = parting.ulps {
                     ui.label(format!("{ulps} ulp apart"));
                 }

@@ -1,4 +1,4 @@
-//! Error against run time: rays not yet resolved, and rays resolved wrongly, over what the device took.
+//! Error against run time: rays not yet resolved, and rays resolved wrongly, over device time.
 
 mod plot;
 mod scales;
@@ -12,6 +12,7 @@ use raystep_kernels::{Options, Plan, Renderer};
 use raystep_lab::judge::{Judgement, judge_passes};
 use raystep_lab::reference::Verdict;
 use raystep_lab::statistics::wilson;
+use raystep_lab::text::counted;
 use scales::grouped;
 
 use crate::session::judged::why_not;
@@ -20,13 +21,13 @@ use crate::session::{Model, Target};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
-/// What the engine is asked for, and what goes on meanwhile.
-const JUDGING: &str = "judging what rays hit";
+/// The engine's job, named while it runs.
+const JUDGING: &str = "judging hits";
 
-const ABOUT: &str = "every triangle against every ray in f64, or against a random sample of them where that is too much; \
-                     then the passes run again, to see when wrong rays were resolved";
+const ABOUT: &str = "Tests every ray, or a random sample of the rays if there are too many tests, against every \
+                     triangle in f64; then repeats the passes, to find when wrong rays were resolved.";
 
-/// What a judgement is of.
+/// The key of a judgement.
 #[derive(Clone)]
 struct Of {
     plan: Arc<Plan>,
@@ -46,20 +47,20 @@ impl Of {
 /// The panel.
 #[derive(Default)]
 pub(in crate::ui) struct ErrorOverTime {
-    /// Shares by their size, not their logarithm.
+    /// Linear instead of logarithmic shares.
     is_linear: bool,
     /// Of run A and of run B.
     judged: [Option<(Of, Judgement)>; 2],
 }
 
-/// A run of its own beside the one that is shown.
+/// A second run.
 fn job(of: Of) -> Job {
     Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
         Box::pin(async move {
             let JobContext { session, device, progress, .. } = context;
             let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
             if !Arc::ptr_eq(&plan, &of.plan) {
-                return Err("the run became another one before it was judged".into());
+                return Err("the run changed before it was judged".into());
             }
             let options = Options { timings: false, ..session.options().clone() };
             let fail = |e: raystep_kernels::RenderError| e.to_string();
@@ -78,14 +79,14 @@ fn refusal(model: &Model) -> Option<&'static str> {
     why_not(&model.opened.as_ref()?.plan, &model.edits, model.twins)
 }
 
-/// Has a run judged, where it can be.
+/// Has a run judged, if possible.
 fn ask(model: &mut Model) {
     if let Some(of) = Of::new(model).filter(|_| refusal(model).is_none()) {
         model.ask(Request::Job(JUDGING, job(of)));
     }
 }
 
-/// Takes the answer, and drops what is of another run.
+/// Takes the answer, and drops those of other runs.
 fn take(judged: &mut Option<(Of, Judgement)>, model: Option<&mut Model>) {
     let Some(model) = model else {
         *judged = None;
@@ -114,7 +115,7 @@ impl Panel for ErrorOverTime {
         take(&mut self.judged[0], Some(&mut *cx.model));
         take(&mut self.judged[1], cx.other.as_deref_mut());
         if cx.model.passes.is_empty() {
-            ui.weak("step a pass, and the rays that it resolves appear here");
+            ui.weak("Step a pass to see the rays it resolves.");
             return;
         }
         let bottom = ui.max_rect().bottom();
@@ -157,7 +158,7 @@ impl ErrorOverTime {
                 cx.todo.push(Command::Judge);
             }
             let mut is_log = !self.is_linear;
-            ui.checkbox(&mut is_log, "log").on_hover_text("shares by their logarithm, none of them at the bottom");
+            ui.checkbox(&mut is_log, "log").on_hover_text("Logarithmic axis; zero is drawn at the bottom.");
             self.is_linear = !is_log;
             for (i, color) in colors(ui).into_iter().enumerate().filter(|(i, _)| *i == 0 || has_other) {
                 let run = match (has_other, i) {
@@ -167,19 +168,19 @@ impl ErrorOverTime {
                 };
                 entry(ui, color, false, &format!("{run}not yet resolved"));
                 if self.judged[i].as_ref().is_some_and(|(_, judgement)| !judgement.wrong.is_empty()) {
-                    entry(ui, color, true, &format!("{run}resolved wrongly, of those judged"));
+                    entry(ui, color, true, &format!("{run}resolved wrongly (of judged rays)"));
                 }
             }
         });
     }
 
-    /// What was judged, a line a run.
+    /// Judgements, one line per run.
     fn words(&self, ui: &mut Ui, cx: &mut Context<'_>, has_other: bool) {
         for (i, name) in ["A", "B"].into_iter().enumerate() {
             let model = if i == 0 { Some(&mut *cx.model) } else { cx.other.as_deref_mut() };
             let Some(model) = model.filter(|model| !model.passes.is_empty()) else { continue };
             let (why, judged) = (refusal(model), self.judged[i].as_ref());
-            let rest = (!model.is_complete).then(|| format!("{} passes are known so far", model.passes.len()));
+            let rest = (!model.is_complete).then(|| format!("{} known so far", counted(model.passes.len(), "pass")));
             if why.is_none() && judged.is_none() && rest.is_none() {
                 continue;
             }
@@ -200,7 +201,7 @@ impl ErrorOverTime {
                     ui.label(why);
                 }
                 if let Some(rest) = rest {
-                    ui.weak(rest).on_hover_text("at its end, the whole run is here");
+                    ui.weak(rest).on_hover_text("run to the end to judge the whole run");
                 }
             });
         }
@@ -215,7 +216,7 @@ impl ErrorOverTime {
         });
         let curves: Vec<Curve<'_>> = curves.collect();
         let Some((run, place, is_click)) = Plot::new(curves, !self.is_linear).show(ui, height) else { return };
-        // While it is dragged, one place after the other; those in between are left out.
+        // During a drag, one place at a time; intermediate ones are skipped.
         let is_free = |model: &Model| is_click || !model.is_busy();
         if run == 0 {
             cx.shared.go_to = is_free(cx.model).then_some(place).or(cx.shared.go_to);
@@ -225,9 +226,9 @@ impl ErrorOverTime {
     }
 }
 
-/// What a line of the plot stands for.
+/// The legend of a line.
 fn entry(ui: &mut Ui, color: Color32, is_dashed: bool, text: &str) {
-    // Both in one piece, where a line ends.
+    // Kept together when a line wraps.
     let line = ui.painter().layout_no_wrap(text.to_owned(), egui::TextStyle::Small.resolve(ui.style()), color);
     if ui.available_size_before_wrap().x < 18.0 + 2.0 * ui.spacing().item_spacing.x + line.size().x {
         ui.end_row();
@@ -242,7 +243,7 @@ fn entry(ui: &mut Ui, color: Color32, is_dashed: bool, text: &str) {
     ui.small(text);
 }
 
-/// A judgement in words; the wrong ray that is to be looked at, and the place after which it was resolved.
+/// Describes a judgement; also returns the wrong ray to show next, and the place after which it was resolved.
 fn verdicts(
     ui: &mut Ui,
     judgement: &Judgement,
@@ -258,12 +259,12 @@ fn verdicts(
         ui.label(text);
     } else {
         let kinds = [
-            (Verdict::Missed, "hit nothing, or what is behind"),
-            (Verdict::False, "hit where nothing is"),
-            (Verdict::Wrong, "hit another triangle, or at a wrong t"),
+            (Verdict::Missed, "missed: hit nothing, or a triangle farther away"),
+            (Verdict::False, "false: hit where there is nothing"),
+            (Verdict::Wrong, "hit another triangle, or wrong t"),
         ];
         let kinds = kinds.map(|(verdict, what)| format!("{} {what}", grouped(judgement.counts.of(verdict))));
-        let about = format!("{}\na click selects the first of them, and the next one after it", kinds.join("\n"));
+        let about = format!("{}\nclick to select the first of them, and again for the next", kinds.join("\n"));
         if ui.link(text).on_hover_text(about).clicked() {
             let at = judgement.wrong.iter().position(|wrong| Some(pixel_of(wrong.ray)) == selected);
             let next = &judgement.wrong[at.map_or(0, |at| (at + 1) % wrong)];
@@ -271,15 +272,18 @@ fn verdicts(
         }
     }
     let undecided = format!("{} undecided", grouped(judgement.counts.ties));
-    ui.label(undecided).on_hover_text("f32 cannot tell which of several triangles is hit, and any of them is right");
+    ui.label(undecided).on_hover_text(
+        "f32 cannot decide which of several triangles is hit; any of them is \
+                                       acceptable",
+    );
     ui.label(format!("{} right", grouped(judgement.counts.same)));
     let unresolved = judgement.wrong.iter().filter(|wrong| wrong.resolved_by.is_none()).count();
     if unresolved > 0 {
-        ui.label(format!("{} of the wrong ones never resolved", grouped(unresolved as u64)));
+        ui.label(format!("{} of the wrong rays never resolved", grouped(unresolved as u64)));
     }
     if judged < judgement.rays {
         let between = wilson(wrong as u64, judged).map_or_else(String::new, |[low, high]| {
-            format!("of a million rays {:.1} to {:.1} are wrong, with 95% confidence", 1e6 * low, 1e6 * high)
+            format!("{:.1} to {:.1} wrong per million rays, with 95% confidence", 1e6 * low, 1e6 * high)
         });
         ui.label(format!("a random sample of {} rays", grouped(judgement.rays))).on_hover_text(between);
     }

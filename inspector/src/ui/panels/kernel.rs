@@ -1,4 +1,4 @@
-//! The kernel's WGSL, with the lines that ran for the selected ray in the pass that is shown.
+//! The kernel's WGSL, with the lines that ran for the selected ray in the current pass.
 
 mod listing;
 
@@ -21,16 +21,16 @@ use listing::Listing;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct Look {
-    /// What the device is given, in place of the kernel's own file.
+    /// Show the composed source instead of the kernel's own file.
     composed: bool,
 }
 
-/// What is shown: as long as it is the same, so are the lines.
+/// Key of the displayed lines.
 #[derive(Clone)]
 struct Shown {
     generation: u64,
     kernel: Kernel,
-    /// The ray's life, and the row of it.
+    /// The ray's history, and the current row.
     row: Option<(Arc<Trace>, usize)>,
     composed: bool,
 }
@@ -60,11 +60,11 @@ impl Panel for KernelView {
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
-            ui.weak("open a scene, and the kernel of its last pass is shown here");
+            ui.weak("Open a scene to see the kernel of its last pass.");
             return;
         };
         let Some(shown) = self.what(cx.model) else {
-            ui.weak("no pass has run yet, and none is to come");
+            ui.weak("This run has no passes.");
             return;
         };
         if self.shown.as_ref() != Some(&shown) {
@@ -87,7 +87,7 @@ impl Panel for KernelView {
 }
 
 impl KernelView {
-    /// The ray's last pass; without a ray the last pass of all, and before it the next one.
+    /// The ray's last pass; without a ray the last pass of all, and before the first pass the next one.
     fn what(&self, model: &Model) -> Option<Shown> {
         let row = model.life.as_ref().and_then(|life| Some((life.clone(), current_row(life, model.place)?)));
         let of_row = row
@@ -100,11 +100,12 @@ impl KernelView {
 
     fn head(&mut self, ui: &mut egui::Ui, shown: &Shown, model: &Model) {
         ui.horizontal_wrapped(|ui| {
-            let own = "the kernel's own file, with the options (@if) still in it";
+            let own = "the kernel's own file, including its options (@if)";
             ui.selectable_value(&mut self.look.composed, false, "file").on_hover_text(own);
-            let all = "what the device is given: options decided, shared functions included; no line is marked";
+            let all = "the source given to the device: options resolved, shared functions included; lines are not \
+                       marked";
             ui.selectable_value(&mut self.look.composed, true, "composed").on_hover_text(all);
-            if ui.button("Copy").on_hover_text("the whole source, to the clipboard").clicked() {
+            if ui.button("Copy").on_hover_text("copy the whole source to the clipboard").clicked() {
                 ui.ctx().copy_text(self.listing.text());
             }
             ui.strong(shown.kernel.name()).on_hover_text(shown.kernel.info().summary);
@@ -115,7 +116,7 @@ impl KernelView {
         match shown.row.as_ref().and_then(|(life, row)| life.rows.get(*row)) {
             Some(row) => {
                 let is_last = row.place() == Some(model.place);
-                let when = if is_last { "" } else { " (the ray's last one so far)" };
+                let when = if is_last { "" } else { " (the ray's last so far)" };
                 ui.label(RichText::new(format!("pass {}{when}: {}", row.number(), row.why)).strong());
             }
             None => drop(ui.weak(shown.kernel.info().summary)),
@@ -133,7 +134,7 @@ fn lines(shown: &Shown, opened: &Opened) -> Vec<Line> {
     source::kernel_file(shown.kernel, &opened.plan.features, states.as_ref().map(|(before, after)| (before, after)))
 }
 
-/// The ray before and after a row. Before its first one all that is told of it is its state.
+/// The ray before and after a row. Before its first row, only its state is known.
 fn before_and_after(life: &Trace, row: usize) -> Option<(RayState, RayState)> {
     let now = life.rows.get(row)?;
     let before = row.checked_sub(1).and_then(|i| life.rows.get(i)).map(|row| row.after);
@@ -147,7 +148,7 @@ fn before_and_after(life: &Trace, row: usize) -> Option<(RayState, RayState)> {
     Some((before.unwrap_or_else(unknown), now.after))
 }
 
-/// The first line of the first branch that was taken; where there is none, the first line that ran.
+/// The first line of the first branch taken; otherwise the first line that ran.
 fn first_taken(lines: &[Line]) -> Option<usize> {
     const BRANCHES: [&str; 6] = ["if", "} else", "for", "while", "loop", "switch"];
     let depth = |line: &Line| line.text.len() - line.text.trim_start().len();

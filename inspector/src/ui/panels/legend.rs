@@ -1,10 +1,10 @@
-//! What a colour stands for.
+//! Legend entries.
 
 use egui::{Color32, FontSelection, Sense, TextStyle, Ui, vec2};
 
 const SIDE: f32 = 10.0;
 
-/// A patch of the colour and its name, together also where a line ends, in a wrapped row.
+/// A colour patch and its name, kept together when the row wraps.
 pub(super) fn entry(ui: &mut Ui, color: Color32, name: &str, about: &str) {
     let font = FontSelection::Style(TextStyle::Small).resolve(ui.style());
     let text = ui.painter().layout_no_wrap(name.to_owned(), font, color).size().x;

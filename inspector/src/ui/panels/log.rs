@@ -1,8 +1,8 @@
-//! What happened.
+//! The log.
 
 use crate::ui::pane::{Context, Panel};
 
-/// The log.
+/// The log panel.
 #[derive(Default)]
 pub(in crate::ui) struct Log;
 
@@ -14,7 +14,7 @@ impl Panel for Log {
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let lines = &cx.shared.log;
         if lines.is_empty() {
-            ui.weak("nothing has happened yet");
+            ui.weak("No messages yet.");
         }
         let height = ui.text_style_height(&egui::TextStyle::Body);
         let area = egui::ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true);

@@ -1,4 +1,4 @@
-//! What the run is asked for. A change prepares the run anew, without losing the view.
+//! The options of the run. A change prepares a new run and keeps the view.
 
 use std::fmt::Display;
 
@@ -10,15 +10,15 @@ use crate::settings::{DeviceKind, Settings, View};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
-/// Most pixels each way that the panel offers.
+/// Most pixels per side that the panel offers.
 const MOST_PIXELS: u32 = 16_384;
 
 /// The options.
 #[derive(Default)]
 pub(in crate::ui) struct Options {
-    /// As edited, and the run that it was taken from.
+    /// The edited settings, and the run that they were taken from.
     draft: Option<(u64, Settings)>,
-    /// What was asked for last: once is enough, also where it is refused.
+    /// The last request: it is sent once, even if it is refused.
     asked: Option<Settings>,
 }
 
@@ -29,7 +29,7 @@ impl Panel for Options {
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = cx.model.opened.clone() else {
-            ui.weak("open a scene first");
+            ui.weak("Open a scene first.");
             return;
         };
         let generation = cx.model.generation;
@@ -43,23 +43,26 @@ impl Panel for Options {
                 size(ui, draft);
                 camera(ui, draft, opened.scene.cameras.len());
             });
-            ui.checkbox(&mut draft.counters, "count cells and tests").on_hover_text("a stream of counters per ray");
-            ui.checkbox(&mut draft.keep_all, "leave nothing out")
-                .on_hover_text("--keep-all: to see what leaving out saves");
+            ui.checkbox(&mut draft.counters, "count cells and tests").on_hover_text(
+                "adds a stream of counters per \
+                ray",
+            );
+            ui.checkbox(&mut draft.keep_all, "omit nothing")
+                .on_hover_text("--keep-all: shows what omitting unneeded parts saves");
             if let Some([ox, oy, oz, dx, dy, dz]) = draft.ray {
                 ui.label(format!("one ray: {ox} {oy} {oz} towards {dx} {dy} {dz}"));
-                if ui.button("Back to the picture").clicked() {
+                if ui.button("Back to the image").clicked() {
                     draft.ray = None;
                 }
-            } else if ui.button("Type a ray…").clicked() {
+            } else if ui.button("Enter a ray…").clicked() {
                 cx.todo.push(Command::TypeRay);
             }
-            if ui.button("Defaults").on_hover_text("but for size, view and device").clicked() {
+            if ui.button("Defaults").on_hover_text("default options, except size, view and device").clicked() {
                 let Settings { size, view, device, .. } = draft.clone();
                 *draft = Settings { size, view, device, ..Settings::default() };
             }
         });
-        // One at a time: while numbers are dragged, the last one counts.
+        // One at a time: during a drag, the last value counts.
         let is_dragged = ui.input(|input| input.pointer.any_down());
         if *draft == opened.settings {
             *asked = None;
@@ -88,25 +91,25 @@ fn choice<T: Copy + PartialEq + Display>(ui: &mut Ui, name: &str, about: &str, a
 
 fn tracing(ui: &mut Ui, draft: &mut Settings) {
     let stepped: Vec<ScheduleKind> = ScheduleKind::ALL.iter().copied().filter(|s| s.is_stepped()).collect();
-    choice(ui, "accelerator", "what keeps a ray from testing every triangle", Accelerator::ALL, &mut draft.accelerator);
-    choice(ui, "schedule", "in which order kernels run", &stepped, &mut draft.schedule);
+    choice(ui, "accelerator", "acceleration structure", Accelerator::ALL, &mut draft.accelerator);
+    choice(ui, "schedule", "the order in which kernels run", &stepped, &mut draft.schedule);
     choice(ui, "numerics", "the rules for planes, steps and hits", Numerics::ALL, &mut draft.numerics);
     if draft.accelerator == Accelerator::Grid {
-        choice(ui, "leaps", "whether rays leap over empty cells", Skip::ALL, &mut draft.skip);
+        choice(ui, "skip empty space", "whether rays skip over empty cells", Skip::ALL, &mut draft.skip);
         grid(ui, &mut draft.grid);
     }
     if draft.numerics == Numerics::Paper && draft.skip == Skip::On {
-        // The paper's rules go from cell to cell.
+        // The paper's rules visit every cell.
         draft.skip = Skip::Off;
     }
     if draft.schedule == ScheduleKind::Compact {
-        let label = ui.label("steps a pass").on_hover_text("1 shows a cell, node or triangle a pass");
+        let label = ui.label("steps per pass").on_hover_text("1 shows one cell, node or triangle per pass");
         ui.add(DragValue::new(&mut draft.steps_per_pass).range(1..=4096)).labelled_by(label.id);
         ui.end_row();
     } else {
         draft.steps_per_pass = 1;
     }
-    let label = ui.label("device").on_hover_text("where passes run; twins are the same kernels in Rust");
+    let label = ui.label("device").on_hover_text("where passes run; CPU: the same kernels in Rust, as a reference");
     let combo = ComboBox::from_id_salt("device").selected_text(draft.device.name());
     let response = combo.show_ui(ui, |ui| {
         for kind in DeviceKind::ALL {
@@ -118,7 +121,7 @@ fn tracing(ui: &mut Ui, draft: &mut Settings) {
 }
 
 fn grid(ui: &mut Ui, size: &mut GridSize) {
-    let label = ui.label("cells").on_hover_text("of the grid, along x, y and z");
+    let label = ui.label("cells").on_hover_text("cells of the grid along x, y and z");
     ui.horizontal(|ui| {
         let mut is_auto = *size == GridSize::Auto;
         if ui.checkbox(&mut is_auto, "auto").changed() {
@@ -134,7 +137,7 @@ fn grid(ui: &mut Ui, size: &mut GridSize) {
 }
 
 fn size(ui: &mut Ui, draft: &mut Settings) {
-    let label = ui.label("size").on_hover_text("pixels a row, and rows");
+    let label = ui.label("size").on_hover_text("width and height in pixels");
     ui.horizontal(|ui| {
         for side in &mut draft.size {
             ui.add(DragValue::new(side).range(1..=MOST_PIXELS)).labelled_by(label.id);
@@ -144,11 +147,11 @@ fn size(ui: &mut Ui, draft: &mut Settings) {
 }
 
 fn camera(ui: &mut Ui, draft: &mut Settings, cameras: usize) {
-    let label = ui.label("camera").on_hover_text("one of the scene's, or one of your own from the 3D view");
+    let label = ui.label("camera").on_hover_text("a camera of the scene, or a custom one from the 3D view");
     let text = match draft.view {
         View::Scene(_) if cameras == 0 => "frames the scene".into(),
-        View::Scene(index) => format!("the scene's {index}"),
-        View::Free { .. } => "your own".into(),
+        View::Scene(index) => format!("scene camera {index}"),
+        View::Free { .. } => "custom".into(),
     };
     let response = ComboBox::from_id_salt("camera").selected_text(text).show_ui(ui, |ui| {
         for index in 0..cameras.max(1) {

@@ -1,4 +1,4 @@
-//! The passes: kernel, duration, live rays. A click goes there.
+//! The list of passes: kernel, duration, rays. A click goes there.
 
 use egui_extras::{Column, TableBuilder};
 use raystep_kernels::Pass;
@@ -10,7 +10,7 @@ use crate::ui::pane::{Context, Panel};
 pub(in crate::ui) struct Passes {
     /// Place that was scrolled to.
     shown: Option<usize>,
-    /// Only the passes that worked on the selected ray.
+    /// Show only the passes that processed the selected ray.
     only_ray: bool,
 }
 
@@ -21,11 +21,11 @@ impl Panel for Passes {
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
-            ui.weak("no run yet");
+            ui.weak("No run yet.");
             return;
         }
-        ui.checkbox(&mut self.only_ray, "only the selected ray's")
-            .on_hover_text("passes that worked on the selected ray");
+        ui.checkbox(&mut self.only_ray, "only the selected ray")
+            .on_hover_text("show only passes that processed the selected ray");
         let of_ray: Option<Vec<usize>> = cx
             .model
             .life
@@ -41,7 +41,7 @@ impl Panel for Passes {
         // Row 0 is before the first pass.
         let current = rows.partition_point(|&i| i < place);
         let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
-        // All four columns are to be seen in the narrow column of the simple layout.
+        // All four columns must fit the narrow column of the simple layout.
         ui.spacing_mut().item_spacing.x = 4.0;
         let mut table = TableBuilder::new(ui)
             .striped(true)
@@ -59,10 +59,10 @@ impl Panel for Passes {
         table
             .header(height, |mut header| {
                 let heads = [
-                    ("pass", "its place in the run"),
-                    ("kernel", "what ran"),
-                    ("µs", "on the device's own clock; empty where it has none that is true"),
-                    ("rays", "that the pass worked on"),
+                    ("pass", "index in the run"),
+                    ("kernel", "kernel"),
+                    ("µs", "by the device's clock; empty if it has no valid one"),
+                    ("rays", "rays processed by the pass"),
                 ];
                 for (head, text) in heads {
                     header.col(|ui| {
@@ -78,7 +78,7 @@ impl Panel for Passes {
                     let cells = pass.map_or_else(|| ["–".into(), "start".into(), String::new(), String::new()], cells);
                     for cell in cells {
                         row.col(|ui| {
-                            // Passes that are ahead are known from the last time.
+                            // Passes ahead are known from an earlier run.
                             let text = egui::RichText::new(cell);
                             ui.label(if index > current { text.weak() } else { text });
                         });

@@ -1,8 +1,9 @@
-//! What the run needs, and what it does without, with the reason.
+//! What the run needs, and what is omitted and why.
 
 use egui::{Align2, CollapsingHeader, Color32, FontId, Grid, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use raystep_kernels::Plan;
 use raystep_kernels::plan::{Because, Bytes};
+use raystep_lab::text::counted;
 
 use crate::ui::pane::{Context, Panel};
 
@@ -13,7 +14,7 @@ pub(in crate::ui) struct PlanView {
     parts: Vec<Part>,
 }
 
-/// Something that takes memory.
+/// An item that takes memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Part {
     name: &'static str,
@@ -28,7 +29,7 @@ impl Panel for PlanView {
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
-            ui.weak("open a scene, and what its run needs appears here");
+            ui.weak("Open a scene to see what its run needs.");
             return;
         };
         let plan = &opened.plan;
@@ -40,8 +41,11 @@ impl Panel for PlanView {
             ui.horizontal_wrapped(|ui| {
                 ui.strong(Bytes(plan.bytes()).to_string()).on_hover_text(format!("{} bytes", plan.bytes()));
                 ui.label(format!(
-                    "for {} × {} texels, {} rays, {} triangles",
-                    plan.width, plan.height, plan.rays, plan.triangles
+                    "for {} × {} texels, {}, {}",
+                    plan.width,
+                    plan.height,
+                    counted(plan.rays, "ray"),
+                    counted(plan.triangles, "triangle")
                 ));
             });
             bar(ui, &self.parts);
@@ -54,7 +58,7 @@ impl Panel for PlanView {
             section(ui, "streams", title, |ui| streams(ui, plan));
             let title = format!("Buffers: {}, {}", plan.buffers.len(), bytes(false));
             section(ui, "buffers", title, |ui| buffers(ui, plan));
-            section(ui, "left out", format!("Left out: {}", plan.left_out.len()), |ui| left_out(ui, plan));
+            section(ui, "omitted", format!("Omitted: {}", plan.left_out.len()), |ui| left_out(ui, plan));
         });
     }
 }
@@ -85,7 +89,7 @@ fn bar(ui: &mut Ui, parts: &[Part]) {
         let width = part.bytes as f32 / whole.max(1) as f32 * rect.width();
         let piece = Rect::from_min_max(pos2(left, rect.top()), pos2(left + width, rect.bottom()));
         left += width;
-        // Neighbours of a kind differ a little.
+        // Neighbours of the same kind differ slightly.
         let shade = if i % 2 == 0 { 1.0 } else { 0.8 };
         let color = if part.is_stream { Color32::from_rgb(66, 124, 200) } else { Color32::from_rgb(90, 165, 90) };
         painter.rect_filled(piece, 0.0, color.gamma_multiply(shade));
@@ -114,8 +118,8 @@ fn kernels(ui: &mut Ui, plan: &Plan) {
                 bound.map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
             };
             let states: Vec<_> = info.takes.iter().map(|&tag| plan.program.states.name(tag)).collect();
-            ui.monospace(info.name).on_hover_text(format!("{}\nworks on rays in {}", info.summary, states.join(", ")));
-            ui.label(format!("{} bindings", variant.bindings.len())).on_hover_text(format!(
+            ui.monospace(info.name).on_hover_text(format!("{}\nprocesses rays in {}", info.summary, states.join(", ")));
+            ui.label(counted(variant.bindings.len(), "binding")).on_hover_text(format!(
                 "reads: {}\nwrites: {}\nupdates in place: {}",
                 names(&|reads, writes| reads && !writes),
                 names(&|reads, writes| writes && !reads),
@@ -137,7 +141,7 @@ fn streams(ui: &mut Ui, plan: &Plan) {
             let info = stream.what.info();
             ui.monospace(info.name);
             bytes(ui, stream.bytes);
-            ui.label(info.layers.join(" ")).on_hover_text("a layer of the texture each");
+            ui.label(info.layers.join(" ")).on_hover_text("one texture layer each");
             ui.label(info.unit);
             ui.end_row();
         }
@@ -151,7 +155,7 @@ fn buffers(ui: &mut Ui, plan: &Plan) {
             bytes(ui, planned.bytes);
             match plan.program.buffer(planned.what) {
                 Some(info) => ui.label(info.element),
-                None => ui.weak("the executor's own"),
+                None => ui.weak("owned by the executor"),
             };
             ui.end_row();
         }
@@ -160,9 +164,9 @@ fn buffers(ui: &mut Ui, plan: &Plan) {
 
 fn left_out(ui: &mut Ui, plan: &Plan) {
     for (because, title) in [
-        (Because::Scene, "The scene does not have it"),
-        (Because::Options, "The options do not ask for it"),
-        (Because::View, "The result does not show it"),
+        (Because::Scene, "Not in the scene"),
+        (Because::Options, "Not requested by the options"),
+        (Because::View, "Not needed for the result"),
     ] {
         let items: Vec<_> = plan.left_out.iter().filter(|item| item.because == because).collect();
         if items.is_empty() {

@@ -1,27 +1,28 @@
-//! The selected ray's life: a row for every pass that worked on it, what changed, and why.
+//! The history of the selected ray: one row per pass that processed it, with the changes and the reason.
 
 use egui::{Color32, RichText};
 use egui_extras::{Column, TableBuilder};
 use raystep_kernels::export::trace::{Trace, TraceRow};
 use raystep_kernels::programs::closest_hit::states;
+use raystep_lab::text::counted;
 
 use crate::draw::stream::state_color;
 use crate::ui::pane::{Context, Panel};
 
-/// The ray's life.
+/// The ray history.
 #[derive(Default)]
 pub(in crate::ui) struct RayView {
-    /// Row that was scrolled to.
+    /// The row that was last scrolled to.
     shown: Option<usize>,
 }
 
 const HEADS: [(&str, &str); 8] = [
-    ("pass", "its place in the run"),
-    ("kernel", "what ran"),
+    ("pass", "index in the run"),
+    ("kernel", "kernel"),
     ("state", "the ray's state after the pass"),
-    ("cell", "cell (x, y, z) in which the pass worked, or the tree's node"),
+    ("cell", "cell (x, y, z) or BVH node that the pass worked in"),
     ("tmax", "t at which the ray leaves its cell, per axis"),
-    ("item", "offset into the cell's list"),
+    ("item", "position in the cell's list"),
     ("t", "nearest t so far"),
     ("hit", "nearest triangle so far"),
 ];
@@ -33,7 +34,7 @@ impl Panel for RayView {
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(life) = cx.model.life.clone() else {
-            ui.weak("click a pixel, and its ray is followed through every pass");
+            ui.weak("Click a pixel to see the history of its ray.");
             return;
         };
         let current = current_row(&life, cx.model.place);
@@ -42,7 +43,7 @@ impl Panel for RayView {
         if let Some(row) = current.and_then(|i| life.rows.get(i)) {
             ui.label(RichText::new(format!("pass {}, {}: {}", row.number(), row.kernel, row.why)).strong());
         } else {
-            ui.weak("no pass has worked on this ray yet");
+            ui.weak("No pass has processed this ray yet.");
         }
         ui.separator();
         egui::ScrollArea::horizontal().show(ui, |ui| self.table(ui, &life, current, cx));
@@ -58,13 +59,15 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
     let [x, y] = life.pixel;
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("pixel {x},{y}"));
-        let of = life.passes.map_or_else(String::new, |passes| format!(" of {passes}"));
-        ui.label(format!("{}{of} passes worked on it", life.rows.len()));
+        ui.label(match life.passes {
+            Some(passes) => format!("processed by {} of {}", life.rows.len(), counted(passes, "pass")),
+            None => format!("processed by {}", counted(life.rows.len(), "pass")),
+        });
         if let Some(last) = life.rows.last() {
             match (last.after.triangle, last.after.t) {
                 (Some(triangle), Some(t)) => {
                     ui.label(format!("hits triangle {triangle} at t {}", short(t * life.t_scale as f32)))
-                        .on_hover_text(format!("t in the ray's own units: {}", f64::from(t) * life.t_scale));
+                        .on_hover_text(format!("full precision: {}", f64::from(t) * life.t_scale));
                 }
                 _ => drop(ui.label("hits nothing")),
             }
@@ -82,7 +85,7 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
                 .on_hover_text(format!("{} {} {} in traced units\n{bits}", v[0], v[1], v[2]));
         }
         let unit = life.scene_units_per_stream_unit;
-        ui.weak(format!("traced units of {unit} scene units"));
+        ui.weak(format!("1 traced unit = {unit} scene units"));
     });
     let _ = cx;
 }
@@ -115,7 +118,7 @@ impl RayView {
         let mut chosen = None;
         table
             .header(height, |mut header| {
-                for (head, text) in HEADS.into_iter().chain([("why", "why the pass left the ray so")]) {
+                for (head, text) in HEADS.into_iter().chain([("why", "why the pass left the ray in this state")]) {
                     header.col(|ui| drop(ui.strong(head).on_hover_text(text)));
                 }
             })
@@ -192,7 +195,7 @@ fn cells(row: &TraceRow) -> [String; 8] {
     ]
 }
 
-/// A cell with all of its digits.
+/// A cell with all its digits.
 fn full(row: &TraceRow, column: usize) -> String {
     let a = &row.after;
     let exact = |t: Option<f32>| t.map_or_else(|| "never".into(), |t| format!("{t} (0x{:08x})", t.to_bits()));

@@ -1,4 +1,4 @@
-//! A stream after a pass: zoom to a texel with its numbers drawn in it, range, exposure, colours, one component.
+//! A stream after a pass: zoomable to single texels with their values; range, exposure, colours, component.
 
 mod look;
 mod numbers;
@@ -11,6 +11,7 @@ use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::tables::kernel::Role;
 use raystep_lab::layer_stats::{LayerStats, Others};
+use raystep_lab::text::counted;
 
 use crate::draw::stream::{self, Colors, Meaning};
 use crate::link::LinkStream;
@@ -22,7 +23,7 @@ use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 use crate::ui::take::{EXPORTING, png};
 
-/// What the picture was drawn from: where all of it is the same, it need not be drawn again.
+/// The inputs that the picture was drawn from: it is only redrawn if they change.
 #[derive(Clone, Copy, PartialEq)]
 struct Drawn {
     moment: Moment,
@@ -43,10 +44,10 @@ pub(in crate::ui) struct StreamView {
     picture: Picture,
     still: Still,
     drawn: Option<Drawn>,
-    /// The range that the values have, of which they were read.
+    /// The range of the values, and which values.
     stats: Option<(u64, usize, Stream, usize, LayerStats)>,
     asked: Option<(u64, usize, Stream, usize)>,
-    /// A copy that is shown in place of the stream as it is now.
+    /// A copy shown instead of the current stream.
     pinned: Option<Pinned>,
 }
 
@@ -115,9 +116,9 @@ impl Panel for StreamView {
             mark(ui, cx.shared.hovered, rect, scale, origin, Color32::from_white_alpha(120));
         }
         let what = format!(
-            "{} after {} passes{}",
+            "{} after {}{}",
             stream.name(),
-            self.pinned.as_ref().map_or(cx.model.place, |p| p.place),
+            counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
             cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
         );
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
@@ -186,13 +187,13 @@ impl StreamView {
                 cx.todo.push(Command::OpenScene);
             }
             if let Some(link) = &cx.shared.last_place
-                && ui.button("Go on where you were").on_hover_text(link).clicked()
+                && ui.button("Resume where you left off").on_hover_text(link).clicked()
             {
                 cx.shared.visit = Some(link.clone());
             }
             if !cx.shared.recent.is_empty() {
                 ui.add_space(8.0);
-                ui.weak("opened before");
+                ui.weak("recent");
             }
             for path in cx.shared.recent.iter().take(5) {
                 if ui.link(path).clicked() {
@@ -200,7 +201,7 @@ impl StreamView {
                 }
             }
             ui.add_space(8.0);
-            ui.weak("or begin with a lesson");
+            ui.weak("or start with a lesson");
             for lesson in [Command::LessonRay, Command::LessonGrid, Command::LessonCrack] {
                 if ui.link(lesson.name()).clicked() {
                     cx.todo.push(lesson);
@@ -225,13 +226,13 @@ impl StreamView {
         })
     }
 
-    /// The range in use.
+    /// The effective range.
     fn range(&self) -> [f32; 2] {
         let from_values = || self.stats.as_ref().map_or([0.0, 1.0], |(.., stats)| view_range(stats));
         self.look.range.unwrap_or_else(from_values)
     }
 
-    /// Asks for the values when there are new ones, and takes their range once they are here.
+    /// Requests values when they have changed, and takes their range once they arrive.
     fn read_range(&mut self, cx: &mut Context<'_>, stream: Stream, layer: usize) {
         let (edition, place) = (cx.model.edition, cx.model.place);
         if self.pinned.is_none() && self.asked != Some((edition, place, stream, layer)) && !cx.model.is_busy() {
@@ -244,8 +245,8 @@ impl StreamView {
             let known = self.stats.as_ref().map(|(g, p, s, l, _)| (*g, *p, *s, *l));
             let now = (edition, texels.place, stream, layer);
             if known != Some(now) {
-                // A large stream takes longer to count than a frame may: but for a copy, which is counted once, the engine
-                // does it.
+                // Counting a large stream takes longer than a frame, so the engine does it, except for a copy, which is
+                // counted once.
                 let counted = texels.counted.as_ref().filter(|(counted, _)| *counted == layer).map(|(_, s)| s.clone());
                 let count = || LayerStats::of(stream, layer, texels.layer(layer));
                 let stats = counted.or_else(|| self.pinned.is_some().then(count));
@@ -256,7 +257,7 @@ impl StreamView {
         }
     }
 
-    /// Points a texel, and where texel (0, 0) begins.
+    /// Points per texel, and the position of texel (0, 0).
     fn placement(&self, rect: Rect, [width, height]: [u32; 2]) -> (f32, Pos2) {
         let size = vec2(width as f32, height as f32);
         match self.look.scale {
@@ -302,7 +303,7 @@ impl StreamView {
         let points = ui.ctx().pixels_per_point();
         let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
         let now = (cx.model.edition, cx.model.place);
-        // Between two places the streams belong to neither: what was taken last stays.
+        // While the run moves between two places, the last valid snapshot stays.
         if let Some(texture) = cx.model.texture(stream).filter(|_| self.pinned.is_none() && !cx.model.is_moving()) {
             self.still.take(cx.canvas, now, stream, texture);
         }
@@ -353,7 +354,7 @@ impl StreamView {
     }
 }
 
-/// From the first to the last percentile of floats; of counts all.
+/// From the first to the last percentile for floats; the full range for counts.
 fn view_range(stats: &LayerStats) -> [f32; 2] {
     let Some(span) = &stats.span else { return [0.0, 1.0] };
     let [first, _, last] = span.percentiles;
@@ -362,7 +363,7 @@ fn view_range(stats: &LayerStats) -> [f32; 2] {
     [lo as f32, hi as f32]
 }
 
-/// A frame around a texel, at least large enough to be found.
+/// A frame around a texel, large enough to be visible.
 fn mark(ui: &egui::Ui, texel: Option<[u32; 2]>, rect: Rect, scale: f32, origin: Pos2, color: Color32) {
     let Some([x, y]) = texel else { return };
     let side = scale.max(9.0);

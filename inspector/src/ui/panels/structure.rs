@@ -1,4 +1,4 @@
-//! What keeps rays from testing every triangle: the grid's lists, a slice through them, or the tree's nodes.
+//! The acceleration structure: the lists of the grid and a slice through them, or the nodes of the BVH.
 
 mod picture;
 mod slice;
@@ -8,20 +8,21 @@ use std::sync::Arc;
 use egui::{RichText, ScrollArea, Ui};
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{GridStats, LENGTHS, TreeStats, triangles_in};
+use raystep_lab::text::counted;
 use slice::SliceView;
 
 use super::chart::Histogram;
 use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::pane::{Context, Panel};
 
-/// What the engine is asked for, and what goes on meanwhile.
-const MEASURING: &str = "measuring the grid or tree";
-/// Most triangles of a list that are shown.
+/// The engine's job, named while it runs.
+const MEASURING: &str = "measuring the structure";
+/// Most triangles shown of a list.
 const MOST_CHIPS: usize = 400;
 /// Height of a histogram, points.
 const BARS: f32 = 86.0;
 
-/// A grid or tree in numbers.
+/// Statistics of a grid or BVH.
 #[derive(Clone, Debug)]
 enum Measured {
     Grid(GridStats),
@@ -39,12 +40,12 @@ pub(in crate::ui) struct Structure {
 
 impl Panel for Structure {
     fn title(&self) -> String {
-        "Grid and tree".into()
+        "Grid and BVH".into()
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         let Some(opened) = &cx.model.opened else {
-            ui.weak("open a scene, and its grid or tree is shown here");
+            ui.weak("Open a scene to see its grid or BVH.");
             return;
         };
         let data = opened.data.clone();
@@ -54,14 +55,14 @@ impl Panel for Structure {
             Some((_, Measured::Tree(stats))) => drop(ScrollArea::vertical().show(ui, |ui| tree(ui, &stats))),
             Some((_, Measured::Nothing)) => {
                 ui.label(format!(
-                    "no grid and no tree: every ray is tested against all {} triangles",
+                    "No acceleration structure: every ray is tested against all {} triangles.",
                     data.info.triangles
                 ));
             }
             None if cx.model.is_busy() => drop(ui.weak(format!("{MEASURING} …"))),
             None => {
-                // It was cancelled.
-                if ui.button("Measure the grid or tree").clicked() {
+                // The measurement was cancelled.
+                if ui.button("Measure the grid or BVH").clicked() {
                     self.asked = 0;
                 }
             }
@@ -70,7 +71,7 @@ impl Panel for Structure {
 }
 
 impl Structure {
-    /// Asks once a run, and takes the answer.
+    /// Asks once per run, and takes the answer.
     fn measure(&mut self, data: &Arc<SceneData>, cx: &mut Context<'_>) {
         let generation = cx.model.generation;
         if self.measured.as_ref().is_some_and(|(of, _)| *of != generation) {
@@ -90,7 +91,7 @@ impl Structure {
     }
 
     fn grid(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, stats: &GridStats) {
-        // Side by side where there is room.
+        // Side by side if there is room.
         let is_wide = ui.available_width() > 640.0;
         let size = ui.available_size();
         if is_wide {
@@ -108,7 +109,7 @@ impl Structure {
             });
         } else {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                // What is below can be seen to go on.
+                // Part of what follows stays visible, so that it is clear that there is more.
                 self.slice.show(ui, cx, data, stats.longest, (size.y * 0.6).max(140.0));
                 self.numbers(ui, data, stats);
             });
@@ -119,49 +120,58 @@ impl Structure {
         self.list(ui, data);
         let [x, y, z] = stats.cells;
         ui.horizontal_wrapped(|ui| {
-            ui.strong(format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in all", stats.cells_in_all()));
-            ui.label(format!("{:.1}% of them list a triangle", stats.occupancy() * 100.0))
-                .on_hover_text(format!("{} cells", stats.occupied));
-            ui.label(format!("{:.2} triangles a list", stats.mean_length()))
-                .on_hover_text("of those that are not empty");
-            ui.label(format!("{:.2} cells a triangle", stats.references_per_triangle()))
+            ui.strong(format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in total", stats.cells_in_all()));
+            ui.label(format!("{:.1}% list a triangle", stats.occupancy() * 100.0))
+                .on_hover_text(counted(stats.occupied, "cell"));
+            ui.label(format!("{:.2} triangles per list", stats.mean_length()))
+                .on_hover_text("average over non-empty cells");
+            ui.label(format!("{:.2} cells per triangle", stats.references_per_triangle()))
                 .on_hover_text(format!("{} references in all lists", stats.references));
             let text = format!("longest list: {}", stats.longest);
-            if ui.link(text).on_hover_text("selects the first cell with such a list").clicked() && stats.longest > 0 {
+            if ui.link(text).on_hover_text("select the first cell with such a list").clicked() && stats.longest > 0 {
                 self.slice.select(data, data.grid.cell_of_index(stats.longest_cell));
             }
             if let Some(triangle) = stats.most_listed_triangle {
-                let text = format!("triangle {triangle} is in {} lists", stats.most_listed);
-                if ui.link(text).on_hover_text("in more than any other; marks its cells in the slice").clicked() {
+                let text = format!("triangle {triangle} is in {}", counted(stats.most_listed, "list"));
+                if ui
+                    .link(text)
+                    .on_hover_text("the most of any triangle; click to mark its cells in the slice")
+                    .clicked()
+                {
                     self.slice.triangle = Some(triangle);
                 }
             }
         });
-        ui.label("cells by length of their list").on_hover_text("heights by logarithm");
-        let about = |length: usize, cells: u64| format!("{cells} cells list {length}{} triangles", open(length));
+        ui.label("cells by list length").on_hover_text("logarithmic heights");
+        let about = |length: usize, cells: u64| format!("length {length}{}: {}", open(length), counted(cells, "cell"));
         let is_open = true;
-        Histogram { counts: &stats.lengths, name: "cells by length of their list", about: &about, is_open }
-            .show(ui, BARS);
-        ui.label("triangles by cells that list them").on_hover_text("heights by logarithm");
-        let about = |cells: usize, triangles: u64| format!("{triangles} triangles are in {cells}{} lists", open(cells));
-        Histogram { counts: &stats.listings, name: "triangles by cells that list them", about: &about, is_open }
-            .show(ui, BARS);
+        Histogram { counts: &stats.lengths, name: "cells by list length", about: &about, is_open }.show(ui, BARS);
+        ui.label("triangles by number of cells that list them").on_hover_text("logarithmic heights");
+        let about = |cells: usize, triangles: u64| {
+            format!("in {cells}{} lists: {}", open(cells), counted(triangles, "triangle"))
+        };
+        Histogram {
+            counts: &stats.listings,
+            name: "triangles by number of cells that list them",
+            about: &about,
+            is_open,
+        }
+        .show(ui, BARS);
     }
 
-    /// The selected cell's triangles.
+    /// The triangles of the selected cell.
     fn list(&mut self, ui: &mut Ui, data: &SceneData) {
         let Some(cell) = self.slice.cell().filter(|&cell| data.grid.is_in_grid(cell)) else {
-            ui.weak("click a cell, and its list appears here");
+            ui.weak("Click a cell to see its list.");
             return;
         };
         let [x, y, z] = cell;
         let triangles = triangles_in(data, data.grid.cell_index(cell));
         ui.horizontal_wrapped(|ui| {
-            ui.strong(format!("cell {x},{y},{z}")).on_hover_text(format!("number {}", data.grid.cell_index(cell)));
+            ui.strong(format!("cell {x},{y},{z}")).on_hover_text(format!("index {}", data.grid.cell_index(cell)));
             ui.label(match triangles.len() {
-                0 => "lists nothing".into(),
-                1 => "lists 1 triangle".into(),
-                n => format!("lists {n} triangles"),
+                0 => "empty list".into(),
+                n => counted(n, "triangle"),
             });
             for &triangle in triangles.iter().take(MOST_CHIPS) {
                 let is_marked = self.slice.triangle == Some(triangle);
@@ -179,7 +189,7 @@ impl Structure {
     }
 }
 
-/// Every number of a grid or tree. The caller's session is not needed: it only lends its time.
+/// Statistics of a grid or BVH. The session is only used to stay cancellable.
 fn measure(_: JobContext<'_>, data: Arc<SceneData>, generation: u64) -> JobFuture<'_> {
     Box::pin(async move {
         let tree = || TreeStats::of(&data).map(Measured::Tree);
@@ -188,29 +198,30 @@ fn measure(_: JobContext<'_>, data: Arc<SceneData>, generation: u64) -> JobFutur
     })
 }
 
-/// The last bar of a histogram of lengths stands for all that are as long or longer.
+/// The last bar of a histogram of lengths also includes all longer ones.
 fn open(length: usize) -> &'static str {
     if length + 1 == LENGTHS { " or more" } else { "" }
 }
 
-/// Where a triangle is.
+/// The position of a triangle.
 fn corners(ui: &mut Ui, data: &SceneData, triangle: u32) {
     ui.strong(format!("triangle {triangle}"));
     let first = triangle as usize * 9;
     for corner in data.vertices.get(first..first + 9).unwrap_or_default().chunks_exact(3) {
         ui.monospace(format!("{:>10.5} {:>10.5} {:>10.5}", corner[0], corner[1], corner[2]));
     }
-    ui.weak("traced units; a click marks its cells in the slice");
+    ui.weak("traced units; click to mark its cells in the slice");
 }
 
 fn tree(ui: &mut Ui, stats: &TreeStats) {
     let levels = stats.depths.len().saturating_sub(1);
     ui.horizontal_wrapped(|ui| {
-        ui.strong(format!("{} inner nodes", stats.inner)).on_hover_text(format!("of at most {} children", stats.width));
-        ui.label(format!("{} leaves", stats.leaves));
+        ui.strong(counted(stats.inner, "inner node"))
+            .on_hover_text(format!("with at most {} children each", stats.width));
+        ui.label(counted(stats.leaves, "leaf"));
         ui.label(format!("deepest leaf at level {levels}")).on_hover_text("the root is level 0");
-        ui.label(format!("{} references", stats.references))
-            .on_hover_text("triangles in all leaves; large ones are in several");
+        ui.label(counted(stats.references, "reference"))
+            .on_hover_text("triangles in all leaves; large triangles are in several");
         match stats.sah_cost {
             Some(cost) => ui.label(format!("SAH cost {cost:.2}")),
             None => ui.label("SAH cost unknown: the scene's box has no area"),
@@ -220,11 +231,11 @@ fn tree(ui: &mut Ui, stats: &TreeStats) {
              cost of one test each, for a ray that hits the root's box",
         );
     });
-    ui.label("leaves by level").on_hover_text("heights by logarithm");
-    let about = |level: usize, leaves: u64| format!("{leaves} leaves at level {level}");
+    ui.label("leaves by level").on_hover_text("logarithmic heights");
+    let about = |level: usize, leaves: u64| format!("{} at level {level}", counted(leaves, "leaf"));
     Histogram { counts: &stats.depths, name: "leaves by level", about: &about, is_open: false }.show(ui, BARS);
-    ui.label("leaves by triangles in them").on_hover_text("heights by logarithm");
-    let about = |size: usize, leaves: u64| format!("{leaves} leaves of {size} triangles");
-    Histogram { counts: &stats.sizes, name: "leaves by triangles in them", about: &about, is_open: false }
+    ui.label("leaves by number of triangles").on_hover_text("logarithmic heights");
+    let about = |size: usize, leaves: u64| format!("{} of {}", counted(leaves, "leaf"), counted(size, "triangle"));
+    Histogram { counts: &stats.sizes, name: "leaves by number of triangles", about: &about, is_open: false }
         .show(ui, BARS);
 }

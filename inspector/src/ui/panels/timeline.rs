@@ -3,19 +3,20 @@
 use egui::{Color32, Pos2, Rect, Sense, Stroke, pos2, vec2};
 use raystep_kernels::Pass;
 use raystep_kernels::tables::state::{StateInfo, StateRole};
+use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
 
 use super::legend;
 use super::ray::current_row;
 use crate::ui::pane::{Context, Panel};
 
-/// What runs along the timeline.
+/// The horizontal axis of the timeline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Scale {
-    /// Every pass is as wide as every other.
+    /// All passes have equal width.
     #[default]
     Passes,
-    /// As wide as it took on the device.
+    /// Width is proportional to time on the device.
     Time,
 }
 
@@ -23,7 +24,7 @@ enum Scale {
 #[derive(Default)]
 pub(in crate::ui) struct Timeline {
     scale: Scale,
-    /// Where each pass ends, in parts of the whole, and what that was worked out from.
+    /// The end of each pass, as a fraction of the total, and the inputs of that result.
     ends: Vec<f64>,
     known: Option<(u64, usize, Scale)>,
 }
@@ -36,7 +37,7 @@ impl Panel for Timeline {
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let passes = &cx.model.passes;
         if passes.is_empty() {
-            ui.weak("step a pass, and its rays appear here");
+            ui.weak("Step a pass to see how many rays are in each state.");
             return;
         }
         let has_times = passes.iter().any(|pass| pass.duration_ns.is_some());
@@ -64,7 +65,7 @@ impl Panel for Timeline {
         if let Some(pass) = response.hover_pos().map(pass_at).and_then(|i| passes.get(i)) {
             response.clone().on_hover_ui_at_pointer(|ui| about(ui, pass));
         }
-        // While it is dragged, one place after the other; those in between are left out.
+        // During a drag, one place at a time; intermediate ones are skipped.
         let is_asked = response.clicked() || response.dragged() && !cx.model.is_busy();
         if let Some(pos) = response.interact_pointer_pos().filter(|_| is_asked) {
             cx.shared.go_to = Some(pass_at(pos) + 1);
@@ -87,7 +88,7 @@ fn color(state: &StateInfo) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// Where passes end, in parts of the whole.
+/// The end of each pass, as a fraction of the total.
 fn ends(passes: &[Pass], scale: Scale) -> Vec<f64> {
     let width = |pass: &Pass| match scale {
         Scale::Passes => 1.0,
@@ -106,7 +107,7 @@ fn ends(passes: &[Pass], scale: Scale) -> Vec<f64> {
 
 fn about(ui: &mut egui::Ui, pass: &Pass) {
     ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
-    ui.label(format!("worked on {} rays", pass.rays_in));
+    ui.label(format!("processed {}", counted(pass.rays_in, "ray")));
     if let Some(ns) = pass.duration_ns {
         ui.label(format!("{:.1} µs on the device", ns as f64 / 1e3));
     }
@@ -125,7 +126,7 @@ impl Timeline {
         let (passes, model) = (&cx.model.passes, &cx.model);
         let x = |part: f64| rect.left() + (part * f64::from(rect.width())) as f32;
         let rays: u32 = passes[0].counts.iter().sum();
-        // One bar a point where there are more passes than points: the last pass that ends in it.
+        // One bar per point if there are more passes than points: the last pass that ends in it.
         let columns = rect.width().ceil().max(1.0) as usize;
         let bars: Vec<(f32, f32, usize)> = if passes.len() <= columns {
             (0..passes.len()).map(|i| (x(if i == 0 { 0.0 } else { self.ends[i - 1] }), x(self.ends[i]), i)).collect()
@@ -137,7 +138,7 @@ impl Timeline {
         };
         for (left, right, i) in bars {
             let mut bottom = rect.bottom();
-            // Waiting rays at the bottom, finished ones on top: what is left to do sinks.
+            // Waiting rays at the bottom, finished ones on top: the remaining work shrinks downwards.
             let is_shown = |state: &&StateInfo| matches!(state.role, StateRole::Active | StateRole::Resolved);
             for state in passes[i].kernel.program().states.iter().filter(is_shown) {
                 let share = passes[i].counts[state.tag as usize] as f32 / rays.max(1) as f32;

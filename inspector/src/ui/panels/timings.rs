@@ -1,4 +1,4 @@
-//! Where the device's time goes: by kernel, and pass by pass.
+//! Device time by kernel and by pass.
 
 mod bars;
 
@@ -6,40 +6,41 @@ use std::cmp::Reverse;
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 use raystep_kernels::{Kernel, Pass};
+use raystep_lab::text::counted;
 
 use super::chart::{kernel_color, share_bar};
 use crate::session::Model;
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
-/// What all passes of a kernel took.
+/// Totals of all passes of a kernel.
 #[derive(Clone, Debug, PartialEq)]
 struct KernelTimes {
     kernel: Kernel,
     passes: usize,
-    /// Passes whose duration is known.
+    /// Passes with a known duration.
     timed: usize,
     sum_ns: u64,
     median_ns: u64,
-    /// Rays that all passes worked on.
+    /// Rays processed by all passes.
     rays: u64,
-    /// Rays that passes of known duration worked on.
+    /// Rays processed by passes with a known duration.
     timed_rays: u64,
 }
 
 /// The panel.
 #[derive(Default)]
 pub(in crate::ui) struct Timings {
-    /// Generation, place and number of passes that the rest is of.
+    /// The generation, place and number of passes that the other fields are computed from.
     known: Option<(u64, usize, usize)>,
     kernels: Vec<KernelTimes>,
     columns: Vec<bars::Column>,
-    /// Heights by logarithm.
+    /// Logarithmic heights.
     is_log: bool,
 }
 
-const ABOUT: &str = "Asking for the time of every pass costs several µs a pass. Compare by these times which pass or \
-                     kernel is dear; what a whole run takes is measured by runs without them, as `raystep bench` does.";
+const ABOUT: &str = "Timing every pass costs several µs per pass. Use these times to compare passes and kernels; for \
+                     the time of a whole run, use `raystep bench`, which measures runs without timers.";
 
 impl Panel for Timings {
     fn title(&self) -> String {
@@ -48,7 +49,7 @@ impl Panel for Timings {
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if cx.model.passes.is_empty() {
-            ui.weak("step a pass, and what it took appears here");
+            ui.weak("Step a pass to see its time.");
             return;
         }
         let passes = &cx.model.passes;
@@ -65,16 +66,16 @@ impl Panel for Timings {
             } else {
                 let all = passes.len();
                 let text = if timed == all {
-                    format!("{all} passes, all timed")
+                    format!("{}, all timed", counted(all, "pass"))
                 } else {
                     format!("{timed} of {all} passes timed")
                 };
                 ui.label(text).on_hover_text(ABOUT);
-                ui.checkbox(&mut self.is_log, "log").on_hover_text("heights of bars by their logarithm");
+                ui.checkbox(&mut self.is_log, "log").on_hover_text("logarithmic bar heights");
             }
             for (name, about, command) in [
-                ("CSV…", "save passes as a table", Command::ExportPasses),
-                ("Trace…", "save passes as trace events, which Perfetto opens", Command::ExportTrace),
+                ("CSV…", "save passes as CSV", Command::ExportPasses),
+                ("Trace…", "save passes as trace events for Perfetto", Command::ExportTrace),
             ] {
                 if ui.button(name).on_hover_text(about).clicked() {
                     cx.todo.push(command);
@@ -100,17 +101,17 @@ impl Panel for Timings {
     }
 }
 
-/// What is known where passes have no times.
+/// The summary if passes have no times.
 fn no_times(model: &Model) -> String {
     let why = model.opened.as_ref().and_then(|opened| opened.why_no_times.as_deref());
     let why = why.unwrap_or("no pass was timed");
     match model.host_ns {
-        Some(ns) => format!("{why}; {} passes took {} on the host's clock", model.place, duration(ns)),
-        None => format!("{why}: what passes took is unknown"),
+        Some(ns) => format!("{why}; {} took {} by the host's clock", counted(model.place, "pass"), duration(ns)),
+        None => format!("{why}: the time of passes is unknown"),
     }
 }
 
-/// What kernels took, the dearest first.
+/// Durations by kernel, the longest first.
 fn by_kernel(passes: &[Pass]) -> Vec<KernelTimes> {
     let mut all: Vec<(KernelTimes, Vec<u64>)> = Vec::new();
     for pass in passes {
@@ -145,13 +146,13 @@ fn by_kernel(passes: &[Pass]) -> Vec<KernelTimes> {
 }
 
 const HEADS: [(&str, &str); 7] = [
-    ("kernel", "what ran"),
-    ("passes", "how often"),
-    ("sum", "time on the device, of all of its passes together"),
-    ("median", "half of its passes took longer"),
-    ("share", "of the time of all passes"),
-    ("rays", "that its passes worked on, together: a ray counts in every pass that works on it"),
-    ("rays/µs", "worked on in a µs of the device's time"),
+    ("kernel", "kernel"),
+    ("passes", "number of passes"),
+    ("sum", "total device time of its passes"),
+    ("median", "median duration of its passes"),
+    ("share", "percentage of the time of all passes"),
+    ("rays", "total over its passes: a ray counts in every pass that processes it"),
+    ("rays/µs", "rays processed per µs of device time"),
 ];
 
 fn table(ui: &mut Ui, kernels: &[KernelTimes]) {
@@ -193,12 +194,12 @@ fn table(ui: &mut Ui, kernels: &[KernelTimes]) {
     });
 }
 
-/// Rays that the kernel works on in a µs, of passes whose duration is known.
+/// Rays that the kernel processes per µs, over passes with a known duration.
 fn rate(times: &KernelTimes) -> Option<f64> {
     (times.sum_ns > 0).then(|| times.timed_rays as f64 * 1e3 / times.sum_ns as f64)
 }
 
-/// A duration as people read it.
+/// A duration in readable form.
 fn duration(ns: u64) -> String {
     match ns {
         0..1_000_000 => format!("{:.1} µs", ns as f64 / 1e3),

@@ -1,5 +1,5 @@
-//! The walk of the ray that is followed, seen along one axis and unfolded along t, in step with the timeline: what
-//! is still to come is dim. A click goes to the pass.
+//! The walk of the selected ray, seen along one axis and unfolded along t, synchronised with the timeline: later steps
+//! are dimmed. A click goes to the pass.
 
 mod picture;
 mod progress;
@@ -17,15 +17,15 @@ use crate::ui::pane::{Context, Panel};
 use crate::walk::{Projected, Spacing, Strip, Structure, SvgOptions, WalkGeometry, walk_svg};
 use progress::Progress;
 
-/// What of the view is saved.
+/// The saved part of the view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct Look {
-    /// Cells as wide as the ray is long in them; else all the same.
+    /// Whether the width of a cell is its length along the ray; otherwise all cells are equally wide.
     by_t: bool,
 }
 
-/// The ray's whole life: what is painted, where, does not change as one steps.
+/// The ray's whole history: the drawing does not change while stepping.
 struct Whole {
     walk: WalkGeometry,
     picture: Projected,
@@ -38,33 +38,33 @@ pub(in crate::ui) struct Walk2d {
     look: Look,
     walked: Walked,
     whole: Option<Whole>,
-    /// What of the whole has happened, as of the walk's version.
+    /// The part of the walk reached so far, as of the walk's version.
     progress: Option<(u64, Progress)>,
     is_dark: bool,
 }
 
-/// What the cursor is over.
+/// The item under the cursor.
 struct Under {
-    /// In words.
+    /// Its description.
     text: String,
-    /// The row to which a click goes.
+    /// The row that a click goes to.
     row: usize,
 }
 
 impl Panel for Walk2d {
     fn title(&self) -> String {
-        "Walk, unfolded".into()
+        "Unfolded walk".into()
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
-            ui.weak("open a scene, and click a pixel: the way of its ray is shown here");
+            ui.weak("Open a scene and click a pixel to see its ray's path.");
             return;
         }
         self.is_dark = ui.visuals().dark_mode;
         self.update(cx.model);
         let Some(life) = self.walked.life.clone().filter(|life| !life.rows.is_empty()) else {
-            ui.weak("click a pixel, and the way of its ray is shown here");
+            ui.weak("Click a pixel to see its ray's path.");
             return;
         };
         self.tools(ui, cx);
@@ -80,7 +80,7 @@ impl Panel for Walk2d {
         }
         let painter = ui.painter().with_clip_rect(lower);
         under = strip::draw(&painter, lower, &whole.strip, self.spacing(), &scene, cursor).or(under);
-        let what = self.walked.walk.as_ref().map_or_else(|| "no pass has worked on this ray yet".into(), describe);
+        let what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
         if let Some(Under { text, row }) = under {
             let pass = life.rows.get(row).and_then(|row| row.pass);
@@ -123,15 +123,15 @@ fn export(life: &Trace, walk: &WalkGeometry, spacing: Spacing, is_dark: bool) ->
     let last = walk.row.and_then(|row| life.rows.get(row)).map(TraceRow::number);
     let until = last.map_or_else(String::new, |pass| format!(", up to pass {pass}"));
     let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
-    let svg = walk_svg(walk, &format!("The ray of pixel {x},{y}{until}"), &options);
+    let svg = walk_svg(walk, &format!("Ray of pixel {x},{y}{until}"), &options);
     FileToSave { name: format!("ray-{x}-{y}.svg"), bytes: svg.into_bytes(), holds: "a drawing".into() }
 }
 
-/// What is painted, and how far it has come.
+/// The inputs of the drawing.
 struct Scene<'a> {
     /// The ray's whole walk.
     walk: &'a WalkGeometry,
-    /// As far as it has come.
+    /// The part reached so far.
     now: Option<&'a WalkGeometry>,
     progress: &'a Progress,
     visuals: &'a egui::Visuals,
@@ -164,13 +164,13 @@ impl Walk2d {
             event_buttons(ui, cx);
             if self.whole.as_ref().is_some_and(|whole| whole.walk.structure == Structure::Grid) {
                 for (by_t, name, text) in [
-                    (false, "equal", "all cells equally wide: a corner that the ray only cuts is seen too"),
-                    (true, "by t", "each cell as wide as the ray is long in it"),
+                    (false, "equal", "all cells equally wide, so that cells that the ray barely touches are visible"),
+                    (true, "by t", "width of a cell proportional to its length along the ray"),
                 ] {
                     ui.selectable_value(&mut self.look.by_t, by_t, name).on_hover_text(text);
                 }
             }
-            if ui.button("Export SVG").on_hover_text("both pictures as a drawing, up to this pass").clicked() {
+            if ui.button("Export SVG").on_hover_text("save both pictures as SVG, up to this pass").clicked() {
                 cx.todo.push(Command::ExportWalk);
             }
             if let Some(walk) = self.walked.walk.as_ref().filter(|_| ui.available_size_before_wrap().x > 280.0) {
@@ -180,7 +180,7 @@ impl Walk2d {
     }
 }
 
-/// Room for the picture, where there is enough, and for the strip.
+/// Space for the picture, if there is enough, and for the strip.
 fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Rect) {
     let wanted = match whole.walk.structure {
         Structure::Grid => 190.0,

@@ -1,4 +1,4 @@
-//! The walk of the ray that is followed, in 3D, in step with the timeline.
+//! The walk of the selected ray in 3D, synchronised with the timeline.
 
 mod control;
 mod labels;
@@ -20,7 +20,7 @@ use crate::ui::canvas::Picture;
 use crate::ui::pane::{Context, Panel};
 use crate::walk::{Aabb, Structure};
 
-/// What of the view is saved.
+/// The saved part of the view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 struct Look {
@@ -30,7 +30,7 @@ struct Look {
     scene: String,
     /// Scene units.
     camera: Option<Orbit>,
-    /// Trace the scene as this camera sees it, whenever it has moved.
+    /// Trace the scene from this camera whenever it moves.
     traces: bool,
 }
 
@@ -40,7 +40,7 @@ impl Default for Look {
     }
 }
 
-/// What the picture was drawn from: where all of it is the same, it need not be drawn again.
+/// The inputs that the picture was drawn from: it is only redrawn if they change.
 #[derive(Clone, Copy, PartialEq)]
 struct Drawn {
     generation: u64,
@@ -73,7 +73,7 @@ impl Panel for Walk3d {
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         let Some(opened) = cx.model.opened.clone() else {
-            ui.weak("open a scene, and click a pixel: the way of its ray is shown here");
+            ui.weak("Open a scene and click a pixel to see its ray's path.");
             return;
         };
         self.walked.update(cx.model);
@@ -97,7 +97,7 @@ impl Panel for Walk3d {
             let stroke = ui.visuals().selection.stroke;
             ui.painter().rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
         }
-        let what = self.walked.walk.as_ref().map_or_else(|| "the scene; no ray yet".into(), describe);
+        let what = self.walked.walk.as_ref().map_or_else(|| "scene without a ray".into(), describe);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
         if self.look.traces && !cx.model.is_busy() && self.traced != Some(camera) {
             self.trace(&camera, &opened, cx);
@@ -115,25 +115,25 @@ impl Panel for Walk3d {
     }
 }
 
-/// What is to be done to the camera.
+/// A request to the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wish {
-    /// Back to where it began.
+    /// Reset.
     Reset,
-    /// All of the scene in view.
+    /// Frame the whole scene.
     FrameScene,
-    /// The cell or node where the ray is in view.
+    /// Frame the ray's current cell or node.
     FrameCell,
-    /// From behind where the ray is to where it goes.
+    /// Look along the ray, from behind its current position.
     AlongRay,
-    /// As the traced camera sees it.
+    /// The view of the traced camera.
     TracedView,
-    /// Trace the scene as it is seen here.
+    /// Trace the scene from this view.
     Trace,
 }
 
 impl Walk3d {
-    /// The box of the triangles, traced units; uploads those of a new run.
+    /// The box of the triangles, in traced units; uploads those of a new run.
     fn bounds(&mut self, opened: &Opened, cx: &Context<'_>) -> Aabb {
         let gpu = &cx.canvas.gpu;
         let scene = self.scene.get_or_insert_with(|| Scene3d::new(&gpu.device, &gpu.queue));
@@ -144,7 +144,7 @@ impl Walk3d {
         scene.bounds()
     }
 
-    /// The camera, scene units; a new one in a scene that is new.
+    /// The camera, in scene units; reset for a new scene.
     fn camera(&mut self, opened: &Opened, bounds: &Aabb, scale: f64, aspect: f64) -> Orbit {
         let is_same =
             std::ptr::eq(self.inside.as_ptr(), Arc::as_ptr(&opened.scene)) || self.look.scene == opened.scene.name;
@@ -190,7 +190,7 @@ impl Walk3d {
         }
     }
 
-    /// Traces the scene as it is seen here, up to the pass that is shown.
+    /// Traces the scene from this view, up to the current pass.
     fn trace(&mut self, camera: &Orbit, opened: &Opened, cx: &mut Context<'_>) {
         self.traced = Some(*camera);
         let view = View::of(&camera.to_camera("3D view"));
@@ -223,7 +223,7 @@ impl Walk3d {
         }
     }
 
-    /// Numbers over the picture.
+    /// Labels over the picture.
     fn annotate(&self, ui: &egui::Ui, rect: Rect, camera: &Orbit) {
         let painter = ui.painter().with_clip_rect(rect);
         match &self.walked.walk {
@@ -231,9 +231,9 @@ impl Walk3d {
             Some(_) => {}
             None => {
                 let text = if self.walked.life.is_some() {
-                    "no pass has worked on this ray yet"
+                    "No pass has processed this ray yet."
                 } else {
-                    "click a pixel, and the way of its ray is shown here"
+                    "Click a pixel to see its ray's path."
                 };
                 let font = egui::TextStyle::Body.resolve(ui.style());
                 painter.text(

@@ -1,8 +1,9 @@
-//! The walk of the ray that is followed, worked out anew only when the ray or its row changes.
+//! The walk of the selected ray, recomputed only when the ray or its row changes.
 
 use std::sync::Arc;
 
 use raystep_kernels::export::trace::Trace;
+use raystep_lab::text::counted;
 
 use super::ray::current_row;
 use crate::session::Model;
@@ -13,18 +14,18 @@ use crate::walk::{Structure, WalkGeometry};
 /// A walk up to the last pass that has run.
 #[derive(Default)]
 pub(super) struct Walked {
-    /// The ray's life; `None` while no ray is followed.
+    /// The ray's history; `None` without a ray.
     pub(super) life: Option<Arc<Trace>>,
     /// The last row whose pass has run.
     pub(super) row: Option<usize>,
     /// The walk up to it; `None` before the ray's first pass.
     pub(super) walk: Option<WalkGeometry>,
-    /// Grows with every change.
+    /// Incremented with every change.
     pub(super) version: u64,
 }
 
 impl Walked {
-    /// Takes over what the model knows now. Whether the ray is another one.
+    /// Updates it from the model. Returns whether the ray is a different one.
     pub(super) fn update(&mut self, model: &Model) -> bool {
         let life = model.life.clone();
         let row = life.as_ref().and_then(|life| current_row(life, model.place));
@@ -44,7 +45,7 @@ impl Walked {
     }
 }
 
-/// To the ray's events, one back and one on.
+/// Buttons for the ray's previous and next event.
 pub(super) fn event_buttons(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     for (command, text) in [(Command::PreviousEvent, "< event"), (Command::NextEvent, "event >")] {
         let key = command.key_text(ui.ctx());
@@ -56,26 +57,21 @@ pub(super) fn event_buttons(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     }
 }
 
-/// A walk in one line: where the ray is, how far it has come, and what it tested or hit.
+/// A walk in one line: current position, progress, and what it tested or hit.
 pub(super) fn describe(walk: &WalkGeometry) -> String {
     let mut parts = Vec::new();
-    let count = |n: usize, one: &str| format!("{n} {one}{} visited", if n == 1 { "" } else { "s" });
     match walk.structure {
         Structure::Grid => {
             let at = walk.current_cell().map(|cell| cell.cell);
-            parts.push(at.map_or_else(|| "outside of the grid".into(), |[x, y, z]| format!("cell {x},{y},{z}")));
-            parts.push(count(walk.cells.len(), "cell"));
+            parts.push(at.map_or_else(|| "outside the grid".into(), |[x, y, z]| format!("cell {x},{y},{z}")));
+            parts.push(counted(walk.cells.len(), "cell") + " visited");
         }
         Structure::Tree => {
-            parts.push(walk.current_node.map_or_else(|| "outside of the tree".into(), |node| format!("node {node}")));
-            parts.push(count(walk.nodes.len(), "node"));
+            parts.push(walk.current_node.map_or_else(|| "outside the BVH".into(), |node| format!("node {node}")));
+            parts.push(counted(walk.nodes.len(), "node") + " visited");
         }
         Structure::Nothing => {
-            parts.push(format!(
-                "{} triangle{} tested",
-                walk.tested.len(),
-                if walk.tested.len() == 1 { "" } else { "s" }
-            ));
+            parts.push(counted(walk.tested.len(), "triangle") + " tested");
         }
     }
     let now = walk.tested.last().filter(|tested| Some(tested.row) == walk.row);

@@ -1,6 +1,7 @@
-//! What to stop at, what was changed by hand, and how far the twins go.
+//! Watches, edits by hand, and passes that run on the CPU reference.
 
 use egui::{DragValue, RichText};
+use raystep_lab::text::counted;
 
 use crate::session::request::Request;
 use crate::session::{Watch, Way};
@@ -10,7 +11,7 @@ use crate::ui::pane::{Context, Panel};
 /// Watches and edits.
 #[derive(Default)]
 pub(in crate::ui) struct Watches {
-    /// Passes for the twins, as edited.
+    /// The number of passes for the CPU reference, as edited.
     until: usize,
 }
 
@@ -21,7 +22,7 @@ impl Panel for Watches {
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.strong("Stop where");
+            ui.strong("Stop when");
             for (watch, is_on) in &mut cx.shared.watches {
                 ui.horizontal(|ui| {
                     let name = match *watch {
@@ -50,9 +51,9 @@ impl Panel for Watches {
                 ui.label(RichText::new(text).strong());
             }
             ui.separator();
-            ui.strong("Changed by hand");
+            ui.strong("Edits");
             if cx.model.edits.is_empty() {
-                ui.weak("nothing; a texel of the selected ray can be changed, and tracing goes on from there");
+                ui.weak("None. You can edit a texel of the selected ray; tracing continues from there.");
             }
             for edit in &cx.model.edits {
                 let (name, layer) = (edit.stream.name(), edit.stream.info().layers[edit.layer]);
@@ -61,28 +62,33 @@ impl Panel for Watches {
                 } else {
                     edit.bits.to_string()
                 };
-                ui.label(format!("after {} passes, pixel {},{}: {name}.{layer} = {value}", edit.place, edit.x, edit.y));
+                ui.label(format!(
+                    "after {}, pixel {},{}: {name}.{layer} = {value}",
+                    counted(edit.place, "pass"),
+                    edit.x,
+                    edit.y
+                ));
             }
             ui.horizontal_wrapped(|ui| {
                 let can = cx.model.opened.is_some();
                 if ui.add_enabled(can, egui::Button::new(Command::EditTexel.name())).clicked() {
                     cx.todo.push(Command::EditTexel);
                 }
-                if ui.add_enabled(!cx.model.edits.is_empty(), egui::Button::new("Take all back")).clicked() {
+                if ui.add_enabled(!cx.model.edits.is_empty(), egui::Button::new("Undo all")).clicked() {
                     again(cx, Request::ClearEdits);
                 }
             });
             ui.separator();
-            ui.strong("Twins first")
-                .on_hover_text("to find which kernel is wrong: the pass with which the picture mends");
+            ui.strong("CPU reference first")
+                .on_hover_text("to find a faulty kernel: it runs in the first pass after which the image is correct");
             ui.horizontal_wrapped(|ui| {
-                let label = ui.label("passes on the CPU twins, the rest on the device");
+                let label = ui.label("passes run on the CPU reference, the rest on the device");
                 ui.add(DragValue::new(&mut self.until).range(0..=cx.model.passes.len().max(1))).labelled_by(label.id);
-                if ui.add_enabled(self.until > 0, egui::Button::new("Use the twins")).clicked() {
+                if ui.add_enabled(self.until > 0, egui::Button::new("Use the CPU reference")).clicked() {
                     again(cx, Request::TwinsUntil(Some(self.until)));
                 }
                 if let Some(passes) = cx.model.twins {
-                    ui.strong(format!("{passes} passes on the twins now"));
+                    ui.strong(format!("{} on the CPU reference now", counted(passes, "pass")));
                 }
                 if ui.button("Device only").clicked() {
                     again(cx, Request::TwinsUntil(None));
@@ -92,7 +98,7 @@ impl Panel for Watches {
     }
 }
 
-/// Asks for what changes the run, and follows the ray through it again.
+/// Requests a change to the run, and follows the ray again.
 fn again(cx: &mut Context<'_>, request: Request) {
     cx.model.ask(request);
     if let Some(pixel) = cx.shared.pixel {
@@ -100,7 +106,7 @@ fn again(cx: &mut Context<'_>, request: Request) {
     }
 }
 
-/// Which watches are on.
+/// The active watches.
 pub(in crate::ui) fn wanted(cx: &[(Watch, bool)]) -> Vec<Watch> {
     cx.iter().filter(|(_, is_on)| *is_on).map(|(watch, _)| *watch).collect()
 }

@@ -5,9 +5,9 @@ use glam::DVec2;
 use super::super::{Outcome, Projected, Structure, WalkGeometry};
 use super::sheet::{Sheet, viridis};
 
-/// Most of the sheet's width that the picture is high.
+/// Maximum height, as a fraction of the sheet's width.
 const HIGHEST: f64 = 0.62;
-/// Letters are left out of squares smaller than this.
+/// Squares smaller than this have no letters.
 const ROOM_FOR_LETTER: f64 = 13.0;
 
 pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) {
@@ -23,7 +23,7 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
     let size = extent * scale;
     let corner = DVec2::new(sheet.left + (width - size.x) * 0.5, sheet.y + 18.0);
     let place = |p: DVec2| DVec2::new(p.x - picture.min.x, picture.max.y - p.y) * scale + corner;
-    sheet.text(sheet.left, sheet.y + 8.0, "note", &format!("Seen along {dropped}: {right} to the right, {up} upward"));
+    sheet.text(sheet.left, sheet.y + 8.0, "note", &format!("Seen along {dropped}: {right} to the right, {up} upwards"));
     sheet.clip(corner, size);
     let [low, high] = [place(picture.min), place(picture.max)];
     for &x in &picture.lines[0] {
@@ -54,7 +54,7 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
         sheet.polygon(&corners, class, &format!("triangle {id}: {}", triangle.outcome.name()));
     }
     let [from, to, at] = [picture.ray[0], picture.ray[1], picture.at].map(place);
-    // On both sides of where the ray is; before it came into the picture there is no "so far".
+    // On both sides of the current position; before the ray enters the picture there is no "so far".
     let so_far = (at - from).dot(to - from) > 0.0;
     if so_far {
         sheet.line(from, at, "ray");
@@ -64,7 +64,7 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
         sheet.circle(place(*point), 2.6, "cross", &format!("crosses a plane of {}", names[*axis]));
     }
     if so_far {
-        sheet.circle(at, 3.6, "at", "where the ray is");
+        sheet.circle(at, 3.6, "at", "current position");
     }
     for square in picture.squares.iter().filter(|square| square.is_current) {
         let (min, max) = (place(square.min), place(square.max));
@@ -79,7 +79,7 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
         }
     }
     if let Some(hit) = picture.hit {
-        sheet.circle(place(hit), 4.2, "dot-hit", "the nearest hit");
+        sheet.circle(place(hit), 4.2, "dot-hit", "nearest hit");
     }
     sheet.unclip();
     sheet.rect(corner, size, "frame", "");

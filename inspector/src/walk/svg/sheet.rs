@@ -1,17 +1,17 @@
-//! The paper that a drawing is written on.
+//! The sheet that a drawing is written on.
 
 use std::fmt::{Display, Write as _};
 
 use glam::DVec2;
 
-/// An SVG file in the making.
+/// An SVG file under construction.
 pub(super) struct Sheet {
     body: String,
     style: String,
     pub(super) width: f64,
-    /// Left margin; the right one is as wide.
+    /// Left margin; the right one has the same width.
     pub(super) left: f64,
-    /// Where the next part begins.
+    /// Top of the next part.
     pub(super) y: f64,
     clips: usize,
 }
@@ -60,7 +60,7 @@ impl Sheet {
         let _ = writeln!(self.body, "<line x1=\"{a}\" y1=\"{b}\" x2=\"{c}\" y2=\"{d}\" class=\"{class}\"/>");
     }
 
-    /// `more` is written into the element as it is: attributes, or nothing.
+    /// `more` is inserted into the element verbatim: attributes, or nothing.
     pub(super) fn rect(&mut self, min: DVec2, size: DVec2, class: &str, more: &str) {
         let [x, y, w, h] = [min.x, min.y, size.x.max(0.0), size.y.max(0.0)].map(N);
         let _ = writeln!(
@@ -85,7 +85,7 @@ impl Sheet {
         let _ = writeln!(self.body, "<title>{}</title></polygon>", escaped(title));
     }
 
-    /// What is drawn until [`unclip`](Self::unclip) is cut off at a rectangle.
+    /// Clips everything drawn until [`unclip`](Self::unclip) to a rectangle.
     pub(super) fn clip(&mut self, min: DVec2, size: DVec2) {
         self.clips += 1;
         let id = self.clips;
@@ -112,12 +112,12 @@ impl Sheet {
     }
 }
 
-/// A number with as many digits as a drawing needs.
+/// A number with the precision that a drawing needs.
 struct N(f64);
 
 impl Display for N {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // No drawing is so large; infinities and NaN are no numbers in SVG.
+        // No drawing is that large; SVG has no infinities or NaN.
         let v = if self.0.is_finite() { self.0.clamp(-1e6, 1e6) } else { 0.0 };
         write!(f, "{}", (v * 100.0).round() / 100.0)
     }
@@ -131,7 +131,7 @@ fn escaped(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            // XML has no such characters.
+            // XML does not allow such characters.
             c if c.is_control() => out.push(' '),
             c => out.push(c),
         }
@@ -159,7 +159,7 @@ pub(super) fn short(t: f64) -> String {
     format!("{t:.digits$}")
 }
 
-/// A colour of viridis, from the first to the last of a walk.
+/// A viridis colour, from the first to the last of a walk.
 pub(super) fn viridis(i: usize, count: usize) -> String {
     let at = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
     let colorous::Color { r, g, b } = colorous::VIRIDIS.eval_continuous(0.15 + 0.85 * at);

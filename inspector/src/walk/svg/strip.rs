@@ -1,11 +1,11 @@
-//! The walk unfolded: cells side by side with the three tmax of each above them, or nodes under each other.
+//! The walk unfolded: cells side by side with their tmax bars above, or nodes below each other.
 
 use glam::DVec2;
 
 use super::super::{Outcome, Spacing, Strip, StripTest};
 use super::sheet::{Sheet, short, viridis};
 
-/// Heights of the bars of tmax, of a cell, and of a line of nodes.
+/// Heights of the tmax bars, of a cell, and of a row of nodes.
 const BARS: f64 = 84.0;
 const CELL: f64 = 46.0;
 const LINE: f64 = 14.0;
@@ -25,10 +25,10 @@ pub(super) fn draw(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
 fn cells(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
     let width = sheet.width - 2.0 * sheet.left;
     let note = match spacing {
-        Spacing::ByT => "Unfolded: cells as long as the ray is in them",
+        Spacing::ByT => "Unfolded: width of a cell proportional to its length along the ray",
         Spacing::Equal => "Unfolded: cells equally wide",
     };
-    let bars = "above each its tmax along x, y and z, the smallest in red; in it the triangles tested";
+    let bars = "above each cell its tmax along x, y and z, the smallest in red; inside it the triangles tested";
     sheet.text(sheet.left, sheet.y + 8.0, "note", &format!("{note}; {bars}"));
     let top = sheet.y + 30.0;
     let cells_top = top + BARS + 16.0;
@@ -43,7 +43,7 @@ fn cells(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
             let class = if axis == cell.exit_axis { "bar-exit" } else { "bar" };
             sheet.rect(DVec2::new(at + 0.5, top + BARS - height), DVec2::new(bar - 1.0, height), class, "");
             if strip.tmax_height(*tmax) > 1.0 {
-                // Cut off.
+                // Truncated.
                 for gap in [6.0, 10.0] {
                     sheet.rect(DVec2::new(at, top + gap), DVec2::new(bar, 2.0), "paper", "");
                 }
@@ -66,7 +66,7 @@ fn cells(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
         }
         let count = cell.tests.len() as f64;
         for (i, test) in cell.tests.iter().enumerate() {
-            // In the order of the tests: their t often lie outside of the cell.
+            // In test order: their t often lies outside the cell.
             let at = DVec2::new(x + wide * (i as f64 + 0.5) / count, cells_top + 31.0);
             dot(sheet, at, (wide / (2.6 * count)).clamp(0.6, 4.0), test);
         }
@@ -76,9 +76,8 @@ fn cells(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
 
 fn nodes(sheet: &mut Sheet, strip: &Strip) {
     let width = sheet.width - 2.0 * sheet.left;
-    let note =
-        "Unfolded: a bar for each node, from where the ray enters its box to where it leaves, under the node above it";
-    let more = "Outlines: boxes that the ray did not enter before its nearest hit. Dots: triangles tested";
+    let note = "Unfolded: a bar for each node, from where the ray enters its box to where it leaves, below its parent";
+    let more = "Outlines: boxes not entered before the nearest hit. Dots: triangles tested";
     sheet.text(sheet.left, sheet.y + 8.0, "note", note);
     sheet.text(sheet.left, sheet.y + 23.0, "note", more);
     let top = sheet.y + 34.0;
@@ -134,7 +133,7 @@ fn dot(sheet: &mut Sheet, at: DVec2, radius: f64, test: &StripTest) {
     sheet.circle(at, radius, class, &format!("triangle {}: {}, {t}", test.triangle, test.outcome.name()));
 }
 
-/// A scale of t: at the ends of cells where they are equally wide, else evenly.
+/// A scale of t: at the ends of cells if these are equally wide, otherwise evenly spaced.
 fn axis(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
     let width = sheet.width - 2.0 * sheet.left;
     let y = sheet.y + 2.0;
@@ -152,7 +151,7 @@ fn axis(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
     for (i, t) in marks.into_iter().enumerate() {
         let x = sheet.left + strip.place(t, spacing) * width;
         sheet.line(DVec2::new(x, y), DVec2::new(x, y + 4.0), "frame");
-        // Cells that the ray only touches end at the same t.
+        // Cells that the ray barely touches end at the same t.
         if x - written < 40.0 {
             continue;
         }
@@ -168,7 +167,7 @@ fn axis(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
     }
     if let Some(hit) = strip.hit.filter(|t| (strip.t[0]..=strip.t[1]).contains(t)) {
         let x = sheet.left + strip.place(hit, spacing) * width;
-        sheet.circle(DVec2::new(x, y), 4.0, "dot-hit", &format!("the nearest hit, t {}", short(hit)));
+        sheet.circle(DVec2::new(x, y), 4.0, "dot-hit", &format!("nearest hit, t {}", short(hit)));
     }
     sheet.y = y + 20.0;
 }

@@ -138,7 +138,7 @@ impl Machine {
         let text = |f: fn(&AdapterInfo) -> &String| info.as_ref().map(f).cloned();
         About {
             raystep_version: env!("CARGO_PKG_VERSION").into(),
-            name: text(|i| &i.name).unwrap_or_else(|| format!("the twins on {processor}")),
+            name: text(|i| &i.name).unwrap_or_else(|| format!("CPU: {processor}")),
             adapter: text(|i| &i.name).unwrap_or_else(|| "none".into()),
             backend: text(|i| &i.backend).unwrap_or_else(|| "twins".into()),
             kind: text(|i| &i.kind).unwrap_or_else(|| "processor".into()),

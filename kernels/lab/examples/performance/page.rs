@@ -1,4 +1,4 @@
-//! `docs/performance.md`: its prose stays, and what stands between `<!-- NAME -->` and `<!-- /NAME -->` is made anew.
+//! `docs/performance.md`: keeps its prose, and regenerates everything between `<!-- NAME -->` and `<!-- /NAME -->`.
 
 mod answer;
 mod meshes;
@@ -55,7 +55,7 @@ impl Measured {
         let name = self.about.name.split(" (").next().unwrap_or_default();
         match self.about.kind.as_str() {
             "software" => format!("{name}, software Vulkan on {} cores", self.about.cores),
-            "processor" => format!("the twins on {} cores", self.about.cores),
+            "processor" => format!("CPU with {} cores", self.about.cores),
             _ => name.to_owned(),
         }
     }

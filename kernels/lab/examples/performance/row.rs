@@ -1,4 +1,4 @@
-//! What is written: rows of runs, and rows of small measurements.
+//! The rows of the CSV files: runs, and small measurements.
 
 use raystep_lab::meter::Valid;
 use serde::{Deserialize, Serialize};
@@ -16,20 +16,20 @@ pub(crate) struct Row {
     pub(crate) accelerator: String,
     pub(crate) schedule: String,
     pub(crate) numerics: String,
-    /// Whether rays are to leap over empty cells, as `--skip` has it; empty without a grid.
+    /// The option `--skip`; empty without a grid.
     pub(crate) skip: String,
-    /// Whether they do.
+    /// Whether rays skip over empty cells.
     pub(crate) leaps: Option<bool>,
     /// `auto`, or the cells asked for.
     pub(crate) grid: String,
     /// Cells along x, y and z of the grid that was built.
     pub(crate) cells: String,
     pub(crate) steps_per_pass: u32,
-    /// Building grid or tree, and packing triangles.
+    /// Building grid or BVH, and packing triangles.
     pub(crate) build_s: Option<f64>,
     /// Compiling, allocating, uploading. Kernels are compiled anew; the driver may have cached what it made of them.
     pub(crate) prepare_s: Option<f64>,
-    /// Its passes were submitted without any that were not needed.
+    /// Whether only the passes needed were submitted.
     pub(crate) is_replay: bool,
     pub(crate) n: usize,
     pub(crate) invalid: usize,
@@ -64,13 +64,13 @@ impl Row {
         self.threads_with_ray.zip(self.threads_launched).map(|(with, all)| with as f64 / all as f64)
     }
 
-    /// How it was traced, for people: `grid with leaps, compact K=8`.
+    /// How it was traced, for people: `grid with skipping, compact K=8`.
     pub(crate) fn way(&self) -> String {
         let steps = match (self.schedule.as_str(), self.steps_per_pass) {
             ("compact", steps) => format!(" K={steps}"),
             _ => String::new(),
         };
-        let skip = if self.skip == "on" { " with leaps" } else { "" };
+        let skip = if self.skip == "on" { " with skipping" } else { "" };
         format!("{}{skip}, {}{steps}", self.accelerator, self.schedule)
     }
 }

@@ -28,7 +28,7 @@ impl Baseline {
             };
             row.baseline_ratio = row.ratio_to(then);
             if row.baseline_ratio.is_none() {
-                note(format!("{at} has no time of the same clock for {name}"));
+                note(format!("{at} has no time by the same clock for {name}"));
             }
             if then.device != row.device {
                 note(format!("{at} was measured on {}, and this is {}", then.device, row.device));
@@ -37,7 +37,7 @@ impl Baseline {
                 note(format!("{} has changed since {at} was measured", row.scene));
             }
             if then.rays != row.rays {
-                note(format!("{at} has {} rays for {name}, where now there are {}", then.rays, row.rays));
+                note(format!("{at} has {} rays for {name}, but now there are {}", then.rays, row.rays));
             }
         }
         let is_gone = |then: &&SummaryRow| !rows.iter().any(|row| row.is_same_configuration(then));

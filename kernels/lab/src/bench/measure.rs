@@ -77,7 +77,7 @@ impl<'a> Bench<'a> {
 
     /// Something is not measured.
     pub(super) fn skip(&mut self, text: String) {
-        self.note(format!("left out: {text}"));
+        self.note(format!("omitted: {text}"));
     }
 
     /// Something cannot be measured. The rest can, unless the device itself has failed.
@@ -111,7 +111,7 @@ impl<'a> Bench<'a> {
             }
             if now > BATCH_BYTES && ways.len() > 1 {
                 self.note(format!(
-                    "{}: its configurations do not fit together, and are not all measured in turn",
+                    "{}: its configurations do not fit together, so not all of them are interleaved",
                     group.name
                 ));
                 self.batch.append(&mut of_group);
@@ -261,10 +261,7 @@ impl<'a> Bench<'a> {
         let name = |row: &SummaryRow| format!("{} {}", row.accelerator, row.schedule);
         if row.invalid > 0 {
             let (invalid, repeats) = (row.invalid, self.wanted.repeats);
-            self.note(format!(
-                "{group}, {}: {invalid} of {repeats} times were not valid, and do not count",
-                name(&row)
-            ));
+            self.note(format!("{group}, {}: {invalid} of {repeats} times were invalid and do not count", name(&row)));
         }
         fn rays_of(r: &SummaryRow) -> (&str, &str, u32, u32) {
             (&r.scene_hash, &r.rays_kind, r.width_px, r.height_px)
@@ -273,7 +270,7 @@ impl<'a> Bench<'a> {
         let other = self.measured.rows.iter().find(same_rays).filter(|r| r.hits_hash != row.hits_hash);
         if let Some(other) = other {
             let (one, two, hits, others) = (name(&row), name(other), row.hits, other.hits);
-            self.note(format!("{group}: {one} and {two} do not hit the same ({hits} and {others} rays hit something)"));
+            self.note(format!("{group}: {one} and {two} have different hits ({hits} and {others} rays hit something)"));
         }
         self.measured.details.push(details);
         self.measured.rows.push(row);

@@ -80,10 +80,10 @@ pub struct SummaryRow {
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// Not CSV, or not these columns.
-    #[error("it is no summary of a benchmark: {0}")]
+    #[error("it is not a summary of a benchmark: {0}")]
     Csv(#[from] ::csv::Error),
     /// Written by another version.
-    #[error("its schema_version is {0}, and {SCHEMA_VERSION} is wanted")]
+    #[error("its schema_version is {0}; expected {SCHEMA_VERSION}")]
     Version(u32),
 }
 
@@ -201,7 +201,7 @@ mod tests {
         for bytes in
             [&b"a,b\r\n1,2\r\n"[..], b"a,b\r\n1\r\n", &[0xff, 0xfe, b'\n', b'1', b'\n'], &file[..file.len() - 4]]
         {
-            assert!(refused(bytes).starts_with("it is no summary of a benchmark: "), "{bytes:?}");
+            assert!(refused(bytes).starts_with("it is not a summary of a benchmark: "), "{bytes:?}");
         }
         assert!(read_summary(&b""[..]).is_ok_and(|rows| rows.is_empty()));
     }

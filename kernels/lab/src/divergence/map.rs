@@ -50,11 +50,11 @@ impl Class {
     #[must_use]
     pub fn summary(self) -> &'static str {
         match self {
-            Self::Rounding => "floats are off by no more than rounding may make of them",
-            Self::Tie => "goes another way, where f32 cannot tell which is right",
-            Self::Precision => "f64 decides otherwise, beyond what f32 may get wrong",
-            Self::Excess => "floats are off by more than rounding may make of them",
-            Self::Decision => "the device decides otherwise than its twin",
+            Self::Rounding => "floats differ within rounding",
+            Self::Tie => "a different branch, which f32 cannot decide",
+            Self::Precision => "f64 decides otherwise, beyond the error bound of f32",
+            Self::Excess => "floats differ by more than rounding",
+            Self::Decision => "the device decides otherwise than the CPU reference",
         }
     }
 }

@@ -74,11 +74,14 @@ impl Judgement {
 pub fn why_not(plan: &Plan) -> Option<&'static str> {
     let needed = [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::HIT];
     if plan.features.any_hit {
-        Some("not judged: a ray ends at the first hit that is found, whether or not it is the nearest")
+        Some("not judged: rays end at the first hit found, which may not be the nearest")
     } else if plan.features.samples {
-        Some("not judged: with several samples a pixel, all rays but the last one's are gone; trace with one sample")
+        Some(
+            "not judged: with several samples per pixel, only the last one's rays are available; trace with one \
+              sample",
+        )
     } else if !needed.into_iter().all(|stream| plan.has_stream(stream)) {
-        Some("not judged: the rays are made within a kernel, and are in no stream")
+        Some("not judged: the rays are generated within a kernel, and are not in a stream")
     } else {
         None
     }

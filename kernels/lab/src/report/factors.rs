@@ -119,7 +119,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     let scene = &work.subject.scene;
     if scene.triangles.is_empty() {
-        part.notes.push("there is no triangle to aim at".into());
+        part.notes.push("the scene has no triangle to aim at".into());
         return Ok(part);
     }
     let first = table.rows.len();
@@ -147,8 +147,8 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     part.table(rows, SHOWN);
     if let Some(row) = rows.iter().find(|row| !row.get("cells_x").is_empty()) {
         part.prose.push(format!(
-            "The grid has {} × {} × {} cells. Times are of {}; each ratio is to the robust rules with the same accelerator \
-             and the same rays, run in turn.",
+            "The grid has {} × {} × {} cells. Times are {}; ratios are relative to robust numerics with the same \
+             accelerator and the same rays, interleaved.",
             number(row.get("cells_x")),
             number(row.get("cells_y")),
             number(row.get("cells_z")),

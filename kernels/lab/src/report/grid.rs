@@ -141,8 +141,8 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
     });
     if let (Some(automatic), Some(fastest)) = (automatic, fastest) {
         part.prose.push(format!(
-            "The automatic resolution, {} × {} × {}, is the ratio's 1; the fastest of the sweep takes {} of its time. Wrong \
-             rays at every resolution: {} at most.",
+            "The ratio is relative to the automatic resolution, {} × {} × {}; the fastest resolution takes {} of its \
+             time. Wrong rays at any resolution: at most {}.",
             number(automatic.get("cells_x")),
             number(automatic.get("cells_y")),
             number(automatic.get("cells_z")),
@@ -151,8 +151,9 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
         ));
     }
     part.prose.push(format!(
-        "Times are of {}, building is by the wall clock and on the CPU. A structure has paid off after so many rays that \
-         building it, beyond what any plan takes, has been made up for by what each ray saves to testing every triangle.",
+        "Times are {}; building is timed by the wall clock on the CPU. A structure pays off after the number of rays \
+         for which its building time, beyond that of any plan, equals the time saved compared with testing every \
+         triangle.",
         work.clock_in_words()
     ));
 }
@@ -187,8 +188,8 @@ fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
     let rays = fewer_rays(work);
     if rays_of(&rays) < view_rays(work) {
         part.notes.push(format!(
-            "none: every triangle for each of {} rays is too many tests. It has {} rays, whose times are not compared: \
-             after how many rays a structure has paid off is not known",
+            "none: testing every triangle for each of {} rays takes too long. It has {} rays, and their times are \
+             not compared, so the number of rays after which a structure pays off is unknown",
             view_rays(work),
             rays_of(&rays)
         ));
@@ -301,7 +302,7 @@ fn time_plot(rows: &[Row]) -> Plot {
     trace.whiskers =
         grid.iter().filter_map(|r| Some((r.number("low_ns")? / 1e6, r.number("high_ns")? / 1e6))).collect();
     Plot {
-        title: "Time over resolution".into(),
+        title: "Time by resolution".into(),
         x: cells_axis(),
         y: Axis::new("time, ms", Scale::Log),
         series: vec![trace, Series::line("plan and build", 1, over_cells(&grid, |r| Some(r.number("build_s")? * 1e3)))],
@@ -312,7 +313,7 @@ fn time_plot(rows: &[Row]) -> Plot {
 fn bytes_plot(rows: &[Row]) -> Plot {
     let line = Series::line("cells and lists", 2, over_cells(rows, |r| Some(r.number("structure_bytes")? / 1024.0)));
     Plot {
-        title: "Memory over resolution".into(),
+        title: "Memory by resolution".into(),
         x: cells_axis(),
         y: Axis::new("memory, KiB", Scale::Log),
         series: vec![line],
@@ -327,7 +328,7 @@ fn bars(rows: &[Row]) -> Bars {
         Some((r.get("accelerator").to_owned(), vec![(build, 0), (view, 1)]))
     };
     Bars {
-        title: "One view, building included".into(),
+        title: "One view, including building".into(),
         x: "time, ms".into(),
         legend: vec!["plan and build".into(), "trace the view".into()],
         bars: rows.iter().filter(is_shown).filter_map(bar).collect(),

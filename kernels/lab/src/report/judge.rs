@@ -88,7 +88,7 @@ impl Judge {
 impl Judged {
     /// What to know of a run that was given up.
     pub(super) fn given_up(&self) -> String {
-        format!("given up, too slow or without an end: {} rays were not decided and are not judged", self.at_bound)
+        format!("stopped, too slow or endless: {} rays were unresolved and are not judged", self.at_bound)
     }
 
     /// Fills the columns of verdicts.

@@ -68,7 +68,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut rows_so_far = 0;
     for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
         for schedule in [ScheduleKind::Second, ScheduleKind::Compact, ScheduleKind::Fused] {
-            work.stage(&format!("left out, {accelerator} {schedule}"));
+            work.stage(&format!("omitted work, {accelerator} {schedule}"));
             let is_kept_first = rows_so_far % 2 == 1;
             rows_so_far += 1;
             match one(work, accelerator, schedule, is_kept_first, &mut part) {
@@ -86,19 +86,20 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let differing = rows.iter().max_by_key(|r| r.number("differing_hits").unwrap_or(0.0) as u64);
     if let Some(row) = differing {
         part.prose.push(format!(
-            "A ratio above 1 is what leaving out saves. Hits whose bits differ: {} at most. Times are of {}.",
+            "A ratio above 1 is the saving from omitting. Hits that differ in bits: at most {}. Times are {}.",
             number(row.get("differing_hits")),
             work.clock_in_words()
         ));
         part.prose.push(
-            "To start is to allocate, to upload and to compile, planning excluded; raystep compiles anew for each. The first \
-             start of each is told apart, as later ones meet a driver that has cached; but it may have compiled either's kernels for an earlier section or \
-             report, and what starts second finds what both share. Every other row starts with everything put back."
+            "A start allocates, uploads and compiles, excluding planning. The first start of each variant is listed \
+             separately, as the driver caches kernels for later ones; but it may already have compiled them for an \
+             earlier section or report, and the variant that starts second benefits from kernels that both share. \
+             Every other row starts with everything restored."
                 .into(),
         );
     }
     if work.machine().gpu().is_none() {
-        part.notes.push("the CPU twins are compiled beforehand: there are no times of starting".into());
+        part.notes.push("kernels for the CPU are compiled in advance: there are no start times".into());
     }
     Ok(part)
 }
@@ -210,7 +211,7 @@ fn plot(rows: &[Row]) -> Plot {
     }
     series.push(Series::dashed("no difference", 6, vec![(0.5, 1.0), (3.5, 1.0)]));
     Plot {
-        title: "Time with everything put back, by time without".into(),
+        title: "Time with everything restored, relative to time without".into(),
         x: Axis::new("schedule", Scale::Names(&["second", "compact", "fused"])),
         y: Axis::new("ratio of times", Scale::Linear),
         series,

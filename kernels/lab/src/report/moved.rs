@@ -99,7 +99,7 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
     let mut part = Part::default();
     let scene = &work.subject.scene;
     if scene.triangles.is_empty() {
-        part.notes.push("there is no triangle to aim at".into());
+        part.notes.push("the scene has no triangle to aim at".into());
         return Ok(part);
     }
     let first = table.rows.len();
@@ -136,27 +136,27 @@ fn say(rows: &[Row], part: &mut Part) {
         let ((_, least), (most, most_text)) = ends(column)?;
         let verdict = match most {
             m if m > 1.0 => ": the bound does not hold",
-            m if m < 0.1 => ": it is too loose to be called a bound",
+            m if m < 0.1 => ": the bound is too loose",
             _ => "",
         };
         Some(format!("{} to {} of its own bound{verdict}", number(least), number(most_text)))
     };
     if let Some(share) = share("t_error_by_own_bound_largest") {
         part.prose.push(format!(
-            "By robust rules the arithmetic's error of the ray that comes nearest to its bound is {share}. The bound is that \
-             of each ray by itself: a ray that grazes its triangle may be off by a thousand times what another may."
+            "With robust numerics, the arithmetic error of the ray closest to its bound is {share}. Every ray has \
+             its own bound: that of a ray that grazes its triangle may be a thousand times larger."
         ));
     }
     if let Some(share) = share("rounding_error_by_own_bound_largest") {
         part.prose.push(format!(
-            "What rounding made of the scene before it was traced is, in the ray that comes nearest, {share}, which follows \
-             from half a unit in the last place of each coordinate: |Δt| ≤ Σ |n| · (h(origin) + h(corner)) / |d·n|, and the \
-             arithmetic's bound."
+            "The error from rounding the scene before tracing is, for the ray closest to its bound, {share}. This \
+             bound follows from half a unit in the last place of each coordinate: |Δt| ≤ Σ |n| · (h(origin) + \
+             h(corner)) / |d·n|, plus the arithmetic bound."
         ));
     }
     if let Some((_, (_, of_step))) = ends("t_largest_by_step") {
         part.prose.push(format!(
-            "The largest error of all is at most {} times one rounding, 2⁻²⁴, of the largest depth that is rounded.",
+            "The largest error is at most {} times one rounding, 2⁻²⁴, of the largest depth.",
             number(of_step)
         ));
     }
@@ -224,7 +224,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
     scene.triangles.iter_mut().flatten().for_each(|p| *p = place.point(*p, here.extent));
     let is_lost = |v: &f32| !v.is_finite() || (*v != 0.0 && v.abs() < f32::MIN_POSITIVE);
     if scene.triangles.iter().flatten().flatten().any(is_lost) {
-        part.notes.push(format!("{place:?}: coordinates leave the range of f32"));
+        part.notes.push(format!("{place:?}: coordinates exceed the range of f32"));
         return Ok(());
     }
     // The first half goes the same ways as here, the second half is aimed at the edges that are there.
@@ -240,7 +240,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
         let options = Options { numerics, shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.build(&options)?.renderer;
         if work.run(&mut renderer)? == Ended::GivenUp {
-            part.notes.push(format!("{place:?}, {numerics}: given up: too slow, or without an end"));
+            part.notes.push(format!("{place:?}, {numerics}: stopped: too slow, or endless"));
             continue;
         }
         let judged = judge.judge(&work, &renderer)?;

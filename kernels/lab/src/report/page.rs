@@ -22,7 +22,7 @@ pub(super) struct Part {
 
 /// What whiskers of times are.
 pub(super) const WHISKERS: &str =
-    "Whiskers are from the 5th to the 95th percentile, of fewer than 20 repeats from the smallest to the largest.";
+    "Whiskers show the 5th to the 95th percentile, or the full range for fewer than 20 repeats.";
 
 /// A plot with what it shows.
 #[derive(Clone, Debug)]
@@ -93,10 +93,11 @@ pub type About = Vec<(&'static str, String)>;
 /// The page.
 pub(super) fn html(about: &About, scenes: &[Scene]) -> String {
     let mut page = String::from(
-        "<h1>Error against run time</h1>\n<p>What each choice of a ray tracer costs in time and in wrong rays. A ray is \
-         wrong where f64 brute force with exact predicates at edges finds another hit than it has, and f32 could have \
-         told; what f32 cannot tell is called undecided and is no error. Every number of the tables, the text and the \
-         legends is in a CSV beside this page, as it is written there; notes have numbers of their own. Times serve as ratios within this report.</p>\n<table>\n",
+        "<h1>Error against run time</h1>\n<p>The cost of each choice in a ray tracer, in time and in wrong rays. A \
+         ray is wrong if its hit differs from that of f64 brute force with exact predicates at edges, and f32 could \
+         have decided it; a ray that f32 cannot decide is called undecided and is not an error. Every number in \
+         tables, text and legends is in a CSV file beside this page, in the same form; notes have numbers of their \
+         own. Compare times only within this report.</p>\n<table>\n",
     );
     for (name, value) in about {
         let _ = writeln!(page, "<tr><th class=\"l\">{name}</th><td class=\"l a\">{}</td></tr>", escaped(value));
@@ -143,7 +144,7 @@ fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
     }
     part.tables.iter().for_each(|table| *page += table);
     if !part.notes.is_empty() {
-        *page += "<p class=\"note\">Left out, or to know:</p><ul class=\"note\">";
+        *page += "<p class=\"note\">Notes:</p><ul class=\"note\">";
         for note in &part.notes {
             let _ = write!(page, "<li>{}</li>", escaped(note));
         }

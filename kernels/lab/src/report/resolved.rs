@@ -123,13 +123,13 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let most_wrong = robust.max_by_key(|r| r.number("judged_wrong_rays").unwrap_or(0.0) as u64);
     if let Some(row) = most_wrong {
         part.prose.push(format!(
-            "By robust rules at most {} of {} judged rays were resolved wrongly.",
+            "With robust numerics, at most {} of {} judged rays were resolved wrongly.",
             number(row.get("judged_wrong_rays")),
             number(row.get("judged_rays"))
         ));
     }
     part.prose.push(format!(
-        "Times are of {}; ratios are to the fastest way by robust rules in this table.",
+        "Times are {}; ratios are relative to the fastest configuration with robust numerics in this table.",
         work.clock_in_words()
     ));
     Ok(part)
@@ -140,7 +140,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
     let Way { accelerator, schedule, numerics } = way;
     let (triangles, rays) = (work.subject.scene.triangles.len() as u64, u64::from(work.size.width * work.size.height));
     if accelerator == Accelerator::None && triangles.saturating_mul(rays) > MOST_TESTS {
-        return Ok(Err(format!("{triangles} triangles for each of {rays} rays are too many tests")));
+        return Ok(Err(format!("testing {triangles} triangles for each of {rays} rays takes too long")));
     }
     let options = Options {
         accelerator,
@@ -160,7 +160,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
     if misses_all(&work.subject.scene, &options, timed.plan()) {
         part.notes.push(MISSES_ALL.into());
     }
-    let given_up = || Ok(Err("given up: too slow, or without an end".into()));
+    let given_up = || Ok(Err("stopped: too slow, or endless".into()));
     let Some(Timed { passes, ends_ns, run_ns }) = timed_passes(work, &mut timed)? else { return given_up() };
     if ends_ns.contains(&None) {
         part.notes.push(format!("{accelerator} {schedule} {numerics}: some passes have no valid time"));
@@ -328,7 +328,7 @@ fn resolved_plot(accelerator: &str, rows: &[Row]) -> Plot {
     });
     Plot {
         title: format!("Resolved rays, {accelerator}"),
-        x: Axis::new("time since the run began, ms", Scale::Log),
+        x: Axis::new("time since the start, ms", Scale::Log),
         y: Axis::new("resolved rays, %", Scale::Linear),
         series: series.collect(),
         places: Vec::new(),
@@ -357,7 +357,7 @@ fn wrong_plot(rows: &[Row]) -> Plot {
     }
     Plot {
         title: "Rays resolved wrongly".into(),
-        x: Axis::new("time since the run began, ms", Scale::Log),
+        x: Axis::new("time since the start, ms", Scale::Log),
         y: Axis::new("wrong per million judged", Scale::LogWithZero),
         series,
         places: Vec::new(),

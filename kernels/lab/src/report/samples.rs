@@ -88,7 +88,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let begin = Instant::now();
     let most: u32 = work.either(64, 1024);
     match reference(work, most, begin)? {
-        None => part.notes.push("given up: too slow".into()),
+        None => part.notes.push("stopped: too slow".into()),
         Some(reference) => {
             for &sampler in Sampler::ALL {
                 work.stage(&format!("samples, {sampler}"));
@@ -208,7 +208,7 @@ fn one(
         // Of what was given up, too: its samples count below.
         wall += started.elapsed();
         if !is_there {
-            part.notes.push(format!("{sampler}: given up before {count} samples: too slow"));
+            part.notes.push(format!("{sampler}: stopped before {count} samples: too slow"));
             break;
         }
         let image = work.machine().wait(renderer.image())?;
@@ -272,19 +272,23 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
                 of_sampler().filter(|r| r.get(&of.column("is_plotted")) != "true").map(|r| r.get("samples")).collect();
             let dropped = match dropped.first() {
                 Some(first) => format!(
-                    " From {} samples on the reference's own error, {}, is not below a tenth, and they are not plotted.",
+                    " From {} samples on, the reference's own error, {}, is more than a tenth of the error, so these \
+                     are not plotted.",
                     number(first),
                     number(row.get(&of.column("reference_rmse")))
                 ),
                 None => String::new(),
             };
-            part.prose.push(format!("{sampler}, {name}: the error falls as samples to the power {slope}.{dropped}"));
+            part.prose.push(format!(
+                "{sampler}, {name}: the error is proportional to samples to the power \
+                                     {slope}.{dropped}"
+            ));
         }
     }
     if let Some(row) = rows.first() {
         part.prose.push(format!(
-            "{} × {} pixels, {} of them at edges. The reference has {} samples a pixel and other seeds. Times are of {}, \
-             and each sample's is the whole run's shared equally.",
+            "{} × {} pixels, {} of them at edges. The reference has {} samples per pixel with other seeds. Times are \
+             {}, divided equally among a run's samples.",
             number(row.get("width_px")),
             number(row.get("height_px")),
             number(row.get("edge_pixels")),
@@ -323,8 +327,8 @@ fn plot(of: Of, rows: &[Row]) -> Plot {
         series.push(Series { stroke: Stroke::Dashed, ..Series::dashed("error of the reference", 6, points) });
     }
     let title = match of {
-        Of::All => "Error of the picture over time, all pixels",
-        Of::Edges => "Error of the picture over time, pixels at edges",
+        Of::All => "Error of the image over time, all pixels",
+        Of::Edges => "Error of the image over time, pixels at edges",
     };
     Plot {
         title: title.into(),

@@ -28,8 +28,8 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "resolved",
         title: "Resolution of rays",
-        what: "Rays whose hit is decided, over the time since the run began, pass by pass: one run whose passes are timed, and one that is read \
-               back after each pass.",
+        what: "Rays with a final hit after each pass, over the time since the start: one run with timed passes, and \
+               one that is read back after each pass.",
         file: "resolved.csv",
         columns: resolved::COLUMNS,
         run: resolved::run,
@@ -37,8 +37,8 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "factors",
         title: "Factors",
-        what: "Wrong rays over time, the robust rules with one of them exchanged for the paper's at a time. Bars are 95% \
-               intervals (Wilson) of what as many rays tell of all such rays.",
+        what: "Wrong rays over time with robust numerics, with one rule at a time replaced by the paper's. Bars are \
+               95% intervals (Wilson).",
         file: "factors.csv",
         columns: factors::COLUMNS,
         run: factors::run,
@@ -46,8 +46,8 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "moved",
         title: "Offset",
-        what: "The scene moved away from the origin: error of t along the rays, as a distance relative to the scene's \
-               extent.",
+        what: "The scene moved away from the origin: error of t along the rays, as a distance relative to the \
+               scene's extent.",
         file: "moved.csv",
         columns: moved::COLUMNS,
         run: moved::moved,
@@ -55,7 +55,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "scaled",
         title: "Scale",
-        what: "The same of the scene in other units.",
+        what: "The same for the scaled scene.",
         file: "scaled.csv",
         columns: moved::COLUMNS,
         run: moved::scaled,
@@ -63,8 +63,8 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "grid",
         title: "Grid resolution",
-        what: "Time, memory and time to build over the resolution of the grid, all with the same hits; and what a \
-               structure costs before its first ray.",
+        what: "Time, memory and building time over the resolution of the grid, all with the same hits; and the cost \
+               of a structure before its first ray.",
         file: "grid.csv",
         columns: grid::COLUMNS,
         run: grid::run,
@@ -72,8 +72,8 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "samples",
         title: "Samples",
-        what: "The picture's root mean square error over time, from two samples a pixel on: how fast several samples \
-               approach the picture that no number of them reaches.",
+        what: "Root mean square error of the image over time, from two samples per pixel: how fast it converges to \
+               the limit of infinitely many samples.",
         file: "samples.csv",
         columns: samples::COLUMNS,
         run: samples::run,
@@ -81,8 +81,8 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "left-out",
         title: "Left out",
-        what: "What the plan leaves out because this scene and view do not need it, put back: the same rays with and \
-               without, in turn.",
+        what: "The parts that the plan omits because this scene and view do not need them, restored: the same rays \
+               with and without, interleaved.",
         file: "left_out.csv",
         columns: left_out::COLUMNS,
         run: left_out::run,

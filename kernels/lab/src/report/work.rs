@@ -127,11 +127,9 @@ impl Work<'_> {
     /// The same clock, in words.
     pub(super) fn clock_in_words(&self) -> &'static str {
         match self.machine().timer() {
-            Timer::GpuTimestamp { .. } => "the adapter's own timestamps",
-            Timer::CpuClock { .. } => "the host's clock around each pass of the CPU twins",
-            Timer::Host { .. } => {
-                "the host's clock, waiting for the adapter included: it has no timestamps, or none that are true"
-            }
+            Timer::GpuTimestamp { .. } => "by the adapter's own timestamps",
+            Timer::CpuClock { .. } => "by the host's clock around each pass on the CPU",
+            Timer::Host { .. } => "by the host's clock, including waits for the adapter: it has no valid timestamps",
         }
     }
 

@@ -55,7 +55,7 @@ pub(super) fn told(walked: &drift::Walked) -> String {
     let last = walked.samples.last().map_or(0, |sample| sample.cells);
     let bound = if walked.is_bounded() { format!(", bound {}", drift::BOUND) } else { String::new() };
     format!(
-        "{} {}: off by at most {:.1} units of 2^-24 over {last} cells{bound}",
+        "{} {}: error at most {:.1} units of 2^-24 over {last} cells{bound}",
         walked.place.device,
         walked.rules.name,
         walked.largest(),

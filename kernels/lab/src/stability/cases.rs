@@ -27,7 +27,7 @@ fn closed(n: usize, at: At) -> Result<Workload, StabilityError> {
 
 /// Every case.
 pub static CASES: &[Case] = &[
-    Case { name: "inside", what: "random rays within a closed sphere: nothing extreme, for comparison", ..CASE },
+    Case { name: "inside", what: "random rays inside a closed sphere: nothing extreme, for comparison", ..CASE },
     // Directions.
     Case {
         name: "axis-0",
@@ -39,7 +39,7 @@ pub static CASES: &[Case] = &[
         name: "axis-below-1e-3",
         what: "rays nearly along an axis: components just below the paper's threshold",
         make: |n| make::near_axis(n, 0.000_999),
-        paper: fails(&[Grid], "the ray is taken to be parallel, and crosses a plane all the same"),
+        paper: fails(&[Grid], "the ray is treated as parallel, but crosses a plane"),
         ..CASE
     },
     Case {
@@ -51,7 +51,7 @@ pub static CASES: &[Case] = &[
     Case { name: "axis-1e-7", what: "components of 1e-7", make: |n| make::near_axis(n, 1e-7), ..CASE },
     Case {
         name: "axis-1e-20",
-        what: "components of 1e-20, near what robust rules take for parallel",
+        what: "components of 1e-20, near the robust threshold for parallel rays",
         make: |n| make::near_axis(n, 1e-20),
         ..CASE
     },
@@ -79,13 +79,13 @@ pub static CASES: &[Case] = &[
         what: "a walk of 3,000 cells along a diagonal",
         make: make::long_walk,
         truth: Truth::Open,
-        paper: fails(&[Grid], "tMax is accumulated, and has drifted off the planes at the end of the walk"),
+        paper: fails(&[Grid], "the accumulated tMax deviates from the planes at the end of the walk"),
         ..CASE
     },
     // Triangles.
     Case {
         name: "edges",
-        what: "rays at edges of a closed mesh, from within",
+        what: "rays at edges of a closed mesh, from inside",
         make: |n| closed(n, At::Edges),
         undecided: AT_EDGES,
         paper: EDGES_CRACK,
@@ -112,12 +112,16 @@ pub static CASES: &[Case] = &[
         what: "rays in the plane of a tilted triangle",
         make: make::in_tilted_plane,
         truth: Truth::Open,
-        undecided: up_to(0.25, "three edge functions that are 0 but for rounding have the same sign in 1 of 4 rays"),
+        undecided: up_to(
+            0.25,
+            "three edge functions that are 0 except for rounding have the same sign in 1 of 4 \
+                                rays",
+        ),
         ..CASE
     },
     Case {
         name: "without-area",
-        what: "triangles two or three of whose corners are one",
+        what: "triangles with two or three identical corners",
         make: make::without_area,
         truth: Truth::Nothing,
         undecided: NONE,
@@ -145,7 +149,7 @@ pub static CASES: &[Case] = &[
         what: "overlapping triangles in one tilted plane",
         make: make::coplanar,
         truth: Truth::Open,
-        undecided: up_to(2.0 / 3.0, "of three sheets any may be nearest"),
+        undecided: up_to(2.0 / 3.0, "any of three sheets may be nearest"),
         paper: OUTSIDE,
         ..CASE
     },
@@ -259,13 +263,10 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "line-aslant",
-        what: "the same from one side, so that the corners do not lie in a line once they are rounded",
+        what: "the same from one side, so that the rounded corners are not in a line",
         make: |n| make::line(n, 5.0),
         truth: Truth::Open,
-        undecided: up_to(
-            0.25,
-            "rounding must move the middle corner to the ray's side, and farther than the ray: 1 in 4",
-        ),
+        undecided: up_to(0.25, "rounding must move the middle corner to the ray's side, beyond the ray: 1 in 4"),
         ..CASE
     },
     Case {
@@ -296,7 +297,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "deep-tree",
-        what: "40 triangles, each half as large and half as far as the one before",
+        what: "40 triangles, each half as large and at half the distance of the one before",
         make: |n| make::halving(n, 0..40),
         truth: Truth::Open,
         paper: SMALL,
@@ -312,7 +313,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "identical",
-        what: "2,000 identical triangles, which no tree tells apart",
+        what: "2,000 identical triangles, which no BVH can separate",
         rays: 128,
         make: make::identical,
         truth: Truth::Open,
@@ -320,17 +321,17 @@ pub static CASES: &[Case] = &[
         ..CASE
     },
     // Pictures.
-    Case { name: "image-1x1", what: "a picture of one pixel", rays: 1, make: |_| make::picture(1, 1, 40.0), ..CASE },
+    Case { name: "image-1x1", what: "an image of one pixel", rays: 1, make: |_| make::picture(1, 1, 40.0), ..CASE },
     Case {
         name: "image-1x8192",
-        what: "a picture of one column",
+        what: "an image of one column",
         rays: 8192,
         make: |_| make::picture(1, 8192, 40.0),
         ..CASE
     },
     Case {
         name: "image-8192x1",
-        what: "a picture of one row",
+        what: "an image of one row",
         rays: 8192,
         make: |_| make::picture(8192, 1, 40.0),
         ..CASE
@@ -340,13 +341,13 @@ pub static CASES: &[Case] = &[
         what: "a field of view of a thousandth of a degree, along a plane of the grid",
         rays: 4096,
         make: |n| make::picture_on_plane(n.isqrt() as u32, 1e-3),
-        undecided: up_to(0.15, "an edge in the picture is as wide as 20 roundings on both sides, a seventh of it"),
-        paper: fails(&[Grid], "every ray is taken to be parallel to the plane, and some cross it"),
+        undecided: up_to(0.15, "an edge in the image is as wide as 20 roundings on both sides, a seventh of it"),
+        paper: fails(&[Grid], "every ray is treated as parallel to the plane, but some cross it"),
         ..CASE
     },
     Case {
         name: "view-179.9-degrees",
-        what: "a field of view of nearly half of the sphere",
+        what: "a field of view of nearly half the sphere",
         rays: 4096,
         make: |n| make::picture(n.isqrt() as u32, n.isqrt() as u32, 179.9),
         ..CASE

@@ -11,13 +11,13 @@ pub(super) const BY_CHANCE: Ceiling = Ceiling {
 };
 pub(super) const NONE: Ceiling = Ceiling { share: 0.0, because: "edge functions are exact here" };
 pub(super) const AT_EDGES: Ceiling =
-    Ceiling { share: 0.5, because: "of two triangles at an edge either may be the exact one" };
+    Ceiling { share: 0.5, because: "either of two triangles at an edge may be the exact hit" };
 pub(super) const HALF_AT_EDGES: Ceiling = Ceiling {
     share: 0.25,
-    because: "half of the rays are at edges, and of two triangles there either may be the exact one",
+    because: "half of the rays are at edges, and either of two triangles there may be the exact hit",
 };
 pub(super) const AT_CORNERS: Ceiling =
-    Ceiling { share: 5.0 / 6.0, because: "of six triangles around a corner any may be the exact one" };
+    Ceiling { share: 5.0 / 6.0, because: "any of six triangles around a corner may be the exact hit" };
 pub(super) const fn up_to(share: f64, because: &'static str) -> Ceiling {
     Ceiling { share, because }
 }
@@ -28,9 +28,9 @@ pub(super) const fn fails(fails_on: &'static [Accelerator], because: &'static st
 
 pub(super) const EDGES_CRACK: Paper = fails(
     &[Grid, Bvh, None],
-    "Möller-Trumbore works out an edge anew in each of its triangles, and a ray may miss it in both",
+    "Möller-Trumbore computes an edge separately for each of its triangles, and a ray may miss both",
 );
-pub(super) const OUTSIDE: Paper = fails(&[Grid], "an origin outside of the grid is not handled");
+pub(super) const OUTSIDE: Paper = fails(&[Grid], "an origin outside the grid is not handled");
 pub(super) const SMALL: Paper = fails(
     &[Grid, Bvh, None],
     "the determinant's threshold of 1e-6 is absolute, and these triangles' determinants are smaller",

@@ -70,7 +70,7 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
         ("pipelines", "pipelines", !report.pipelines.is_empty()),
     ] {
         if is_there {
-            let _ = writeln!(page, "<p>Beside the cases: <a href=\"#{id}\">{name}</a>.</p>");
+            let _ = writeln!(page, "<p>See also: <a href=\"#{id}\">{name}</a>.</p>");
         }
     }
     overview(&mut page, outcomes);
@@ -150,9 +150,9 @@ fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
         return Ok(());
     }
     *page += "<h2 id=\"tmax\">tMax along a walk</h2>\n<p>The error of tMax over the cells of a walk, in units of \
-              2<sup>-24</sup> max(|plane|, |origin|) / |direction|. Robust rules work it out from the cell each time. \
-              All samples are in <code>tmax.csv</code>.</p>\n<table><tr><th class=\"l\">device</th><th class=\"l\">\
-              rules</th><th>cells</th><th>largest error</th><th>bound</th></tr>\n";
+              2<sup>-24</sup> max(|plane|, |origin|) / |direction|. Robust numerics compute it from the cell each \
+              time. All samples are in <code>tmax.csv</code>.</p>\n<table><tr><th class=\"l\">device</th><th \
+              class=\"l\">rules</th><th>cells</th><th>largest error</th><th>bound</th></tr>\n";
     for walked in walks {
         let (Some(last), class) = (walked.samples.last(), if walked.is_as_expected() { "" } else { " class=\"odd\"" })
         else {
@@ -188,7 +188,7 @@ fn walks_plot(walks: &[drift::Walked]) -> Plot {
     // One lies on the other: dashes show both.
     series.iter_mut().skip(2).for_each(|s| s.stroke = Stroke::Dashed);
     let ends = series.first().map(|s| s.points.clone()).unwrap_or_default();
-    series.push(Series::dashed("bound of the robust rules", 6, ends.iter().map(|p| (p.0, drift::BOUND)).collect()));
+    series.push(Series::dashed("bound with robust numerics", 6, ends.iter().map(|p| (p.0, drift::BOUND)).collect()));
     Plot {
         title: "Largest error of tMax over the cells of a walk".into(),
         x: Axis::new("cells visited", Scale::Linear),
@@ -217,9 +217,9 @@ fn pipelines(page: &mut String, rows: &[probe::Row]) {
     if rows.is_empty() {
         return;
     }
-    *page += "<h2 id=\"pipelines\">Pipelines</h2>\n<p>The same pairs of ray and triangle through every pipeline that \
-              has the triangle test in it: each is compiled apart, and t may differ in its last bits. Grid, tree and \
-              none agree bit for bit as far as nothing differs here. The rows are those of \
+    *page += "<h2 id=\"pipelines\">Pipelines</h2>\n<p>The same pairs of ray and triangle in every pipeline that \
+              includes the triangle test: each is compiled separately, and t may differ in its last bits. Grid, BVH \
+              and none agree bit for bit if nothing differs here. The rows are those of \
               <code>pipelines.csv</code>.</p>\n<div class=\"wide\"><table><tr>";
     for (column, heading) in PROBED {
         let _ = write!(page, "<th{}>{heading}</th>", class_of(column));
@@ -238,7 +238,7 @@ fn pipelines(page: &mut String, rows: &[probe::Row]) {
 fn figure(page: &mut String, picture: &Picture) -> Result<(), Error> {
     let [width, height] = picture.size();
     let ways = escaped(&picture.ways.join("; "));
-    let kind = if picture.is_image { "the picture" } else { "directions: longitude across, latitude up" };
+    let kind = if picture.is_image { "the image" } else { "directions: longitude across, latitude up" };
     let _ = writeln!(
         page,
         "<figure><img alt=\"errors of {ways}\" width=\"{width}\" height=\"{height}\" style=\"height:auto\" \

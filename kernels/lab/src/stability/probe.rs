@@ -83,7 +83,7 @@ pub fn pipelines(workloads: &[Workload; 2]) -> Vec<Pipeline> {
             add("", base.clone());
             add(" with counters", Options { counters: true, ..base.clone() });
             if accelerator == Grid {
-                add(" leaping", Options { skip: Skip::On, ..base.clone() });
+                add(" skipping", Options { skip: Skip::On, ..base.clone() });
             }
             add(" fma", Options { contracted: true, ..base.clone() });
             if schedule != Compact {

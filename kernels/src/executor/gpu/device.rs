@@ -246,7 +246,7 @@ impl Gpu {
             (None, _) => Some("the adapter has no timestamps".into()),
             (_, None) => Some("the adapter's timestamps were not compared with the host's clock".into()),
             (_, Some(check)) if check.agrees() => None,
-            (_, Some(check)) => Some(format!("the adapter's timestamps are not true ({check})")),
+            (_, Some(check)) => Some(format!("the adapter's timestamps are wrong ({check})")),
         }
     }
 

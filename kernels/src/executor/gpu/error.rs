@@ -9,7 +9,7 @@ pub enum GpuError {
     #[error("no GPU adapter {0}")]
     NoAdapter(String),
     /// The adapter gives no device.
-    #[error("the adapter {adapter:?} gives no device: {message}")]
+    #[error("cannot open a device on the adapter {adapter:?}: {message}")]
     NoDevice {
         /// The adapter.
         adapter: String,
@@ -17,10 +17,10 @@ pub enum GpuError {
         message: String,
     },
     /// The device was lost.
-    #[error("the GPU device was lost ({0}): what was on it is gone; run again, or with --device cpu")]
+    #[error("the GPU device was lost ({0}), with all data on it; run again, or with --device cpu")]
     Lost(String),
     /// Not enough memory.
-    #[error("the GPU has not enough memory: {0}")]
+    #[error("the GPU does not have enough memory: {0}")]
     OutOfMemory(String),
     /// The device refused a call. This is a defect of raystep or of the driver.
     #[error("the GPU device refused a call: {0}")]

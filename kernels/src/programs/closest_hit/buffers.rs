@@ -16,9 +16,9 @@ pub static BUFFERS: &[BufferInfo] = &[
     ),
     uniform(
         "scene",
-        "triangles, steps a pass, rays, first row of workgroups",
+        "triangles, steps per pass, rays, first row of workgroups",
         |data| bytes_of(&data.info),
-        |_| (Because::Options, "one step a pass, and lists that have their own ends"),
+        |_| (Because::Options, "one step per pass, and lists that have their own ends"),
     ),
     uniform(
         "shading",
@@ -26,10 +26,10 @@ pub static BUFFERS: &[BufferInfo] = &[
         |data| bytes_of(&data.shading),
         |run| run.of_shading("nothing refers to it"),
     ),
-    uniform("sampling", "samples a pixel, seed", |data| bytes_of(&data.sampling), |_| ONE_SAMPLE),
+    uniform("sampling", "samples per pixel, seed", |data| bytes_of(&data.sampling), |_| ONE_SAMPLE),
     storage(
         "vertices",
-        "nine f32 a triangle: corners 0, 1, 2, traced units",
+        "nine f32 per triangle: corners 0, 1, 2, traced units",
         |data| cast_slice(&data.vertices),
         |run| {
             if run.options.shade {
@@ -41,7 +41,7 @@ pub static BUFFERS: &[BufferInfo] = &[
     ),
     storage(
         "grid_cells",
-        "u32 a cell and one more: start of its list in grid_items",
+        "u32 per cell and one more: start of its list in grid_items",
         |data| cast_slice(&data.grid_cells),
         |run| run.other_accelerator(),
     ),
@@ -53,19 +53,19 @@ pub static BUFFERS: &[BufferInfo] = &[
     ),
     storage(
         "grid_distances",
-        "u8 a cell: chessboard distance to the next cell with a list, 0 for one with a list",
+        "u8 per cell: chessboard distance to the next cell with a list, 0 for one with a list",
         |data| cast_slice(&data.grid_distances),
         of_leaps,
     ),
     storage(
         "bvh_nodes",
-        "32 bytes a node: box, first child or item, link; traced units",
+        "32 bytes per node: box, first child or item, link; traced units",
         |data| cast_slice(&data.bvh_nodes),
         of_binary_tree,
     ),
     storage(
         "bvh_parents",
-        "u32 a node: the node above it, and in bits 30-31 the axis of that node's link",
+        "u32 per node: its parent, and in bits 30-31 the axis of the node's link",
         |data| cast_slice(&data.bvh_parents),
         of_binary_tree,
     ),
@@ -77,37 +77,37 @@ pub static BUFFERS: &[BufferInfo] = &[
     ),
     storage(
         "wide_nodes",
-        "80 bytes a node: eight quantised boxes; traced units",
+        "80 bytes per node: eight quantised boxes; traced units",
         |data| cast_slice(&data.wide_nodes),
         |run| if run.is_fused() { run.other_accelerator() } else { STEPPED },
     ),
     storage(
         "packed_triangles",
-        "48 bytes an entry: corners and triangle id; traced units",
+        "48 bytes per entry: corners and triangle id; traced units",
         |data| cast_slice(&data.packed_triangles),
         |_| ONE_STEP,
     ),
     storage(
         "normals",
-        "nine f32 a triangle: unit vertex normals",
+        "nine f32 per triangle: unit vertex normals",
         |data| cast_slice(&data.normals),
         |run| run.of_shading("no vertex normals: shading is flat"),
     ),
     storage(
         "texcoords",
-        "six f32 a triangle: base colour texture coordinates",
+        "six f32 per triangle: base colour texture coordinates",
         |data| cast_slice(&data.texcoords),
         |run| run.of_shading("no base colour texture"),
     ),
     storage(
         "vertex_colors",
-        "nine f32 a triangle: linear colours",
+        "nine f32 per triangle: linear colours",
         |data| cast_slice(&data.vertex_colors),
         |run| run.of_shading("no vertex colours"),
     ),
     storage(
         "triangle_materials",
-        "u32 a triangle: index into materials",
+        "u32 per triangle: index into materials",
         |data| cast_slice(&data.triangle_materials),
         |run| run.of_shading("one material"),
     ),
@@ -131,7 +131,7 @@ pub static BUFFERS: &[BufferInfo] = &[
     ),
     storage(
         "texels",
-        "two u32 a texel: linear R G B, 16 bits each",
+        "two u32 per texel: linear R G B, 16 bits each",
         |data| cast_slice(&data.texels),
         |run| run.of_shading("no base colour texture"),
     ),
@@ -141,8 +141,8 @@ pub static BUFFERS: &[BufferInfo] = &[
 fn of_leaps(run: &Run<'_>) -> Reason {
     match run.features {
         features if !features.grid => run.other_accelerator(),
-        features if !features.robust => (Because::Options, "--numerics paper steps cell by cell"),
-        _ => (Because::Options, "rays do not leap: --skip off, or too few empty cells"),
+        features if !features.robust => (Because::Options, "--numerics paper visits every cell"),
+        _ => (Because::Options, "no empty-space skipping: --skip off, or too few empty cells"),
     }
 }
 

@@ -42,7 +42,7 @@ kernels! {
         list: None,
         colour: [23, 150, 160],
         why_absent: |run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
-        summary: "makes a ray for every pixel",
+        summary: "generates a ray for every pixel",
         own: Own { explain: explain::of_generate, conditions: conditions::OF_GENERATE },
     }
     /// Finds a ray's first cell.
@@ -51,7 +51,7 @@ kernels! {
         sends: &[
             send(TRAV_SETUP, "misses the grid's box", BACKGROUND),
             send(TRAV_SETUP, "enters the grid", ISECT_NO_HIT),
-            send(TRAV_SETUP, "with a tree: at its root", TRAV),
+            send(TRAV_SETUP, "with a BVH: at its root", TRAV),
         ],
         role: Role::Enter,
         workgroup: LIST_SIDE,
@@ -102,7 +102,7 @@ kernels! {
         list: Some(TRAVERSE_LIST),
         colour: [66, 124, 200],
         why_absent: of_a_step,
-        summary: "moves the ray to its next node of the tree",
+        summary: "moves the ray to its next node of the BVH",
         own: Own { explain: explain::of_traverse_bvh, conditions: conditions::OF_TRAVERSE_BVH },
     }
     /// Tests one triangle.
@@ -151,7 +151,7 @@ kernels! {
         list: Some(INTERSECT_LIST),
         colour: [190, 150, 30],
         why_absent: |run| if run.is_fused() { BY_FUSED } else { ONE_STEP },
-        summary: "takes the ray several cells or nodes on",
+        summary: "moves the ray by several cells or nodes",
         own: Own { explain: explain::of_walk, conditions: conditions::OF_WALK },
     }
     /// Takes a ray from its start to its hit.
@@ -225,7 +225,7 @@ kernels! {
         list: None,
         colour: [120, 130, 140],
         why_absent: |_| ONE_SAMPLE,
-        summary: "adds the sample to its pixel's mean, and asks for the next one",
+        summary: "adds the sample to its pixel's mean, and requests the next one",
         own: Own { explain: explain::of_accumulate, conditions: conditions::OF_ACCUMULATE },
     }
     /// Counts the rays in each state.

@@ -27,7 +27,7 @@ const fn row(tag: Tag, name: &'static str, role: StateRole, colour: [u8; 3], mea
 pub const STATES: States = States(&[
     row(UNWRITTEN, "UNWRITTEN", StateRole::Unborn, [40, 40, 46], "no ray yet"),
     row(TRAV_SETUP, "TRAV_SETUP", StateRole::Active, [190, 174, 212], "waits for the set-up kernel"),
-    row(TRAV, "TRAV", StateRole::Active, [56, 108, 176], "goes on to the next voxel or node"),
+    row(TRAV, "TRAV", StateRole::Active, [56, 108, 176], "continues to the next voxel or node"),
     row(
         ISECT_NO_HIT,
         "ISECT_NO_HIT",

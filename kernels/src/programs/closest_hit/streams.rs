@@ -11,7 +11,7 @@
 //! counters      u32  cells  triangles  repeated
 //! accumulated   f32  r  g  b  a  samples mean so far, linear light; a: share of samples that hit
 //! place         u32  x  y  z  left  tx  ty  tz   cell, cells still allowed, tmax (f32 bits)
-//! trail         u32  levels 0, 8, 16, 24  4 bits a level
+//! trail         u32  levels 0, 8, 16, 24  4 bits per level
 //! scan          u32  cell  tx  ty  tz    cell, tmax (f32 bits)
 //! ```
 //!
@@ -42,7 +42,7 @@ pub const HIT_TRIANGLE: usize = 2;
 pub const ACCUMULATED_SAMPLES: usize = 4;
 
 /// No ray waits for another dispatch.
-const NO_WALK_WAITS: Reason = (Because::Options, "no walk needs more loop turns than one dispatch has");
+const NO_WALK_WAITS: Reason = (Because::Options, "no walk needs more loop iterations than one dispatch allows");
 
 /// Why what a step of a walk keeps is left out.
 fn of_steps(run: &Run<'_>) -> Reason {
@@ -52,7 +52,7 @@ fn of_steps(run: &Run<'_>) -> Reason {
 fn of_tmax(run: &Run<'_>) -> Reason {
     match run {
         run if run.is_fused() => FUSED,
-        run if run.features.grid => (Because::Options, "several steps a pass: worked out from the cell"),
+        run if run.features.grid => (Because::Options, "several steps per pass: computed from the cell"),
         run => run.other_accelerator(),
     }
 }
@@ -81,7 +81,7 @@ streams! {
         unwritten: &[0; 3], why_absent: |_| NO_SHADE;
     /// Cells visited, triangles tested, repeated tests.
     COUNTERS of RAYS: "counters" U32 &["cells", "triangles", "repeated"], floats: &[], unit: "count",
-        unwritten: &[0; 3], why_absent: |_| (Because::Options, "counters are not asked for");
+        unwritten: &[0; 3], why_absent: |_| (Because::Options, "counters are not requested");
     /// Mean colour and coverage of the samples so far, and their number.
     ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], floats: &[], unit: "linear light, share of samples that hit, count",
         unwritten: &[0; 5], why_absent: |_| ONE_SAMPLE;
@@ -89,11 +89,11 @@ streams! {
     PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], floats: &[4, 5, 6], unit: "cell coordinates, count of cells, t as f32 bits",
         unwritten: &[0; 7], why_absent: |_| NO_WALK_WAITS;
     /// Where in the wide tree it does: the child entered last on each level.
-    TRAIL of RAYS: "trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], floats: &[], unit: "child entered last, 4 bits a level",
+    TRAIL of RAYS: "trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], floats: &[], unit: "child entered last, 4 bits per level",
         unwritten: &[0; 4], why_absent: |_| NO_WALK_WAITS;
     /// Where the search for repeated tests waits for the next dispatch.
     SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], floats: &[1, 2, 3], unit: "1-D index, t as f32 bits",
-        unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "no search for repeated tests needs more loop turns than one dispatch has");
+        unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "no search for repeated tests needs more loop iterations than one dispatch allows");
 }
 
 /// The streams that rays from outside begin with.

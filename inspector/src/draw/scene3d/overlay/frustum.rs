@@ -1,11 +1,11 @@
-//! The camera that the rays come from.
+//! The camera that generates the rays.
 
 use glam::DVec3;
 use raystep_kernels::scene_data::SceneData;
 
 use crate::walk::Aabb;
 
-/// Where the traced camera is, and what it sees, traced units.
+/// Position and view of the traced camera, in traced units.
 pub(in super::super) struct Frustum {
     eye: DVec3,
     right: DVec3,
@@ -15,7 +15,7 @@ pub(in super::super) struct Frustum {
 }
 
 impl Frustum {
-    /// `None` where rays were given instead.
+    /// `None` for input rays.
     pub(in super::super) fn of(data: &SceneData) -> Option<Self> {
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let camera = &data.camera;

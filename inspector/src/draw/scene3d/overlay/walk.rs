@@ -4,7 +4,8 @@ use super::{Color, Overlay, Palette, faded};
 use crate::draw::scene3d::settings::Settings;
 use crate::walk::{Outcome, Structure, WalkGeometry};
 
-/// Most cells, nodes or tests drawn, the latest: a ray that tests every triangle of a large scene would hide itself.
+/// Most cells, nodes or tests drawn, the latest: otherwise a ray that tests all triangles of a large scene would hide
+/// itself.
 const MOST: usize = 20_000;
 
 impl Overlay {
@@ -42,7 +43,7 @@ impl Overlay {
         let count = walk.nodes.len();
         for (i, node) in walk.nodes.iter().enumerate().skip(count.saturating_sub(MOST)) {
             if node.is_met {
-                // Large boxes near the root are many lines that say little.
+                // Large boxes near the root are many lines with little information.
                 let (widths, opacity) = if node.is_leaf { (1.4, 0.95) } else { (0.9, 0.5) };
                 self.edges(&node.bounds, widths, faded(palette.in_order(i, count), opacity));
             } else if settings.missed_nodes {

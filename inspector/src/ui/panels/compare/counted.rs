@@ -1,10 +1,11 @@
-//! How far two runs' streams are apart, counted by the engine of the first.
+//! Differences between the streams of two runs, counted by the engine of the first.
 
 use std::any::Any;
 
 use raystep_kernels::{Stream, StreamData};
 use raystep_lab::compare::Comparison;
 use raystep_lab::layer_stats::LayerStats;
+use raystep_lab::text::counted;
 
 use crate::session::request::{Job, JobContext, JobFuture};
 use crate::ui::canvas::Moment;
@@ -12,14 +13,14 @@ use crate::ui::canvas::Moment;
 /// The job's name.
 pub(super) const COUNTING: &str = "comparing two runs";
 
-/// What is compared: the moments of both runs, a stream, the layer whose range is wanted.
+/// The key of a comparison: the moments of both runs, a stream, the layer whose range is needed.
 pub(super) type Question = ([Moment; 2], Stream, usize);
 
-/// What it came to.
+/// The result.
 pub(super) struct Counted {
     /// What was compared.
     pub(super) question: Question,
-    /// A line a layer.
+    /// One line per layer.
     pub(super) lines: Vec<String>,
     /// Smallest and largest value of the layer in the first run.
     pub(super) range: [f32; 2],
@@ -46,12 +47,15 @@ pub(super) fn job(question: Question, right: StreamData) -> Job {
 fn lines(stream: Stream, comparison: &Comparison<'_>) -> Vec<String> {
     let layers = comparison.layers();
     let line = |(found, name): (&raystep_lab::compare::LayerDifference, &&str)| match (&found.floats, found.differing) {
-        (_, 0) => format!("{name}: the same bits for all rays"),
+        (_, 0) => format!("{name}: identical bits for all rays"),
         (Some(floats), rays) => format!(
-            "{name}: {rays} rays differ, by {} ulp in the middle and {} at most, {:.3e} in value",
-            floats.median_ulps, floats.max_ulps, floats.largest
+            "{name}: {} differ, median {} ulp, at most {} ulp, {:.3e} in value",
+            counted(rays, "ray"),
+            floats.median_ulps,
+            floats.max_ulps,
+            floats.largest
         ),
-        (None, rays) => format!("{name}: {rays} rays differ"),
+        (None, rays) => format!("{name}: {} differ", counted(rays, "ray")),
     };
     layers.iter().zip(stream.info().layers).map(line).collect()
 }

@@ -1,4 +1,4 @@
-//! Cost over rank, both by logarithm.
+//! Cost by rank, on logarithmic axes.
 
 use egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use raystep_lab::work::CostOrder;
@@ -8,7 +8,7 @@ const POINTS: usize = 240;
 /// Points below the field, for the ranks.
 const FOOT: f32 = 13.0;
 
-/// Places of the order, dense where the dearest are.
+/// Ranks to plot, dense for the most expensive rays.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Curve {
     /// Rank from 0, and cost.
@@ -24,7 +24,7 @@ impl Curve {
         Self { points: ranks.into_iter().filter_map(point).collect() }
     }
 
-    /// Paints it; the rank that was clicked. `selected` is the rank that is marked.
+    /// Paints it and returns the rank that was clicked. `selected` is the marked rank.
     pub(super) fn show(&self, ui: &mut Ui, height: f32, order: &CostOrder, selected: Option<usize>) -> Option<usize> {
         let size = vec2(ui.available_width().max(60.0), height.max(60.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -51,30 +51,30 @@ impl Curve {
         }
         let line: Vec<Pos2> = self.points.iter().map(|&(rank, cost)| at(rank, cost)).collect();
         painter.add(Shape::line(line, Stroke::new(1.5, ui.visuals().hyperlink_color)));
-        let scales = format!("cost up to {most} over rank, both log");
+        let scales = format!("cost up to {most} by rank, logarithmic axes");
         painter.text(field.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, scales, font, ink);
         let cost_of = |rank: usize| order.rays().get(rank).and_then(|&ray| order.cost(ray as usize)).unwrap_or(0);
         if let Some(rank) = selected {
             painter.circle_filled(at(rank, cost_of(rank)), 4.0, ui.visuals().strong_text_color());
         }
-        let text = format!("cost over rank of {rays} rays, the dearest {most}");
+        let text = format!("cost by rank of {rays} rays, at most {most}");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         let rank_under = |at: Pos2| rank_at(f64::from((at.x - inner.left()) / inner.width()), rays);
         if let Some(rank) = response.hover_pos().map(rank_under) {
-            let text = format!("ray {} of {rays} by cost: {}\na click selects it", rank + 1, cost_of(rank));
+            let text = format!("ray {} of {rays} by cost: {}\nclick to select it", rank + 1, cost_of(rank));
             response.clone().on_hover_text_at_pointer(text);
         }
         response.interact_pointer_pos().filter(|_| response.clicked()).map(rank_under)
     }
 }
 
-/// The rank at a part of the width, 0 to 1.
+/// The rank at a fraction of the width, 0 to 1.
 fn rank_at(part: f64, rays: usize) -> usize {
     let rank = (part.clamp(0.0, 1.0) * (rays.max(1) as f64).ln()).exp().round() as usize;
     rank.saturating_sub(1).min(rays.saturating_sub(1))
 }
 
-/// Where a rank is, from 0 to 1.
+/// Horizontal position of a rank, from 0 to 1.
 fn part_of(rank: usize, rays: usize) -> f64 {
     if rays > 1 { ((rank + 1) as f64).ln() / (rays as f64).ln() } else { 0.0 }
 }
@@ -94,7 +94,7 @@ mod tests {
         let curve = Curve::new(&order);
         assert_eq!((curve.points[0], curve.points.last()), ((0, 1012), Some(&(9999, 0))));
         assert!(curve.points.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 >= w[1].1));
-        assert!(curve.points.iter().take(10).map(|p| p.0).eq(0..10), "the dearest are all there");
+        assert!(curve.points.iter().take(10).map(|p| p.0).eq(0..10), "all of the most expensive are there");
         assert!(Curve::new(&CostOrder::new(Vec::new())).points.is_empty());
         assert_eq!(Curve::new(&CostOrder::new(vec![5])).points, [(0, 5)]);
     }

@@ -1,9 +1,10 @@
-//! Useful lanes: of every 32 threads that a GPU launches together, how many have a ray to work on.
+//! Useful lanes: of every 32 threads that a GPU runs together, the number that have a ray to process.
 
 use egui::Ui;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, Pass, Plan};
+use raystep_lab::text::counted;
 use raystep_lab::work::{LANES, Lanes, Launch};
 
 use crate::session::Edit;
@@ -11,58 +12,59 @@ use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::Histogram;
 
-/// What the engine is asked for, and what goes on meanwhile.
+/// The engine's job, named while it runs.
 const COUNTING: &str = "counting useful lanes";
 
-/// Which pass is looked at.
+/// The pass to examine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Which {
-    /// The last one: it worked from a list, and its number of rays says it all.
+    /// The last one: it worked from a list, so its number of rays is sufficient.
     Last,
-    /// The next one, from where the rays are now.
+    /// The next one, from the rays' current states.
     Next(Kernel),
 }
 
-/// What an answer is of.
+/// The key of an answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Of {
     generation: u64,
     place: usize,
-    /// What was changed by hand.
+    /// Edits by hand.
     edits: Vec<Edit>,
     which: Which,
 }
 
-/// The part of the panel.
+/// This section of the panel.
 #[derive(Default)]
 pub(super) struct LanesView {
     asked: Option<Of>,
     known: Option<(Of, Lanes)>,
 }
 
-/// The pass of which something can be said now; `None` at the end of a run whose last pass worked on tiles.
+/// The pass that can be examined now; `None` at the end of a run whose last pass worked on tiles.
 fn which(plan: &Plan, last: Option<&Pass>, next: Option<Kernel>) -> Option<Which> {
     let is_list = |kernel: Kernel| Launch::of(kernel, &plan.features) == Launch::List;
     if last.is_some_and(|pass| is_list(pass.kernel)) { Some(Which::Last) } else { next.map(Which::Next) }
 }
 
-/// A pass that has not yet run, as far as it is known: its kernel, and the rays that wait for it.
+/// A pass that has not run yet, as far as it is known: its kernel, and the rays that wait for it.
 fn ahead(index: usize, kernel: Kernel, rays_in: u32) -> Pass {
     let (iteration, counts, threads_launched) = (0, Default::default(), 0);
     Pass { index, iteration, kernel, rays_in, counts, threads_launched, begin_ns: None, duration_ns: None }
 }
 
 impl LanesView {
-    /// Works out what can be, asks for what cannot, and shows it.
+    /// Computes what it can, asks for the rest, and shows the result.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.separator();
         ui.strong("useful lanes").on_hover_text(
-            "threads run in step in groups of 32 on most GPUs: those without a ray wait for those that have one",
+            "Most GPUs run threads in lockstep in groups of 32: threads without a ray wait for those with one.",
         );
         let Some(plan) = cx.model.opened.as_ref().map(|opened| opened.plan.clone()) else { return };
         let Some(which) = which(&plan, cx.model.last_pass(), cx.model.next) else {
             ui.weak(
-                "the run is at its end, and its last pass took every pixel: step back, and what it will find is shown",
+                "The run is at its end, and its last pass launched every pixel. Step back to see the useful lanes of \
+                 the next pass.",
             );
             return;
         };
@@ -74,28 +76,28 @@ impl LanesView {
         };
         let title = match which {
             Which::Last => format!("the last pass, {kernel}"),
-            Which::Next(_) => format!("the next pass, {kernel}, from the rays' states now"),
+            Which::Next(_) => format!("the next pass, {kernel}, from the current states"),
         };
-        // While the next ones are counted, the last ones stay: nothing flickers.
+        // The old counts stay while the new ones are computed, to avoid flicker.
         let Some((_, lanes)) = &self.known else {
             ui.weak(title);
             return;
         };
         let how = match lanes.launch {
-            Launch::List => "a thread for every ray in a list: all groups but the last are full",
-            Launch::Tiles => "a thread for every pixel, 8 × 4 pixels a group",
+            Launch::List => "one thread per ray in a list: all groups except the last are full",
+            Launch::Tiles => "one thread per pixel, 8 × 4 pixels per group",
         };
         ui.label(title).on_hover_text(how);
         ui.horizontal_wrapped(|ui| {
-            ui.label(format!("mean {:.1} of {LANES}", lanes.mean()))
-                .on_hover_text(format!("{} groups", lanes.groups()));
-            ui.label(format!("{:.1} in groups with any", lanes.mean_where_any()))
-                .on_hover_text("groups without a ray end at once, and cost little");
+            ui.label(format!("mean {:.1} of {LANES}", lanes.mean())).on_hover_text(counted(lanes.groups(), "group"));
+            ui.label(format!("{:.1} in non-empty groups", lanes.mean_where_any()))
+                .on_hover_text("groups without a ray end at once and cost little");
             if lanes.launch == Launch::List {
-                ui.weak("dense: works from a list").on_hover_text(how);
+                ui.weak("dense: launched from a list").on_hover_text(how);
             }
         });
-        let about = |lanes: usize, groups: u64| format!("{groups} groups with {lanes} useful lanes of {LANES}");
+        let about =
+            |lanes: usize, groups: u64| format!("{} with {lanes} of {LANES} lanes useful", counted(groups, "group"));
         Histogram { counts: &lanes.histogram, name: "groups by useful lanes", about: &about, is_open: false }
             .show(ui, 80.0);
     }
@@ -105,7 +107,7 @@ impl LanesView {
             let (answered, lanes) = *answer;
             match lanes {
                 Some(lanes) if answered.generation == of.generation => self.known = Some((answered, lanes)),
-                // It may come back to where it was.
+                // The run may return to its previous place.
                 _ => self.asked = None,
             }
         }
@@ -133,7 +135,7 @@ impl LanesView {
     }
 }
 
-/// Counts the threads of the next pass that will have work. Where the run is elsewhere by now, nothing is said of it.
+/// Counts the threads of the next pass that will have work. Returns nothing if the run has moved on.
 fn count(job: JobContext<'_>, of: Of, kernel: Kernel) -> JobFuture<'_> {
     Box::pin(async move {
         let renderer = job.session.renderer();

@@ -2,19 +2,20 @@
 
 use egui::{Align2, Color32, CornerRadius, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2};
 use raystep_kernels::Kernel;
+use raystep_lab::text::counted;
 
 use super::Touched;
 use crate::dataflow::{Access, DataFlow, Node, NodeKind};
 use crate::ui::panels::chart::kernel_color;
 
-/// Points of a node's height from which it has two lines.
+/// Node height, in points, above which a node has two lines.
 const TWO_LINES: f32 = 24.0;
-/// The smallest font that is drawn, points.
+/// The smallest font drawn, in points.
 const SMALLEST: f32 = 6.0;
 /// The largest.
 const LARGEST: f32 = 16.0;
 
-/// Blue, orange, purple, as in the exported drawing: apart for every kind of colour vision.
+/// Blue, orange, purple, as in the exported drawing: distinguishable with any colour vision.
 pub(super) fn access_color(access: Access, ui: &Ui) -> Color32 {
     let [r, g, b] = match (access, ui.visuals().dark_mode) {
         (Access::Read, false) => [42, 111, 187],
@@ -37,13 +38,13 @@ pub(super) struct Paint<'a> {
     pub(super) last: Option<Kernel>,
     /// The kernel of the next pass.
     pub(super) next: Option<Kernel>,
-    /// Rays that wait for each kernel.
+    /// Rays waiting for each kernel.
     pub(super) rays: &'a [(Kernel, u64)],
     pub(super) touched: Option<Touched>,
 }
 
 impl Paint<'_> {
-    /// Edges below nodes, what is lit above what is not.
+    /// Edges below nodes, highlighted items on top.
     pub(super) fn all(&self) {
         let painter = self.ui.painter_at(self.rect);
         painter.rect_filled(self.rect, 2.0, self.ui.visuals().extreme_bg_color);
@@ -68,7 +69,7 @@ impl Paint<'_> {
         }
     }
 
-    /// Edges of what is under the cursor; where nothing is, those of the last pass, and before it all.
+    /// Edges of the item under the cursor; otherwise those of the last pass, or all before the first pass.
     fn is_lit(&self, index: usize) -> bool {
         let edge = &self.flow.edges[index];
         match (self.touched, self.last) {
@@ -124,7 +125,7 @@ impl Paint<'_> {
         }
     }
 
-    /// Name and second line; in a low node one line, of a kernel with the number of rays.
+    /// Name and second line; in a low node a single line, which for a kernel includes the number of rays.
     fn lines(&self, node: &Node, height: f32) -> Vec<Line> {
         let rays = match node.kind {
             NodeKind::Kernel(kernel) => self.rays.iter().find(|(k, _)| *k == kernel).map(|(_, rays)| *rays),
@@ -135,13 +136,13 @@ impl Paint<'_> {
             (Some(rays), true) => vec![line(format!("{} {rays}", node.label), 0.7, 0.5)],
             (None, true) => vec![line(node.label.clone(), 0.7, 0.5)],
             (rays, false) => {
-                let second = rays.map_or_else(|| node.detail.clone(), |rays| format!("{rays} rays"));
+                let second = rays.map_or_else(|| node.detail.clone(), |rays| counted(rays, "ray"));
                 vec![line(node.label.clone(), 0.36, 0.3), line(second, 0.29, 0.71)]
             }
         }
     }
 
-    /// The fonts of first and second lines: the same in all nodes, so small that they fit into every one.
+    /// The fonts of first and second lines: the same in all nodes, small enough to fit each of them.
     fn sizes(&self) -> [f32; 2] {
         let mut sizes = [LARGEST, LARGEST];
         for node in &self.flow.nodes {
@@ -157,20 +158,20 @@ impl Paint<'_> {
 /// A line of text in a node.
 struct Line {
     text: String,
-    /// Of the font at most, in heights of the node.
+    /// Maximum font size, as a fraction of the node's height.
     size: f32,
-    /// Of its middle below the node's upper side, in heights of the node.
+    /// Vertical position of its middle, as a fraction of the node's height.
     middle: f32,
 }
 
 impl Line {
-    /// The largest font with which it fits into a node.
+    /// The largest font that fits the node.
     fn fits(&self, rect: Rect) -> f32 {
         (self.size * rect.height()).min(rect.width() / (0.58 * self.text.chars().count().max(1) as f32))
     }
 }
 
-/// A closed line around a rectangle.
+/// The outline of a rectangle.
 fn outline(rect: Rect) -> [Pos2; 5] {
     let Rect { min, max } = rect;
     [min, pos2(max.x, min.y), max, pos2(min.x, max.y), min]

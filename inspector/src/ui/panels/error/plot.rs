@@ -1,18 +1,19 @@
-//! Curves of shares over the device's time, on axes with round marks.
+//! Curves of shares over device time, on axes with round tick marks.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
 use raystep_lab::judge::Judgement;
+use raystep_lab::text::counted;
 
 use super::scales::{Shares, Unit, grouped, percent};
 
-/// Points left of the field, for shares.
+/// Points left of the plot area, for shares.
 const LEFT: f32 = 46.0;
-/// Above it, for what the shares are.
+/// Points above it, for the axis title.
 const HEAD: f32 = 19.0;
-/// Below it, for times, and for what they are.
+/// Points below it, for times and the axis title.
 const FOOT: f32 = 30.0;
-/// Room for a time.
+/// Width of a time label.
 const MARK: f32 = 52.0;
 
 /// A run.
@@ -22,12 +23,12 @@ pub(super) struct Curve<'a> {
     rays: u64,
     judgement: Option<&'a Judgement>,
     color: Color32,
-    /// When each place is reached, the start included: in ns, or in passes.
+    /// When each place is reached, including the start: in ns, or in passes.
     ends: Vec<f64>,
 }
 
 impl<'a> Curve<'a> {
-    /// Of passes that are known, with the place where the run is.
+    /// The known passes, and the current place.
     pub(super) fn new(
         passes: &'a [Pass],
         place: usize,
@@ -61,7 +62,7 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// When each place is reached, the start included.
+/// When each place is reached, including the start.
 fn ends(passes: &[Pass], is_by_time: bool) -> Vec<f64> {
     let mut end = 0.0;
     let later = passes.iter().map(|pass| {
@@ -71,12 +72,12 @@ fn ends(passes: &[Pass], is_by_time: bool) -> Vec<f64> {
     std::iter::once(0.0).chain(later.collect::<Vec<_>>()).collect()
 }
 
-/// All of it.
+/// The total.
 pub(super) struct Plot<'a> {
     curves: Vec<Curve<'a>>,
     shares: Shares,
     unit: Unit,
-    /// Where the horizontal axis ends.
+    /// End of the horizontal axis.
     most: f64,
     /// Of the passes, those whose time is unknown.
     untimed: usize,
@@ -96,7 +97,7 @@ impl<'a> Plot<'a> {
         Self { curves, shares, unit, most, untimed }
     }
 
-    /// Paints it. The run and place that the pointer asks for, and whether by a click: else it is dragged.
+    /// Paints it. Returns the run and place under the pointer when clicked or dragged, and whether it was a click.
     pub(super) fn show(&self, ui: &mut Ui, height: f32) -> Option<(usize, usize, bool)> {
         let size = vec2(ui.available_width().max(120.0), height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -145,20 +146,22 @@ impl<'a> Plot<'a> {
         for (time, text) in self.unit.marks(self.most, (field.width() / MARK) as usize) {
             let x = self.at(field, time, 0.0).x;
             painter.vline(x, field.y_range(), line);
-            // The last number ends where the field does.
+            // The last label ends with the plot area.
             let half = 0.5 * painter.layout_no_wrap(text.clone(), font.clone(), ink).size().x;
             let x = x.min(rect.right() - half);
             painter.text(pos2(x, field.bottom() + 5.0), Align2::CENTER_TOP, text, font.clone(), ink);
         }
         let title = match self.shares {
             Shares::Linear => "share of rays",
-            Shares::Log(_) => "share of rays, log",
+            Shares::Log(_) => "share of rays, logarithmic",
         };
         painter.text(rect.left_top(), Align2::LEFT_TOP, title, font.clone(), ink);
         let title = match (self.unit == Unit::PASSES, self.untimed) {
-            (true, _) => "passes so far: they have no times".to_owned(),
+            (true, _) => "passes so far (no valid times)".to_owned(),
             (false, 0) => format!("device time so far, {}", self.unit.name),
-            (false, untimed) => format!("device time so far, {}, without {untimed} passes not timed", self.unit.name),
+            (false, untimed) => {
+                format!("device time so far, {}, excluding {}", self.unit.name, counted(untimed, "untimed pass"))
+            }
         };
         painter.text(pos2(field.center().x, rect.bottom()), Align2::CENTER_BOTTOM, title, font, ink);
     }
@@ -182,7 +185,7 @@ impl<'a> Plot<'a> {
         painter.circle(here, 3.5, curve.color, Stroke::new(1.0, strong));
     }
 
-    /// From step to step: what a pass resolves is resolved at its end. Steps within half a point are one.
+    /// A step function: a pass resolves rays at its end. Steps within half a point are merged.
     fn stairs(&self, field: Rect, steps: &[(f64, f64)]) -> Vec<Pos2> {
         let mut line: Vec<Pos2> = Vec::new();
         for &(time, share) in steps {
@@ -203,13 +206,13 @@ impl<'a> Plot<'a> {
         line
     }
 
-    /// For those who do not see it.
+    /// For screen readers.
     fn name(&self, response: &Response) {
         let over = if self.unit == Unit::PASSES { "passes" } else { "device time" };
         let mut text = format!("rays not yet resolved over {over}");
         for (curve, name) in self.curves.iter().zip(["A", "B"]) {
             let (left, place) = (grouped(curve.rays - curve.resolved(curve.place)), curve.place);
-            text += &format!("; run {name}: {left} of {} after {place} passes", grouped(curve.rays));
+            text += &format!("; run {name}: {left} of {} after {}", grouped(curve.rays), counted(place, "pass"));
             if let Some(judgement) = curve.judgement {
                 text += &format!(", {} judged rays resolved wrongly", grouped(judgement.wrong_by(place) as u64));
             }
@@ -232,16 +235,16 @@ impl<'a> Plot<'a> {
             }
             let (done, rays) = (curve.resolved(place), curve.rays);
             let share = percent(curve.unresolved_share(place));
-            ui.label(format!("{} of {} rays resolved, {share} are not", grouped(done), grouped(rays)));
+            ui.label(format!("{} of {} rays resolved, {share} unresolved", grouped(done), grouped(rays)));
             if let Some(judgement) = curve.judgement {
                 let wrong = grouped(judgement.wrong_by(place) as u64);
                 ui.label(format!("{wrong} of {} judged rays resolved wrongly", grouped(judgement.counts.rays())));
                 if judgement.passes_between > 1 && !judgement.wrong.is_empty() {
-                    ui.weak(format!("looked at every {} passes at most", judgement.passes_between));
+                    ui.weak(format!("checked at least every {}", counted(judgement.passes_between, "pass")));
                 }
             }
         }
-        let goes = if nearest == 0 { "a click goes there" } else { "a click takes B there" };
+        let goes = if nearest == 0 { "click to go there" } else { "click to move B there" };
         ui.weak(goes);
     }
 }

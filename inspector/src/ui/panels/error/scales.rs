@@ -1,9 +1,9 @@
-//! Axes: where a share and a time are, and where their marks are.
+//! Axes: positions of shares and times, and tick marks.
 
-/// Points at the bottom of a logarithmic axis, between its smallest power of ten and none at all.
+/// Points at the bottom of a logarithmic axis, between its smallest power of ten and zero.
 const TO_NONE: f32 = 14.0;
 
-/// A number with its thousands apart.
+/// A number with thousands separators.
 pub(super) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -16,7 +16,7 @@ pub(super) fn grouped(number: u64) -> String {
     text
 }
 
-/// A share, in percent, with as many digits as it needs.
+/// A share in percent, with as many digits as necessary.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 || percent >= 0.995 {
@@ -30,19 +30,19 @@ pub(super) fn percent(share: f64) -> String {
 /// The vertical axis: shares of 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shares {
-    /// By their size.
+    /// Linear.
     Linear,
-    /// By their logarithm, down to 10 to the power of minus so many; none is below it.
+    /// Logarithmic, down to 10 to the power of minus this; zero is below it.
     Log(i32),
 }
 
 impl Shares {
-    /// An axis that shows one ray of so many.
+    /// An axis that resolves one ray out of this many.
     pub(super) fn of(rays: u64, is_log: bool) -> Self {
         if is_log { Self::Log((rays.max(10) as f64).log10().ceil() as i32) } else { Self::Linear }
     }
 
-    /// Points above the bottom of a field so high.
+    /// Height of a share in a plot area of this height, points.
     pub(super) fn above(self, share: f64, height: f32) -> f32 {
         match self {
             Self::Linear => share.clamp(0.0, 1.0) as f32 * height,
@@ -54,7 +54,7 @@ impl Shares {
         }
     }
 
-    /// Shares that are marked, in a field so high: none closer together than the text of a mark is high.
+    /// Tick marks for a plot area of this height, no closer than the height of their labels.
     pub(super) fn marks(self, height: f32) -> Vec<f64> {
         const APART: f32 = 14.0;
         match self {
@@ -72,12 +72,12 @@ impl Shares {
     }
 }
 
-/// What the horizontal axis is in.
+/// The unit of the horizontal axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit {
     /// Its name.
     pub(super) name: &'static str,
-    /// So many of the smallest unit make one.
+    /// Smallest units per unit.
     pub(super) of: f64,
 }
 
@@ -85,7 +85,7 @@ impl Unit {
     /// Passes.
     pub(super) const PASSES: Self = Self { name: "passes", of: 1.0 };
 
-    /// The unit of times up to so many nanoseconds.
+    /// The unit for times up to this many nanoseconds.
     pub(super) fn of_time(most_ns: f64) -> Self {
         match most_ns {
             ns if ns < 2e6 => Self { name: "µs", of: 1e3 },
@@ -94,7 +94,7 @@ impl Unit {
         }
     }
 
-    /// Round numbers from 0 to `most`, at most `count` steps apart, and each as text.
+    /// At most `count` round numbers from 0 to `most`, each with its label.
     pub(super) fn marks(self, most: f64, count: usize) -> Vec<(f64, String)> {
         let step = self.step(most, count);
         let digits = (-step.log10()).ceil().max(0.0) as usize;
@@ -114,10 +114,14 @@ impl Unit {
             .unwrap_or(10.0 * power)
     }
 
-    /// A time or number of passes, as it is read in words.
+    /// A time or number of passes, for reading.
     pub(super) fn text(self, value: f64) -> String {
         let value = value / self.of;
-        if self == Self::PASSES { format!("{value} passes") } else { format!("{value:.2} {}", self.name) }
+        if self == Self::PASSES {
+            raystep_lab::text::counted(value, "pass")
+        } else {
+            format!("{value:.2} {}", self.name)
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! A source with line numbers and marks. Only the rows in view are laid out.
+//! A source with line numbers and marks. Only visible rows are laid out.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, TextStyle, vec2};
@@ -12,19 +12,19 @@ pub(super) struct Listing {
     lines: Vec<Line>,
     /// Characters of the longest line.
     longest: usize,
-    /// The line that is to be scrolled to.
+    /// The line to scroll to.
     scroll_to: Option<usize>,
 }
 
 impl Listing {
-    /// Shows other lines, and scrolls to the first branch that was taken.
+    /// Replaces the lines, and scrolls to the first branch taken.
     pub(super) fn set(&mut self, lines: Vec<Line>) {
         self.longest = lines.iter().map(|line| line.text.chars().count()).max().unwrap_or(0);
         self.scroll_to = Some(first_taken(&lines).unwrap_or(0));
         self.lines = lines;
     }
 
-    /// All of it.
+    /// The whole text.
     pub(super) fn text(&self) -> String {
         self.lines.iter().flat_map(|line| [line.text.as_str(), "\n"]).collect()
     }
@@ -36,7 +36,7 @@ impl Listing {
         ui.spacing_mut().item_spacing.y = 0.0;
         let mut area = egui::ScrollArea::both().auto_shrink(false);
         if let Some(line) = self.scroll_to.take() {
-            // What leads to the branch is seen as well.
+            // The lines before the branch are visible as well.
             let above = ui.available_height() * 0.3;
             area = area.vertical_scroll_offset((line as f32 * height - above).max(0.0));
         }
@@ -65,23 +65,26 @@ impl Listing {
     }
 }
 
-/// What a mark says, in words.
+/// Describes a mark.
 fn meaning(mark: Mark) -> Option<&'static str> {
     match mark {
         Mark::Plain | Mark::Run => None,
         Mark::NotRun => Some("did not run for this ray in this pass"),
-        Mark::Unknown => Some("the ray's streams do not tell whether this ran"),
-        Mark::LeftOut => Some("left out of this plan"),
+        Mark::Unknown => Some("the ray's streams do not show whether this ran"),
+        Mark::LeftOut => Some("omitted in this plan"),
     }
 }
 
-/// What the bars mean.
+/// Legend of the bars.
 pub(super) fn legend(ui: &mut egui::Ui) {
-    for (mark, name) in [(Mark::Run, "ran"), (Mark::Unknown, "not known")] {
+    for (mark, name) in [(Mark::Run, "ran"), (Mark::Unknown, "unknown")] {
         let (rect, _) = ui.allocate_exact_size(vec2(5.0, 12.0), Sense::hover());
         paint_bar(ui.painter(), rect, mark, ui.visuals());
         let label = ui.add(egui::Label::new(egui::RichText::new(name).small()).extend());
-        label.on_hover_text(meaning(mark).unwrap_or("ran for this ray in this pass; what did not run is dim"));
+        label.on_hover_text(meaning(mark).unwrap_or(
+            "ran for this ray in this pass; lines that did not run are \
+                                                     dimmed",
+        ));
     }
 }
 
@@ -101,7 +104,7 @@ fn paint_bar(painter: &egui::Painter, rect: Rect, mark: Mark, visuals: &egui::Vi
     };
     match mark {
         Mark::Run => drop(painter.rect_filled(rect, 0.0, pick([80, 200, 120], [20, 140, 65]))),
-        // A shape of its own, not only a colour.
+        // Distinguished by shape as well as colour.
         Mark::Unknown => {
             let stroke = Stroke::new(2.0, pick([225, 165, 60], [185, 115, 0]));
             let line = [rect.center_top() + vec2(0.0, 1.0), rect.center_bottom()];
@@ -111,10 +114,10 @@ fn paint_bar(painter: &egui::Painter, rect: Rect, mark: Mark, visuals: &egui::Vi
     }
 }
 
-/// A line in colours.
+/// A line with highlighting.
 fn job(line: &Line, font: &FontId, visuals: &egui::Visuals, is_marked: bool) -> LayoutJob {
     let mut job = LayoutJob::default();
-    // Comments and declarations between lines that ran stay readable, but do not call.
+    // Comments and declarations between lines that ran stay readable, but are less prominent.
     let opacity = match line.mark {
         Mark::Run => 1.0,
         Mark::Unknown => 0.9,
@@ -132,7 +135,7 @@ fn job(line: &Line, font: &FontId, visuals: &egui::Visuals, is_marked: bool) -> 
     for (range, class) in &line.spans {
         let Some(text) = line.text.get(range.clone()) else { continue };
         let color = color(*class, visuals).gamma_multiply(opacity);
-        // No line through an indentation.
+        // Indentation is not struck through.
         let (space, words) = text.split_at(text.len() - text.trim_start().len());
         for (text, strikethrough) in [(space, Stroke::NONE), (words, Stroke::new(1.0, strike))] {
             if !text.is_empty() {

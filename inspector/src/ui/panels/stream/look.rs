@@ -1,4 +1,4 @@
-//! What of a stream view is saved.
+//! The saved part of a stream view.
 
 use raystep_kernels::Stream;
 use raystep_kernels::programs::closest_hit::streams;
@@ -7,22 +7,22 @@ use serde::{Deserialize, Serialize};
 use crate::draw::stream::Colors;
 use crate::names::maybe_saved_stream;
 
-/// What of a view is saved.
+/// The saved part of a view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct Look {
-    /// `None` shows the picture once there is one, and before that rays' states.
+    /// `None` shows the image once it exists, and the rays' states before that.
     #[serde(deserialize_with = "maybe_saved_stream")]
     pub(super) stream: Option<Stream>,
-    /// `None` shows all components, where they are a colour.
+    /// `None` shows all components, if they are a colour.
     pub(super) layer: Option<usize>,
     pub(super) colors: Option<Colors>,
     pub(super) exposure: f32,
     /// Added to a colour.
     pub(super) offset: f32,
-    /// `None` is from the values.
+    /// `None` takes it from the values.
     pub(super) range: Option<[f32; 2]>,
-    /// Points a texel; `None` fits the picture into the panel.
+    /// Points per texel; `None` fits the picture to the panel.
     pub(super) scale: Option<f32>,
     /// The texel in the middle of the panel.
     pub(super) center: [f32; 2],
@@ -58,7 +58,7 @@ impl Look {
         }
     }
 
-    /// Whether the view shows a colour, where it shows this stream.
+    /// Whether the view shows a colour for this stream.
     pub(super) fn is_color(&self, stream: Option<Stream>) -> bool {
         self.layer.is_none() && self.stream.or(stream) == Some(streams::COLOR)
     }

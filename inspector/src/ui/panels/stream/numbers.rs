@@ -1,4 +1,4 @@
-//! The numbers of texels, drawn in them where they are large enough.
+//! Values drawn in texels that are large enough.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
 use raystep_kernels::tables::stream::STATE_TAG;
@@ -6,10 +6,10 @@ use raystep_kernels::{Program, Stream};
 
 use crate::ui::pane::Context;
 
-/// Points a texel from which on numbers fit.
+/// Points per texel at which values fit.
 const FROM: f32 = 46.0;
 
-/// Draws the numbers of the texels in view.
+/// Draws the values of visible texels.
 pub(super) fn draw(
     ui: &egui::Ui,
     cx: &Context<'_>,
@@ -56,7 +56,7 @@ pub(super) fn draw(
     }
 }
 
-/// A component as people read it.
+/// A component in readable form.
 fn text(program: &Program, stream: Stream, layer: usize, bits: u32) -> String {
     if program.state_stream() == Some(stream) && layer == STATE_TAG {
         return program.states.name(bits).into();

@@ -1,4 +1,4 @@
-//! Above the picture: which stream and component, which colours and range, and what they mean.
+//! The toolbar: stream, component, colours, range, and their legend.
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
 use raystep_kernels::programs::closest_hit::streams;
@@ -72,13 +72,13 @@ impl StreamView {
                 ui.add(value).labelled_by(label);
             }
             let zoom = self.look.scale.map_or_else(|| "fit".into(), |s| format!("{:.0}%", s * 100.0));
-            if ui.button(zoom).on_hover_text("fit the picture (F, double click)").clicked() {
+            if ui.button(zoom).on_hover_text("fit to panel (F, double click)").clicked() {
                 self.look.scale = None;
             }
         });
     }
 
-    /// What colours mean, and how many values are out of the ordinary.
+    /// Legend of the colours, and counts of special values.
     pub(super) fn legend(
         &self,
         ui: &mut egui::Ui,
@@ -120,7 +120,7 @@ impl StreamView {
     }
 }
 
-/// How many values no colour of the map stands for.
+/// Counts of values that are outside the colour map.
 fn out_of_the_ordinary(stats: &LayerStats) -> Vec<String> {
     let counts: &[(u64, &str)] = match stats.others {
         Others::Float { nan, pos_inf, neg_inf, at_inf } => {
@@ -131,24 +131,24 @@ fn out_of_the_ordinary(stats: &LayerStats) -> Vec<String> {
     counts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}")).collect()
 }
 
-/// How many rays have which value.
+/// Histogram of the values.
 fn histogram(ui: &mut egui::Ui, span: &Span) {
     let (rect, _) = ui.allocate_exact_size(vec2(256.0, 72.0), Sense::hover());
     let most = span.histogram.iter().copied().max().unwrap_or(0).max(1) as f32;
     let width = rect.width() / span.histogram.len().max(1) as f32;
     for (i, &count) in span.histogram.iter().enumerate().filter(|(_, count)| **count > 0) {
-        // Few rays are still to be seen.
+        // A few rays must remain visible.
         let height = (count as f32 / most * rect.height()).max(1.0);
         let left = rect.left() + i as f32 * width;
         let bar = Rect::from_min_max(pos2(left, rect.bottom() - height), pos2(left + width, rect.bottom()));
         ui.painter().rect_filled(bar, 0.0, ui.visuals().text_color());
     }
-    // A float has no more digits than f32 gives it.
+    // Show no more digits than f32 has.
     let number = |value: f64| {
         let single = value as f32;
         if f64::from(single) == value { single.to_string() } else { value.to_string() }
     };
     let [first, median, last] = span.percentiles.map(number);
     ui.small(format!("from {} to {}", number(span.min), number(span.max)));
-    ui.small(format!("1% up to {first}, half up to {median}, 99% up to {last}"));
+    ui.small(format!("1% up to {first}, median {median}, 99% up to {last}"));
 }

@@ -1,21 +1,21 @@
-//! The colours of a layer of cells: by the length of their lists.
+//! The colours of a layer of cells, by the length of their lists.
 
 use egui::{Color32, ColorImage, Rect, Sense, Ui, vec2};
 use raystep_lab::structure_stats::Slice;
 
 use crate::draw::stream::Colors;
 
-/// The colour of cells that list nothing.
+/// The colour of empty cells.
 const EMPTY: Color32 = Color32::from_rgb(22, 22, 28);
-/// Most texels along a side: larger layers are drawn with several cells a texel.
+/// Most texels per side: in larger layers, one texel represents several cells.
 const MOST_TEXELS: i32 = 2048;
 
-/// A layer as a picture: a texel a cell, or of a very large one a texel for several.
+/// A layer as an image: one texel per cell, or for a very large layer one for several cells.
 pub(super) fn picture(slice: &Slice, longest: u32) -> ColorImage {
     of_at_most(slice, longest, MOST_TEXELS)
 }
 
-/// A layer as a picture of at most `most` texels a side, each as its longest list.
+/// A layer as an image of at most `most` texels per side, each for its longest list.
 fn of_at_most(slice: &Slice, longest: u32, most: i32) -> ColorImage {
     let block = |side: i32| (side + most - 1) / most;
     let [bx, by] = [block(slice.width).max(1), block(slice.height).max(1)];
@@ -31,18 +31,18 @@ fn of_at_most(slice: &Slice, longest: u32, most: i32) -> ColorImage {
     ColorImage::new(size, lengths.into_iter().map(|length| color(length, longest)).collect())
 }
 
-/// By logarithm: few lists are long. The same length has the same colour in every layer.
+/// Logarithmic, since few lists are long. The same length has the same colour in every layer.
 fn color(length: u32, longest: u32) -> Color32 {
     if length == 0 {
         return EMPTY;
     }
     let part = if longest > 1 { f64::from(length).ln() / f64::from(longest).ln() } else { 1.0 };
-    // The darkest tenth of the map is left to empty cells.
+    // The darkest tenth of the map is reserved for empty cells.
     let [r, g, b] = Colors::Viridis.at(0.1 + 0.9 * part);
     Color32::from_rgb(r, g, b)
 }
 
-/// The colours and what they stand for.
+/// The legend of the colours.
 pub(super) fn legend(ui: &mut Ui, longest: u32) {
     let steps = 24;
     let (rect, response) = ui.allocate_exact_size(vec2(steps as f32 * 3.0, 10.0), Sense::hover());
@@ -53,7 +53,7 @@ pub(super) fn legend(ui: &mut Ui, longest: u32) {
         let bar = Rect::from_min_size(rect.min + vec2(i as f32 * 3.0, 0.0), vec2(3.0, rect.height()));
         painter.rect_filled(bar, 0.0, color(length, longest));
     }
-    let about = "triangles that a cell lists: dark for none, then by logarithm up to the grid's longest list";
+    let about = "triangles per cell: dark for none, otherwise logarithmic up to the grid's longest list";
     response.on_hover_text(about);
     ui.small(format!("0, 1 … {longest}")).on_hover_text(about);
 }

@@ -1,4 +1,4 @@
-//! A layer of the grid's cells as a picture of how long their lists are.
+//! A layer of the grid's cells, coloured by list length.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle};
 use egui::{TextureOptions, Ui, Vec2, pos2, vec2};
@@ -6,51 +6,52 @@ use raystep_kernels::export::trace::Trace;
 use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{Slice, triangles_in};
+use raystep_lab::text::counted;
 
 use super::picture::{legend, picture};
 use crate::ui::pane::Context;
 use crate::ui::panels::ray::current_row;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
-/// Points around a layer, for the names of the axes.
+/// Points around a layer, for the axis labels.
 const MARGIN: Vec2 = vec2(22.0, 2.0);
 
-/// A layer, and what is marked in it.
+/// A layer, and its marks.
 #[derive(Default)]
 pub(super) struct SliceView {
-    /// The axis that the layer is across; `None` as at first: z.
+    /// The axis perpendicular to the layer; `None` for the initial z.
     axis: Option<usize>,
-    /// Which layer; `None` follows the selected ray.
+    /// Layer index; `None` follows the selected ray.
     index: Option<i32>,
     /// The cell that was clicked.
     cell: Option<[i32; 3]>,
-    /// The selected ray's.
+    /// The selected ray's cell.
     current: Option<[i32; 3]>,
     /// The triangle whose cells are marked.
     pub(super) triangle: Option<u32>,
     drawn: Option<(Slice, TextureHandle)>,
-    /// Cells of the layer that list the marked triangle, and which they are.
+    /// Cells of the layer that list the marked triangle, and the key of that result.
     listing: Option<(Listed, Vec<[i32; 2]>)>,
 }
 
-/// A triangle, and an axis and index of a layer.
+/// A triangle, and the axis and index of a layer.
 type Listed = (u32, usize, i32);
 
 impl SliceView {
-    /// There is another grid.
+    /// Resets the view for another grid.
     pub(super) fn forget(&mut self) {
         let axis = self.axis;
         *self = Self { axis, ..Self::default() };
     }
 
-    /// Selects a cell, and goes to its layer.
+    /// Selects a cell, and moves to its layer.
     pub(super) fn select(&mut self, data: &SceneData, cell: [i32; 3]) {
         if data.grid.is_in_grid(cell) {
             (self.cell, self.index) = (Some(cell), Some(cell[self.axis()]));
         }
     }
 
-    /// The cell whose list is shown: the one that was clicked, else the selected ray's.
+    /// The cell whose list is shown: the clicked one, otherwise the selected ray's.
     pub(super) fn cell(&self) -> Option<[i32; 3]> {
         self.cell.or(self.current)
     }
@@ -59,7 +60,7 @@ impl SliceView {
         self.axis.unwrap_or(2).min(2)
     }
 
-    /// Shows tools and picture in so many points of height. `longest` is the grid's longest list.
+    /// Shows tools and image in this height, in points. `longest` is the grid's longest list.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, longest: u32, height: f32) {
         let top = ui.cursor().top();
         let visits = cx.model.life.as_ref().map_or_else(Vec::new, |life| visited(life, data, cx.model.place));
@@ -108,7 +109,7 @@ impl SliceView {
         painter.text(place.rect.right_bottom() + vec2(3.0, 0.0), Align2::LEFT_BOTTOM, AXES[across], font.clone(), ink);
         painter.text(place.rect.left_top() - vec2(3.0, 0.0), Align2::RIGHT_TOP, AXES[up], font, ink);
         let text = format!(
-            "lists of the {} by {} cells across {} at {index}, the longest {}",
+            "list lengths of the {} by {} cells perpendicular to {} at {index}, longest {}",
             slice.width,
             slice.height,
             AXES[axis],
@@ -118,7 +119,9 @@ impl SliceView {
         if let Some([column, row]) = response.hover_pos().and_then(|at| place.at(at)) {
             let [x, y, z] = slice.cell(column, row);
             let length = slice.lengths.get((row * slice.width + column) as usize).copied().unwrap_or(0);
-            response.clone().on_hover_text_at_pointer(format!("cell {x},{y},{z}: lists {length} triangles"));
+            response
+                .clone()
+                .on_hover_text_at_pointer(format!("cell {x},{y},{z}: {} in its list", counted(length, "triangle")));
         }
         if let Some([column, row]) =
             response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| place.at(at))
@@ -128,11 +131,11 @@ impl SliceView {
         }
     }
 
-    /// Axis and layer; the layer that is to be shown.
+    /// Chooses axis and layer; returns the layer to show.
     fn tools(&mut self, ui: &mut Ui, data: &SceneData, longest: u32) -> i32 {
         let mut index = 0;
         ui.horizontal_wrapped(|ui| {
-            let label = ui.label("across").on_hover_text("the axis that the layer of cells is across");
+            let label = ui.label("across").on_hover_text("the axis perpendicular to the layer");
             for (axis, name) in AXES.into_iter().enumerate() {
                 if ui.selectable_label(self.axis() == axis, name).labelled_by(label.id).clicked() {
                     self.axis = Some(axis);
@@ -151,7 +154,7 @@ impl SliceView {
             let mut follows = self.index.is_none();
             if ui
                 .checkbox(&mut follows, "follow the ray")
-                .on_hover_text("the layer of the selected ray's cell")
+                .on_hover_text("show the layer of the selected ray's cell")
                 .changed()
             {
                 (self.index, self.cell) = ((!follows).then_some(index), None);
@@ -173,15 +176,15 @@ impl SliceView {
     }
 }
 
-/// A cell that the selected ray works in.
+/// A cell that the selected ray is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Visit {
     cell: [i32; 3],
-    /// Whether that was before the run's place.
+    /// Whether that was before the current place.
     has_run: bool,
 }
 
-/// The cells of a ray's life, in its order; each as long as it stays once.
+/// The cells of a ray's history in order; consecutive rows in the same cell count once.
 fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
     let mut visits: Vec<Visit> = Vec::new();
     for row in &life.rows {
@@ -191,7 +194,7 @@ fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
             visits.push(Visit { cell, has_run: row.is_within(place) });
         }
     }
-    // Where the ray has been brought to, it has not yet worked.
+    // A pass that brings the ray to a cell has not worked in it yet.
     let now = current_row(life, place).and_then(|i| life.rows.get(i)).filter(|row| row.after.tag > states::TRAV_SETUP);
     if let Some(cell) = now.map(|row| data.grid.cell_of_index(row.after.cell_index))
         && let Some(next) = visits.iter().position(|v| !v.has_run)
@@ -202,12 +205,12 @@ fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
     visits
 }
 
-/// The two axes of a layer across another one, as [`Slice`] has them.
+/// The two axes of a layer perpendicular to the given one, in the order of [`Slice`].
 fn others(axis: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][axis.min(2)]
 }
 
-/// Column and row of a cell in a layer; `None` where it is in another layer.
+/// Column and row of a cell in a layer; `None` if it is in another layer.
 fn place_in(slice: &Slice, cell: [i32; 3]) -> Option<[i32; 2]> {
     let [across, up] = others(slice.axis);
     (cell[slice.axis] == slice.index).then(|| [cell[across], slice.height - 1 - cell[up]])
@@ -223,7 +226,7 @@ fn listing(data: &SceneData, slice: &Slice, triangle: u32) -> Vec<[i32; 2]> {
     all.filter(lists).collect()
 }
 
-/// Where a layer is on the screen: its cells as wide to high as they are.
+/// The screen rectangle of a layer, with the aspect ratio of its cells.
 struct Placement {
     rect: Rect,
     cells: [i32; 2],
@@ -247,11 +250,11 @@ impl Placement {
         vec2(slice.width as f32 * data.grid.width[across], slice.height as f32 * data.grid.width[up])
     }
 
-    /// The height that a layer needs in so much width, margins included.
+    /// The height of a layer of this width, including margins.
     fn height(slice: &Slice, data: &SceneData, width: f32) -> f32 {
         let size = Self::size(slice, data);
         let height = (width - 2.0 * MARGIN.x) * size.y / size.x;
-        // The names of both axes are to be read.
+        // Both axis labels must be readable.
         if height.is_finite() { height.max(24.0) + 2.0 * MARGIN.y } else { f32::INFINITY }
     }
 
@@ -340,7 +343,7 @@ mod tests {
             assert_eq!(steps, 1, "{pair:?}");
         }
         assert_eq!((count(0), count(passes)), (0, visits.len()));
-        // Set-up has brought it to its first cell, and the first step to the second.
+        // Set-up moves the ray to its first cell, and the first step to the second.
         let step = life.rows.iter().find(|row| row.kernel == "traverse_grid").expect("a step");
         let at = |row: &TraceRow| count(row.place().expect("a pass"));
         assert_eq!((at(&life.rows[1]), at(step)), (1, 2));

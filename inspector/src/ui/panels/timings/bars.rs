@@ -1,7 +1,8 @@
-//! A bar a pass; where there are more passes than points, a bar a point, as high as the dearest pass in it.
+//! One bar per pass, or, if there are more passes than points, one bar per point, as high as the slowest pass in it.
 
 use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use raystep_kernels::Pass;
+use raystep_lab::text::counted;
 
 use super::duration;
 use crate::ui::pane::Context;
@@ -10,11 +11,11 @@ use crate::ui::panels::chart::kernel_color;
 /// A bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Column {
-    /// The first pass that it stands for.
+    /// The first pass it represents.
     first: usize,
-    /// The dearest of them.
+    /// The slowest of them.
     dearest: usize,
-    /// What the dearest took; `None` where that of none is known.
+    /// The duration of the slowest pass; `None` if none is known.
     ns: Option<u64>,
 }
 
@@ -29,7 +30,7 @@ fn columns(passes: &[Pass], most: usize) -> Vec<Column> {
     (0..count).map(column).collect()
 }
 
-/// Paints them. A click goes to after the dearest pass of a bar. `kept` is emptied whenever passes have changed.
+/// Paints them. A click goes to the place after the slowest pass of a bar. `kept` is cleared when passes change.
 pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: bool, cx: &mut Context<'_>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), height), Sense::click());
     let (passes, place) = (&cx.model.passes, cx.model.place);
@@ -61,7 +62,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
         let top = rect.bottom() - part(ns, longest, is_log) * (rect.height() - 16.0);
         painter.rect_filled(Rect::from_min_max(pos2(left, top), pos2(left + width - gap, rect.bottom())), 0.0, color);
     }
-    let scale = format!("{}{}", duration(longest), if is_log { ", log" } else { "" });
+    let scale = format!("{}{}", duration(longest), if is_log { ", logarithmic" } else { "" });
     painter.text(
         rect.left_top() + vec2(3.0, 1.0),
         Align2::LEFT_TOP,
@@ -74,7 +75,11 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
         let x = rect.left() + (column as f32 + 0.5) * width;
         painter.vline(x, rect.y_range(), Stroke::new(1.5, ui.visuals().strong_text_color()));
     }
-    let text = format!("duration of {} passes, the longest {}; after pass {place}", passes.len(), duration(longest));
+    let text = format!(
+        "durations of {}, the longest {}; after pass {place}",
+        counted(passes.len(), "pass"),
+        duration(longest)
+    );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, &text));
     let column_at = |x: f32| kept.get(((x - rect.left()) / width).max(0.0) as usize).or(kept.last());
     if let Some(column) = response.hover_pos().and_then(|at| column_at(at.x)) {
@@ -89,9 +94,9 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
 
 fn about(ui: &mut Ui, pass: &Pass, is_dearest: bool) {
     ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
-    let what = if is_dearest { "the dearest here, " } else { "" };
+    let what = if is_dearest { "slowest in this bar, " } else { "" };
     ui.label(pass.duration_ns.map_or_else(|| "duration unknown".into(), |ns| format!("{what}{}", duration(ns))));
-    ui.label(format!("worked on {} rays", pass.rays_in));
+    ui.label(format!("processed {}", counted(pass.rays_in, "ray")));
 }
 
 /// Height of a bar, from 0 to 1.
@@ -115,7 +120,7 @@ mod tests {
         let all = columns(&passes, 100);
         assert_eq!((all.len(), all[77]), (100, Column { first: 770, dearest: 777, ns: Some(5000) }));
         assert_eq!(all.iter().filter(|c| c.ns == Some(5000)).count(), 1);
-        // Of equal ones the first.
+        // Of equal ones, the first.
         assert_eq!((all[0], all[99].first), (Column { first: 0, dearest: 0, ns: Some(10) }, 990));
         let few = columns(&passes[..4], 100);
         assert_eq!(few.len(), 4);

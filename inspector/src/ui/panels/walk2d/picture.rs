@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use glam::{DVec2, Vec2Swizzles as _};
+use raystep_lab::text::counted;
 
 use super::super::walked::number;
 use super::progress::{chosen, row_of};
@@ -9,26 +10,26 @@ use super::{Scene, Under};
 use crate::draw::stream::Colors;
 use crate::walk::{Outcome, Projected, Square, Structure};
 
-/// Most squares and triangles painted, the first ones: a ray that tests all of a large scene would be a grey area.
+/// Most squares and triangles painted, the first ones: a ray that tests all triangles of a large scene would become a
+/// grey area.
 const MOST: usize = 2000;
-/// Letters are left out of squares smaller than this.
+/// Squares smaller than this have no letters.
 const ROOM_FOR_LETTER: f32 = 13.0;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// From traced units to points of the panel.
+/// Transform from traced units to points in the panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Map {
     min: DVec2,
     scale: f64,
-    /// Where `min` is.
+    /// The position of `min`.
     corner: Pos2,
-    /// The first axis points up, the second one to the right.
+    /// The first axis points up and the second to the right.
     is_turned: bool,
 }
 
 impl Map {
-    /// All of the picture, in the middle of a rectangle, turned where it is much larger so; `None` where either has no
-    /// size.
+    /// Fits the whole picture into a rectangle, rotated if that makes it much larger; `None` if either is empty.
     fn fit(picture: &Projected, rect: Rect) -> Option<Self> {
         let extent = picture.max - picture.min;
         if !extent.is_finite() || extent.cmple(DVec2::ZERO).any() || !rect.is_positive() {
@@ -60,14 +61,14 @@ impl Map {
     }
 }
 
-/// The smallest square that a point is in: boxes of a tree lie in each other.
+/// The smallest square that contains a point: boxes of a BVH are nested.
 fn square_at(squares: &[Square], p: DVec2) -> Option<&Square> {
     let area = |s: &Square| (s.max - s.min).element_product();
     let inside = squares.iter().filter(|s| p.cmpge(s.min).all() && p.cmple(s.max).all());
     inside.min_by(|a, b| area(a).total_cmp(&area(b)))
 }
 
-/// Draws; says what is under the cursor.
+/// Draws it; describes the item under the cursor.
 pub(super) fn draw(
     painter: &egui::Painter,
     rect: Rect,
@@ -82,7 +83,7 @@ pub(super) fn draw(
     let [right, up] = if map.is_turned { [b, a] } else { [a, b] };
     let dropped = AXES[3 - picture.axes[0] - picture.axes[1]];
     let frame = map.rect(picture.min, picture.max);
-    let note = format!("seen along {dropped}: {right} to the right, {up} upward");
+    let note = format!("seen along {dropped}: {right} to the right, {up} upwards");
     painter.text(note_rect.left_top(), Align2::LEFT_TOP, note, FontId::proportional(10.5), visuals.weak_text_color());
     let painter = painter.with_clip_rect(frame.expand(4.0).intersect(painter.clip_rect()));
     lines(&painter, &map, picture, visuals);
@@ -99,14 +100,14 @@ pub(super) fn draw(
     Some(Under { text: words(scene, square, visit), row: row_of(scene.walk, visit)? })
 }
 
-/// A visit in numbers.
+/// Describes a visit.
 fn words(scene: &Scene<'_>, square: &Square, visit: usize) -> String {
     let walk = scene.walk;
     let mut text = match (walk.cells.get(visit), walk.nodes.get(visit)) {
         (Some(cell), _) => {
             let [x, y, z] = cell.cell;
             let t = [cell.t_in, cell.t_out].map(number);
-            format!("cell {x},{y},{z}: t {} to {}, {} listed", t[0], t[1], cell.listed)
+            format!("cell {x},{y},{z}: t {} to {}, {} in its list", t[0], t[1], counted(cell.listed, "triangle"))
         }
         (None, Some(node)) => {
             let t = node.inside.map_or_else(String::new, |t| format!(": t {} to {}", number(t[0]), number(t[1])));
@@ -115,7 +116,7 @@ fn words(scene: &Scene<'_>, square: &Square, visit: usize) -> String {
         _ => String::new(),
     };
     if square.visits.len() > 1 {
-        text += &format!("\n{} visits lie behind each other here", square.visits.len());
+        text += &format!("\n{} visits overlap here", square.visits.len());
     }
     text
 }
@@ -164,7 +165,7 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
             );
         }
     }
-    // Of a tree, the node where the ray is may still have to be visited.
+    // In a BVH, the current node may still have to be visited.
     let current_box = scene.now.and_then(|now| now.current_box);
     let flat = |v: glam::DVec3| DVec2::new(v[picture.axes[0]], v[picture.axes[1]]);
     let current = current_box.map(|b| map.rect(flat(b.min), flat(b.max))).or(current.filter(|_| !is_tree));
@@ -198,7 +199,7 @@ fn ray(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scene<'_
         map.place(DVec2::new(p[picture.axes[0]], p[picture.axes[1]]))
     };
     let at = scene.now.filter(|now| now.t > 0.0).map(flat);
-    // Before it came into the picture there is no "so far".
+    // Before the ray enters the picture there is no "so far".
     let at = at.filter(|at| (*at - from).dot(to - from) > 0.0);
     painter.extend(Shape::dashed_line(
         &[at.unwrap_or(from), to],
@@ -223,7 +224,7 @@ fn ray(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scene<'_
     }
 }
 
-/// A colour of viridis, from the first to the last of a walk.
+/// A viridis colour, from the first to the last of a walk.
 pub(super) fn in_order(i: usize, count: usize) -> Color32 {
     let at = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
     let [r, g, b] = Colors::Viridis.at(0.15 + 0.85 * at);

@@ -1,17 +1,17 @@
-//! What of a ray's whole walk has happened by a row of its life.
+//! The part of a ray's whole walk reached by a row of its history.
 
 use std::collections::BTreeMap;
 
 use crate::walk::{Outcome, Projected, Structure, WalkGeometry};
 
-/// How far a walk has come.
+/// Progress of a walk.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Progress {
     /// The row; `None` before the first.
     pub(super) row: Option<usize>,
-    /// The visit where the ray is.
+    /// The current visit.
     pub(super) visit: Option<usize>,
-    /// The best outcome so far of each of the picture's triangles; `None` for one that is still to be tested.
+    /// The best outcome so far of each triangle in the picture; `None` if not tested yet.
     pub(super) outcomes: Vec<Option<Outcome>>,
 }
 
@@ -51,7 +51,7 @@ pub(super) fn row_of(walk: &WalkGeometry, visit: usize) -> Option<usize> {
     }
 }
 
-/// Which of several visits a click goes to: the first one, or, from one of them, the one after it.
+/// The target of a click on several visits: the first one, or the one after the current.
 pub(super) fn chosen(visits: &[usize], current: Option<usize>) -> Option<usize> {
     let at = current.and_then(|current| visits.iter().position(|&visit| visit == current));
     at.map_or(visits.first(), |at| visits.get((at + 1) % visits.len())).copied()

@@ -1,6 +1,7 @@
-//! The walk unfolded along t: cells side by side with the three tmax of each above them, or nodes under each other.
+//! The walk unfolded along t: cells side by side with their tmax bars above, or nodes below each other.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+use raystep_lab::text::counted;
 
 use super::super::walked::number;
 use super::picture::{current_color, in_order, outcome_color, ray_color};
@@ -8,13 +9,13 @@ use super::progress::row_of;
 use super::{Scene, Under};
 use crate::walk::{Entry, Outcome, Spacing, Strip, StripCell, StripTest};
 
-/// Points above and below a tree's bars: a margin and the scale of t.
+/// Points above and below a BVH's bars: a margin and the scale of t.
 pub(super) const TREE_EDGES: f32 = 26.0;
 const SCALE: f32 = 20.0;
 /// Most bars of nodes and dots of tests painted.
 const MOST: usize = 4000;
 
-/// Draws; says what is under the cursor.
+/// Draws it; describes the item under the cursor.
 pub(super) fn draw(
     painter: &Painter,
     rect: Rect,
@@ -106,7 +107,7 @@ impl Pen<'_> {
             if self.is_over(whole) {
                 under = row_of(self.scene.walk, cell.visit).map(|row| Under { text: cell_words(cell), row });
             }
-            // In the order of the tests: their t often lie outside of the cell.
+            // In test order: their t often lies outside the cell.
             let count = cell.tests.len() as f32;
             let radius = (column.width() / (2.6 * count)).clamp(0.8, 4.0);
             for (i, test) in cell.tests.iter().enumerate() {
@@ -117,7 +118,7 @@ impl Pen<'_> {
         under
     }
 
-    /// Three bars, the smallest one in the ray's colour.
+    /// Three bars, the smallest in the ray's colour.
     fn tmax(&self, cell: &StripCell, rect: Rect, has_come: bool) {
         let bar = (rect.width() / 4.0).min(14.0);
         let visuals = self.scene.visuals;
@@ -134,7 +135,7 @@ impl Pen<'_> {
                 Rect::from_min_max(pos2(left + gap, rect.bottom() - height), pos2(left + bar - gap, rect.bottom()));
             self.painter.rect_filled(area, 0.0, color);
             if share > 1.0 && rect.height() > 20.0 {
-                // Cut off.
+                // Truncated.
                 for down in [4.0, 8.0] {
                     let cut = Rect::from_min_size(pos2(left, rect.top() + down), vec2(bar, 1.5));
                     self.painter.rect_filled(cut, 0.0, visuals.panel_fill);
@@ -197,7 +198,7 @@ impl Pen<'_> {
     fn tests(&self, tests: &[StripTest], x: impl Fn(&StripTest) -> Option<f32>, y: f32, radius: f32) -> Option<Under> {
         let mut under = None;
         let mut tests: Vec<&StripTest> = tests.iter().take(MOST).collect();
-        // Hits over misses: triangles of one plane are met at the same t.
+        // Hits over misses: triangles in one plane are met at the same t.
         tests.sort_by_key(|test| test.outcome);
         for test in tests {
             if let Some(x) = x(test).filter(|x| x.is_finite()) {
@@ -235,7 +236,7 @@ impl Pen<'_> {
         let mut written = f32::NEG_INFINITY;
         for t in marks(self.strip, self.spacing) {
             let x = self.place(t);
-            // Cells that the ray only touches end at the same t.
+            // Cells that the ray barely touches end at the same t.
             if x - written < 46.0 || x > rect.right() - 20.0 && written > rect.right() - 66.0 {
                 continue;
             }
@@ -270,7 +271,7 @@ impl Pen<'_> {
     }
 }
 
-/// Where the scale has marks: at the ends of cells where they are equally wide, else evenly.
+/// Tick marks of the scale: at the ends of cells if these are equally wide, otherwise evenly spaced.
 fn marks(strip: &Strip, spacing: Spacing) -> Vec<f64> {
     match spacing {
         Spacing::Equal if !strip.cells.is_empty() => {
@@ -280,21 +281,22 @@ fn marks(strip: &Strip, spacing: Spacing) -> Vec<f64> {
     }
 }
 
-/// A cell in numbers.
+/// Describes a cell.
 fn cell_words(cell: &StripCell) -> String {
     let [x, y, z] = cell.cell;
     let [from, to] = cell.t.map(number);
     let [tx, ty, tz] = cell.tmax.map(|t| t.map_or_else(|| "never".into(), number));
     let axis = ["x", "y", "z"][cell.exit_axis];
     let on = match cell.next {
-        Some(Entry::Leap { cells: [x, y, z] }) => format!(", and goes on {x},{y},{z} cells away"),
-        Some(Entry::Wrap) => ", over the grid's face, and goes on in another row".into(),
+        Some(Entry::Leap { cells: [x, y, z] }) => format!(", then skips {x},{y},{z} cells"),
+        Some(Entry::Wrap) => ", then wraps around at the grid's face into another row".into(),
         _ => String::new(),
     };
     format!(
-        "{}: cell {x},{y},{z}, t {from} to {to}\ntmax x {tx}, y {ty}, z {tz}: leaves along {axis}{on}\n{} triangles listed, {} tested",
+        "{}: cell {x},{y},{z}, t {from} to {to}\ntmax x {tx}, y {ty}, z {tz}: leaves along {axis}{on}\n{} in its \
+         list, {} tested",
         cell.letters,
-        cell.listed,
+        counted(cell.listed, "triangle"),
         cell.tests.len()
     )
 }
@@ -332,7 +334,7 @@ mod tests {
             let moved = [0, 1, 2].map(|axis: usize| to[axis] - from[axis]);
             let [x, y, z] = moved;
             let is_leap = moved.iter().map(|n| n.abs()).sum::<i32>() > 1;
-            let said = cell_words(&pair[0]).contains(&format!(", and goes on {x},{y},{z} cells away\n"));
+            let said = cell_words(&pair[0]).contains(&format!(", then skips {x},{y},{z} cells\n"));
             assert_eq!(said, is_leap, "{}", cell_words(&pair[0]));
             leaps += u32::from(is_leap);
         }

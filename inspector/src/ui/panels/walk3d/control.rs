@@ -7,16 +7,16 @@ use super::Wish;
 use crate::orbit::Orbit;
 use crate::ui::command::{COMMANDS, Command};
 
-/// Times its size that the view flies in a second.
+/// Flying speed per second, in sizes of the scene.
 const SPEED: f64 = 0.8;
 
-/// Moves the camera; says what else is wanted.
+/// Moves the camera; returns other requests.
 pub(super) fn control(ui: &egui::Ui, response: &egui::Response, camera: &mut Orbit) -> Option<Wish> {
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }
     if response.has_focus() {
-        // Arrows go on to the next pixel, not to the next button.
+        // Arrow keys select a neighbouring pixel, not the next button.
         let filter = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
     }
@@ -53,7 +53,7 @@ pub(super) fn control(ui: &egui::Ui, response: &egui::Response, camera: &mut Orb
     }
 }
 
-/// The commands whose keys were pressed while the view has the focus, but for the keys that it uses itself.
+/// The commands whose keys were pressed while the view has the focus, except for keys that the view uses itself.
 pub(super) fn commands(input: &egui::InputState) -> Vec<Command> {
     const OWN: [Key; 7] = [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E, Key::F];
     let command = |event: &Event| {
@@ -63,13 +63,13 @@ pub(super) fn commands(input: &egui::InputState) -> Vec<Command> {
         }
         let keys = COMMANDS.iter().flat_map(|info| info.keys.iter().map(move |key| (info.command, key)));
         let fits = keys.filter(|(_, (wanted, of))| of == key && modifiers.matches_logically(*wanted));
-        // The more modifiers, the better: else Shift+F10 would be F10.
+        // Most modifiers first: otherwise Shift+F10 would match F10.
         fits.max_by_key(|(_, (wanted, _))| [wanted.shift, wanted.command].iter().filter(|&&on| on).count()).map(|c| c.0)
     };
     input.events.iter().filter_map(command).collect()
 }
 
-/// W, A, S and D as in games, Q down and E up. Whether one of them is held.
+/// W, A, S and D as in games, Q down and E up. Returns whether one of them is held.
 fn fly(ui: &egui::Ui, camera: &mut Orbit) -> bool {
     let (steps, seconds) = ui.input(|input| {
         let axis = |less: Key, more: Key| f64::from(input.key_down(more)) - f64::from(input.key_down(less));
@@ -86,7 +86,7 @@ fn fly(ui: &egui::Ui, camera: &mut Orbit) -> bool {
     true
 }
 
-/// Looks along `direction` at a point, from `distance` before it.
+/// Looks along `direction` at a point, from `distance` in front of it.
 pub(super) fn look_along(camera: &mut Orbit, at: DVec3, direction: DVec3, distance: f64) {
     let Some(forward) = direction.try_normalize() else { return };
     if !(distance > 0.0 && at.is_finite()) {
@@ -96,7 +96,7 @@ pub(super) fn look_along(camera: &mut Orbit, at: DVec3, direction: DVec3, distan
     let pose = &mut camera.pose;
     (pose.target, pose.distance, pose.roll) = (at, distance, 0.0);
     pose.pitch = forward.y.atan2(level);
-    // Straight up or down every turn will do: that of before stays.
+    // Looking straight up or down, any turn is possible: the previous one stays.
     if level > 1e-9 {
         pose.yaw = (-forward.x).atan2(-forward.z);
     }
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::walk::Aabb;
 
-    /// A view of 400 by 300 points, and hands on it.
+    /// A view of 400 by 300 points, with simulated input.
     struct Stage {
         ctx: egui::Context,
         camera: Orbit,

@@ -1,4 +1,4 @@
-//! Numbers in the 3D view: the cell, its tmax, the triangle that is tested.
+//! Labels in the 3D view: the cell, its tmax, the tested triangle.
 
 use egui::{Color32, FontId, Pos2, Rect, Vec2, vec2};
 use glam::{DVec2, DVec3};
@@ -7,26 +7,26 @@ use super::super::walked::number;
 use crate::orbit::Orbit;
 use crate::walk::{Outcome, Structure, WalkGeometry};
 
-/// What a label is about.
+/// The subject of a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum About {
-    /// The cell or node where the ray is.
+    /// The ray's current cell or node.
     Place,
-    /// A plane that the ray would cross next, of this axis.
+    /// A plane that the ray may cross next, of this axis.
     Axis(usize),
-    /// A triangle, and what became of its test.
+    /// A triangle, and the result of its test.
     Triangle(Outcome),
 }
 
 #[derive(Clone, Debug, PartialEq)]
 struct Label {
-    /// What it points at, traced units.
+    /// The point it refers to, in traced units.
     at: DVec3,
     text: String,
     about: About,
 }
 
-/// The labels of a walk, the most important one first.
+/// The labels of a walk, the most important first.
 fn labels(walk: &WalkGeometry) -> Vec<Label> {
     let mut labels = Vec::new();
     let mut add = |at, text, about| labels.push(Label { at, text, about });
@@ -74,7 +74,7 @@ pub(super) fn draw(painter: &egui::Painter, visuals: &egui::Visuals, rect: Rect,
         .filter_map(|label| {
             let (pixel, _) = camera.pixel(label.at, size)?;
             let at = rect.min + vec2(pixel.x as f32, pixel.y as f32);
-            // A tmax of an axis along which the ray hardly moves lies far outside.
+            // A tmax along an axis on which the ray hardly moves lies far outside.
             rect.contains(at).then_some((at, label))
         })
         .collect();
@@ -87,7 +87,7 @@ pub(super) fn draw(painter: &egui::Painter, visuals: &egui::Visuals, rect: Rect,
         seen.iter().zip(&galleys).map(|((at, _), galley)| (*at, galley.size() + 2.0 * margin)).collect();
     let background = visuals.extreme_bg_color.gamma_multiply(0.82);
     let places = arrange(&wanted, rect);
-    // All lines first: none may go through a text.
+    // All lines first, so that none crosses a text.
     for ((at, label), place) in seen.iter().zip(&places) {
         let stroke = egui::Stroke::new(1.0, color(visuals, label.about).gamma_multiply(0.7));
         painter.line_segment([*at, place.clamp(*at)], stroke);
@@ -115,7 +115,7 @@ fn color(visuals: &egui::Visuals, about: About) -> Color32 {
     }
 }
 
-/// Places boxes beside the points that they belong to: none over another one, as long as there is room.
+/// Places boxes beside their points without overlap, as long as there is room.
 fn arrange(wanted: &[(Pos2, Vec2)], within: Rect) -> Vec<Rect> {
     const AWAY: f32 = 12.0;
     let mut placed: Vec<Rect> = Vec::new();
@@ -156,7 +156,7 @@ mod tests {
                 assert!(places[..i].iter().all(|other| !other.intersects(*place)), "{at}: {places:?}");
             }
         }
-        // Where there is no room at all, they are still there.
+        // Labels without room are still drawn.
         assert_eq!(
             arrange(&[(Pos2::ZERO, vec2(90.0, 18.0)); 3], Rect::from_min_size(Pos2::ZERO, vec2(9.0, 9.0))).len(),
             3
@@ -174,7 +174,7 @@ mod tests {
         assert!(texts.contains(&format!("triangle {}: missed", test.triangle)), "{texts:?}");
         assert!(texts.contains(&format!("cell {x},{y},{z}")), "{texts:?}");
         assert!(texts.iter().any(|text| text.starts_with("tmax ")), "{texts:?}");
-        // At the end there is no next cell.
+        // At the end, there is no next cell.
         let end = labels(&whole);
         assert!(end.iter().all(|label| !matches!(label.about, About::Axis(_))), "{end:?}");
         assert_eq!(end[0].about, About::Triangle(Outcome::Nearest));

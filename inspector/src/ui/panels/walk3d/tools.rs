@@ -1,19 +1,19 @@
-//! The buttons over the 3D view.
+//! The toolbar of the 3D view.
 
 use super::{Context, TriangleStyle, Walk3d, Wish, event_buttons};
 
 const STYLES: [(TriangleStyle, &str, &str); 4] = [
-    (TriangleStyle::Opaque, "opaque", "solid triangles; what is behind them is faint"),
-    (TriangleStyle::Translucent, "translucent", "triangles like glass"),
-    (TriangleStyle::Wireframe, "edges", "edges of triangles only"),
-    (TriangleStyle::Hidden, "off", "no triangles but those that were tested"),
+    (TriangleStyle::Opaque, "opaque", "solid triangles; items behind them are faint"),
+    (TriangleStyle::Translucent, "translucent", "transparent triangles"),
+    (TriangleStyle::Wireframe, "edges", "only the edges of triangles"),
+    (TriangleStyle::Hidden, "off", "only tested triangles"),
 ];
 
 impl Walk3d {
-    /// Shows the buttons; says what they ask of the camera.
+    /// Shows the toolbar; returns requests to the camera.
     pub(super) fn tools(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) -> Option<Wish> {
         let mut wish = None;
-        // One line in a small tile: what does not fit goes into a menu.
+        // One line in a small tile: the rest goes into a menu.
         let is_wide = ui.available_width() >= 640.0;
         ui.horizontal_wrapped(|ui| {
             event_buttons(ui, cx);
@@ -23,7 +23,7 @@ impl Walk3d {
             } else {
                 ui.menu_button("Camera", |ui| self.camera_buttons(ui, &mut wish));
             }
-            ui.menu_button("Show", |ui| self.choices(ui)).response.on_hover_text("what is drawn");
+            ui.menu_button("Show", |ui| self.choices(ui)).response.on_hover_text("visible items");
         });
         wish
     }
@@ -47,40 +47,43 @@ impl Walk3d {
     fn camera_buttons(&mut self, ui: &mut egui::Ui, wish: &mut Option<Wish>) {
         let has_walk = self.walked.walk.is_some();
         let buttons = [
-            (Wish::AlongRay, has_walk, "Along the ray", "look the way the ray goes, from a little behind where it is"),
-            (Wish::TracedView, true, "Traced view", "see the scene as the traced camera does"),
-            (Wish::FrameCell, has_walk, "Frame cell", "the cell or node where the ray is (F; with Shift the scene)"),
-            (Wish::Trace, true, "Trace from here", "trace the scene as it is seen here"),
+            (Wish::AlongRay, has_walk, "Along the ray", "look along the ray, from a little behind its position"),
+            (Wish::TracedView, true, "Traced view", "the view of the traced camera"),
+            (Wish::FrameCell, has_walk, "Frame cell", "frame the ray's cell or node (F; Shift+F frames the scene)"),
+            (Wish::Trace, true, "Trace from here", "trace the scene from this view"),
         ];
         for (what, is_on, name, text) in buttons {
             if ui.add_enabled(is_on, egui::Button::new(name)).on_hover_text(text).clicked() {
                 *wish = Some(what);
             }
         }
-        let text = "trace the scene again whenever this view has moved";
+        let text = "trace again whenever this view moves";
         if ui.checkbox(&mut self.look.traces, "trace as the camera moves").on_hover_text(text).clicked() {
-            // What is seen when this is switched on is traced too.
+            // The current view is traced as soon as this is switched on.
             self.traced = None;
         }
     }
 
     fn choices(&mut self, ui: &mut egui::Ui) {
         let s = &mut self.look.settings;
-        ui.checkbox(&mut self.look.labels, "labels").on_hover_text("cell, tmax and triangle in numbers");
+        ui.checkbox(&mut self.look.labels, "labels").on_hover_text("labels with cell, tmax and triangle");
         for (is_on, name, text) in [
-            (&mut s.ray, "ray", "solid as far as it has come, with its nearest hit so far"),
-            (&mut s.visited, "cells and nodes visited", "from dark (first) to bright (last)"),
-            (&mut s.missed_nodes, "nodes that the ray missed", "their boxes were tested too"),
+            (&mut s.ray, "ray", "solid up to the current position, with the nearest hit so far"),
+            (&mut s.visited, "cells and nodes visited", "dark (first) to bright (last)"),
+            (&mut s.missed_nodes, "nodes that the ray missed", "their boxes were tested as well"),
             (&mut s.tested, "triangles tested", "green: hit; orange: missed"),
-            (&mut s.crossings, "crossed planes", "red: of x, green: of y, blue: of z"),
-            (&mut s.bounds, "box of the grid or tree", "within which the ray walks"),
-            (&mut s.camera, "traced camera", "where the rays come from"),
+            (&mut s.crossings, "crossed planes", "red: x, green: y, blue: z"),
+            (&mut s.bounds, "box of the grid or BVH", "the region that the ray traverses"),
+            (&mut s.camera, "traced camera", "the origin of the rays"),
             (&mut s.axes, "axes", "red: x, green: y, blue: z"),
             (&mut s.edges, "edges of triangles", "drawn darker"),
         ] {
             ui.checkbox(is_on, name).on_hover_text(text);
         }
         ui.separator();
-        ui.weak("drag: orbit; right drag: pan; wheel: zoom\nclick, then W A S D: fly, with right drag: look around\nF: the cell; Shift+F: the scene; double click: reset");
+        ui.weak(
+            "drag: orbit; right drag: pan; wheel: zoom\nclick, then W A S D: fly, with right drag: look \
+                 around\nF: frame cell; Shift+F: frame scene; double click: reset",
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! What is fastest where, and what measured it.
+//! The fastest configurations, and the machines.
 
 use super::Measured;
 use super::text::{columns, distinct, number, percent, table, time};
@@ -33,8 +33,8 @@ pub(super) fn answer(machine: &Measured) -> String {
         return String::new();
     }
     let size = rows.first().map(|r| format!("{}×{}", r.width_px, r.height_px)).unwrap_or_default();
-    let names = ["scene", "rays", "fastest", "fastest with the grid", "fastest that steps", "fastest, one step a pass"];
-    format!("Million rays a second, {size} pixels.\n\n{}", table(&columns(&names), &lines))
+    let names = ["scene", "rays", "fastest", "fastest with the grid", "fastest in steps", "fastest, one step per pass"];
+    format!("Million rays per second, {size} pixels.\n\n{}", table(&columns(&names), &lines))
 }
 
 /// What the machine is, how often it ran, and how far its times spread.
@@ -52,7 +52,7 @@ pub(super) fn machine(machine: &Measured) -> String {
     let (least, most) = (timed.iter().map(|r| r.n).min(), timed.iter().map(|r| r.n).max());
     let clock = match about.timestamp_period_ns {
         Some(period) => format!("timestamps of {} each", time(period)),
-        None => "the processor's clock around every pass".into(),
+        None => "timed by the processor's clock".into(),
     };
     let mut text = format!("**{}**: ", machine.title());
     if about.kind != "processor" {
@@ -61,8 +61,8 @@ pub(super) fn machine(machine: &Measured) -> String {
     text += &format!("{}, {} cores; {clock}; raystep {}.", about.processor, about.cores, about.raystep_version);
     let seconds: f64 = about.seconds.iter().map(|(_, s)| s).sum();
     text += &format!(
-        "\n`performance measure {}`, {} s: {} configurations with {} to {} runs each, {left_out} left out with the \
-         reason in the CSV, {invalid} times not valid and not counted.",
+        "\n`performance measure {}`, {} s: {} configurations with {} to {} runs each, {left_out} omitted with the \
+         reason in the CSV, {invalid} invalid times not counted.",
         about.arguments,
         number(seconds.round()),
         timed.len(),
@@ -71,7 +71,7 @@ pub(super) fn machine(machine: &Measured) -> String {
     );
     if let (Some(half), Some(most)) = (at(0.5), at(0.95)) {
         text += &format!(
-            " From the 5th to the 95th percentile is {} of the median in half of the configurations, and below {} \
+            " The range from the 5th to the 95th percentile is {} of the median in half of the configurations, and below {} \
              in 19 of 20.",
             percent(half),
             percent(most)
@@ -92,9 +92,12 @@ fn agreement(machine: &Measured) -> String {
     let differ =
         groups.iter().filter(|group| distinct(robust.iter().filter(|r| key(r) == **group).map(|r| r.hits)).len() > 1);
     match differ.count() {
-        0 => format!(" In each of the {} groups all ways with the robust rules hit equally many rays.", groups.len()),
+        0 => format!(
+            " In each of the {} groups, all configurations with robust numerics hit the same number of rays.",
+            groups.len()
+        ),
         n => format!(
-            " **In {n} of the {} groups ways with the robust rules hit different numbers of rays.**",
+            " **In {n} of the {} groups, configurations with robust numerics hit different numbers of rays.**",
             groups.len()
         ),
     }

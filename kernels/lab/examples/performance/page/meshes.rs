@@ -1,4 +1,4 @@
-//! Rays a second by kind of ray, and what the rays did.
+//! Rays per second by kind of ray, and their counters.
 
 use super::Measured;
 use super::text::{distinct, number, or_dash, percent, table};
@@ -14,10 +14,10 @@ pub(super) fn tables(machine: &Measured) -> String {
         let find = |way: &str, kind: &str| of_scene.iter().find(|r| r.way() == way && r.rays_kind == kind).copied();
         let Some(first) = of_scene.first() else { continue };
         text += &format!(
-            "{scene}, {} triangles, {}×{} pixels, million rays a second:\n\n",
+            "{scene}, {} triangles, {}×{} pixels, million rays per second:\n\n",
             first.triangles, first.width_px, first.height_px
         );
-        let mut names = vec!["way".to_owned()];
+        let mut names = vec!["configuration".to_owned()];
         names.extend(kinds.iter().map(|kind| (*kind).to_owned()));
         let lines = ways.iter().map(|way| {
             let cells = kinds.iter().map(|kind| or_dash(find(way, kind).and_then(Row::mray_per_s), number));
@@ -36,19 +36,23 @@ pub(super) fn work(machines: &[Measured]) -> String {
     for scene in scenes {
         let of_scene = |m: &'_ Measured| m.timed("meshes").any(|r| r.scene == scene);
         let Some(machine) = machines.iter().find(|m| of_scene(m)) else { continue };
-        // Steps a pass do not change what a ray does.
+        // The steps per pass do not change what a ray does.
         let is_wanted = |r: &&Row| {
             r.scene == scene
                 && matches!(
                     r.way().as_str(),
-                    "bvh, fused" | "grid, fused" | "grid with leaps, fused" | "bvh, compact K=1" | "grid, compact K=1"
+                    "bvh, fused"
+                        | "grid, fused"
+                        | "grid with skipping, fused"
+                        | "bvh, compact K=1"
+                        | "grid, compact K=1"
                 )
         };
         let rows: Vec<&Row> = machine.timed("meshes").filter(is_wanted).collect();
         let kinds = distinct(rows.iter().map(|r| r.rays_kind.as_str()));
         let mut names = vec![scene.clone()];
         names.extend(kinds.iter().map(|kind| (*kind).to_owned()));
-        names.push("bytes a triangle".into());
+        names.push("bytes per triangle".into());
         let mut lines = Vec::new();
         for way in distinct(rows.iter().map(|r| r.way())) {
             let of_way: Vec<&&Row> = rows.iter().filter(|r| r.way() == way).collect();

@@ -68,7 +68,7 @@ pub(super) fn tables(machine: &Measured) -> String {
 
     let plot = format!("{compared}![The paper's tables and ours](performance/{}/paper.svg)\n\n", machine.name);
     if machine.about.kind == "processor" {
-        // The twins' threads are no workgroups, and their rays do the same.
+        // On the CPU there are no workgroups, and the rays do the same.
         return plot;
     }
     let of_side = machine.timed("paper").filter(|r| r.width_px == side);
@@ -90,17 +90,17 @@ pub(super) fn tables(machine: &Measured) -> String {
     let names = [
         "",
         "passes",
-        "threads launched a ray",
-        "of them with a ray",
-        "cells or nodes a ray",
-        "tests a ray",
-        "useful steps a thread",
+        "threads launched per ray",
+        "share with a ray",
+        "cells or nodes per ray",
+        "tests per ray",
+        "useful steps per thread",
         "time",
         "Mray/s",
     ];
     let names = columns(&names);
     let ways = table(&names, &ways.collect::<Vec<_>>());
-    format!("{plot}All ways at {side}×{side}:\n\n{ways}")
+    format!("{plot}All configurations at {side}×{side}:\n\n{ways}")
 }
 
 pub(super) fn why(machine: &Measured) -> String {
@@ -112,10 +112,10 @@ pub(super) fn why(machine: &Measured) -> String {
     let verdict = if steps(second) < steps(none) { "fewer" } else { "more" };
     let mut text = format!(
         "At {side}×{side} a ray takes {} cells and {} tests through the grid, {} steps, {verdict} than the {} tests \
-         without it. But second takes {} passes, each over every pixel, where without a grid there are {}; of the \
-         threads that it launches {} have a ray to work on, against {}. A thread takes {} useful steps with the grid, \
-         and {} without: {} times as many. The paper's time with the grid was {} times the one without, ours is {} \
-         times. With all ways of tracing, the same rays:\n",
+         without it. But second takes {} passes, each over every pixel, compared with {} without a grid; {} of the \
+         threads that it launches have a ray to process, compared with {}. A thread takes {} useful steps with the \
+         grid, and {} without: {} times as many. The paper's time with the grid was {} times that without, ours is {} \
+         times. The same rays with each schedule:\n",
         or_dash(second.cells_per_ray, number),
         or_dash(second.tests_per_ray, number),
         number(steps(second)),
@@ -131,8 +131,8 @@ pub(super) fn why(machine: &Measured) -> String {
         or_dash(ns(Some(second)).zip(ns(Some(none))).map(|(a, b)| a / b), number),
     );
     let schedules = [
-        ("compact", 1, "one step a pass on live rays only"),
-        ("compact", 8, "eight steps a pass"),
+        ("compact", 1, "one step per pass, active rays only"),
+        ("compact", 8, "eight steps per pass"),
         ("fused", 1, "all steps in one kernel"),
     ];
     for (schedule, steps, words) in schedules {
@@ -142,7 +142,7 @@ pub(super) fn why(machine: &Measured) -> String {
         let times = |r: Option<&Row>| or_dash(ns(r).map(|t| t / without), number);
         text += &format!(
             "\n- {words}: {} times the time without a grid for 20×20×20 cells, {} for the automatic {}, {} for the \
-             tree; without, {}.",
+             BVH; without a structure, {}.",
             times(same),
             times(auto),
             auto.map(|r| r.cells.replace('x', "×")).unwrap_or_default(),

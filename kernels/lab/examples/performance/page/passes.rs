@@ -32,7 +32,7 @@ pub(super) fn bytes(machine: &Measured) -> String {
         && let Some((bytes, ns)) = copy.bytes.zip(copy.median_device_ns)
     {
         text += &format!(
-            "A copy from one buffer of {} MiB to another moves {}, reads and writes together.\n\n",
+            "A copy from one buffer of {} MiB to another moves {}, counting reads and writes.\n\n",
             (bytes / copy.passes / 2) >> 20,
             per_s(ns / bytes as f64)
         );
@@ -47,7 +47,7 @@ pub(super) fn bytes(machine: &Measured) -> String {
             pass("second"),
         ]
     });
-    let names = ["", "update of textures in place", "empty pass, live rays only", "empty pass over every ray"];
+    let names = ["", "update of textures in place", "empty pass, active rays only", "empty pass, all rays"];
     text += &table(&columns(&names), &rows.collect::<Vec<_>>());
     let mut rows = Vec::new();
     for run in machine.probed("bytes", "run of one step") {
@@ -69,7 +69,7 @@ pub(super) fn bytes(machine: &Measured) -> String {
         return String::new();
     }
     let names =
-        ["run, one step a pass", "passes", "MB", "MB at that speed", "passes, if empty", "time", "time / their sum"];
+        ["run, one step per pass", "passes", "MB", "MB at that speed", "passes, if empty", "time", "time / their sum"];
     text + &table(&columns(&names), &rows)
 }
 
@@ -98,7 +98,13 @@ pub(super) fn tdelta(machine: &Measured) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let names =
-        ["", "bytes a ray", "time a pass", "5th to 95th percentile", "/ worked out", "rays in another cell at the end"];
+    let names = [
+        "",
+        "bytes per ray",
+        "time per pass",
+        "5th to 95th percentile",
+        "/ worked out",
+        "rays in a different cell at the end",
+    ];
     table(&columns(&names), &rows)
 }

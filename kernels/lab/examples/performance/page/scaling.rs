@@ -1,4 +1,4 @@
-//! Time against triangles, rays, and steps a pass.
+//! Time against triangles, rays, and steps per pass.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub(super) fn triangles(machine: &Measured) -> String {
         let counts = distinct(machine.timed("triangles").filter(|r| r.scene == scene).map(|r| r.triangles));
         let mut names = vec!["triangles".to_owned()];
         names.extend(ways.iter().map(|(name, _)| name.clone()));
-        names.extend(["grid built in", "tree built in (wide)", "tree built in (binary)"].map(String::from));
+        names.extend(["grid built in", "BVH built in (wide)", "BVH built in (binary)"].map(String::from));
         let rows = counts.iter().map(|&triangles| {
             let at = |rows: &[&Row]| rows.iter().find(|r| r.triangles == triangles).and_then(|r| r.median_device_ns);
             let built = |way: &str| {
@@ -77,11 +77,11 @@ fn crossing(ways: &[(String, Vec<&Row>)], a: &str, b: &str, scene: &str) -> Stri
     };
     let name = |name| match name {
         "none" => "no structure",
-        "bvh" => "the tree",
+        "bvh" => "the BVH",
         _ => "the grid",
     };
     format!(
-        "- {scene}: fused, {} is faster than {} {}; for a single image with its building, {}.\n",
+        "- {scene}: fused, {} is faster than {} {}; for a single image including building, {}.\n",
         name(b),
         name(a),
         at(|r| r.median_device_ns),
@@ -110,8 +110,15 @@ pub(super) fn resolution(machine: &Measured) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let names =
-        ["scene", "way", "rays", "intercept", "ns a ray", "Mray/s without the intercept", "farthest from the line"];
+    let names = [
+        "scene",
+        "configuration",
+        "rays",
+        "intercept",
+        "ns per ray",
+        "Mray/s without the intercept",
+        "farthest from the line",
+    ];
     let mut text = table(&columns(&names), &rows);
     for scene in scenes(machine, "resolution") {
         text += &format!("![Time against rays, {scene}](performance/{}/resolution-{scene}.svg)\n", machine.name);
@@ -132,7 +139,7 @@ pub(super) fn steps(machine: &Measured) -> String {
         };
         rows.iter().find(is_wanted).copied()
     };
-    let mut names = vec!["steps a pass".to_owned()];
+    let mut names = vec!["steps per pass".to_owned()];
     names.extend(groups.iter().map(|(scene, accelerator)| format!("{scene}, {accelerator}")));
     let cell = |group: &(String, String), row: Option<&Row>| {
         let fused = find(group, "fused", 1).and_then(|r| r.median_device_ns);
@@ -152,7 +159,7 @@ pub(super) fn steps(machine: &Measured) -> String {
     let fused = groups.iter().map(|g| or_dash(find(g, "fused", 1).and_then(|r| r.median_device_ns), time));
     lines.push(std::iter::once("fused".to_owned()).chain(fused).collect());
     let size = rows.first().map(|r| format!("{}×{} pixels.\n\n", r.width_px, r.height_px)).unwrap_or_default();
-    format!("{size}{}![Time against steps a pass](performance/{}/steps.svg)\n", table(&names, &lines), machine.name)
+    format!("{size}{}![Time against steps per pass](performance/{}/steps.svg)\n", table(&names, &lines), machine.name)
 }
 
 /// Colour by what finds the triangles, dashes by schedule.
@@ -190,6 +197,6 @@ pub(super) fn plots(machine: &Measured, folder: &Path) -> Result<(), String> {
             lines.push(Series { name, points, color, is_dashed: false });
         }
     }
-    let axes = Axes { title: format!("Compact, {}", machine.title()), x: "steps a pass", y: "time", y_text: time };
+    let axes = Axes { title: format!("Compact, {}", machine.title()), x: "steps per pass", y: "time", y_text: time };
     plot::write(&folder.join("steps.svg"), &axes, &lines)
 }

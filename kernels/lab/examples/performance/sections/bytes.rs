@@ -24,7 +24,7 @@ const DISPATCHES: u64 = 16;
 
 pub(super) fn measure(machine: &Machine, deadline: Deadline) -> Result<Vec<Probe>, String> {
     let Some(gpu) = machine.gpu() else {
-        let reason = "the twins neither submit passes nor copy textures".into();
+        let reason = "the CPU neither submits passes nor copies textures".into();
         return Ok(vec![Probe { section: SECTION.into(), reason, ..Probe::default() }]);
     };
     let sizes = match (machine.is_fast(), machine.quick) {

@@ -42,7 +42,7 @@ const WORKED_OUT: &str = "let ray = grid_ray(load_origin(texel), load_direction(
 
 pub(super) fn measure(machine: &Machine) -> Result<Vec<Probe>, String> {
     let Some(gpu) = machine.gpu() else {
-        let reason = "the twins keep a ray's streams in one row, so there is no texture to load from".into();
+        let reason = "on the CPU, a ray's streams are in one row, so there is no texture to load from".into();
         return Ok(vec![Probe { section: SECTION.into(), reason, ..Probe::default() }]);
     };
     let watch = Stopwatch::new(machine, gpu);

@@ -6,7 +6,7 @@ use crate::report::table::Row;
 fn axis_of(column: &str) -> Axis {
     let label = match column {
         "scale" => "scale of the scene",
-        _ => "distance from where it was, in extents of the scene",
+        _ => "offset, in extents of the scene",
     };
     Axis::new(label, Scale::Log)
 }
@@ -30,9 +30,9 @@ pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
         series.push(Series::dashed(name, color, ends.iter().map(|p| (p.0, at)).collect()));
     }
     Plot {
-        title: "Largest error of t by the same ray's bound, robust rules".into(),
+        title: "Largest error of t relative to the same ray's bound, robust numerics".into(),
         x: axis_of(column),
-        y: Axis::new("error by bound", Scale::Log),
+        y: Axis::new("error relative to bound", Scale::Log),
         series,
         places: Vec::new(),
     }
@@ -57,7 +57,7 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
     }
     series.push(Series::dashed("one rounding of the depth", 6, points("t_step_extents_largest")));
     Plot {
-        title: "Error of t along the ray, robust rules".into(),
+        title: "Error of t along the ray, robust numerics".into(),
         x: axis_of(column),
         y: Axis::new("error, in extents of the scene", Scale::Log),
         series,
@@ -80,7 +80,7 @@ pub(super) fn lost(column: &str, rows: &[Row]) -> Plot {
         }
     }
     Plot {
-        title: "Rays that are wrong, and those of them that are lost".into(),
+        title: "Wrong rays, and lost rays among them".into(),
         x: axis_of(column),
         y: Axis::new("rays per million", Scale::LogWithZero),
         series,
