@@ -152,14 +152,21 @@ impl<R: Precision> CpuExecutor<R> {
         self.sizes.of(self.plan.program, elements)
     }
 
+    /// Whether a stream is one of this run's program.
+    fn is_known(&self, stream: Stream) -> bool {
+        self.plan.program.streams.get(stream.index()).is_some_and(|info| Stream::of(info) == stream)
+    }
+
     /// The streams of the set that a stream belongs to, and where it lies in their rows; `None` where the plan left it
     /// out.
     fn rows_of(&self, stream: Stream) -> Option<(&Rows<R>, usize)> {
+        self.is_known(stream).then_some(())?;
         let rows = &self.rows[self.set_of[stream.index()]];
         rows.layout.first[stream.index()].map(|first| (rows, first))
     }
 
     fn rows_of_mut(&mut self, stream: Stream) -> Option<(&mut Rows<R>, usize)> {
+        self.is_known(stream).then_some(())?;
         let rows = &mut self.rows[self.set_of[stream.index()]];
         rows.layout.first[stream.index()].map(|first| (rows, first))
     }

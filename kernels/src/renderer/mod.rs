@@ -223,8 +223,8 @@ impl Renderer {
             Device::CpuF64(clock) => Executor::CpuF64(CpuExecutor::new(&plan, timer(clock))?),
         };
         let given = match &options.rays {
-            RaySource::Given(rays) => Some(GivenRays::new(rays, &plan, &data)),
-            RaySource::Camera { .. } => None,
+            RaySource::Given(rays) if plan.program.course.is_some() => Some(GivenRays::new(rays, &plan, &data)),
+            RaySource::Given(_) | RaySource::Camera { .. } => None,
         };
         let mut executor = executor;
         if let (Executor::Gpu(e), Some(given)) = (&mut executor, &given) {
