@@ -224,7 +224,7 @@ fn samples_that_mean_nothing_are_refused() {
     for (options, reason) in [
         (with(&options, 0, Sampler::Sobol), "1 to 65536"),
         (with(&options, 65_537, Sampler::Sobol), "1 to 65536"),
-        (Options { rays: given.clone(), ..with(&options, 2, Sampler::Sobol) }, "rays that are given"),
+        (Options { rays: given.clone(), ..with(&options, 2, Sampler::Sobol) }, "input rays"),
         (Options { shade: false, ..with(&options, 2, Sampler::Sobol) }, "does not shade"),
     ] {
         let error = Plan::new(&scene, &options, &Limits::CPU).map(|_| ()).expect_err(reason);

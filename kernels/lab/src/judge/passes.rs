@@ -278,6 +278,6 @@ mod tests {
         let any_hit = Options { any_hit: true, ..plain.clone() };
         assert!(why(&any_hit).is_some_and(|why| why.contains("first hit")));
         let fused = Options { schedule: ScheduleKind::Fused, shade: false, ..plain };
-        assert!(why(&fused).is_some_and(|why| why.contains("no stream")));
+        assert!(why(&fused).is_some_and(|why| why.contains("not in a stream")));
     }
 }
