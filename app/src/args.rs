@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use raystep_kernels::options::ProgramName;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip};
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
@@ -111,6 +112,15 @@ pub(crate) struct CameraArgs {
     /// Vertical angle of view in degrees [default: 40]
     #[arg(long, value_name = "DEG", requires_all = ["eye", "look_at"], allow_hyphen_values = true, value_parser = parse_fov)]
     pub(crate) fov: Option<f64>,
+}
+
+/// What runs.
+#[derive(Args, Debug)]
+pub(crate) struct ProgramArgs {
+    /// The stream program: trace rays (closest-hit), or build the uniform grid that they would be traced through
+    /// (grid-build)
+    #[arg(long, default_value = "closest-hit", value_parser = named(ProgramName::ALL, ProgramName::name))]
+    pub(crate) program: ProgramName,
 }
 
 /// Tracing options.

@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::commands::{
-    bench, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace,
+    bench, build, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace,
 };
 use crate::error::Error;
 use crate::{usage, window};
@@ -29,6 +29,7 @@ Examples:
   raystep trace scenes/cornell-box.gltf --pixel 256,256
   raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
   raystep bench scenes/cornell-box.gltf --accelerators grid,bvh -o bench
+  raystep build scenes/teapot.glb --check
   raystep report scenes/cornell-box.gltf -o report
   raystep stability -o stability
   raystep info
@@ -46,6 +47,7 @@ pub(crate) enum Command {
     Trace(Box<trace::TraceArgs>),
     Dump(Box<dump::DumpArgs>),
     Bench(Box<bench::BenchArgs>),
+    Build(Box<build::BuildArgs>),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),
     Plan(Box<plan::PlanArgs>),

@@ -1,6 +1,7 @@
 //! The subcommands, one file each, and their common functions.
 
 pub(crate) mod bench;
+pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod dump;
 pub(crate) mod info;

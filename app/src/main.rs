@@ -53,6 +53,7 @@ fn run() -> Result<(), Error> {
             Command::Trace(args) => commands::trace::run(*args),
             Command::Dump(args) => commands::dump::run(&args),
             Command::Bench(args) => commands::bench::run(&args),
+            Command::Build(args) => commands::build::run(&args),
             Command::Report(args) => commands::report::run(&args),
             Command::Stability(args) => commands::stability::run(&args),
             Command::Plan(args) => commands::plan::run(&args),

@@ -30,6 +30,7 @@ mod read;
 use std::fmt;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use raystep_kernels::options::ProgramName;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip, Stream};
 
 pub use error::LinkError;
@@ -45,7 +46,7 @@ pub const MOST_CELLS: u32 = 4096;
 pub const MOST_STEPS: u32 = 4096;
 
 /// Every key, in the order in which they are written.
-pub const KEYS: [&str; 26] = [
+pub const KEYS: [&str; 27] = [
     "scene",
     "scene-index",
     "camera",
@@ -54,6 +55,7 @@ pub const KEYS: [&str; 26] = [
     "up",
     "fov",
     "size",
+    "program",
     "accelerator",
     "schedule",
     "numerics",
@@ -96,6 +98,8 @@ pub struct Link {
     pub camera: LinkCamera,
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// What runs.
+    pub program: ProgramName,
     /// The acceleration structure.
     pub accelerator: Accelerator,
     /// The schedule.
@@ -209,6 +213,7 @@ impl Default for Link {
             scene_index: None,
             camera: LinkCamera::Default,
             size: [512, 512],
+            program: ProgramName::ClosestHit,
             accelerator: Accelerator::Grid,
             schedule: ScheduleKind::Compact,
             numerics: Numerics::Robust,
@@ -248,6 +253,7 @@ impl Link {
         }
         let [width, height] = self.size;
         add("size", (self.size != default.size).then(|| format!("{width}x{height}")));
+        add("program", (self.program != default.program).then(|| self.program.to_string()));
         add("accelerator", (self.accelerator != default.accelerator).then(|| self.accelerator.to_string()));
         add("schedule", (self.schedule != default.schedule).then(|| self.schedule.to_string()));
         add("numerics", (self.numerics != default.numerics).then(|| self.numerics.to_string()));

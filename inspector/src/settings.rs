@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use raystep_kernels::options::ProgramName;
 use raystep_kernels::{
     Accelerator, Device, Gpu, GridSize, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip,
 };
@@ -75,6 +76,9 @@ pub enum View {
 /// All settings of a run except the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
+    /// What runs.
+    #[serde(default)]
+    pub program: ProgramName,
     /// The acceleration structure.
     pub accelerator: Accelerator,
     /// The schedule, one with steps.
@@ -107,6 +111,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            program: ProgramName::ClosestHit,
             accelerator: Accelerator::Grid,
             schedule: ScheduleKind::Compact,
             numerics: Numerics::Robust,
@@ -170,6 +175,7 @@ impl From<&Link> for Settings {
             _ => None,
         };
         Self {
+            program: link.program,
             accelerator: link.accelerator,
             schedule: link.schedule,
             numerics: link.numerics,
@@ -211,6 +217,7 @@ impl Settings {
         Link {
             camera,
             size: self.size,
+            program: self.program,
             accelerator: self.accelerator,
             schedule: self.schedule,
             numerics: self.numerics,
@@ -247,6 +254,7 @@ impl Settings {
             }
         };
         Options {
+            program: self.program,
             accelerator: self.accelerator,
             schedule: if self.schedule.is_stepped() { self.schedule } else { ScheduleKind::Compact },
             numerics: self.numerics,

@@ -13,11 +13,11 @@ use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
-use raystep_kernels::{Kernel, Pass, Stream, StreamData};
+use raystep_kernels::{Kernel, Pass, Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
 use serde::Serialize;
 
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::scene_file::read_file;
@@ -39,6 +39,8 @@ Examples:
 pub(crate) struct DumpArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    program: ProgramArgs,
     /// Pass after which to write, counted from 0
     #[arg(long, value_name = "N|last|all", default_value = "last", allow_negative_numbers = true)]
     pass: Which,
@@ -167,6 +169,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
     let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
     let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        options.program = args.program.program;
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
         options.counters = args.counters || args.stream.contains(&Wanted::Stream(streams::COUNTERS));
         let needs_shading = |s| is_wanted(s) && needs_shading(s, options.schedule);
@@ -197,8 +200,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
             if args.pass == Which::Last { vec![last] } else { (0..=last).collect() }
         }
     };
-    let plan = running.renderer.plan();
-    let bytes = bytes(&streams, plan, args.format) * passes.len() as u64;
+    let bytes = bytes(&streams, &running.renderer, args.format) * passes.len() as u64;
     let files = streams.len() * passes.len() * if args.format == Format::Both { 2 } else { 1 };
     let about = if args.format == Format::Npy { "" } else { " at most (EXR is compressed)" };
     progress.say(format_args!(
@@ -226,6 +228,10 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         }
         progress.part("writing", done as u64, passes.len() as u64);
         for &stream in &streams {
+            // Elements that a later pass counts have no texels yet.
+            if running.renderer.size(stream.info().elements).is_none() {
+                continue;
+            }
             let data = running.chosen.wait(running.renderer.values(stream))?;
             index.passes[wanted].files.extend(write_stream(folder, wanted, &data, args.format)?);
         }
@@ -282,9 +288,9 @@ fn step_to(running: &mut Running, wanted: usize, left_out: LeftOut, progress: &P
 }
 
 /// Bytes of the streams after one pass.
-fn bytes(streams: &[Stream], plan: &Plan, format: Format) -> u64 {
-    let texels = u64::from(plan.width) * u64::from(plan.height);
+fn bytes(streams: &[Stream], renderer: &Renderer, format: Format) -> u64 {
     let of = |stream: &Stream| {
+        let texels = renderer.size(stream.info().elements).map_or(0, |size| size.texels());
         let raw = stream.bytes(texels).unwrap_or(u64::MAX);
         match format {
             Format::Npy => raw + npy::HEADER_BYTES,
@@ -298,7 +304,7 @@ fn bytes(streams: &[Stream], plan: &Plan, format: Format) -> u64 {
 /// Passes up to `last` are listed.
 fn index(running: &Running, streams: &[Stream], left_out: LeftOut, last: Option<usize>) -> Index {
     let (renderer, plan) = (&running.renderer, running.renderer.plan());
-    let texels = u64::from(plan.width) * u64::from(plan.height);
+    let texels = |stream: Stream| renderer.size(stream.info().elements).map_or(0, |size| size.texels());
     let pass = |pass: &Pass| IndexPass {
         index: left_out.before() + pass.index,
         kernel: pass.kernel.name(),
@@ -325,7 +331,7 @@ fn index(running: &Running, streams: &[Stream], left_out: LeftOut, last: Option<
         options: running.run_options(),
         rays: plan.rays,
         scene_units_per_stream_unit: renderer.data().units.scene_units_per_stream_unit(),
-        streams: streams.iter().map(|&s| json::stream(s, texels)).collect(),
+        streams: streams.iter().map(|&s| json::stream(s, texels(s))).collect(),
         passes,
     }
 }

@@ -9,10 +9,11 @@ use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::{COMMANDS, Command};
 use raystep_inspector::ui::{Arrival, Shown};
 use raystep_kernels::AdapterChoice;
+use raystep_kernels::options::ProgramName;
 use raystep_lab::text::visible;
 
 use super::trace::Pixel;
-use crate::args::{DeviceArgs, RunArgs, SceneArgs, ViewArgs, whole};
+use crate::args::{DeviceArgs, ProgramArgs, RunArgs, SceneArgs, ViewArgs, whole};
 use crate::device;
 use crate::error::Error;
 use crate::link::{LinkArgs, Wanted, link_of};
@@ -57,6 +58,8 @@ pub(crate) struct InspectArgs {
     /// List all commands for --do
     #[arg(long)]
     list: bool,
+    #[command(flatten)]
+    program: ProgramArgs,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -140,12 +143,15 @@ struct WindowArgs {
 
 /// The request, from options or from a link.
 fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
-    let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, view, run, list: _ } = args;
+    let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, mut program, view, run, list: _ } = args;
     let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, shown: None };
     if let Some(text) = &link.link {
         let link: Link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
         if link.pass.is_some() && pass.is_some() {
             return Err(Error::usage("--link has a number of passes, and so does --pass: omit one of them"));
+        }
+        if program.program == ProgramName::default() {
+            program.program = link.program;
         }
         arrival.place = arrival.place.or(link.pass);
         arrival.shown = Shown::of(&link);
@@ -189,7 +195,11 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
             "--pixel {x},{y}: the image has pixels 0,0 to {right},{bottom}; --size enlarges it"
         )));
     }
-    let settings = Settings::from(&linked);
+    let mut settings = Settings::from(&linked);
+    // A link that names a program is not overruled by an option that nobody gave.
+    if program.program != ProgramName::default() {
+        settings.program = program.program;
+    }
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });

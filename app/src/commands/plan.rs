@@ -4,7 +4,7 @@ use clap::Args;
 use raystep_kernels::export::{self, structure::Structure};
 use raystep_kernels::plan::PlanText;
 
-use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs};
+use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
 use crate::session::Session;
 use crate::terminal::{Progress, print};
@@ -22,6 +22,8 @@ Examples:
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    program: ProgramArgs,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -38,8 +40,10 @@ pub(crate) struct PlanArgs {
 
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
     let progress = Progress::new(args.quiet.quiet);
-    let session =
-        Session::new(&args.scene, &args.view, &args.run, &progress, |options| options.counters = args.counters)?;
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        options.program = args.program.program;
+        options.counters = args.counters;
+    })?;
     progress.finish();
     if args.json {
         return print(&super::json_text(&export::plan::plan(
@@ -47,6 +51,9 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
             &session.plan,
             &session.data,
         ))?);
+    }
+    if session.plan.program.course.is_none() {
+        return print(&session.plan.to_string());
     }
     let structure = Structure::of(session.options.accelerator, &session.plan, &session.data);
     print(&PlanText(&session.plan, &structure).to_string())

@@ -31,6 +31,7 @@ impl FromStr for Link {
             scene_index: pairs.take("scene-index", count)?,
             camera: camera(&pairs)?,
             size: pairs.take("size", size)?.unwrap_or(default.size),
+            program: pairs.take("program", named)?.unwrap_or(default.program),
             accelerator: pairs.take("accelerator", named)?.unwrap_or(default.accelerator),
             schedule: pairs.take("schedule", named)?.unwrap_or(default.schedule),
             numerics: pairs.take("numerics", named)?.unwrap_or(default.numerics),

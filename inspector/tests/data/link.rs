@@ -1,6 +1,7 @@
 //! Links come back as what they were written from, and no text makes reading one panic.
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
+use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip};
 
@@ -61,6 +62,7 @@ impl Random {
             scene_index: index,
             camera,
             size,
+            program: self.of(ProgramName::ALL),
             accelerator: self.of(Accelerator::ALL),
             schedule: self.of(ScheduleKind::ALL),
             numerics: self.of(Numerics::ALL),

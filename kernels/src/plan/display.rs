@@ -41,7 +41,24 @@ impl fmt::Display for PlanText<'_> {
 
 impl Plan {
     fn write_head(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} x {} texels, {} rays, {} triangles", self.width, self.height, self.rays, self.triangles)
+        if self.program.course.is_some() {
+            return writeln!(
+                f,
+                "{} x {} texels, {} rays, {} triangles",
+                self.width, self.height, self.rays, self.triangles
+            );
+        }
+        writeln!(f, "{}: {}", self.program.name, self.program.summary)?;
+        writeln!(f, "\nelements")?;
+        for set in &self.sets {
+            match set.size {
+                Some(size) => {
+                    writeln!(f, "  {:<19} {:>10}  {} x {} texels", set.what.name, size.count, size.width, size.height)?;
+                }
+                None => writeln!(f, "  {:<19} {:>10}  counted by the run", set.what.name, "?")?,
+            }
+        }
+        Ok(())
     }
 
     fn write_tables(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -49,7 +66,11 @@ impl Plan {
         for variant in &self.variants {
             let info = variant.kernel.info();
             let states: Vec<_> = info.takes.iter().map(|&t| self.program.states.name(t)).collect();
-            writeln!(f, "  {:<14} {} (rays in {})", variant.kernel.name(), info.summary, states.join(", "))?;
+            let over = match states.as_slice() {
+                [] => variant.kernel.instance().over.name.to_owned(),
+                states => format!("{} in {}", variant.kernel.instance().over.name, states.join(", ")),
+            };
+            writeln!(f, "  {:<14} {} ({over})", variant.kernel.name(), info.summary)?;
             for binding in &variant.bindings {
                 let access = match (binding.reads, binding.writes) {
                     (true, true) => "updates",

@@ -175,6 +175,18 @@ pub fn build_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<
     Ok(count_lists_for_leaps(vertices, reach, most_words)?.fill(vertices))
 }
 
+/// Counts and lists the triangles of each cell of a grid whose planes are there already, and what its cells are grown by.
+///
+/// # Errors
+/// Where the lists cannot be indexed.
+pub fn lists(grid: &Grid, growth: f32, vertices: &[f32], most_words: u64) -> Result<GridData, GridError> {
+    let limit = most_words.min(u64::from(u32::MAX));
+    let cells = grid.cells.map(|n| n as u32);
+    let too_many = || GridError::TooManyReferences { cells, limit };
+    let counts = count(vertices, grid, growth, limit).ok_or_else(too_many)?;
+    Ok(CountedGrid { grid: *grid, growth, counts }.fill(vertices))
+}
+
 /// What planes stand off the scene by half of, and what cells are grown by for their lists.
 #[derive(Clone, Copy)]
 struct Growth {

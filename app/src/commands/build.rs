@@ -1,0 +1,156 @@
+//! `raystep build`
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use clap::Args;
+use raystep_kernels::export::csv::PassesCsv;
+use raystep_kernels::options::ProgramName;
+use raystep_kernels::programs::grid_build::elements::{REFERENCES, SPANS};
+use raystep_kernels::renderer::Lists;
+use raystep_kernels::structures::grid::{self, GridData};
+use raystep_lab::machine::now_ns;
+use raystep_lab::statistics::median;
+use raystep_lab::text::counted;
+
+use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
+use crate::error::Error;
+use crate::output::{Target, refuse_inputs, write};
+use crate::session::{Running, Session};
+use crate::terminal::{Progress, print};
+
+/// Build a scene's uniform grid pass by pass: count, scan, sort and list
+///
+/// The program grid-build runs on any device, with the same result as the build on the host, bit for bit. It is the
+/// grid that rays of this view would be traced through.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep build scenes/teapot.glb
+  raystep build scenes/terrain.glb --grid 64 --device gpu --check
+  raystep build scenes/terrain.glb --device gpu --repeats 15 --passes-csv build.csv
+  raystep dump scenes/cornell-box.gltf --program grid-build --pass all -o build
+  raystep inspect scenes/cornell-box.gltf --program grid-build")]
+pub(crate) struct BuildArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Compare with the build on the host, and fail if a list differs
+    #[arg(long)]
+    check: bool,
+    /// Build this many times, on the device and on the host in turn, and report the medians
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1, 10_000),
+          allow_negative_numbers = true)]
+    repeats: u32,
+    /// Time every pass, and write one row per pass of the last build
+    #[arg(long, value_name = "F")]
+    passes_csv: Option<PathBuf>,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+pub(crate) fn run(args: &BuildArgs) -> Result<(), Error> {
+    let target = args.passes_csv.as_deref().map(Target::new).transpose()?;
+    let progress = Progress::new(args.quiet.quiet);
+    let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
+        options.program = ProgramName::GridBuild;
+        options.timings = args.passes_csv.is_some();
+        options.keep_passes = options.timings;
+    })?;
+    refuse_inputs(&[target.as_ref()], &session.inputs)?;
+    if let Some(note) = session.chosen.note_on_times().filter(|_| session.options.timings) {
+        progress.say(format_args!("note: {note}"));
+    }
+    let most_words = session.chosen.limits().storage_bytes / 4;
+    let mut running = session.start(&progress)?;
+
+    let (mut device_ns, mut host_ns) = (Vec::new(), Vec::new());
+    let mut host = None;
+    for repeat in 0..args.repeats {
+        if repeat > 0 {
+            running.renderer.restart();
+        }
+        progress.part("building", repeat.into(), args.repeats.into());
+        let show = |now: &raystep_kernels::Progress| {
+            if args.repeats == 1 {
+                progress.rays(now);
+            }
+            ControlFlow::Continue(())
+        };
+        let begin = now_ns();
+        running.chosen.wait(running.renderer.run(show))?;
+        // Without a device clock, the time until the last pass is known to be over.
+        device_ns.push(running.renderer.device_ns().unwrap_or_else(|| now_ns() - begin) as f64);
+        if args.check || args.repeats > 1 {
+            let data = running.renderer.data();
+            let begin = now_ns();
+            host = Some(grid::lists(&data.grid, data.growth, &data.vertices, most_words).map_err(failed)?);
+            host_ns.push((now_ns() - begin) as f64);
+        }
+    }
+    let lists = running.chosen.wait(Lists::of(&running.renderer))?;
+    let is_same = host.as_ref().map(|host: &GridData| host.cells == lists.cells && host.items == lists.items);
+    if let Some(target) = target {
+        write(vec![(target, passes_csv(&running)?)])?;
+    }
+    progress.finish();
+    let text = report(&running, &lists, median(&device_ns).unwrap_or_default(), median(&host_ns), is_same);
+    print(&text)?;
+    match is_same {
+        Some(false) => Err(Error::failed("the lists differ from those of the build on the host: a defect of raystep")),
+        _ => Ok(()),
+    }
+}
+
+fn failed(error: grid::GridError) -> Error {
+    Error::failed(error.to_string())
+}
+
+fn passes_csv(running: &Running) -> Result<Vec<u8>, Error> {
+    let cannot = |e: std::io::Error| Error::failed(format!("cannot write the passes: {e}"));
+    let context = running.run_context();
+    let mut file = Vec::new();
+    let mut csv = PassesCsv::new(&mut file).map_err(cannot)?;
+    for pass in running.renderer.passes() {
+        csv.write(&context, pass, None).map_err(cannot)?;
+    }
+    csv.finish().map_err(cannot)?;
+    Ok(file)
+}
+
+fn report(running: &Running, lists: &Lists, device_ns: f64, host_ns: Option<f64>, is_same: Option<bool>) -> String {
+    let (renderer, data) = (&running.renderer, running.renderer.data());
+    let [x, y, z] = data.build.cells;
+    let lengths = || lists.cells.windows(2).map(|list| list[1] - list[0]);
+    let empty = lengths().filter(|&length| length == 0).count();
+    let of = |elements| renderer.size(elements).map_or(0, |size| u64::from(size.count));
+    let device = running.chosen.gpu().map_or("CPU".into(), |gpu| gpu.info.name.clone());
+    let mut lines = vec![
+        ("device", format!("{device}: {}", running.chosen.reason)),
+        ("triangles", data.build.triangles.to_string()),
+        ("grid", format!("{x} x {y} x {z} cells, {empty} empty")),
+        (
+            "lists",
+            format!(
+                "{} references, longest list {}; {} spans of up to 32 cells tested",
+                of(&REFERENCES),
+                lengths().max().unwrap_or(0),
+                of(&SPANS)
+            ),
+        ),
+        ("passes", counted(renderer.pass_count(), "pass")),
+        ("time", format!("{:.3} ms", device_ns / 1e6)),
+    ];
+    if let Some(host_ns) = host_ns {
+        let ratio = device_ns / host_ns;
+        lines.push(("host", format!("{:.3} ms; device time by host time {ratio:.2}", host_ns / 1e6)));
+    }
+    if let Some(is_same) = is_same {
+        let said = if is_same { "the same lists as the host's build, bit for bit" } else { "lists differ" };
+        lines.push(("check", said.into()));
+    }
+    lines.into_iter().map(|(name, value)| format!("{name:<9} {value}\n")).collect()
+}
