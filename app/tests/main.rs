@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bench;
+mod build;
 mod common;
 mod confined;
 mod dump;

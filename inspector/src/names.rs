@@ -11,11 +11,6 @@ pub fn stream(name: &str) -> Option<Stream> {
     ALL.iter().find_map(|program| program.stream(name))
 }
 
-/// The name of every program's every stream.
-pub fn streams() -> impl Iterator<Item = &'static str> {
-    ALL.iter().flat_map(|program| program.streams()).map(Stream::name)
-}
-
 /// Reads a stream that was saved: `#[serde(deserialize_with = …)]`.
 pub(crate) fn saved_stream<'de, D: Deserializer<'de>>(from: D) -> Result<Stream, D::Error> {
     let name = String::deserialize(from)?;

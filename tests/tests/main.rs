@@ -9,6 +9,7 @@ mod divergence;
 mod library;
 mod parity;
 mod plan;
+mod programs;
 mod renderer;
 mod samples;
 mod schedules;

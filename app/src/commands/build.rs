@@ -11,7 +11,6 @@ use raystep_kernels::renderer::Lists;
 use raystep_kernels::structures::grid::{self, GridData};
 use raystep_lab::machine::now_ns;
 use raystep_lab::statistics::median;
-use raystep_lab::text::counted;
 
 use crate::args::{QuietArgs, RunArgs, SceneArgs, ViewArgs, whole};
 use crate::error::Error;
@@ -141,7 +140,7 @@ fn report(running: &Running, lists: &Lists, device_ns: f64, host_ns: Option<f64>
                 of(&SPANS)
             ),
         ),
-        ("passes", counted(renderer.pass_count(), "pass")),
+        ("passes", renderer.pass_count().to_string()),
         ("time", format!("{:.3} ms", device_ns / 1e6)),
     ];
     if let Some(host_ns) = host_ns {

@@ -3,15 +3,16 @@
 mod left_out;
 mod wanted;
 
+use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use raystep_inspector::names;
 use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary};
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
+use raystep_kernels::programs;
 use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
 use raystep_kernels::{Kernel, Pass, Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
@@ -87,19 +88,31 @@ impl FromStr for Which {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 enum Wanted {
-    Stream(Stream),
+    Named(String),
     All,
 }
 
-fn parse_stream(value: &str) -> Result<Wanted, String> {
-    if value == "all" {
-        return Ok(Wanted::All);
+fn parse_stream(value: &str) -> Result<Wanted, Infallible> {
+    Ok(if value == "all" { Wanted::All } else { Wanted::Named(value.to_owned()) })
+}
+
+/// The streams that are named, of the program that runs; none for all of them.
+fn named_streams(args: &DumpArgs) -> Result<Vec<Stream>, Error> {
+    let program = programs::named(args.program.program);
+    let mut named = Vec::new();
+    for wanted in &args.stream {
+        let Wanted::Named(name) = wanted else { return Ok(Vec::new()) };
+        let stream = program.stream(name).ok_or_else(|| {
+            let names: Vec<_> = program.streams().map(Stream::name).collect();
+            Error::usage(format!("--stream {name}: no such stream; the streams are {}, and all", names.join(", ")))
+        })?;
+        if !named.contains(&stream) {
+            named.push(stream);
+        }
     }
-    let names = || names::streams().collect::<Vec<_>>().join(", ");
-    let found = names::stream(value).map(Wanted::Stream);
-    found.ok_or_else(|| format!("no such stream; the streams are {}, and all", names()))
+    Ok(named)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -167,11 +180,12 @@ pub(crate) fn run(args: &DumpArgs) -> Result<(), Error> {
 /// Writes every file, and prints a summary.
 fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let progress = Progress::new(args.quiet.quiet);
-    let is_wanted = |stream| args.stream.contains(&Wanted::All) || args.stream.contains(&Wanted::Stream(stream));
+    let named = named_streams(args)?;
+    let is_wanted = |stream| named.is_empty() || named.contains(&stream);
     let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.program = args.program.program;
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
-        options.counters = args.counters || args.stream.contains(&Wanted::Stream(streams::COUNTERS));
+        options.counters = args.counters || named.contains(&streams::COUNTERS);
         let needs_shading = |s| is_wanted(s) && needs_shading(s, options.schedule);
         options.shade = PROGRAM.streams().any(needs_shading) || options.samples.count > 1;
     })?;
@@ -181,7 +195,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
         (session.plan, session.data) = Plan::new(&session.scene, &session.options, &session.chosen.limits())?;
     }
     folder.refuse_inputs(&session.inputs, is_ours)?;
-    let streams = streams(args, &session.plan, &session.options)?;
+    let streams = streams(&named, &session.plan, &session.options)?;
     let left_out = LeftOut::of(&session.plan);
     let mut running = session.start(&progress)?;
 
@@ -202,7 +216,9 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     };
     let bytes = bytes(&streams, &running.renderer, args.format) * passes.len() as u64;
     let files = streams.len() * passes.len() * if args.format == Format::Both { 2 } else { 1 };
-    let about = if args.format == Format::Npy { "" } else { " at most (EXR is compressed)" };
+    // Of some programs, streams have no texels before a pass has counted their elements.
+    let is_whole = running.renderer.plan().sets.iter().all(|set| set.size.is_some());
+    let about = if args.format == Format::Npy && is_whole { "" } else { " at most" };
     progress.say(format_args!(
         "writing {}, {}{about}, to {}",
         counted(files, "file"),
@@ -238,6 +254,7 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     }
     let text = super::json_text(&index)?;
     folder.write(INDEX, |out| std::io::Write::write_all(out, text.as_bytes()))?;
+    let files: usize = index.passes.iter().map(|pass| pass.files.len()).sum();
     Ok(format!("wrote {} and index.json to {}", counted(files, "file"), args.output.display()))
 }
 

@@ -3,13 +3,14 @@
 use std::str::FromStr;
 
 use percent_encoding::percent_decode_str;
-use raystep_kernels::{GridSize, Ray, Samples};
+use raystep_kernels::options::ProgramName;
+use raystep_kernels::programs;
+use raystep_kernels::{GridSize, Ray, Samples, Stream};
 
 use super::error::start;
 use super::{
     KEYS, Link, LinkCamera, LinkDevice, LinkError, LinkRay, LinkStream, MOST_CELLS, MOST_PIXELS, MOST_STEPS, VERSION,
 };
-use crate::names;
 
 /// The pairs of a link, each key once.
 struct Pairs(Vec<(&'static str, String)>);
@@ -26,12 +27,13 @@ impl FromStr for Link {
         }
         let pairs = Pairs::read(query)?;
         let default = Self::default();
+        let program = pairs.take("program", named)?.unwrap_or(default.program);
         let link = Self {
             scene: pairs.take("scene", |v| not_empty(v).ok_or("expected a file".into()))?,
             scene_index: pairs.take("scene-index", count)?,
             camera: camera(&pairs)?,
             size: pairs.take("size", size)?.unwrap_or(default.size),
-            program: pairs.take("program", named)?.unwrap_or(default.program),
+            program,
             accelerator: pairs.take("accelerator", named)?.unwrap_or(default.accelerator),
             schedule: pairs.take("schedule", named)?.unwrap_or(default.schedule),
             numerics: pairs.take("numerics", named)?.unwrap_or(default.numerics),
@@ -48,7 +50,7 @@ impl FromStr for Link {
             adapter: pairs.take("adapter", |v| not_empty(v).ok_or("expected part of an adapter's name".into()))?,
             ray: ray(&pairs)?,
             pass: pairs.take("pass", count)?,
-            stream: pairs.take("stream", stream)?,
+            stream: pairs.take("stream", |value| stream(value, program))?,
             zoom: pairs.take("zoom", |v| {
                 let points = finite::<f32, 1>(v).map(|[points]| points).filter(|&points| points > 0.0);
                 points.ok_or("expected a number above 0".into())
@@ -183,13 +185,14 @@ fn seed(value: &str) -> Result<u32, String> {
     value.parse().map_err(|_| format!("expected a number from 0 to {}", u32::MAX))
 }
 
-fn stream(value: &str) -> Result<LinkStream, String> {
+fn stream(value: &str, program: ProgramName) -> Result<LinkStream, String> {
     let (name, layer) = match value.split_once('.') {
         Some((name, layer)) => (name, Some(layer)),
         None => (value, None),
     };
-    let stream = names::stream(name)
-        .ok_or_else(|| format!("expected one of {}", names::streams().collect::<Vec<_>>().join(", ")))?;
+    let program = programs::named(program);
+    let names = || program.streams().map(Stream::name).collect::<Vec<_>>().join(", ");
+    let stream = program.stream(name).ok_or_else(|| format!("expected one of {}", names()))?;
     let layers = stream.info().layers;
     let index = layer.map(|layer| layers.iter().position(|l| *l == layer));
     match index {

@@ -22,7 +22,7 @@ pub enum Watch {
     TMaxBackwards,
     /// Any ray visits more cells, or nodes, than this.
     MoreSteps(u32),
-    /// The selected ray's state changes.
+    /// The selected ray's state changes; in a program without states, any value of the selected element.
     RayState,
     /// The selected ray's hit changes: its triangle, or t.
     RayHit,

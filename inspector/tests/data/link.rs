@@ -2,6 +2,7 @@
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::programs;
 use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip};
 
@@ -57,12 +58,13 @@ impl Random {
                 fov_deg: self.of(&[40.0, 0.1, 1e-300, 179.999_999_999_9]),
             },
         };
+        let program = self.of(ProgramName::ALL);
         Link {
             scene: self.maybe(Self::text),
             scene_index: index,
             camera,
             size,
-            program: self.of(ProgramName::ALL),
+            program,
             accelerator: self.of(Accelerator::ALL),
             schedule: self.of(ScheduleKind::ALL),
             numerics: self.of(Numerics::ALL),
@@ -87,7 +89,7 @@ impl Random {
             },
             pass: self.maybe(|r| r.below(usize::MAX)),
             stream: self.maybe(|r| {
-                let stream = r.of(&PROGRAM.streams().collect::<Vec<_>>());
+                let stream = r.of(&programs::named(program).streams().collect::<Vec<_>>());
                 LinkStream { stream, layer: r.maybe(|r| r.below(stream.layers())) }
             }),
             zoom: self.maybe(|r| r.f32().abs().max(f32::MIN_POSITIVE)),

@@ -132,8 +132,13 @@ impl<R: Precision> CpuExecutor<R> {
         self.count();
     }
 
+    /// How many elements each set has now.
+    pub(crate) fn sizes(&self) -> Sizes {
+        self.sizes.clone()
+    }
+
     /// Gives sets of elements other sizes.
-    fn resize(&mut self, sizes: Sizes) -> Result<(), OutOfMemory> {
+    pub(crate) fn resize(&mut self, sizes: Sizes) -> Result<(), OutOfMemory> {
         let streams: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).collect();
         for (rows, elements) in self.rows.iter_mut().zip(self.plan.program.elements) {
             let size = sizes.of(self.plan.program, elements);

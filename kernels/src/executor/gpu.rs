@@ -171,8 +171,16 @@ impl GpuExecutor {
         self.size(kernel.instance().over).unwrap_or(Size { width: 0, height: 0, count: 0 })
     }
 
+    /// How many elements each set has now.
+    pub(crate) fn sizes(&self) -> Sizes {
+        self.sizes.clone()
+    }
+
     /// Gives sets of elements other sizes: their streams are made anew, and are unwritten.
-    fn resize(&mut self, sizes: Sizes) -> Result<(), GpuError> {
+    pub(crate) fn resize(&mut self, sizes: Sizes) -> Result<(), GpuError> {
+        if sizes == self.sizes {
+            return Ok(());
+        }
         let program = self.plan.program;
         let before = std::mem::replace(&mut self.sizes, sizes);
         let is_new = |stream: Stream| {
@@ -197,11 +205,8 @@ impl GpuExecutor {
 
     /// Every stream to its unwritten value, and every set that the run has counted to no size.
     pub fn clear(&mut self) {
-        let sizes = Sizes::new(&self.plan);
-        if sizes != self.sizes {
-            // What has no size is bound by no kernel, so that nothing can be missing.
-            let _: Result<(), GpuError> = self.resize(sizes);
-        }
+        // What has no size is bound by no kernel, so that nothing can be missing.
+        let _: Result<(), GpuError> = self.resize(Sizes::new(&self.plan));
         self.books.clear();
         self.copies.forget_all();
         self.device_ns = self.timers.as_ref().map(|_| 0);

@@ -1,21 +1,12 @@
 //! How many elements each set of a program has in a run: known from the plan, or found on the way.
 
 use crate::plan::Plan;
+use crate::program::sizes::derive;
 use crate::program::{Kernel, Program};
 use crate::tables::elements::{Count, Elements, Size};
 use crate::tables::stream::Stream;
 
-/// More elements were found than fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the run has found {count} {elements}, at most {most} fit here")]
-pub struct TooMany {
-    /// Name of the set.
-    pub elements: &'static str,
-    /// How many were found; `u32::MAX` for that many and more.
-    pub count: u64,
-    /// Most that fit.
-    pub most: u64,
-}
+pub use crate::program::sizes::TooMany;
 
 /// The sizes of a program's sets.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,21 +64,4 @@ impl Sizes {
         self.known[unknown.index] = Some(size.ok_or(TooMany { elements, count: count.into(), most })?);
         derive(program, &mut self.known, self.side)
     }
-}
-
-/// Gives sizes to the sets that follow from others.
-pub(crate) fn derive(program: &Program, known: &mut [Option<Size>], side: u32) -> Result<(), TooMany> {
-    // As often as there are sets: each may follow from one behind it.
-    for _ in 0..program.elements.len() {
-        for (index, elements) in program.elements.iter().enumerate() {
-            let Count::Per { of, per, each } = elements.count else { continue };
-            let base = program.elements.iter().position(|set| set.name == of).and_then(|base| known[base]);
-            let Some(base) = base.filter(|_| known[index].is_none()) else { continue };
-            let count = u64::from(base.count.div_ceil(per).max(1)) * u64::from(each);
-            let most = u64::from(side).pow(2);
-            let size = Size::folded(count, side).ok_or(TooMany { elements: elements.name, count, most })?;
-            known[index] = Some(size);
-        }
-    }
-    Ok(())
 }

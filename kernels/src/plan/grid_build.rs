@@ -6,10 +6,10 @@ use raystep_scenes::Scene;
 
 use super::check::{PlanError, check_buffer, check_scene};
 use super::{Limits, Plan, Planned, PlannedSet, housekeeping, planned_buffers, planned_streams, variants};
-use crate::executor::sizes::derive;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, Rule};
+use crate::program::sizes::derive;
 use crate::programs::grid_build::elements::{CELLS, TRIANGLES};
 use crate::programs::grid_build::{PROGRAM, schedule};
 use crate::scene_data::{SceneData, reach, traced_vertices};

@@ -4,6 +4,7 @@
 pub mod check;
 pub mod kernel;
 pub mod schedule;
+pub mod sizes;
 
 use std::fmt;
 

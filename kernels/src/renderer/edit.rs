@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Executor, RenderError, Renderer};
+use crate::executor::sizes::Sizes;
 use crate::tables::state::{self, StateCounts};
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 
@@ -61,6 +62,15 @@ impl Renderer {
         Ok(())
     }
 
+    /// How many elements each set has now.
+    fn sizes(&self) -> Sizes {
+        match &self.executor {
+            Executor::Gpu(e) => e.sizes(),
+            Executor::Cpu(e) => e.sizes(),
+            Executor::CpuF64(e) => e.sizes(),
+        }
+    }
+
     /// Takes over where another run is, which shares this one's plan: its streams as f32, and its place. The
     /// passes that follow run here.
     ///
@@ -73,7 +83,15 @@ impl Renderer {
         other.settle().await?;
         // Until all is copied, streams and place do not belong together.
         self.is_ahead = true;
+        match (&mut self.executor, other.sizes()) {
+            (Executor::Gpu(e), sizes) => e.resize(sizes)?,
+            (Executor::Cpu(e), sizes) => e.resize(sizes)?,
+            (Executor::CpuF64(e), sizes) => e.resize(sizes)?,
+        }
         for planned in &self.plan.clone().streams {
+            if self.size(planned.what.info().elements).is_none() {
+                continue;
+            }
             let data = other.values(planned.what).await?;
             self.write(&data);
         }

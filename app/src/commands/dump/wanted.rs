@@ -3,28 +3,22 @@
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Limits, Options, ScheduleKind, Stream};
 
-use super::{DumpArgs, Wanted};
 use crate::error::Error;
 
 /// The streams to write; an error if a named stream is not part of the plan.
-pub(super) fn streams(args: &DumpArgs, plan: &Plan, options: &Options) -> Result<Vec<Stream>, Error> {
-    if args.stream.contains(&Wanted::All) {
+pub(super) fn streams(named: &[Stream], plan: &Plan, options: &Options) -> Result<Vec<Stream>, Error> {
+    if named.is_empty() {
         return Ok(plan.streams.iter().map(|s| s.what).collect());
     }
-    let mut streams = Vec::new();
-    for wanted in &args.stream {
-        let Wanted::Stream(stream) = *wanted else { continue };
+    for &stream in named {
         if !plan.has_stream(stream) {
             let what = format!("stream {}", stream.name());
             let reason = plan.left_out.iter().find(|l| l.what == what).map_or("not needed", |l| l.reason);
             let tip = option_for(stream, options).map(|o| format!("; {o} adds it")).unwrap_or_default();
             return Err(Error::usage(format!("--stream {}: this run omits it: {reason}{tip}", stream.name())));
         }
-        if !streams.contains(&stream) {
-            streams.push(stream);
-        }
     }
-    Ok(streams)
+    Ok(named.to_vec())
 }
 
 /// An additional option with which a run has a stream that it omits, if there is one: found by planning with it.

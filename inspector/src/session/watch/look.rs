@@ -137,7 +137,18 @@ impl Look {
     }
 }
 
+/// The streams of the elements that the run is about.
+fn own_streams(renderer: &Renderer) -> Vec<Stream> {
+    let plan = renderer.plan();
+    let is_own = |stream: &Stream| stream.info().elements == plan.program.elements[0];
+    plan.streams.iter().map(|planned| planned.what).filter(is_own).collect()
+}
+
+/// Texels of `state` and `hit`; in a program without states all texels of the element, one after the other.
 async fn ray_texels(renderer: &Renderer, [x, y]: [u32; 2]) -> Result<[Vec<u32>; 2], RenderError> {
+    if renderer.plan().program.course.is_none() {
+        return Ok([renderer.texels(&own_streams(renderer), x, y).await?.concat(), Vec::new()]);
+    }
     let mut texels = renderer.texels(&[streams::STATE, streams::HIT], x, y).await?.into_iter();
     Ok([texels.next().unwrap_or_default(), texels.next().unwrap_or_default()])
 }
@@ -186,10 +197,21 @@ fn more_steps(before: &[u32], now: &[u32], most: u32) -> Option<Found> {
     Some((first, count, counted(now[first], "step")))
 }
 
+/// The first component of the selected element that changes, in a program without states.
+fn texel_change(renderer: &Renderer, before: &[u32], now: &[u32]) -> Option<String> {
+    let streams = own_streams(renderer);
+    let names = streams.iter().flat_map(|s| s.info().layers.iter().map(move |layer| (s.name(), layer)));
+    let (((stream, layer), from), to) = names.zip(before).zip(now).find(|((_, from), to)| from != to)?;
+    Some(format!("{stream}.{layer}: {from} > {to}"))
+}
+
 /// Changes of the selected ray.
 fn ray_change(renderer: &Renderer, watch: Watch, before: &[Vec<u32>; 2], now: &[Vec<u32>; 2]) -> Option<String> {
     let [(state_before, hit_before), (state_now, hit_now)] = [before, now].map(|[state, hit]| (state, hit));
     let both = |layer: usize| Some((*state_before.get(layer)?, *state_now.get(layer)?));
+    if renderer.plan().program.course.is_none() {
+        return if watch == Watch::RayState { texel_change(renderer, state_before, state_now) } else { None };
+    }
     match watch {
         Watch::RayState => {
             let (from, to) = both(STATE_TAG).filter(|(from, to)| from != to)?;

@@ -94,9 +94,7 @@ impl GpuExecutor {
 
     /// Streams and lists to what they were. The snapshot is of the same plan, on the same device.
     pub(crate) fn restore(&mut self, snapshot: &Snapshot) -> Result<(), GpuError> {
-        if snapshot.sizes != self.sizes {
-            self.resize(snapshot.sizes.clone())?;
-        }
+        self.resize(snapshot.sizes.clone())?;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         for (stream, copy) in &snapshot.streams {
             let is_there = self.copies.of(*stream).is_some_and(|there| Arc::ptr_eq(&there, copy));

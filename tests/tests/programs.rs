@@ -1,0 +1,115 @@
+//! A program whose elements are no rays: the same on every executor, forwards and back, edited and watched.
+
+use raystep_inspector::{Session, Target, Watch, Way, go_on};
+use raystep_kernels::options::ProgramName;
+use raystep_kernels::programs::grid_build::elements::{REFERENCES, SPANS};
+use raystep_kernels::programs::grid_build::streams::{BOX, FIRST_SPAN};
+use raystep_kernels::renderer::Lists;
+use raystep_kernels::structures::grid;
+use raystep_kernels::{Device, GridSize, Options, RenderError, Renderer, StreamData};
+use raystep_scenes::Scene;
+use raystep_tests::sessions::go;
+use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene, streams_of};
+
+fn build(scene: &Scene, grid: GridSize) -> Options {
+    Options { program: ProgramName::GridBuild, grid, ..options(scene, 8, 8) }
+}
+
+/// All streams whose elements are counted.
+async fn known_streams(renderer: &Renderer) -> Vec<StreamData> {
+    let mut all = Vec::new();
+    for stream in streams_of(renderer.plan()) {
+        match renderer.values(stream).await {
+            Ok(values) => all.push(values),
+            Err(error) => assert!(matches!(error, RenderError::NotCounted { .. }), "{error}"),
+        }
+    }
+    all
+}
+
+fn scenes() -> Vec<(Scene, GridSize)> {
+    vec![
+        (scene("cornell-box.gltf"), GridSize::Auto),
+        (scene("teapot.glb"), GridSize::Auto),
+        (scene("teapot.glb"), GridSize::Cells([70, 3, 40])),
+        (raystep_scenes::generate::soup(300, 4).expect("soup"), GridSize::Cells([16, 16, 17])),
+        (Scene { materials: scene("cornell-box.gltf").materials, ..Scene::default() }, GridSize::Auto),
+    ]
+}
+
+#[test]
+fn every_pass_of_a_build_leaves_the_same_on_gpu_and_twins_and_the_lists_are_the_hosts() {
+    let gpu = Device::Gpu(gpu());
+    for (scene, size) in scenes() {
+        let options = build(&scene, size);
+        block_on(gpu_of(&gpu), async {
+            let mut ours = Renderer::new(&scene, &options, &gpu).await?;
+            let mut twins = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
+            let mut passes = 0;
+            while let Some(pass) = ours.step().await? {
+                let twin = twins.step().await?.expect("as many passes");
+                assert_eq!((pass.kernel, pass.rays_in), (twin.kernel, twin.rays_in));
+                let [left, right] = [known_streams(&ours).await, known_streams(&twins).await];
+                assert!(left == right, "{} differs after pass {passes} ({})", scene.name, pass.kernel.name());
+                passes += 1;
+            }
+            assert!(twins.step().await?.is_none() && passes >= 15, "{passes}");
+            let data = ours.data();
+            let host = grid::lists(&data.grid, data.growth, &data.vertices, u64::MAX).expect("lists");
+            let lists = Lists::of(&ours).await?;
+            assert_eq!((&lists.cells, &lists.items), (&host.cells, &host.items), "{}", scene.name);
+            let references = ours.size(&REFERENCES).map(|size| size.count as usize);
+            assert_eq!(references, Some(lists.items.len()));
+            Ok::<(), RenderError>(())
+        })
+        .expect("both builds");
+    }
+}
+
+#[test]
+fn a_build_goes_back_and_forth_as_it_went() {
+    let scene = scene("teapot.glb");
+    for (_, device) in devices() {
+        block_on(gpu_of(&device), async {
+            let mut session = Session::new(&scene, &build(&scene, GridSize::Auto), &device).await?;
+            let mut after = vec![known_streams(session.renderer()).await];
+            while go(&mut session, Target::Next).await == after.len() {
+                after.push(known_streams(session.renderer()).await);
+            }
+            let last = after.len() - 1;
+            assert!(last > 20 && after[0].len() < after[last].len(), "streams come as their elements are counted");
+            // Over both places where elements are counted, and to the start.
+            for place in [last - 1, 3, 9, 4, 0, last, 8, 1] {
+                assert_eq!(go(&mut session, Target::Pass(place)).await, place);
+                assert!(known_streams(session.renderer()).await == after[place], "{place}");
+            }
+            assert_eq!(go(&mut session, Target::Previous).await, 0);
+            assert!(session.renderer().size(&SPANS).is_none());
+
+            // Twins first, then the device: as if the device had run all.
+            session.twins_until(Some(6), &mut go_on).await?;
+            go(&mut session, Target::End).await;
+            assert!(known_streams(session.renderer()).await == after[last]);
+            session.twins_until(None, &mut go_on).await?;
+
+            // An edit is part of what follows: a triangle's spans begin elsewhere.
+            go(&mut session, Target::Pass(1)).await;
+            session.edit(FIRST_SPAN, 0, 2, 0, 7).await?;
+            go(&mut session, Target::Pass(4)).await;
+            assert!(known_streams(session.renderer()).await != after[4]);
+            session.clear_edits(&mut go_on).await?;
+            assert!(known_streams(session.renderer()).await == after[4]);
+
+            // The first pass gives the selected triangle its box.
+            go(&mut session, Target::Start).await;
+            session.select(5, 0);
+            let fired = session.run_to_watch(&[Watch::RayState], Way::Forward, &mut go_on).await?.expect("a change");
+            assert_eq!(fired.place, 1);
+            assert!(fired.value.starts_with("box."), "{}", fired.value);
+            let texel = session.renderer().texel(BOX, 5, 0).await?;
+            assert!(texel[3..] != [0; 3], "{texel:?}");
+            Ok::<(), RenderError>(())
+        })
+        .expect("a session");
+    }
+}
