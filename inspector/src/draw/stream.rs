@@ -92,7 +92,7 @@ impl Meaning {
         match layer {
             STATE_TAG if stream == streams::STATE => Self::Tag,
             STATE_ITEM if stream == streams::STATE => Self::Count,
-            _ if stream == streams::COUNTERS => Self::Count,
+            _ if stream.info().unit.starts_with("count") => Self::Count,
             _ if stream.is_float_layer(layer) => Self::Scalar,
             _ => Self::Id,
         }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
-use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Stream, StreamData};
+use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Renderer, Stream, StreamData};
 use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
@@ -304,15 +304,7 @@ impl Server {
         let session = Session::new(&scene, &settings.options(&scene), &device).await?;
         let renderer = session.renderer();
         let mut copies = Vec::new();
-        let textures = match renderer.gpu() {
-            Some(gpu) => {
-                renderer.plan().streams.iter().filter_map(|s| Some((s.what, gpu.texture(s.what)?.clone()))).collect()
-            }
-            None => {
-                copies = renderer.plan().streams.iter().map(|s| (s.what, self.copy_of(&session, s.what))).collect();
-                copies.clone()
-            }
-        };
+        let textures = textures(&self.devices.gpu, renderer, &mut copies);
         let device_name = match &device {
             Device::Gpu(gpu) => gpu.info.name.clone(),
             Device::Cpu(_) | Device::CpuF64(_) => settings.device.name().into(),
@@ -338,10 +330,14 @@ impl Server {
     /// Reports the run's place, once its streams can be drawn.
     async fn arrived(&mut self) -> Result<(), Trouble> {
         let Some(run) = &mut self.run else { return Ok(()) };
-        if run.copies.is_empty() {
+        let renderer = run.session.renderer();
+        if renderer.gpu().is_some() {
             // Without its device the run has no place: the last known place is where to resume.
             self.devices.gpu.health().map_err(|error| Trouble::Failed(error.to_string()))?;
         }
+        // Streams come and go with the sizes of their elements.
+        let is_fixed = renderer.plan().sets.iter().all(|set| set.size.is_some());
+        let textures = (!is_fixed).then(|| textures(&self.devices.gpu, renderer, &mut run.copies));
         for (stream, texture) in &run.copies {
             let data = run.session.stream(*stream).await?;
             fill(&self.devices.gpu, texture, &data);
@@ -359,15 +355,11 @@ impl Server {
             edits: run.session.edits().to_vec(),
             twins: run.session.twin_passes(),
             host_ns: run.session.renderer().host_ns(),
+            textures,
         };
         run.known = place;
         self.say(Update::At(at));
         Ok(())
-    }
-
-    fn copy_of(&self, session: &Session, stream: Stream) -> wgpu::Texture {
-        let plan = session.renderer().plan();
-        stream_copy(&self.devices.gpu, stream, plan.width, plan.height)
     }
 
     fn pin(&self, stream: Stream) -> Result<(), Trouble> {
@@ -377,7 +369,7 @@ impl Server {
             None => run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture),
         };
         let source = source.ok_or_else(|| Trouble::Failed(RenderError::NoStream(stream.name()).to_string()))?;
-        let texture = self.copy_of(&run.session, stream);
+        let texture = stream_copy(&self.devices.gpu, stream, source.width(), source.height());
         let gpu = &self.devices.gpu;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_texture(source.as_image_copy(), texture.as_image_copy(), source.size());
@@ -385,6 +377,25 @@ impl Server {
         self.say(Update::Pinned { stream, place: run.session.place(), texture });
         Ok(())
     }
+}
+
+/// The textures of all streams whose elements are counted: the run's own on a GPU, otherwise `copies`, which are made
+/// anew where a size has changed.
+fn textures(gpu: &Gpu, renderer: &Renderer, copies: &mut Vec<(Stream, wgpu::Texture)>) -> Vec<(Stream, wgpu::Texture)> {
+    let streams = renderer.plan().streams.iter().map(|planned| planned.what);
+    if let Some(own) = renderer.gpu() {
+        return streams.filter_map(|stream| Some((stream, own.texture(stream)?.clone()))).collect();
+    }
+    let copy = |stream: Stream| {
+        let size = renderer.size(stream.info().elements)?;
+        let is_same = |texture: &wgpu::Texture| (texture.width(), texture.height()) == (size.width, size.height);
+        let old = copies.iter().find(|(s, texture)| *s == stream && is_same(texture));
+        let texture = old.map(|(_, texture)| texture.clone());
+        Some((stream, texture.unwrap_or_else(|| stream_copy(gpu, stream, size.width, size.height))))
+    };
+    let now: Vec<_> = streams.filter_map(copy).collect();
+    copies.clone_from(&now);
+    now
 }
 
 fn flow(goes_on: bool) -> ControlFlow<()> {

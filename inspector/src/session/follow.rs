@@ -17,6 +17,9 @@ impl Session {
         let mut guide = Guide::new(progress);
         ray_state(&self.renderer, x, y).await?;
         let here = self.place();
+        if self.renderer.plan().program.course.is_none() {
+            return Ok(Trace::new(&self.renderer, [x, y], Vec::new()));
+        }
         let followed = self.follow_from_start([x, y], &mut guide).await;
         // Return even if it was stopped: following must not move the user's view.
         if matches!(followed, Ok(_) | Err(RenderError::Cancelled { .. })) {

@@ -228,6 +228,9 @@ impl Model {
         }
         (self.place, self.next, self.kept_bytes, self.budget) = (at.place, at.next, at.kept_bytes, at.budget);
         self.edits = at.edits;
+        if let (Some(opened), Some(textures)) = (&mut self.opened, at.textures) {
+            opened.textures = textures;
+        }
         self.is_complete |= at.next.is_none();
     }
 

@@ -111,6 +111,8 @@ pub struct Opened {
 pub struct At {
     /// Passes so far.
     pub place: usize,
+    /// As [`Opened::textures`] now, if they depend on the place.
+    pub textures: Option<Vec<(Stream, wgpu::Texture)>>,
     /// The index of the first of `passes` in the list of all passes.
     pub first: usize,
     /// The passes from there on to `place`.

@@ -9,7 +9,6 @@ use super::pane::{Context, PaneKind};
 use crate::session::request::Request;
 use crate::session::{Model, Target, Way};
 use raystep_kernels::export::trace::TraceRow;
-use raystep_kernels::programs::closest_hit::streams;
 
 impl Inspector {
     /// Whether a command would have an effect now.
@@ -74,7 +73,7 @@ impl Inspector {
             C::GoToPixel => self.dialog = Some(Dialog::Pixel(String::new())),
             C::TypeRay => self.dialog = Some(Dialog::Ray(String::new())),
             C::EditTexel => {
-                let stream = self.shared.stream.unwrap_or(streams::STATE);
+                let Some(stream) = self.shared.stream else { return };
                 self.dialog = Some(Dialog::Edit(stream, 0, String::new()));
             }
             C::CopyLink => {

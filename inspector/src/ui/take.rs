@@ -4,7 +4,6 @@ use std::any::Any;
 use std::ops::ControlFlow;
 
 use raystep_kernels::export::csv::{RunContext, Timer};
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Pass, Progress, Stream};
 
 use super::Inspector;
@@ -33,7 +32,7 @@ impl Inspector {
             Command::ExportTrace => self.take_passes(exports::passes_trace),
             Command::ExportRay => self.model.life.as_ref().map(|life| exports::life_csv(life)),
             Command::ExportExr | Command::ExportNpy => {
-                let stream = self.shared.stream.unwrap_or(streams::STATE);
+                let Some(stream) = self.shared.stream else { return };
                 let write = if command == Command::ExportExr { exports::stream_exr } else { exports::stream_npy };
                 self.model.ask(Request::Job(EXPORTING, read(stream, write)));
                 None

@@ -3,7 +3,7 @@
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::programs;
-use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
+use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Ray, Sampler, Samples, ScheduleKind, Skip};
 
 struct Random(fastrand::Rng);

@@ -33,6 +33,10 @@ impl Panel for RayView {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        if cx.model.opened.as_ref().is_some_and(|opened| opened.plan.program.course.is_none()) {
+            ui.weak("This program has no rays. The Stream panel shows its elements, pass by pass.");
+            return;
+        }
         let Some(life) = cx.model.life.clone() else {
             ui.weak("Click a pixel to see the history of its ray.");
             return;

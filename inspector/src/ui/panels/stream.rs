@@ -6,10 +6,10 @@ mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
 use look::Look;
-use raystep_kernels::Stream;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::tables::kernel::Role;
+use raystep_kernels::{Kernel, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
 use raystep_lab::text::counted;
 
@@ -75,9 +75,12 @@ impl Panel for StreamView {
             (self.look.stream, self.look.layer, self.look.range) = (Some(show.stream.stream), show.stream.layer, None);
             (self.look.scale, self.look.center) = (show.zoom, show.pan.unwrap_or(self.look.center));
         }
-        let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).collect();
-        let is_shaded = cx.model.last_pass().is_some_and(|pass| pass.kernel.role() == Role::Finish);
-        let stream = self.stream(&streams, if is_shaded { streams::COLOR } else { streams::STATE });
+        let is_counted = |stream: &Stream| cx.model.texture(*stream).is_some();
+        let streams: Vec<Stream> = plan.streams.iter().map(|s| s.what).filter(is_counted).collect();
+        let Some(default) = default_stream(&plan, &streams, cx.model.last_pass().map(|pass| pass.kernel)) else {
+            return;
+        };
+        let stream = self.stream(&streams, default);
         cx.shared.stream = Some(stream);
         if self.pinned.is_none() {
             let (zoom, pan) = (self.look.scale, Some(self.look.center));
@@ -92,14 +95,17 @@ impl Panel for StreamView {
         self.legend(ui, plan.program, (stream, stats_of), meaning);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
-        self.move_view(ui, &response, rect, [plan.width, plan.height]);
-        let (scale, origin) = self.placement(rect, [plan.width, plan.height]);
+        let texture = self.pinned.as_ref().map(|pinned| &pinned.texture).or_else(|| cx.model.texture(stream));
+        let size = texture.map_or([plan.width, plan.height], |texture| [texture.width(), texture.height()]);
+        // What is selected is an element of the first set.
+        let can_select = stream.info().elements == plan.program.elements[0];
+        self.move_view(ui, &response, rect, size);
+        let (scale, origin) = self.placement(rect, size);
         self.paint(ui, cx, rect, scale, origin, stream, layer, meaning);
         let texel_at = |at: Pos2| {
             let texel = (at - origin) / scale;
-            let inside =
-                texel.x >= 0.0 && texel.y >= 0.0 && texel.x < plan.width as f32 && texel.y < plan.height as f32;
-            inside.then_some([texel.x as u32, texel.y as u32])
+            let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < size[0] as f32 && texel.y < size[1] as f32;
+            (inside && can_select).then_some([texel.x as u32, texel.y as u32])
         };
         if let Some(texel) = response.hover_pos().and_then(texel_at) {
             cx.shared.hovered = Some(texel);
@@ -111,8 +117,10 @@ impl Panel for StreamView {
             self.look.scale = None;
         }
         numbers::draw(ui, cx, rect, scale, origin, stream, self.pinned.is_some());
-        mark(ui, cx.shared.pixel, rect, scale, origin, Color32::WHITE);
-        if !response.hovered() {
+        if can_select {
+            mark(ui, cx.shared.pixel, rect, scale, origin, Color32::WHITE);
+        }
+        if !response.hovered() && can_select {
             mark(ui, cx.shared.hovered, rect, scale, origin, Color32::from_white_alpha(120));
         }
         let what = format!(
@@ -165,6 +173,17 @@ impl Panel for StreamView {
         }
         true
     }
+}
+
+/// The stream that is shown if none was chosen: the image once it is shaded, before that the rays' states; in a program
+/// without states the last stream that the last pass has written.
+fn default_stream(plan: &Plan, streams: &[Stream], last: Option<Kernel>) -> Option<Stream> {
+    let own = match plan.program.state_stream() {
+        Some(_) if last.is_some_and(|kernel| kernel.role() == Role::Finish) => Some(streams::COLOR),
+        Some(states) => Some(states),
+        None => last.and_then(|kernel| plan.variant(kernel)?.written_streams().last()),
+    };
+    own.filter(|stream| streams.contains(stream)).or(streams.first().copied())
 }
 
 impl StreamView {
