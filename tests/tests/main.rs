@@ -7,6 +7,7 @@ mod degenerate;
 mod device;
 mod divergence;
 mod library;
+mod names;
 mod parity;
 mod plan;
 mod programs;

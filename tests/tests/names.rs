@@ -1,0 +1,119 @@
+//! What one program's kernels, streams and states are called is known to that program, and to what is about its results.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Files outside of `programs/` that may name something of `closest_hit`, and why. A list that only gets shorter:
+/// anything else asks the plan's program, its rows and roles.
+const MAY_NAME: &[(&str, &[&str])] = &[
+    (
+        "what was hit, seen or counted is read from these streams",
+        &[
+            "app/src/commands/dump.rs",
+            "app/src/commands/dump/left_out.rs",
+            "app/src/commands/render.rs",
+            "kernels/lab/src/bench/measure.rs",
+            "kernels/lab/src/judge.rs",
+            "kernels/lab/src/judge/passes.rs",
+            "kernels/lab/src/report/resolved.rs",
+            "kernels/lab/src/stability/drift.rs",
+            "kernels/lab/src/stability/probe.rs",
+            "kernels/lab/src/watertight.rs",
+            "kernels/lab/src/work.rs",
+            "kernels/src/export/json.rs",
+            "kernels/src/renderer/given.rs",
+            "kernels/src/renderer/image.rs",
+            "kernels/src/renderer/results.rs",
+        ],
+    ),
+    (
+        "how far floats of a ray may be off, and what a ray that parts decides",
+        &[
+            "kernels/lab/src/divergence.rs",
+            "kernels/lab/src/parity.rs",
+            "kernels/lab/src/rounding.rs",
+            "kernels/lab/src/rounding/judge.rs",
+            "kernels/lab/src/rounding/nudge.rs",
+        ],
+    ),
+    (
+        "a ray's history, and its walk through cells and nodes",
+        &[
+            "inspector/src/session/watch/look.rs",
+            "inspector/src/source.rs",
+            "inspector/src/source/marks.rs",
+            "inspector/src/ui/panels/kernel.rs",
+            "inspector/src/ui/panels/ray.rs",
+            "inspector/src/ui/panels/structure/slice.rs",
+            "inspector/src/walk.rs",
+            "inspector/src/walk/cells.rs",
+            "inspector/src/walk/events.rs",
+            "inspector/src/walk/nodes.rs",
+            "kernels/src/history/mod.rs",
+        ],
+    ),
+    (
+        "what streams of rays look like at first, and panels about rays alone",
+        &[
+            "inspector/src/draw/stream.rs",
+            "inspector/src/ui/panels/compare.rs",
+            "inspector/src/ui/panels/cost.rs",
+            "inspector/src/ui/panels/cost/lanes.rs",
+            "inspector/src/ui/panels/stream.rs",
+            "inspector/src/ui/panels/stream/look.rs",
+            "inspector/src/ui/panels/stream/tools.rs",
+        ],
+    ),
+    ("the plan of each program", &["kernels/src/plan/mod.rs", "kernels/src/plan/grid_build.rs"]),
+    (
+        "the lists of the grid that was built, and the command that builds it",
+        &["kernels/src/renderer/lists.rs", "app/src/commands/build.rs"],
+    ),
+];
+
+/// Sources of the crates, without what is compiled for tests only.
+fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        if entry.is_dir() {
+            sources(&entry, all);
+        } else if entry.extension().is_some_and(|e| e == "rs") && entry.file_name().is_some_and(|n| n != "tests.rs") {
+            all.push(entry);
+        }
+    }
+}
+
+/// Whether code, comments and tests apart, names a module of a program.
+fn names_a_program(text: &str) -> bool {
+    let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or(text);
+    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.into_iter().any(|line| line.contains("closest_hit") || line.contains("grid_build"))
+}
+
+#[test]
+fn only_what_is_about_its_results_names_a_programs_kernels_streams_and_states() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut files = Vec::new();
+    for folder in ["kernels/src", "kernels/lab/src", "inspector/src", "app/src"] {
+        sources(&root.join(folder), &mut files);
+    }
+    assert!(files.len() > 300, "{} files", files.len());
+    let mut found: Vec<String> = files
+        .iter()
+        .map(|file| file.strip_prefix(&root).expect("below the root").to_string_lossy().replace('\\', "/"))
+        .zip(&files)
+        .filter(|(name, _)| !name.starts_with("kernels/src/programs/"))
+        .filter(|(_, file)| names_a_program(&fs::read_to_string(file).expect("text")))
+        .map(|(name, _)| name)
+        .collect();
+    found.sort();
+    let mut listed: Vec<String> =
+        MAY_NAME.iter().flat_map(|(_, files)| files.iter()).map(|file| (*file).to_owned()).collect();
+    listed.sort();
+    let new: Vec<_> = found.iter().filter(|file| !listed.contains(file)).collect();
+    let gone: Vec<_> = listed.iter().filter(|file| !found.contains(file)).collect();
+    assert!(
+        new.is_empty(),
+        "these name a program's kernels, streams or states: ask the plan's program instead: {new:?}"
+    );
+    assert!(gone.is_empty(), "these no longer do; take them off the list: {gone:?}");
+}
