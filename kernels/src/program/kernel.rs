@@ -167,7 +167,7 @@ impl Kernel {
     }
     /// What is bound to a name of its WGSL: the name itself, unless its place in the program says otherwise.
     #[must_use]
-    pub fn bound<'a>(self, name: &'a str) -> &'a str {
+    pub fn bound(self, name: &str) -> &str {
         self.0.binds.iter().find(|(of, _)| *of == name).map_or(name, |&(_, bound)| bound)
     }
     /// Its twin for one element, at this precision; `None` for a kernel whose elements look at each other.

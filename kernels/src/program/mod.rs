@@ -6,6 +6,7 @@ pub mod kernel;
 pub mod schedule;
 pub mod sizes;
 
+use std::borrow::Cow;
 use std::fmt;
 
 use crate::options::features::Features;
@@ -16,6 +17,9 @@ use crate::tables::state::{States, Tag};
 use crate::tables::stream::{Stream, StreamInfo};
 pub use check::Fault;
 pub use kernel::{Instance, Kernel, KernelInfo, Twin};
+
+/// A WGSL module: its name, and its text.
+pub type Module = (&'static str, Cow<'static, str>);
 
 /// A stream program.
 pub struct Program {
@@ -38,7 +42,7 @@ pub struct Program {
     /// Its kernels, each as often as it stands in the program.
     pub kernels: &'static [Instance],
     /// WGSL modules that kernels import from, by name: `package::NAME`.
-    pub modules: fn(&Features) -> Vec<(&'static str, std::borrow::Cow<'static, str>)>,
+    pub modules: fn(&Features) -> Vec<Module>,
 }
 
 /// Where the elements of a program with states begin and end.
