@@ -307,10 +307,10 @@ pub(crate) use proof;
 
 macro_rules! twin {
     (element $module:ident) => {
-        $crate::program::Twin::Element { f32: $module::$module::<f32>, f64: $module::$module::<f64> }
+        $crate::program::Twin::Element { f32: super::$module::$module::<f32>, f64: super::$module::$module::<f64> }
     };
     (pass $module:ident) => {
-        $crate::program::Twin::Pass($module::$module)
+        $crate::program::Twin::Pass(super::$module::$module)
     };
 }
 pub(crate) use twin;

@@ -1,11 +1,8 @@
 //! Every kernel, in one table: its WGSL, its twin, and the states it works on.
 
-use super::Own;
 use super::elements::RAYS;
 use super::states::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, TRAV, TRAV_SETUP, UNWRITTEN};
-use super::{
-    accumulate, conditions, count, explain, fused, generate, intersect, setup, shade, traverse_bvh, traverse_grid, walk,
-};
+use super::{Own, conditions, explain};
 use crate::options::reasons::{
     Because, EYE_RAYS, FUSED as BY_FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, STEPPED, of_a_step,
 };
