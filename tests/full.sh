@@ -15,6 +15,20 @@ step "a program outside of the workspace"
 cargo run --quiet --locked --manifest-path tests/outside/Cargo.toml --target-dir target/outside |
     grep "the centre pixel sees triangle 0"
 
+step "the kernel of docs/adding-a-kernel.md"
+rm -rf target/example
+mkdir -p target/example
+tar --exclude=./target --exclude=./.git -cf - . | tar -xf - -C target/example
+(
+    cd target/example
+    sed -n '/^```diff/,/^```/p' docs/adding-a-kernel.md | sed '1d;$d' | patch -p1
+    for device in cpu gpu; do
+        CARGO_TARGET_DIR=../example-build cargo run --quiet --locked -- \
+            render scenes/cornell-box.gltf -o "$device.png" --device "$device" 2>&1 | grep "depth_cue 1"
+    done
+    cmp cpu.png gpu.png
+)
+
 step "packages"
 cargo package --workspace --locked --target-dir target/packages
 

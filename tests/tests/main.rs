@@ -1,5 +1,6 @@
 //! What only shows when the crates work together.
 
+mod adding;
 mod agreement;
 mod any_hit;
 mod compact;
