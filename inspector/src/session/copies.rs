@@ -1,7 +1,7 @@
 //! Textures with the streams of the CPU reference, for drawing.
 
 use raystep_kernels::executor::gpu::stream_format;
-use raystep_kernels::{Gpu, Stream, StreamData};
+use raystep_kernels::{Gpu, Renderer, Stream, StreamData};
 
 /// A texture like a stream's own, to draw from.
 pub(super) fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) -> wgpu::Texture {
@@ -25,4 +25,27 @@ pub(super) fn fill(gpu: &Gpu, texture: &wgpu::Texture, data: &StreamData) {
         rows_per_image: Some(data.height),
     };
     gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&data.bits), layout, texture.size());
+}
+
+/// The textures of all streams whose elements are counted: the run's own on a GPU, otherwise `copies`, which are made
+/// anew where a size has changed.
+pub(super) fn textures(
+    gpu: &Gpu,
+    renderer: &Renderer,
+    copies: &mut Vec<(Stream, wgpu::Texture)>,
+) -> Vec<(Stream, wgpu::Texture)> {
+    let streams = renderer.plan().streams.iter().map(|planned| planned.what);
+    if let Some(own) = renderer.gpu() {
+        return streams.filter_map(|stream| Some((stream, own.texture(stream)?.clone()))).collect();
+    }
+    let copy = |stream: Stream| {
+        let size = renderer.size(stream.info().elements)?;
+        let is_same = |texture: &wgpu::Texture| (texture.width(), texture.height()) == (size.width, size.height);
+        let old = copies.iter().find(|(s, texture)| *s == stream && is_same(texture));
+        let texture = old.map(|(_, texture)| texture.clone());
+        Some((stream, texture.unwrap_or_else(|| stream_copy(gpu, stream, size.width, size.height))))
+    };
+    let now: Vec<_> = streams.filter_map(copy).collect();
+    copies.clone_from(&now);
+    now
 }

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender};
-use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Renderer, Stream, StreamData};
+use raystep_kernels::{Device, Gpu, Progress, Region, RenderError, Stream, StreamData};
 use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::Session;
-use super::copies::{fill, stream_copy};
+use super::copies::{fill, stream_copy, textures};
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
 use crate::settings::{DeviceKind, Settings};
 
@@ -377,25 +377,6 @@ impl Server {
         self.say(Update::Pinned { stream, place: run.session.place(), texture });
         Ok(())
     }
-}
-
-/// The textures of all streams whose elements are counted: the run's own on a GPU, otherwise `copies`, which are made
-/// anew where a size has changed.
-fn textures(gpu: &Gpu, renderer: &Renderer, copies: &mut Vec<(Stream, wgpu::Texture)>) -> Vec<(Stream, wgpu::Texture)> {
-    let streams = renderer.plan().streams.iter().map(|planned| planned.what);
-    if let Some(own) = renderer.gpu() {
-        return streams.filter_map(|stream| Some((stream, own.texture(stream)?.clone()))).collect();
-    }
-    let copy = |stream: Stream| {
-        let size = renderer.size(stream.info().elements)?;
-        let is_same = |texture: &wgpu::Texture| (texture.width(), texture.height()) == (size.width, size.height);
-        let old = copies.iter().find(|(s, texture)| *s == stream && is_same(texture));
-        let texture = old.map(|(_, texture)| texture.clone());
-        Some((stream, texture.unwrap_or_else(|| stream_copy(gpu, stream, size.width, size.height))))
-    };
-    let now: Vec<_> = streams.filter_map(copy).collect();
-    copies.clone_from(&now);
-    now
 }
 
 fn flow(goes_on: bool) -> ControlFlow<()> {

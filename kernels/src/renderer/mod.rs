@@ -2,6 +2,7 @@
 
 mod checkpoint;
 mod edit;
+mod error;
 mod given;
 pub mod image;
 mod lists;
@@ -14,18 +15,17 @@ use std::sync::Arc;
 
 use raystep_scenes::Scene;
 
-use crate::executor::TooMany;
-use crate::executor::cpu::{CpuError, CpuExecutor, OutOfMemory};
-use crate::executor::gpu::{Gpu, GpuError, GpuExecutor};
+use crate::executor::cpu::CpuExecutor;
+use crate::executor::gpu::{Gpu, GpuExecutor};
 use crate::options::{Options, RaySource};
-use crate::plan::{Limits, Plan, PlanError};
+use crate::plan::{Limits, Plan};
 use crate::program::schedule::Cursor;
 use crate::program::{Course, Kernel};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::{StateCounts, Tag};
-use crate::tables::stream::Region;
 pub use checkpoint::Checkpoint;
+pub use error::RenderError;
 use given::GivenRays;
 pub use lists::Lists;
 use records::Records;
@@ -62,73 +62,6 @@ enum Executor {
     Gpu(Box<GpuExecutor>),
     Cpu(CpuExecutor<f32>),
     CpuF64(CpuExecutor<f64>),
-}
-
-/// A run that failed.
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    /// It does not fit.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// The GPU failed.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    /// The system has not enough memory for the twins' streams.
-    #[error(transparent)]
-    Memory(#[from] OutOfMemory),
-    /// The run has found more elements than fit.
-    #[error(transparent)]
-    TooMany(#[from] TooMany),
-    /// The caller's progress function asked to stop.
-    #[error("cancelled after {passes} passes")]
-    Cancelled {
-        /// Passes that were complete.
-        passes: usize,
-    },
-    /// The stream is not part of the plan.
-    #[error("stream {0:?} is omitted from this run's plan")]
-    NoStream(&'static str),
-    /// The image has no such pixels.
-    #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]
-    NoPixel {
-        /// What was asked for.
-        region: Region,
-        /// Columns of the image.
-        width: u32,
-        /// Its rows.
-        height: u32,
-    },
-    /// The elements that the stream is about are not counted yet.
-    #[error("stream {stream:?} has no texels yet: {elements} are counted by a pass to come")]
-    NotCounted {
-        /// The stream's name.
-        stream: &'static str,
-        /// Name of the set.
-        elements: &'static str,
-    },
-    /// The stream has no such layer.
-    #[error("stream {stream:?} has no layer {layer}")]
-    NoLayer {
-        /// The stream's name.
-        stream: &'static str,
-        /// What was asked for.
-        layer: usize,
-    },
-    /// The streams to take over are another plan's, or another device's.
-    #[error("streams of another run do not fit this one")]
-    OtherRun,
-    /// A pass that was submitted ahead changed something. This is a defect of raystep.
-    #[error("pass {0}, submitted ahead of its turn, was not idle")]
-    Overshoot(usize),
-}
-
-impl From<CpuError> for RenderError {
-    fn from(error: CpuError) -> Self {
-        match error {
-            CpuError::Memory(error) => Self::Memory(error),
-            CpuError::TooMany(error) => Self::TooMany(error),
-        }
-    }
 }
 
 /// One pass that has run.

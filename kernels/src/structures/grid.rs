@@ -20,6 +20,7 @@
 mod distance;
 pub(crate) mod overlap;
 mod resolution;
+mod stats;
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
@@ -31,6 +32,7 @@ pub use distance::distances;
 use overlap::Overlap;
 pub use resolution::{CELLS_PER_TRIANGLE, LEAPING_CELLS_PER_TRIANGLE, automatic_cells};
 use resolution::{cubes, leaping};
+pub use stats::GridStats;
 
 /// The grid cannot be built.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -65,21 +67,6 @@ pub struct GridData {
     pub items: Vec<u32>,
     /// What each cell was grown by, traced units.
     pub growth: f32,
-}
-
-/// How a grid's lists are distributed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GridStats {
-    /// Cells in all.
-    pub cells: u64,
-    /// Cells with an empty list.
-    pub empty: u64,
-    /// Entries of all lists.
-    pub references: u64,
-    /// Entries that are there only because cells are grown.
-    pub added_by_growth: u64,
-    /// Longest list.
-    pub longest: u32,
 }
 
 /// What a cell is grown by, in traced units, where no origin, corner or distance between the two
@@ -392,21 +379,6 @@ impl GridData {
         match (self.cells.get(cell), self.cells.get(cell + 1)) {
             (Some(&first), Some(&end)) => &self.items[first as usize..end as usize],
             _ => &[],
-        }
-    }
-
-    /// Statistics; walks all triangles once more to tell what the growth added.
-    #[must_use]
-    pub fn stats(&self, vertices: &[f32]) -> GridStats {
-        let lengths = || self.cells.windows(2).map(|w| w[1] - w[0]);
-        let exact = count(vertices, &self.grid, 0.0, u64::MAX)
-            .map_or(0, |counts| counts.into_iter().map(|c| u64::from(c.into_inner())).sum());
-        GridStats {
-            cells: self.cells.len() as u64 - 1,
-            empty: lengths().filter(|&n| n == 0).count() as u64,
-            references: self.items.len() as u64,
-            added_by_growth: self.items.len() as u64 - exact,
-            longest: lengths().max().unwrap_or(0),
         }
     }
 }

@@ -1,0 +1,74 @@
+//! Why a run fails.
+
+use crate::executor::TooMany;
+use crate::executor::cpu::{CpuError, OutOfMemory};
+use crate::executor::gpu::GpuError;
+use crate::plan::PlanError;
+use crate::tables::stream::Region;
+
+/// A run that failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// It does not fit.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The GPU failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The system has not enough memory for the twins' streams.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
+    /// The run has found more elements than fit.
+    #[error(transparent)]
+    TooMany(#[from] TooMany),
+    /// The caller's progress function asked to stop.
+    #[error("cancelled after {passes} passes")]
+    Cancelled {
+        /// Passes that were complete.
+        passes: usize,
+    },
+    /// The stream is not part of the plan.
+    #[error("stream {0:?} is omitted from this run's plan")]
+    NoStream(&'static str),
+    /// The image has no such pixels.
+    #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]
+    NoPixel {
+        /// What was asked for.
+        region: Region,
+        /// Columns of the image.
+        width: u32,
+        /// Its rows.
+        height: u32,
+    },
+    /// The elements that the stream is about are not counted yet.
+    #[error("stream {stream:?} has no texels yet: {elements} are counted by a pass to come")]
+    NotCounted {
+        /// The stream's name.
+        stream: &'static str,
+        /// Name of the set.
+        elements: &'static str,
+    },
+    /// The stream has no such layer.
+    #[error("stream {stream:?} has no layer {layer}")]
+    NoLayer {
+        /// The stream's name.
+        stream: &'static str,
+        /// What was asked for.
+        layer: usize,
+    },
+    /// The streams to take over are another plan's, or another device's.
+    #[error("streams of another run do not fit this one")]
+    OtherRun,
+    /// A pass that was submitted ahead changed something. This is a defect of raystep.
+    #[error("pass {0}, submitted ahead of its turn, was not idle")]
+    Overshoot(usize),
+}
+
+impl From<CpuError> for RenderError {
+    fn from(error: CpuError) -> Self {
+        match error {
+            CpuError::Memory(error) => Self::Memory(error),
+            CpuError::TooMany(error) => Self::TooMany(error),
+        }
+    }
+}
