@@ -113,3 +113,30 @@ fn a_build_goes_back_and_forth_as_it_went() {
         .expect("a session");
     }
 }
+
+#[test]
+fn a_checkpoint_keeps_how_many_elements_there_were() {
+    let scene = scene("teapot.glb");
+    for (_, device) in devices() {
+        block_on(gpu_of(&device), async {
+            let mut renderer = Renderer::new(&scene, &build(&scene, GridSize::Auto), &device).await?;
+            let (mut kept, mut after) = (Vec::new(), Vec::new());
+            loop {
+                kept.push(renderer.checkpoint().await?);
+                after.push(known_streams(&renderer).await);
+                if renderer.step().await?.is_none() {
+                    break;
+                }
+            }
+            let last = after.len() - 1;
+            for place in [2, 20, 6, last, 0, 10] {
+                renderer.restore(&kept[place])?;
+                assert!(known_streams(&renderer).await == after[place], "{place}");
+            }
+            while renderer.step().await?.is_some() {}
+            assert!(known_streams(&renderer).await == after[last]);
+            Ok::<(), RenderError>(())
+        })
+        .expect("a build");
+    }
+}
