@@ -1,15 +1,9 @@
 //! Streams by name: what is saved, and links, have names; sessions have rows of a program's table.
 
 use raystep_kernels::Stream;
-use raystep_kernels::programs::ALL;
+use raystep_kernels::programs::stream;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
-
-/// The stream with this name, of the first program that has one.
-#[must_use]
-pub fn stream(name: &str) -> Option<Stream> {
-    ALL.iter().find_map(|program| program.stream(name))
-}
 
 /// Reads a stream that was saved: `#[serde(deserialize_with = …)]`.
 pub(crate) fn saved_stream<'de, D: Deserializer<'de>>(from: D) -> Result<Stream, D::Error> {

@@ -68,7 +68,8 @@ impl<R: Precision> Rows<R> {
     fn resize(&mut self, size: Option<Size>) -> Result<(), OutOfMemory> {
         let count = size.map_or(0, |size| size.texels() as usize * self.layout.stride);
         let bytes = (count * size_of::<R::Bits>()) as u64;
-        self.texels.clear();
+        // Where there is no memory, there are no elements.
+        (self.size, self.texels) = (None, Vec::new());
         self.texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
         self.texels.resize(count, R::Bits::default());
         self.size = size;

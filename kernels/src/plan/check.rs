@@ -11,6 +11,7 @@ use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::structures::bvh::BvhError;
 use crate::structures::grid::GridError;
+use crate::tables::elements::folded_width;
 
 /// A run that cannot be planned.
 #[derive(Debug, thiserror::Error)]
@@ -118,19 +119,13 @@ pub enum PlanError {
 /// Most texels of all textures: two words each must have a 32-bit index, and a row's product a sign.
 pub const MAX_TEXELS: u64 = 1 << 30;
 
-/// Texels a row for that many given rays: about as many as rows, in whole workgroups.
-#[must_use]
-pub fn given_width(rays: u64) -> u64 {
-    if rays < 64 { rays.max(1) } else { rays.isqrt().next_multiple_of(8) }
-}
-
 pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32, u64), PlanError> {
     let (width, height, rays) = match &options.rays {
         RaySource::Camera { width, height, .. } => {
             (u64::from(*width), u64::from(*height), u64::from(*width) * u64::from(*height))
         }
         RaySource::Given(rays) => {
-            let width = given_width(rays.len() as u64).min(u64::from(limits.image_side));
+            let width = folded_width(rays.len() as u64).min(u64::from(limits.image_side));
             (width, (rays.len() as u64).div_ceil(width).max(1), rays.len() as u64)
         }
     };

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use raystep_scenes::Scene;
 
-use super::check::{PlanError, check_buffer, check_scene};
+use super::check::{PlanError, check_buffer, check_rays, check_scene};
 use super::{Limits, Plan, Planned, PlannedSet, housekeeping, planned_buffers, planned_streams, variants};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
@@ -24,12 +24,13 @@ use crate::tables::sizes::fill_bytes;
 pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
     let units = Units::of(&scene.bounds());
     check_scene(scene, units)?;
+    // Where rays begin is part of what cells are grown by.
+    check_rays(options, units)?;
     check_buffer("vertices", 36 * scene.triangles.len() as u64, limits)?;
     let vertices = traced_vertices(scene, units);
     let is_grown = options.without != Some(Rule::CellGrowth);
     let reach = reach(&vertices, options, units);
-    let counted = grid::count_lists(&vertices, options.grid, reach, is_grown, limits.storage_bytes / 4)?;
-    let (grid, growth) = counted.layout();
+    let (grid, growth) = grid::planes(&vertices, options.grid, reach, is_grown, limits.storage_bytes / 4)?;
     of(grid, growth, vertices, units, options, limits)
 }
 

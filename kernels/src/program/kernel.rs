@@ -170,14 +170,6 @@ impl Kernel {
     pub fn bound(self, name: &str) -> &str {
         self.0.binds.iter().find(|(of, _)| *of == name).map_or(name, |&(_, bound)| bound)
     }
-    /// Its twin for one element, at this precision; `None` for a kernel whose elements look at each other.
-    #[must_use]
-    pub fn twin<R: Precision>(self) -> Option<ElementTwin<R>> {
-        match self.0.kernel.twin {
-            Twin::Element { f32, f64 } => Some(R::twin(f32, f64)),
-            Twin::Pass(_) => None,
-        }
-    }
     /// The state in which it leaves every element that it works on, where there is only one.
     #[must_use]
     pub const fn sends_all_to(self) -> Option<Tag> {

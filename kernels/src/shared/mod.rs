@@ -5,6 +5,7 @@ pub mod bvh_walk;
 pub mod camera;
 pub mod constants;
 pub mod grid_walk;
+pub mod launch;
 pub mod samples;
 pub mod scene;
 pub mod shading;
@@ -17,6 +18,7 @@ pub mod wide_walk;
 /// The WGSL of each module here, by its name.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("build", include_str!("build.wgsl")),
+    ("launch", include_str!("launch.wgsl")),
     ("vector", include_str!("vector.wgsl")),
     ("camera", include_str!("camera.wgsl")),
     ("samples", include_str!("samples.wgsl")),

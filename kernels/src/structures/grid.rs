@@ -94,12 +94,6 @@ impl CountedGrid {
         cells > 64 && 2 * empty > cells
     }
 
-    /// Where its planes are, and what its cells are grown by.
-    #[must_use]
-    pub fn layout(&self) -> (Grid, f32) {
-        (self.grid, self.growth)
-    }
-
     /// Lists the triangles of each cell. `vertices` are those that were counted.
     #[must_use]
     pub fn fill(self, vertices: &[f32]) -> GridData {
@@ -128,12 +122,29 @@ pub fn count_lists(
     let GridSize::Cells(cells) = size else {
         return automatic(vertices, |extent| automatic_cells(triangles, extent), 16, growth, most);
     };
+    let (grid, growth) = planes(vertices, GridSize::Cells(cells), reach, is_grown, most_words)?;
+    counted(grid, growth, vertices, most)
+}
+
+/// Where the planes of that grid are, and what its cells are grown by, without its lists; an automatic resolution is
+/// chosen by counting them.
+///
+/// # Errors
+/// Where the size asked for, or the lists of an automatic one, cannot be indexed.
+pub fn planes(
+    vertices: &[f32],
+    size: GridSize,
+    reach: f32,
+    is_grown: bool,
+    most_words: u64,
+) -> Result<(Grid, f32), GridError> {
+    let GridSize::Cells(cells) = size else {
+        let counted = count_lists(vertices, size, reach, is_grown, most_words)?;
+        return Ok((counted.grid, counted.growth));
+    };
     let (min, max) = bounds(vertices);
     check_cells(cells)?;
-    let grid = layout(min, max, cells, growth.planes);
-    let too_many = || GridError::TooManyReferences { cells, limit: most };
-    let counts = count(vertices, &grid, growth.lists, most).ok_or_else(too_many)?;
-    Ok(CountedGrid { grid, growth: growth.lists, counts })
+    Ok((layout(min, max, cells, growth(reach)), if is_grown { growth(reach) } else { 0.0 }))
 }
 
 /// The same for a grid whose automatic resolution suits walks that leap over empty cells.
@@ -167,11 +178,14 @@ pub fn build_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<
 /// # Errors
 /// Where the lists cannot be indexed.
 pub fn lists(grid: &Grid, growth: f32, vertices: &[f32], most_words: u64) -> Result<GridData, GridError> {
-    let limit = most_words.min(u64::from(u32::MAX));
-    let cells = grid.cells.map(|n| n as u32);
-    let too_many = || GridError::TooManyReferences { cells, limit };
-    let counts = count(vertices, grid, growth, limit).ok_or_else(too_many)?;
-    Ok(CountedGrid { grid: *grid, growth, counts }.fill(vertices))
+    Ok(counted(*grid, growth, vertices, most_words.min(u64::from(u32::MAX)))?.fill(vertices))
+}
+
+/// Counts the lists of a grid, of which there may be so many entries.
+fn counted(grid: Grid, growth: f32, vertices: &[f32], limit: u64) -> Result<CountedGrid, GridError> {
+    let too_many = || GridError::TooManyReferences { cells: grid.cells.map(|n| n as u32), limit };
+    let counts = count(vertices, &grid, growth, limit).ok_or_else(too_many)?;
+    Ok(CountedGrid { grid, growth, counts })
 }
 
 /// What planes stand off the scene by half of, and what cells are grown by for their lists.

@@ -46,13 +46,18 @@ pub struct Size {
     pub count: u32,
 }
 
+/// Texels a row for so many elements: about as many as rows, in whole workgroups.
+#[must_use]
+pub fn folded_width(count: u64) -> u64 {
+    if count < 64 { count.max(1) } else { count.isqrt().next_multiple_of(8) }
+}
+
 impl Size {
     /// So many elements, row after row, about as many rows as texels a row; `None` where a side would be longer than
     /// `side`. No elements have a texture of one texel.
     #[must_use]
     pub fn folded(count: u64, side: u32) -> Option<Self> {
-        let width = count.isqrt().next_multiple_of(8).clamp(1, u64::from(side).max(1));
-        let width = if count < 64 { count.max(1) } else { width };
+        let width = folded_width(count).min(u64::from(side).max(1));
         let height = count.div_ceil(width).max(1);
         let fits = height <= u64::from(side) && count <= u64::from(u32::MAX);
         fits.then_some(Self { width: width as u32, height: height as u32, count: count as u32 })

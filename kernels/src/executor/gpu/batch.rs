@@ -1,6 +1,6 @@
 //! One submission of passes after the other, and what each pass did.
 
-use super::books::{Place, counts_after, list_groups, read_sent};
+use super::books::{Place, counts_after, groups, read_sent};
 use super::timers::read_times;
 use super::{GpuError, GpuExecutor, MOST_PASSES};
 use crate::executor::PassResult;
@@ -184,16 +184,11 @@ impl GpuExecutor {
         let pipeline = self.pipelines.get(kernel).ok_or(GpuError::Missing(kernel.name()))?;
         pass.push_debug_group(&pipeline.label);
         pipeline.set(pass, place)?;
-        let (size, side) = (self.launched_over(kernel), kernel.workgroup());
-        match (self.books.arguments(place), kernel.info().launch) {
-            (Some((buffer, offset)), _) => pass.dispatch_workgroups_indirect(buffer, offset),
-            (None, Launch::List { each }) => {
-                let [x, y] = list_groups(size.count.div_ceil(side * each));
-                pass.dispatch_workgroups(x, y, 1);
-            }
-            (None, Launch::Whole | Launch::Bands) => {
-                let rows = rows.unwrap_or(size.height.div_ceil(side));
-                pass.dispatch_workgroups(size.width.div_ceil(side), rows, 1);
+        match self.books.arguments(place) {
+            Some((buffer, offset)) => pass.dispatch_workgroups_indirect(buffer, offset),
+            None => {
+                let [x, y] = groups(kernel, self.launched_over(kernel));
+                pass.dispatch_workgroups(x, rows.unwrap_or(y), 1);
             }
         }
         pass.pop_debug_group();

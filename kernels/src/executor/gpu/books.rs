@@ -3,6 +3,7 @@
 use crate::plan::Plan;
 use crate::program::{Kernel, Program};
 use crate::shader::{Binding, LAUNCH, Resource};
+use crate::shared;
 use crate::shared::constants::{LIST_GROUPS, LIST_SIDE};
 use crate::tables::elements::Size;
 use crate::tables::kernel::Launch;
@@ -72,19 +73,9 @@ impl Place {
 
     /// Threads that the pass launches when these rays are in each state before it.
     pub(super) fn threads(&self, kernel: Kernel, before: &StateCounts, size: Size) -> u64 {
-        let Size { width, height, count } = size;
         match self.list {
             Some(_) => u64::from(rows_of(kernel.live(before))) * u64::from(RAYS_A_ROW),
-            None => match kernel.info().launch {
-                Launch::List { each } => {
-                    let [x, y] = list_groups(count.div_ceil(kernel.workgroup() * each));
-                    u64::from(x) * u64::from(y) * u64::from(kernel.workgroup())
-                }
-                Launch::Whole | Launch::Bands => {
-                    let side = kernel.workgroup();
-                    u64::from(width.next_multiple_of(side)) * u64::from(height.next_multiple_of(side))
-                }
-            },
+            None => groups(kernel, size).map(u64::from).iter().product::<u64>() * threads_of(kernel),
         }
     }
 
@@ -162,7 +153,7 @@ impl Books {
             "live_rays" => return self.live_rays.as_ref().map(wgpu::Buffer::as_entire_binding),
             _ => list_named(self.program, name).and_then(|list| slots(list, parity(list)))?,
         };
-        let bytes = if name == LAUNCH { LAUNCH_BYTES } else { 4 * COUNT as u64 };
+        let bytes = if name == LAUNCH { size_of::<shared::launch::Launch>() as u64 } else { 4 * COUNT as u64 };
         let size = std::num::NonZeroU64::new(bytes);
         Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
     }
@@ -243,9 +234,12 @@ impl Books {
         sizes: &[Size],
     ) -> Vec<Place> {
         if let Some(launches) = &self.launches {
-            let words: Vec<u32> =
-                passes.iter().zip(sizes).flat_map(|(&kernel, &size)| launch_words(kernel, size)).collect();
-            queue.write_buffer(launches, 0, bytemuck::cast_slice(&words));
+            let mut slots = vec![0; passes.len() * COUNT_SLOT_BYTES as usize];
+            for ((kernel, size), slot) in passes.iter().zip(sizes).zip(slots.chunks_mut(COUNT_SLOT_BYTES as usize)) {
+                let launch = shared::launch::Launch::new(size.count, kernel.instance().parameter);
+                slot[..size_of_val(&launch)].copy_from_slice(bytemuck::bytes_of(&launch));
+            }
+            queue.write_buffer(launches, 0, &slots);
         }
         let mut run = vec![0u32; self.lists.len()];
         let mut places = Vec::with_capacity(passes.len());
@@ -298,22 +292,29 @@ pub(super) fn is_dynamic(binding: &Binding) -> bool {
     }
 }
 
-/// Bytes of the uniform `launch`.
-const LAUNCH_BYTES: u64 = 16;
-
-/// A slot of the uniform `launch`: elements, the kernel's parameter, and workgroups, each of a block of elements.
-fn launch_words(kernel: Kernel, size: Size) -> [u32; COUNT_SLOT_BYTES as usize / 4] {
-    let mut words = [0; COUNT_SLOT_BYTES as usize / 4];
-    let blocks = size.count.div_ceil(kernel.workgroup());
-    words[..3].copy_from_slice(&[size.count, kernel.instance().parameter, blocks]);
-    words
+/// Workgroups along x and y of a kernel that is launched over all elements.
+pub(super) fn groups(kernel: Kernel, size: Size) -> [u32; 2] {
+    /// What WebGPU promises along an axis.
+    const MOST: u32 = 65_535;
+    let workgroup = kernel.workgroup();
+    match kernel.info().launch {
+        // As many as hold the elements, and some more where they do not fit one row.
+        Launch::List { each } => {
+            let blocks = size.count.div_ceil(workgroup * each);
+            let rows = blocks.div_ceil(MOST).max(1);
+            [blocks.div_ceil(rows), rows]
+        }
+        Launch::Whole | Launch::Bands => [size.width, size.height].map(|side| side.div_ceil(workgroup)),
+    }
 }
 
-/// Workgroups along x and y that are `blocks` in all, and some more: none is longer than WebGPU promises.
-pub(super) fn list_groups(blocks: u32) -> [u32; 2] {
-    const MOST: u32 = 65_535;
-    let rows = blocks.div_ceil(MOST).max(1);
-    [blocks.div_ceil(rows), rows]
+/// Threads of a kernel's workgroup.
+fn threads_of(kernel: Kernel) -> u64 {
+    let workgroup = u64::from(kernel.workgroup());
+    match kernel.info().launch {
+        Launch::List { .. } => workgroup,
+        Launch::Whole | Launch::Bands => workgroup * workgroup,
+    }
 }
 
 /// Counts after a pass, from those before it and what it sent.

@@ -1,4 +1,5 @@
-// Which rays a pass works on, and where it sends them.
+// Which rays a pass works on, and where it sends them. Twins need none of it: their executor counts tags itself, and
+// calls them for every ray.
 //
 // sent counts the rays that the pass sent into each state. With lists of live rays, only the rays of the
 // kernel's own list are launched, and each ray is appended to the list of the kernel that it waits for

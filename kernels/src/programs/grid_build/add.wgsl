@@ -1,6 +1,6 @@
 // Adds to each value the sum of all blocks before its own.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::launch::{BLOCK, launch, element, texel};
 import package::saturating::{saturating_add};
 
 @group(0) @binding(0) var values: texture_storage_2d_array<r32uint, read_write>;
@@ -15,8 +15,7 @@ fn add(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let block = block_index(group, groups);
-    let i = block * BLOCK + lane;
+    let i = element(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

@@ -1,6 +1,6 @@
 // Finds which cells each triangle's own box touches, and how many spans they are.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build, vertices};
 import package::soft_f64::{F64, f64_add, f64_sub, f64_div, f64_min, f64_max, f64_to_i32, f64_from_f32};
 
@@ -20,7 +20,7 @@ fn bound(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = block_index(group, groups) * BLOCK + lane;
+    let i = element(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

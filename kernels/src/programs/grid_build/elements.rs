@@ -1,8 +1,8 @@
 //! What this program works on: triangles, pieces of their boxes, references to cells, and cells.
 
-use super::launch::BLOCK;
 use super::radix::DIGITS;
 use super::scan::SCAN_BLOCK;
+use crate::shared::launch::BLOCK;
 use crate::tables::elements::{Count, Elements};
 
 const fn blocks(name: &'static str, of: &'static str) -> Elements {

@@ -2,7 +2,7 @@
 //
 // Spans ascend by triangle, so references to one cell do, and a stable sort leaves them so.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
 
 @group(0) @binding(0) var triangle: texture_2d_array<u32>;
@@ -18,7 +18,7 @@ fn emit(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = block_index(group, groups) * BLOCK + lane;
+    let i = element(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

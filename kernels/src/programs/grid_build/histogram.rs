@@ -1,7 +1,7 @@
 //! CPU reference of `histogram.wgsl`.
 
-use super::launch::BLOCK;
 use super::radix::{DIGITS, digit_of, tally_index};
+use crate::shared::launch::BLOCK;
 
 /// Counts how often each digit of the cell occurs in each block of references.
 pub fn histogram(parameter: u32, cell_in: &[u32], tally: &mut [u32]) {

@@ -3,11 +3,11 @@
 use super::elements::{
     CELL_BLOCKS, CELLS, REFERENCES, SPAN_BLOCKS, SPANS, TALLIES, TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES,
 };
-use super::launch::BLOCK;
 use super::scan::EACH;
 use super::{PROGRAM, passes};
 use crate::options::reasons::Because;
 use crate::program::kernel::{Instance, Kernel, KernelInfo, PassTwin, Proof, Twin};
+use crate::shared::launch::BLOCK;
 use crate::tables::elements::Elements;
 use crate::tables::kernel::{Counts, Launch, Role};
 

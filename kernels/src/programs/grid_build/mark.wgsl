@@ -1,6 +1,6 @@
 // Finds where the references to each cell begin and end, once they are sorted. Cells without any keep 0 and 0.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::launch::{BLOCK, launch, element, texel};
 
 @group(0) @binding(0) var cell_in: texture_2d_array<u32>;
 @group(0) @binding(1) var begin: texture_storage_2d_array<r32uint, write>;
@@ -16,7 +16,7 @@ fn mark(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = block_index(group, groups) * BLOCK + lane;
+    let i = element(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

@@ -1,6 +1,6 @@
 // The length of each cell's list, of which a scan makes where it starts.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::launch::{BLOCK, launch, element, texel};
 
 @group(0) @binding(0) var begin: texture_2d_array<u32>;
 @group(0) @binding(1) var end: texture_2d_array<u32>;
@@ -12,7 +12,7 @@ fn measure(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = block_index(group, groups) * BLOCK + lane;
+    let i = element(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

@@ -27,7 +27,6 @@ pub mod elements;
 pub mod emit;
 pub mod histogram;
 pub mod kernels;
-pub mod launch;
 pub mod mark;
 pub mod measure;
 mod passes;
@@ -62,7 +61,6 @@ pub static PROGRAM: Program = Program {
 /// WGSL modules that kernels import from, by name: `package::NAME`.
 fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
     let own = [
-        ("launch", include_str!("launch.wgsl")),
         ("soft_f64", include_str!("soft_f64.wgsl")),
         ("overlap", include_str!("overlap.wgsl")),
         ("saturating", include_str!("saturating.wgsl")),

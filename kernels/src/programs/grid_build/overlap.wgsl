@@ -1,4 +1,5 @@
-// Which cells of a row along x a triangle overlaps: structures/grid/overlap.rs, operation for operation.
+// Which cells of a row along x a triangle overlaps. Its CPU reference is structures/grid/overlap.rs, operation for
+// operation.
 
 import package::build::{build, vertices};
 import package::soft_f64::{F64, F64_HALF, f64_add, f64_sub, f64_mul, f64_neg, f64_abs, f64_ge, f64_from_f32, f64_from_i32};

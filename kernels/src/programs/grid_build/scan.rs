@@ -1,6 +1,6 @@
 //! CPU reference of `scan.wgsl`.
 
-use super::launch::BLOCK;
+use crate::shared::launch::BLOCK;
 
 /// Values of a thread.
 pub const EACH: u32 = 64;

@@ -1,7 +1,7 @@
 //! CPU reference of `scatter.wgsl`.
 
-use super::launch::BLOCK;
 use super::radix::{DIGITS, digit_of, tally_index};
+use crate::shared::launch::BLOCK;
 
 /// Moves each reference to its place by one digit of its cell. `tally` holds the prefix sums of all counts.
 pub fn scatter(

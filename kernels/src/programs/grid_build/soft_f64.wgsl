@@ -1,4 +1,4 @@
-// IEEE 754 binary64 out of u32, rounded to nearest even: what the host's f64 gives, bit for bit, on devices that
+// IEEE 754 binary64 out of u32, rounded to nearest even: what its CPU reference, f64, gives, bit for bit, on devices that
 // contract a product and a sum, and on those without f64.
 //
 // A number is vec2u(hi, lo): sign, 11 bits of exponent and the upper 20 of the fraction in hi. The algorithms are those

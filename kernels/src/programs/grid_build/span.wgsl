@@ -1,6 +1,6 @@
 // Tests the cells of each span: at most 32 along x, in one row of a triangle's box.
 
-import package::launch::{BLOCK, launch, block_index, texel};
+import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
 import package::overlap::{prepare, enter_row, meets};
 
@@ -45,7 +45,7 @@ fn span(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = block_index(group, groups) * BLOCK + lane;
+    let i = element(group, groups, lane);
     if (i >= launch.elements) {
         return;
     }

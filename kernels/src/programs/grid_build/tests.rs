@@ -9,7 +9,6 @@ use super::device::tests::composed;
 use super::emit::emit;
 use super::histogram::histogram;
 use super::kernels::ROWS;
-use super::launch::{BLOCK, Launch};
 use super::mark::mark;
 use super::measure::measure;
 use super::radix::{DIGIT_BITS, DIGITS, digits_of};
@@ -18,6 +17,7 @@ use super::scatter::scatter;
 use super::span::span;
 use crate::program::KernelInfo;
 use crate::shared::build::Build;
+use crate::shared::launch::{BLOCK, Launch};
 use crate::structures::grid::{self, GridData, GridSize};
 
 /// Scenes whose lists are easy or hard to decide.

@@ -1,4 +1,4 @@
-//! What `launch.wgsl` has: what a kernel is launched over.
+//! Twin of `launch.wgsl`: what a kernel is launched over.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -20,6 +20,11 @@ fn block_index(group: vec3u, groups: vec3u) -> u32 {
     return group.x + group.y * groups.x;
 }
 
+// The element of a thread where each has one.
+fn element(group: vec3u, groups: vec3u, lane: u32) -> u32 {
+    return block_index(group, groups) * BLOCK + lane;
+}
+
 // Where element i lies in an image that is folded row by row.
 fn texel(i: u32, width: u32) -> vec2u {
     return vec2u(i % width, i / width);
