@@ -7,6 +7,7 @@ mod compact;
 mod degenerate;
 mod device;
 mod divergence;
+mod floors;
 mod library;
 mod names;
 mod parity;
