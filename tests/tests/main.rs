@@ -3,6 +3,7 @@
 mod adding;
 mod agreement;
 mod any_hit;
+mod architecture;
 mod compact;
 mod degenerate;
 mod device;
