@@ -1,6 +1,5 @@
-//! Structures hold what a ray can meet, shaders bind what the tables say, and modules reach down only.
+//! Structures hold what a ray can meet, and shaders bind what the tables say.
 
 mod bvh;
-mod floors;
 mod grid;
 mod shaders;

@@ -1,14 +1,13 @@
-//! The floors of `kernels/src`: no module reaches up, and no modules side by side reach each other in a circle.
+//! The modules of the crates and the arrows between them, as the sources have them, and the floors of `kernels/src`.
 //!
 //! Arrows are drawn from the paths in the sources, with re-exports followed to the module that has the item. Code for
 //! tests only is left out, and so are a folder's own file and the modules below it: they are one thing.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The modules of the crate, lowest first: each may name those in its own line and in the lines before.
-const FLOORS: &[&[&str]] = &[
+/// The modules of `kernels/src`, lowest first: each may name those in its own line and in the lines before.
+pub const FLOORS: &[&[&str]] = &[
     &["numbers"],
     &["shared"],
     &["options"],
@@ -25,24 +24,45 @@ const FLOORS: &[&[&str]] = &[
     &["export"],
 ];
 
-/// A path in a source file: names separated by `::`, the first one of the crate's root.
-type Names = Vec<String>;
+/// The crates, lowest first: folder, and name in paths.
+pub const CRATES: [(&str, &str); 5] = [
+    ("scenes/src", "raystep_scenes"),
+    ("kernels/src", KERNELS),
+    ("kernels/lab/src", "raystep_lab"),
+    ("inspector/src", "raystep_inspector"),
+    ("app/src", "raystep"),
+];
 
-/// A module of the crate.
+/// The crate that has floors.
+pub const KERNELS: &str = "raystep_kernels";
+
+/// A path in a source file: names separated by `::`, the first one a crate's.
+pub type Names = Vec<String>;
+
+/// A module of a crate.
 #[derive(Default)]
-struct Module {
-    file: String,
+pub struct Module {
+    /// Its file, from the repository's root on.
+    pub file: String,
+    /// Its code, without comments, strings and tests.
+    code: String,
     /// Where the names that it imports or re-exports come from.
     imports: BTreeMap<String, Names>,
     /// Every path in its code, and the line.
     paths: Vec<(usize, Names)>,
 }
 
+/// Modules by their paths.
+pub type Modules = BTreeMap<Names, Module>;
+
 /// An arrow between two modules, with where it is drawn.
-struct Arrow {
-    from: Names,
-    to: Names,
-    place: String,
+pub struct Arrow {
+    /// The module that names something.
+    pub from: Names,
+    /// The module that has it.
+    pub to: Names,
+    /// File, line, and both paths.
+    pub place: String,
 }
 
 /// The code of a file without comments, strings and what is compiled for tests only; lines stay where they are.
@@ -124,16 +144,19 @@ fn expand(tree: &str, before: &[String], all: &mut Vec<(String, Names)>) {
     }
 }
 
-/// A path as it is written in `module`, from the crate's root; `None` for a path that leaves the crate.
-fn absolute(written: &[String], module: &[String], modules: &BTreeMap<Names, Module>) -> Option<Names> {
+/// A path as it is written in `module`, from its crate on; `None` for a path to other crates than `modules` has.
+fn absolute(written: &[String], module: &[String], modules: &Modules) -> Option<Names> {
     let (first, rest) = written.split_first()?;
     let mut base = match first.as_str() {
-        "crate" => Vec::new(),
+        "crate" => module[..1].to_vec(),
         "super" => module.split_last()?.1.to_vec(),
         "self" => module.to_vec(),
         name => {
             let child = [module, &[name.to_owned()]].concat();
-            return modules.contains_key(&child).then(|| [module, written].concat());
+            if modules.contains_key(&child) {
+                return Some([module, written].concat());
+            }
+            return modules.contains_key(&written[..1]).then(|| written.to_vec());
         }
     };
     let supers = rest.iter().take_while(|name| *name == "super").count();
@@ -143,7 +166,7 @@ fn absolute(written: &[String], module: &[String], modules: &BTreeMap<Names, Mod
 }
 
 /// The module that has what an absolute path names, re-exports followed.
-fn owner(path: &[String], modules: &BTreeMap<Names, Module>, depth: usize) -> Names {
+fn owner(path: &[String], modules: &Modules, depth: usize) -> Names {
     let mut at = Vec::new();
     for (i, name) in path.iter().enumerate() {
         let child = [at.as_slice(), std::slice::from_ref(name)].concat();
@@ -160,39 +183,47 @@ fn owner(path: &[String], modules: &BTreeMap<Names, Module>, depth: usize) -> Na
     at
 }
 
-/// Reads the modules of a crate from its files, named from `src` on.
-fn modules_of(files: &[(String, String)]) -> BTreeMap<Names, Module> {
-    let module_of = |file: &str| -> Names {
-        let path = file.trim_end_matches(".rs");
-        let path = path.strip_suffix("/mod").unwrap_or(if path == "lib" { "" } else { path });
-        path.split('/').filter(|name| !name.is_empty()).map(str::to_owned).collect()
-    };
-    let mut modules: BTreeMap<Names, Module> = BTreeMap::new();
-    for (file, _) in files {
-        modules.insert(module_of(file), Module { file: file.clone(), ..Module::default() });
-    }
+/// The module that is in a file, which is named from the repository's root on.
+fn module_of(file: &str) -> Names {
+    let inside = |(folder, name)| Some((name, file.strip_prefix(folder)?.strip_prefix('/')?));
+    let (name, path) = CRATES.into_iter().find_map(inside).unwrap_or(("", file));
+    let path = path.trim_end_matches(".rs");
+    let path = path.strip_suffix("/mod").unwrap_or(if path == "lib" || path == "main" { "" } else { path });
+    [name].into_iter().chain(path.split('/')).filter(|name| !name.is_empty()).map(str::to_owned).collect()
+}
+
+/// Reads modules from their files, each a name and a text.
+#[must_use]
+pub fn modules_of(files: &[(String, String)]) -> Modules {
+    let mut modules = Modules::new();
     for (file, text) in files {
         let name = module_of(file);
-        let code = code_of(text);
+        modules.entry(name[..1].to_vec()).or_default();
+        modules.insert(name, Module { file: file.clone(), code: code_of(text), ..Module::default() });
+    }
+    let mut found = Vec::new();
+    for (name, module) in &modules {
         let (mut imports, mut paths) = (BTreeMap::new(), Vec::new());
-        for (written, line, as_name) in paths_in(&code) {
-            if let Some(path) = absolute(&written, &name, &modules) {
+        for (written, line, as_name) in paths_in(&module.code) {
+            if let Some(path) = absolute(&written, name, &modules) {
                 if let Some(as_name) = as_name {
                     imports.insert(as_name, path.clone());
                 }
                 paths.push((line, path));
             }
         }
-        let module = modules.get_mut(&name).expect("just inserted");
+        found.push((imports, paths));
+    }
+    for (module, (imports, paths)) in modules.values_mut().zip(found) {
         (module.imports, module.paths) = (imports, paths);
     }
     modules
 }
 
-/// Every path of the crate that code names: as written, the line, and the name that a `use` gives it.
+/// Every path that code names: as written, the line, and the name that a `use` gives it. Out of `use` only those that
+/// begin with a crate or at it.
 fn paths_in(code: &str) -> Vec<(Names, usize, Option<String>)> {
     let line_of = |at: usize| 1 + code[..at].matches('\n').count();
-    let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut all = Vec::new();
     let mut uses = Vec::new();
     for (at, _) in code.match_indices("use ") {
@@ -205,8 +236,8 @@ fn paths_in(code: &str) -> Vec<(Names, usize, Option<String>)> {
         expand(&code[at + 4..end], &[], &mut expanded);
         all.extend(expanded.into_iter().map(|(name, path)| (path, line_of(at), Some(name))));
     }
-    for start in ["crate::", "super::"] {
-        for (at, _) in code.match_indices(start) {
+    for start in ["crate", "super"].into_iter().chain(CRATES.map(|(_, name)| name)) {
+        for (at, _) in code.match_indices(&format!("{start}::")) {
             if code[..at].ends_with(is_word) || code[..at].ends_with("::") || uses.iter().any(|u| u.contains(&at)) {
                 continue;
             }
@@ -217,10 +248,12 @@ fn paths_in(code: &str) -> Vec<(Names, usize, Option<String>)> {
     all
 }
 
-fn arrows_of(modules: &BTreeMap<Names, Module>) -> Vec<Arrow> {
+/// Every arrow between modules.
+#[must_use]
+pub fn arrows_of(modules: &Modules) -> Vec<Arrow> {
     let mut arrows = Vec::new();
-    // The crate's root re-exports from everywhere.
-    for (from, module) in modules.iter().filter(|(from, _)| !from.is_empty()) {
+    // A crate's root re-exports from everywhere.
+    for (from, module) in modules.iter().filter(|(from, _)| from.len() > 1) {
         for (line, path) in &module.paths {
             let place = format!("{}:{line}: {} -> {}", module.file, from.join("::"), path.join("::"));
             arrows.push(Arrow { from: from.clone(), to: owner(path, modules, 8), place });
@@ -229,58 +262,40 @@ fn arrows_of(modules: &BTreeMap<Names, Module>) -> Vec<Arrow> {
     arrows
 }
 
-/// A circle among `nodes`, as the arrows that make it up.
-fn circle<'a>(arrows: &BTreeMap<(&'a str, &'a str), &'a str>) -> Option<Vec<&'a str>> {
-    // What nobody in the rest reaches is in no circle.
-    let mut rest: BTreeSet<(&str, &str)> = arrows.keys().copied().collect();
-    loop {
-        let (starts, ends): (BTreeSet<_>, BTreeSet<_>) = rest.iter().copied().unzip();
-        let before = rest.len();
-        rest.retain(|(from, to)| ends.contains(from) && starts.contains(to));
-        if rest.len() == before {
-            break;
-        }
-    }
-    let mut at = rest.first()?.0;
-    let mut way = Vec::new();
-    loop {
-        let step = *rest.range((at, "")..).next()?;
-        if let Some(begin) = way.iter().position(|&(from, _)| from == step.0) {
-            return Some(way[begin..].iter().map(|step| arrows[step]).collect());
-        }
-        way.push(step);
-        at = step.1;
-    }
+/// Whether a module has this item: a function, type or constant, or with its type's name before it a method.
+#[must_use]
+pub fn defines(module: &Module, item: &str) -> bool {
+    let code = module.code.as_str();
+    let Some((of, method)) = item.split_once("::") else {
+        return ["fn", "struct", "enum", "trait", "const", "static"].iter().any(|kind| has_words(code, kind, item));
+    };
+    code.match_indices("impl").any(|(at, _)| {
+        let block = &code[at..at + item_end(&code[at..])];
+        let header = block.split('{').next().unwrap_or_default();
+        !code[..at].ends_with(is_word)
+            && header.split(|c| !is_word(c)).any(|word| word == of)
+            && has_words(block, "fn", method)
+    })
 }
 
-/// Arrows up, circles, and modules without a floor.
-fn faults(files: &[(String, String)], floors: &[&[&str]]) -> Vec<String> {
-    let modules = modules_of(files);
-    let arrows = arrows_of(&modules);
-    let floor = |module: &Names| floors.iter().position(|floor| floor.contains(&module[0].as_str()));
-    let mut faults = Vec::new();
-    for module in modules.keys().filter(|module| module.len() == 1 && floor(module).is_none()) {
-        faults.push(format!("{} has no floor", module[0]));
-    }
-    for arrow in arrows.iter().filter(|arrow| !arrow.to.is_empty() && floor(&arrow.to) > floor(&arrow.from)) {
-        faults.push(format!("up: {}", arrow.place));
-    }
-    // Modules side by side: the two ways part at them.
-    let mut siblings: BTreeMap<&[String], BTreeMap<(&str, &str), &str>> = BTreeMap::new();
-    for arrow in &arrows {
-        let common = arrow.from.iter().zip(&arrow.to).take_while(|(a, b)| a == b).count();
-        if let (Some(from), Some(to)) = (arrow.from.get(common), arrow.to.get(common)) {
-            siblings.entry(&arrow.from[..common]).or_default().entry((from, to)).or_insert(&arrow.place);
-        }
-    }
-    for (folder, arrows) in siblings {
-        if let Some(circle) = circle(&arrows) {
-            let mut text = format!("a circle in {}:", if folder.is_empty() { "src".into() } else { folder.join("/") });
-            circle.iter().for_each(|place| write!(text, "\n    {place}").expect("a string"));
-            faults.push(text);
-        }
-    }
-    faults
+/// Whether two words stand beside each other.
+fn has_words(code: &str, first: &str, second: &str) -> bool {
+    let both = format!("{first} {second}");
+    code.match_indices(&both)
+        .any(|(at, _)| !code[..at].ends_with(is_word) && !code[at + both.len()..].starts_with(is_word))
+}
+
+fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// The sources of a crate: names from the repository's root on, and texts, without files for tests only.
+#[must_use]
+pub fn sources(folder: &str) -> Vec<(String, String)> {
+    let mut files = Vec::new();
+    read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder), &format!("{folder}/"), &mut files);
+    files.sort();
+    files
 }
 
 fn read(folder: &Path, prefix: &str, files: &mut Vec<(String, String)>) {
@@ -293,37 +308,4 @@ fn read(folder: &Path, prefix: &str, files: &mut Vec<(String, String)>) {
             files.push((format!("{prefix}{name}"), std::fs::read_to_string(entry.path()).expect("text")));
         }
     }
-}
-
-#[test]
-fn no_module_reaches_up_or_in_a_circle() {
-    let mut files = Vec::new();
-    read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "", &mut files);
-    files.sort();
-    let arrows = arrows_of(&modules_of(&files)).len();
-    assert!(files.len() > 80 && arrows > 500, "{} files, {arrows} arrows", files.len());
-    let faults = faults(&files, FLOORS);
-    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
-}
-
-#[test]
-fn an_arrow_up_and_a_circle_are_found() {
-    let of = |sources: &[(&str, &str)]| {
-        let files: Vec<_> = sources.iter().map(|&(file, text)| (file.to_owned(), text.to_owned())).collect();
-        faults(&files, &[&["low", "beside"], &["high"]])
-    };
-    let high = ("high.rs", "use crate::low::{self, A};");
-    let low = "/* */ // use crate::high::B;\nfn f() { \"crate::high::B\"; }\n#[cfg(test)]\nmod tests { use crate::high::B; }\n";
-    assert_eq!(of(&[("low.rs", low), high]), [""; 0]);
-    for up in ["use crate::high::B;", "fn f() { crate::high::b() }", "use crate::Short;", "use super::high;"] {
-        let found = of(&[("low.rs", &format!("{low}{up}")), high, ("lib.rs", "pub use high::C as Short;")]);
-        assert!(found.len() == 2 && found[0].starts_with("up: low.rs:5: "), "{up}: {found:?}");
-        assert!(found[1].starts_with("a circle in src:"), "{up}: {found:?}");
-    }
-    let beside = [("low.rs", "use crate::beside::A;"), ("beside/mod.rs", "pub use inner::A;"), ("beside/inner.rs", "")];
-    assert_eq!(of(&beside), [""; 0]);
-    let back = [beside[0], beside[1], ("beside/inner.rs", "\nuse crate::low::{B, C};")];
-    let found = of(&back);
-    assert!(found.len() == 1 && found[0].contains("beside/inner.rs:2: beside::inner -> low::B"), "{found:?}");
-    assert_eq!(of(&[("new.rs", "")]), ["new has no floor"]);
 }
