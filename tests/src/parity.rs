@@ -55,3 +55,43 @@ fn run(
 ) -> Parity {
     block_on(Some(gpu), compare_each(gpu, scene, options, limits, change, is_enough)).expect("a comparison")
 }
+
+/// A kernel's WGSL, changed. Breaks are written on one line each, so spaces do not count.
+///
+/// # Panics
+/// Where `from` is not in it.
+#[must_use]
+pub fn change(source: &str, from: &str, to: &str) -> String {
+    let changed = replace_ignoring_layout(source, from, to);
+    assert!(changed != source, "{from:?} is not in\n{source}");
+    changed
+}
+
+/// Replaces every place where the letters of `from` follow one another, whatever white space lies between.
+fn replace_ignoring_layout(source: &str, from: &str, to: &str) -> String {
+    let wanted: Vec<char> = from.chars().filter(|c| !c.is_whitespace()).collect();
+    let mut out = String::new();
+    let mut rest = source;
+    'outer: while !rest.is_empty() {
+        let mut matched = wanted.iter();
+        for (at, c) in rest.char_indices() {
+            if c.is_whitespace() && at > 0 {
+                continue;
+            }
+            match matched.next() {
+                Some(&w) if w == c => {
+                    if matched.as_slice().is_empty() {
+                        out.push_str(to);
+                        rest = &rest[at + c.len_utf8()..];
+                        continue 'outer;
+                    }
+                }
+                _ => break,
+            }
+        }
+        let first = rest.chars().next().unwrap_or(' ');
+        out.push(first);
+        rest = &rest[first.len_utf8()..];
+    }
+    out
+}

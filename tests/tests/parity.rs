@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use raystep_kernels::programs::closest_hit::breaks::Shows;
-use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, own, states, streams};
+use raystep_kernels::program::breaks::Shows;
+use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, states, streams};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{
     Accelerator, Gpu, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, Sampler, Samples,
@@ -260,10 +260,7 @@ fn a_hit_that_is_kept_survives_leaving_the_grid() {
 fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
     move |plan| {
         let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
-        // The breaks are written on one line each, so spaces do not count.
-        let changed = replace_ignoring_layout(&variant.source, from, to);
-        assert!(changed != variant.source, "{from:?} is not in\n{}", variant.source);
-        variant.source = changed;
+        variant.source = parity::change(&variant.source, from, to);
     }
 }
 
@@ -282,7 +279,7 @@ fn room(way: Way) -> Options {
 fn a_broken_kernel_is_named() {
     let scene = scene("cornell-box.gltf");
     for kernel in PROGRAM.kernels() {
-        let breaks = own(kernel).expect("a row").breaks;
+        let breaks = kernel.info().breaks;
         assert!(!breaks.is_empty(), "nothing breaks {}", kernel.name());
         for broken in breaks {
             let mut options = room(STEPPED);
@@ -365,33 +362,4 @@ fn broken_lists_and_books_show() {
         let found = compare_broken(options, kernel, "atomicAdd(&sent_here[tag], 1u)", "atomicAdd(&sent_here[tag], 2u)");
         assert!(found.miscounts.first().is_some_and(|m| m.starts_with(kernel.name())), "{:?}", found.miscounts);
     }
-}
-
-/// Replaces every place where the letters of `from` follow one another, whatever white space lies between.
-fn replace_ignoring_layout(source: &str, from: &str, to: &str) -> String {
-    let wanted: Vec<char> = from.chars().filter(|c| !c.is_whitespace()).collect();
-    let mut out = String::new();
-    let mut rest = source;
-    'outer: while !rest.is_empty() {
-        let mut matched = wanted.iter();
-        for (at, c) in rest.char_indices() {
-            if c.is_whitespace() && at > 0 {
-                continue;
-            }
-            match matched.next() {
-                Some(&w) if w == c => {
-                    if matched.as_slice().is_empty() {
-                        out.push_str(to);
-                        rest = &rest[at + c.len_utf8()..];
-                        continue 'outer;
-                    }
-                }
-                _ => break,
-            }
-        }
-        let first = rest.chars().next().unwrap_or(' ');
-        out.push(first);
-        rest = &rest[first.len_utf8()..];
-    }
-    out
 }

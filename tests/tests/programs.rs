@@ -1,15 +1,20 @@
 //! A program whose elements are no rays: the same on every executor, forwards and back, edited and watched.
 
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+
 use raystep_inspector::{Session, Target, Watch, Way, go_on};
 use raystep_kernels::options::ProgramName;
+use raystep_kernels::programs::grid_build::PROGRAM;
 use raystep_kernels::programs::grid_build::elements::{REFERENCES, SPANS};
 use raystep_kernels::programs::grid_build::streams::{BOX, FIRST_SPAN};
 use raystep_kernels::renderer::Lists;
 use raystep_kernels::structures::grid;
-use raystep_kernels::{Device, GridSize, Options, RenderError, Renderer, StreamData};
+use raystep_kernels::{Device, GridSize, Limits, Options, Plan, RenderError, Renderer, StreamData};
+use raystep_lab::lockstep::lockstep;
 use raystep_scenes::Scene;
 use raystep_tests::sessions::go;
-use raystep_tests::{block_on, devices, gpu, gpu_of, options, scene, streams_of};
+use raystep_tests::{block_on, devices, gpu, gpu_of, options, parity, scene, streams_of};
 
 fn build(scene: &Scene, grid: GridSize) -> Options {
     Options { program: ProgramName::GridBuild, grid, ..options(scene, 8, 8) }
@@ -45,15 +50,10 @@ fn every_pass_of_a_build_leaves_the_same_on_gpu_and_twins_and_the_lists_are_the_
         block_on(gpu_of(&gpu), async {
             let mut ours = Renderer::new(&scene, &options, &gpu).await?;
             let mut twins = Renderer::new(&scene, &options, &Device::Cpu(None)).await?;
-            let mut passes = 0;
-            while let Some(pass) = ours.step().await? {
-                let twin = twins.step().await?.expect("as many passes");
-                assert_eq!((pass.kernel, pass.rays_in), (twin.kernel, twin.rays_in));
-                let [left, right] = [known_streams(&ours).await, known_streams(&twins).await];
-                assert!(left == right, "{} differs after pass {passes} ({})", scene.name, pass.kernel.name());
-                passes += 1;
-            }
-            assert!(twins.step().await?.is_none() && passes >= 14, "{passes}");
+            let found = lockstep(&mut ours, &mut twins, |_| ControlFlow::Continue(())).await?;
+            assert_eq!(found.first, None, "{}", scene.name);
+            assert!(found.passes >= 14 && ours.next_kernel().is_none() && twins.next_kernel().is_none(), "{found:?}");
+            assert_eq!(known_streams(&ours).await, known_streams(&twins).await);
             let data = ours.data();
             let host = grid::lists(&data.grid, data.growth, &data.vertices, u64::MAX).expect("lists");
             let lists = Lists::of(&ours).await?;
@@ -64,6 +64,36 @@ fn every_pass_of_a_build_leaves_the_same_on_gpu_and_twins_and_the_lists_are_the_
         })
         .expect("both builds");
     }
+}
+
+#[test]
+fn a_broken_kernel_of_a_build_is_named() {
+    let (limits, gpu) = (Limits::from(&*gpu()), Device::Gpu(gpu()));
+    let scene = scene("teapot.glb");
+    let mut rows = BTreeSet::new();
+    for kernel in PROGRAM.kernels() {
+        let row = kernel.info();
+        assert!(!row.breaks.is_empty(), "nothing breaks {}", row.name);
+        // Wherever it stands.
+        for broken in row.breaks.iter().filter(|_| rows.insert(row.name)) {
+            let mut options = build(&scene, GridSize::Auto);
+            (broken.run)(&mut options);
+            block_on(gpu_of(&gpu), async {
+                let (mut plan, data) = Plan::new(&scene, &options, &limits)?;
+                let mut twins = Renderer::from_plan(plan.clone(), data.clone(), &options, &Device::Cpu(None)).await?;
+                for variant in plan.variants.iter_mut().filter(|v| v.kernel.info().name == row.name) {
+                    variant.source = parity::change(&variant.source, broken.from, broken.to);
+                }
+                let mut ours = Renderer::from_plan(plan, data, &options, &gpu).await?;
+                let found = lockstep(&mut ours, &mut twins, |_| ControlFlow::Continue(())).await?;
+                let named = found.first.as_ref().map(|first| first.kernel.info().name);
+                assert_eq!(named, Some(row.name), "{:?}", broken.to);
+                Ok::<(), RenderError>(())
+            })
+            .expect("both builds");
+        }
+    }
+    assert_eq!(rows.len(), 9);
 }
 
 #[test]

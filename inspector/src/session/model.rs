@@ -87,6 +87,12 @@ pub struct Model {
 }
 
 impl Model {
+    /// Whether the program that is open has rays, or none is open.
+    #[must_use]
+    pub fn has_rays(&self) -> bool {
+        self.opened.as_ref().is_none_or(|opened| opened.plan.program.course.is_some())
+    }
+
     /// A model, and the task that serves it: the caller runs it in a thread, or polls it.
     #[must_use]
     pub fn new(make: impl FnOnce(Engine) -> EngineTask) -> (Self, EngineTask) {

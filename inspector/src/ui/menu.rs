@@ -89,12 +89,15 @@ impl Inspector {
                 let kernel = self.model.last_pass().map_or("before the first pass", |pass| pass.kernel.name());
                 ui.label(format!("after {} of {end} passes: {kernel}", self.model.place));
                 ui.separator();
-                ui.label(format!("{} × {}", opened.plan.width, opened.plan.height));
-                ui.separator();
+                if self.model.has_rays() {
+                    ui.label(format!("{} × {}", opened.plan.width, opened.plan.height));
+                    ui.separator();
+                }
                 ui.label(&opened.device);
                 ui.separator();
                 if let Some([x, y]) = self.shared.hovered.or(self.shared.pixel) {
-                    ui.label(format!("pixel {x},{y}"));
+                    let what = if self.model.has_rays() { "pixel" } else { "element" };
+                    ui.label(format!("{what} {x},{y}"));
                     ui.separator();
                 }
                 let (kept, budget) = (Bytes(self.model.kept_bytes), Bytes(self.model.budget));

@@ -115,6 +115,17 @@ pub struct Context<'a> {
     pub todo: &'a mut Vec<Command>,
 }
 
+/// What panels about rays show for a program without any.
+pub const NO_RAYS: &str = "This program has no rays. The Stream panel shows its elements, pass by pass.";
+
+impl Context<'_> {
+    /// Whether the program that is open has rays, or none is open.
+    #[must_use]
+    pub fn has_rays(&self) -> bool {
+        self.model.has_rays()
+    }
+}
+
 /// A panel.
 pub trait Panel: Send {
     /// The title of its tab.

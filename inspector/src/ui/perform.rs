@@ -25,6 +25,7 @@ impl Inspector {
             C::PreviousEvent => self.event(false).is_some(),
             C::ExportRay | C::ExportWalk => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
+            C::Compare | C::Judge => has_run && model.has_rays(),
             _ => has_run,
         }
     }

@@ -23,6 +23,7 @@ pub mod hash;
 pub mod html;
 pub mod judge;
 pub mod layer_stats;
+pub mod lockstep;
 pub mod machine;
 pub mod meter;
 pub mod parity;

@@ -5,6 +5,7 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use super::Program;
+use super::breaks::Break;
 use crate::numbers::real::Real;
 use crate::options::features::Features;
 use crate::options::reasons::{Reason, Run};
@@ -115,6 +116,8 @@ pub struct KernelInfo {
     pub why_absent: fn(&Run<'_>) -> Reason,
     /// One sentence.
     pub summary: &'static str,
+    /// What breaks it on purpose, for the test of its comparison with its CPU reference: at least one.
+    pub breaks: &'static [Break],
 }
 
 /// A place of a kernel in a program: what it is launched over, and what is bound to its names.
@@ -247,7 +250,7 @@ impl fmt::Debug for Kernel {
 /// A program's table of kernels, and a constant for each of them. A kernel's twin is the function of its name in the
 /// module of its name.
 macro_rules! kernels {
-    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, own: $own:expr, })*) => {
+    ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, own: $own:expr, breaks: $breaks:expr, })*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Index { $($kernel),* }
 
@@ -273,6 +276,7 @@ macro_rules! kernels {
                     colour: $colour,
                     why_absent: $why_absent,
                     summary: $summary,
+                    breaks: $breaks,
                 },
                 over: &$over,
                 parameter: 0,

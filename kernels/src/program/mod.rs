@@ -1,6 +1,7 @@
 //! A program as a value: what elements it has, what it keeps for each, the states they go through, its kernels, and in
 //! what order they run. Plans, executors, sessions and exports know programs by this value alone.
 
+pub mod breaks;
 pub mod check;
 pub mod kernel;
 pub mod schedule;

@@ -16,7 +16,7 @@ use crate::session::{Model, Target};
 use crate::settings::{DeviceKind, Settings};
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel};
 use counted::{COUNTING, Counted, Question};
 use placed::Placed;
 
@@ -73,6 +73,10 @@ impl Panel for Compare {
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if !cx.has_rays() {
+            ui.weak(NO_RAYS);
+            return;
+        }
         let (model, shared) = (&mut *cx.model, &mut *cx.shared);
         let Some(other) = cx.other.as_deref_mut() else {
             ui.weak("a second run of the same scene, beside this one");

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::session::Edit;
 use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::command::Command;
-use crate::ui::pane::{Context, PaneKind, Panel};
+use crate::ui::pane::{Context, NO_RAYS, PaneKind, Panel};
 
 /// The engine's job, named while it runs.
 const SORTING: &str = "sorting rays by cost";
@@ -76,6 +76,10 @@ impl Panel for Cost {
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
             ui.weak("Open a scene to see the cost of its rays.");
+            return;
+        }
+        if !cx.has_rays() {
+            ui.weak(NO_RAYS);
             return;
         }
         let of = self.of(cx);

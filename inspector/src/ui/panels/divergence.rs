@@ -5,7 +5,10 @@ use std::ops::ControlFlow;
 use egui::{Color32, ColorImage, Rect, Sense, TextureHandle, TextureOptions, pos2, vec2};
 use raystep_kernels::Renderer;
 use raystep_kernels::plan::Bytes;
+use raystep_kernels::{Device, RenderError};
 use raystep_lab::divergence::{Class, DivergenceMap, divergence, divergence_bytes};
+use raystep_lab::lockstep::{Lockstep, lockstep};
+use raystep_lab::text::counted;
 
 use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::ui::command::Command;
@@ -20,6 +23,8 @@ pub(in crate::ui) struct Divergence {
     picture: Option<TextureHandle>,
     /// Classes that are hidden.
     hidden: Vec<Class>,
+    /// Of a program without states, whose results are equal bit for bit.
+    equal: Option<(u64, Lockstep)>,
 }
 
 fn color(class: Class) -> Color32 {
@@ -54,6 +59,60 @@ fn job(generation: u64) -> Job {
     })
 }
 
+/// The same for a program without states: its results must be the same bits.
+fn lockstep_job(generation: u64) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let JobContext { session, device, progress, .. } = context;
+            let renderer = async |device: &Device| {
+                let (plan, data) = (session.renderer().shared_plan(), session.renderer().shared_data());
+                Renderer::from_plan(plan, data, session.options(), device).await
+            };
+            let mut compared = async || {
+                let (mut ours, mut reference) = (renderer(&device).await?, renderer(&Device::Cpu(None)).await?);
+                let more = |now: raystep_kernels::Progress| {
+                    if progress(now.rays_decided, now.rays) {
+                        ControlFlow::Continue(())
+                    } else {
+                        ControlFlow::Break(())
+                    }
+                };
+                lockstep(&mut ours, &mut reference, more).await
+            };
+            let found = compared().await.map_err(|error: RenderError| error.to_string())?;
+            Ok(Box::new((generation, found)) as Box<dyn std::any::Any + Send>)
+        })
+    })
+}
+
+impl Divergence {
+    fn show_equal(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        while let Some(answer) = cx.model.take_answer::<(u64, Lockstep)>(WHAT) {
+            self.equal = Some(*answer);
+        }
+        let button = egui::Button::new("Compare every pass with the CPU reference");
+        let about = "Runs the program on the device and on the CPU reference kernels, and compares every stream that a \
+                     pass writes, bit for bit.";
+        if ui.add_enabled(!cx.model.is_busy(), button).on_hover_text(about).clicked() {
+            cx.model.ask(Request::Job(WHAT, lockstep_job(cx.model.generation)));
+        }
+        let Some((_, found)) = self.equal.as_ref().filter(|(generation, _)| *generation == cx.model.generation) else {
+            ui.weak("The first pass where an element differs from the CPU reference.");
+            return;
+        };
+        let compared = format!("{}, {}", counted(found.passes, "pass"), counted(found.components, "component"));
+        let Some(first) = &found.first else {
+            ui.strong(format!("{compared}: the same bits as on the CPU reference."));
+            return;
+        };
+        ui.strong("Differs from the CPU reference");
+        ui.label(format!("{compared} compared: {first}."));
+        if ui.button("Go there").clicked() {
+            cx.shared.go_to = Some(first.pass + 1);
+        }
+    }
+}
+
 impl Panel for Divergence {
     fn title(&self) -> String {
         "Divergence".into()
@@ -64,6 +123,10 @@ impl Panel for Divergence {
             ui.weak("Open a scene first.");
             return;
         };
+        if !cx.has_rays() {
+            self.show_equal(ui, cx);
+            return;
+        }
         let bytes = Bytes(divergence_bytes(&opened.plan));
         while let Some(answer) = cx.model.take_answer::<(u64, DivergenceMap)>(WHAT) {
             (self.map, self.picture) = (Some(*answer), None);
@@ -163,6 +226,7 @@ impl Panel for Divergence {
         if command != Command::Divergence {
             return false;
         }
+        let job = if cx.has_rays() { job } else { lockstep_job };
         cx.model.ask(Request::Job(WHAT, job(cx.model.generation)));
         true
     }

@@ -19,7 +19,7 @@ use crate::session::judged::why_not;
 use crate::session::request::{Job, JobContext, JobFuture, Request};
 use crate::session::{Model, Target};
 use crate::ui::command::Command;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel};
 
 /// The engine's job, named while it runs.
 const JUDGING: &str = "judging hits";
@@ -114,6 +114,10 @@ impl Panel for ErrorOverTime {
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         take(&mut self.judged[0], Some(&mut *cx.model));
         take(&mut self.judged[1], cx.other.as_deref_mut());
+        if !cx.has_rays() {
+            ui.weak(NO_RAYS);
+            return;
+        }
         if cx.model.passes.is_empty() {
             ui.weak("Step a pass to see the rays it resolves.");
             return;

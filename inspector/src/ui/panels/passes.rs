@@ -24,8 +24,10 @@ impl Panel for Passes {
             ui.weak("No run yet.");
             return;
         }
-        ui.checkbox(&mut self.only_ray, "only the selected ray")
-            .on_hover_text("show only passes that processed the selected ray");
+        if cx.has_rays() {
+            ui.checkbox(&mut self.only_ray, "only the selected ray")
+                .on_hover_text("show only passes that processed the selected ray");
+        }
         let of_ray: Option<Vec<usize>> = cx
             .model
             .life
@@ -62,7 +64,11 @@ impl Panel for Passes {
                     ("pass", "index in the run"),
                     ("kernel", "kernel"),
                     ("µs", "by the device's clock; empty if it has no valid one"),
-                    ("rays", "rays processed by the pass"),
+                    if cx.has_rays() {
+                        ("rays", "rays processed by the pass")
+                    } else {
+                        ("elements", "elements that the pass works on: triangles, spans, references, cells or blocks")
+                    },
                 ];
                 for (head, text) in heads {
                     header.col(|ui| {

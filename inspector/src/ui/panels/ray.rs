@@ -7,7 +7,7 @@ use raystep_kernels::programs::closest_hit::states;
 use raystep_lab::text::counted;
 
 use crate::draw::stream::state_color;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel};
 
 /// The ray history.
 #[derive(Default)]
@@ -33,8 +33,8 @@ impl Panel for RayView {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
-        if cx.model.opened.as_ref().is_some_and(|opened| opened.plan.program.course.is_none()) {
-            ui.weak("This program has no rays. The Stream panel shows its elements, pass by pass.");
+        if !cx.has_rays() {
+            ui.weak(NO_RAYS);
             return;
         }
         let Some(life) = cx.model.life.clone() else {

@@ -53,6 +53,9 @@ impl Panel for Structure {
         match self.measured.clone() {
             Some((_, Measured::Grid(stats))) => self.grid(ui, cx, &data, &stats),
             Some((_, Measured::Tree(stats))) => drop(ScrollArea::vertical().show(ui, |ui| tree(ui, &stats))),
+            Some((_, Measured::Nothing)) if !cx.has_rays() => {
+                ui.weak("This program traces through no grid or BVH. What it builds is in its streams.");
+            }
             Some((_, Measured::Nothing)) => {
                 ui.label(format!(
                     "No acceleration structure: every ray is tested against all {} triangles.",

@@ -82,9 +82,9 @@ impl Panel for Timings {
                 }
             }
         });
-        let bottom = ui.max_rect().bottom();
+        let (bottom, has_rays) = (ui.max_rect().bottom(), cx.has_rays());
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ScrollArea::horizontal().show(ui, |ui| table(ui, &self.kernels));
+            ScrollArea::horizontal().show(ui, |ui| table(ui, &self.kernels, has_rays));
             if timed > 0 {
                 let height = (bottom - ui.cursor().top() - 4.0).max(64.0);
                 bars::show(ui, height, &mut self.columns, self.is_log, cx);
@@ -155,12 +155,20 @@ const HEADS: [(&str, &str); 7] = [
     ("rays/µs", "rays processed per µs of device time"),
 ];
 
-fn table(ui: &mut Ui, kernels: &[KernelTimes]) {
+/// What stands in for the last two where a program has no rays.
+const ELEMENT_HEADS: [(&str, &str); 2] = [
+    ("elements", "total over its passes: an element counts in every pass that works on it"),
+    ("elements/µs", "elements worked on per µs of device time"),
+];
+
+fn table(ui: &mut Ui, kernels: &[KernelTimes], has_rays: bool) {
     let whole: u64 = kernels.iter().map(|k| k.sum_ns).sum();
     let grid = Grid::new("kernels").striped(true).num_columns(HEADS.len()).spacing([10.0, 3.0]);
     grid.show(ui, |ui| {
-        for (head, about) in HEADS {
-            ui.strong(head).on_hover_text(about);
+        let of_rays = HEADS.len() - ELEMENT_HEADS.len();
+        let last = if has_rays { &HEADS[of_rays..] } else { &ELEMENT_HEADS[..] };
+        for (head, about) in HEADS[..of_rays].iter().chain(last) {
+            ui.strong(*head).on_hover_text(*about);
         }
         ui.end_row();
         for times in kernels {

@@ -13,7 +13,7 @@ use super::walked::{Walked, describe, event_buttons};
 use crate::session::Model;
 use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::walk::{Projected, Spacing, Strip, Structure, SvgOptions, WalkGeometry, walk_svg};
 use progress::Progress;
 
@@ -59,6 +59,10 @@ impl Panel for Walk2d {
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
             ui.weak("Open a scene and click a pixel to see its ray's path.");
+            return;
+        }
+        if !cx.has_rays() {
+            ui.weak(NO_RAYS);
             return;
         }
         self.is_dark = ui.visuals().dark_mode;

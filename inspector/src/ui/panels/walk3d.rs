@@ -17,7 +17,7 @@ use crate::session::Target;
 use crate::session::request::{Opened, Request};
 use crate::settings::View;
 use crate::ui::canvas::Picture;
-use crate::ui::pane::{Context, Panel};
+use crate::ui::pane::{Context, NO_RAYS, Panel};
 use crate::walk::{Aabb, Structure};
 
 /// The saved part of the view.
@@ -91,7 +91,7 @@ impl Panel for Walk3d {
         self.look.camera = Some(camera);
         let traced = camera.scaled(scale);
         self.paint(ui, cx, rect, traced);
-        self.annotate(ui, rect, &traced);
+        self.annotate(ui, rect, &traced, cx.has_rays());
         if response.has_focus() {
             cx.todo.extend(ui.input(control::commands));
             let stroke = ui.visuals().selection.stroke;
@@ -224,13 +224,15 @@ impl Walk3d {
     }
 
     /// Labels over the picture.
-    fn annotate(&self, ui: &egui::Ui, rect: Rect, camera: &Orbit) {
+    fn annotate(&self, ui: &egui::Ui, rect: Rect, camera: &Orbit, has_rays: bool) {
         let painter = ui.painter().with_clip_rect(rect);
         match &self.walked.walk {
             Some(walk) if self.look.labels => labels::draw(&painter, ui.visuals(), rect, walk, camera),
             Some(_) => {}
             None => {
-                let text = if self.walked.life.is_some() {
+                let text = if !has_rays {
+                    NO_RAYS
+                } else if self.walked.life.is_some() {
                     "No pass has processed this ray yet."
                 } else {
                     "Click a pixel to see its ray's path."

@@ -23,10 +23,14 @@ impl Panel for Watches {
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.strong("Stop when");
-            for (watch, is_on) in &mut cx.shared.watches {
+            let has_rays = cx.has_rays();
+            // Elements without states have values that change, and nothing else that can be watched.
+            let is_shown = |watch: &Watch| has_rays || *watch == Watch::RayState;
+            for (watch, is_on) in cx.shared.watches.iter_mut().filter(|(watch, _)| is_shown(watch)) {
                 ui.horizontal(|ui| {
                     let name = match *watch {
                         Watch::MoreSteps(_) => "any ray: more steps than".into(),
+                        _ if !has_rays => "selected element: its values change".into(),
                         other => other.name(),
                     };
                     let label = ui.checkbox(is_on, name);

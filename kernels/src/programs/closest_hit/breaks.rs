@@ -1,54 +1,9 @@
-//! What breaks each kernel on purpose: a change of its WGSL, and a run in which the comparison with its CPU reference
-//! must notice that. A comparison that cannot fail proves nothing.
+//! What breaks each kernel on purpose.
 
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Numerics, Options, ScheduleKind, Skip};
+pub(super) use crate::program::breaks::{Break, as_it_is};
 use crate::shared::samples::Sampler;
-
-/// A change of a kernel's WGSL that must be noticed after its pass.
-#[derive(Clone, Copy, Debug)]
-pub struct Break {
-    /// Makes the run, from one of the grid that runs one step a pass: `--schedule second`.
-    pub run: fn(&mut Options),
-    /// Most loop iterations of a dispatch, where only a walk that waits for the next one compiles that line.
-    pub iterations: Option<u32>,
-    /// A part of its WGSL, whatever white space lies in it.
-    pub from: &'static str,
-    /// What takes its place.
-    pub to: &'static str,
-    /// How it shows.
-    pub shows: Shows,
-}
-
-/// How a broken kernel shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shows {
-    /// A stream differs, after a pass of that kernel.
-    Stream,
-    /// The counts of the states do not agree with the tags.
-    Counts,
-}
-
-impl Break {
-    /// A change that shows in a stream.
-    #[must_use]
-    pub const fn new(run: fn(&mut Options), from: &'static str, to: &'static str) -> Self {
-        Self { run, iterations: None, from, to, shows: Shows::Stream }
-    }
-
-    /// The same with few loop iterations a dispatch, so that walks wait between any two steps.
-    const fn in_parts(self) -> Self {
-        Self { iterations: Some(6), ..self }
-    }
-
-    /// The same where the counts show it.
-    const fn in_counts(self) -> Self {
-        Self { shows: Shows::Counts, ..self }
-    }
-}
-
-/// The grid, one step a pass.
-pub fn stepped(_: &mut Options) {}
 
 fn leaping(options: &mut Options) {
     options.skip = Skip::On;
@@ -128,7 +83,7 @@ fn random(options: &mut Options) {
 }
 
 pub(super) const OF_GENERATE: &[Break] = &[
-    Break::new(stepped, "0.5", "0.4995"),
+    Break::new(as_it_is, "0.5", "0.4995"),
     Break::new(sobol, "column ^= column >> 1u", "column = column >> 1u"),
     Break::new(sobol, "0x05526c56u", "0x05526c54u"),
     Break::new(sobol, "hashed(sampling.seed)", "hashed(0u)"),
@@ -136,14 +91,14 @@ pub(super) const OF_GENERATE: &[Break] = &[
 ];
 
 pub(super) const OF_SETUP: &[Break] = &[
-    Break::new(stepped, "floor(position)", "ceil(position)"),
-    Break::new(stepped, "let next = ISECT_NO_HIT", "let next = BACKGROUND"),
+    Break::new(as_it_is, "floor(position)", "ceil(position)"),
+    Break::new(as_it_is, "let next = ISECT_NO_HIT", "let next = BACKGROUND"),
     Break::new(bvh, "vec4u(NO_NODE)", "vec4u(0u)"),
 ];
 
 pub(super) const OF_TRAVERSE_GRID: &[Break] = &[
-    Break::new(stepped, "select(vec3i(-1), vec3i(1)", "select(vec3i(1), vec3i(-1)"),
-    Break::new(stepped, "tmax.x < tmax.y && ", ""),
+    Break::new(as_it_is, "select(vec3i(-1), vec3i(1)", "select(vec3i(1), vec3i(-1)"),
+    Break::new(as_it_is, "tmax.x < tmax.y && ", ""),
     Break::new(leaping, "forward * (distance - 1)", "forward * distance"),
 ];
 
@@ -151,10 +106,10 @@ pub(super) const OF_TRAVERSE_BVH: &[Break] =
     &[Break::new(bvh, "((at.node - 1u) ^ 1u) + 1u", "at.node"), Break::new(listed_bvh, "min(t0, t1)", "t0")];
 
 pub(super) const OF_INTERSECT: &[Break] = &[
-    Break::new(stepped, "nearest_t <= exit", "nearest_t < 0.5 * exit"),
-    Break::new(stepped, "let u = weight_b * inverse", "let u = weight_a * inverse"),
+    Break::new(as_it_is, "nearest_t <= exit", "nearest_t < 0.5 * exit"),
+    Break::new(as_it_is, "let u = weight_b * inverse", "let u = weight_a * inverse"),
     Break::new(bvh, "bvh_items[first + item]", "bvh_items[first]"),
-    Break::new(stepped, "keep_scan(texel, index, walk.tmax)", "keep_scan(texel, cell, walk.tmax)").in_parts(),
+    Break::new(as_it_is, "keep_scan(texel, index, walk.tmax)", "keep_scan(texel, cell, walk.tmax)").in_parts(),
 ];
 
 pub(super) const OF_WALK: &[Break] = &[
@@ -184,7 +139,7 @@ pub(super) const OF_FUSED: &[Break] = &[
 ];
 
 pub(super) const OF_SHADE: &[Break] =
-    &[Break::new(stepped, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))")];
+    &[Break::new(as_it_is, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))")];
 
 pub(super) const OF_ACCUMULATE: &[Break] = &[
     Break::new(sobol, "/ samples", "* 0.5"),

@@ -45,8 +45,8 @@ kernels! {
             conditions: conditions::OF_GENERATE,
             path: Path::Stays,
             rounding: rounding::OF_GENERATE,
-            breaks: breaks::OF_GENERATE,
         },
+        breaks: breaks::OF_GENERATE,
     }
     /// Finds a ray's first cell.
     SETUP setup of RAYS, twin: element, {
@@ -70,8 +70,8 @@ kernels! {
             conditions: conditions::OF_SETUP,
             path: Path::Enters,
             rounding: rounding::OF_SETUP,
-            breaks: breaks::OF_SETUP,
         },
+        breaks: breaks::OF_SETUP,
     }
     /// Moves a ray to its next cell.
     TRAVERSE_GRID traverse_grid of RAYS, twin: element, {
@@ -96,8 +96,8 @@ kernels! {
             conditions: conditions::OF_TRAVERSE_GRID,
             path: Path::NextCell,
             rounding: rounding::OF_TRAVERSE_GRID,
-            breaks: breaks::OF_TRAVERSE_GRID,
         },
+        breaks: breaks::OF_TRAVERSE_GRID,
     }
     /// Moves a ray to its next node of the tree.
     TRAVERSE_BVH traverse_bvh of RAYS, twin: element, {
@@ -123,8 +123,8 @@ kernels! {
             conditions: conditions::OF_TRAVERSE_BVH,
             path: Path::NextNode,
             rounding: rounding::OF_TRAVERSE_BVH,
-            breaks: breaks::OF_TRAVERSE_BVH,
         },
+        breaks: breaks::OF_TRAVERSE_BVH,
     }
     /// Tests one triangle.
     INTERSECT intersect of RAYS, twin: element, {
@@ -153,8 +153,8 @@ kernels! {
             conditions: conditions::OF_INTERSECT,
             path: Path::Stays,
             rounding: rounding::OF_INTERSECT,
-            breaks: breaks::OF_INTERSECT,
         },
+        breaks: breaks::OF_INTERSECT,
     }
     /// Takes a ray several steps on.
     WALK walk of RAYS, twin: element, {
@@ -184,8 +184,8 @@ kernels! {
             conditions: conditions::OF_WALK,
             path: Path::Several,
             rounding: rounding::OF_WALK,
-            breaks: breaks::OF_WALK,
         },
+        breaks: breaks::OF_WALK,
     }
     /// Takes a ray from its start to its hit.
     FUSED fused of RAYS, twin: element, {
@@ -227,8 +227,8 @@ kernels! {
             conditions: &[],
             path: Path::Stays,
             rounding: rounding::OF_FUSED,
-            breaks: breaks::OF_FUSED,
         },
+        breaks: breaks::OF_FUSED,
     }
     /// Colours what was hit.
     SHADE shade of RAYS, twin: element, {
@@ -252,8 +252,8 @@ kernels! {
             conditions: conditions::OF_SHADE,
             path: Path::Stays,
             rounding: rounding::OF_SHADE,
-            breaks: breaks::OF_SHADE,
         },
+        breaks: breaks::OF_SHADE,
     }
     /// Adds a sample to its pixel's mean.
     ACCUMULATE accumulate of RAYS, twin: element, {
@@ -276,8 +276,8 @@ kernels! {
             conditions: conditions::OF_ACCUMULATE,
             path: Path::Stays,
             rounding: rounding::OF_ACCUMULATE,
-            breaks: breaks::OF_ACCUMULATE,
         },
+        breaks: breaks::OF_ACCUMULATE,
     }
     /// Counts the rays in each state.
     COUNT count of RAYS, twin: element, {
@@ -297,8 +297,8 @@ kernels! {
             conditions: &[],
             path: Path::Stays,
             rounding: rounding::NONE,
-            breaks: breaks::OF_COUNT,
         },
+        breaks: breaks::OF_COUNT,
     }
 }
 

@@ -3,7 +3,7 @@
 //! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run.
 
 pub mod accumulate;
-pub mod breaks;
+mod breaks;
 pub mod buffers;
 pub mod conditions;
 pub mod count;
@@ -29,7 +29,6 @@ pub mod walk;
 
 use std::borrow::Cow;
 
-use breaks::Break;
 use conditions::Condition;
 use ray_state::RayState;
 use rounding::Rounding;
@@ -70,8 +69,6 @@ pub struct Own {
     pub path: Path,
     /// What a device that rounds otherwise may change in one pass.
     pub rounding: Rounding,
-    /// What breaks it on purpose, for the test of its comparison with its CPU reference.
-    pub breaks: &'static [Break],
 }
 
 /// Where one pass of a kernel takes a ray, along its path through a grid or a BVH.

@@ -6,6 +6,8 @@ use super::elements::{
 use super::scan::EACH;
 use super::{PROGRAM, passes};
 use crate::options::reasons::Because;
+use crate::options::{GridSize, Options};
+use crate::program::breaks::{Break, as_it_is};
 use crate::program::kernel::{Instance, Kernel, KernelInfo, PassTwin, Proof, Twin};
 use crate::shared::launch::BLOCK;
 use crate::tables::elements::Elements;
@@ -18,6 +20,7 @@ const fn row(
     each: u32,
     colour: [u8; 3],
     summary: &'static str,
+    breaks: &'static [Break],
 ) -> KernelInfo {
     KernelInfo {
         name,
@@ -35,7 +38,13 @@ const fn row(
         colour,
         why_absent: |_| (Because::Scene, "the grid has too few cells to sort by so many digits"),
         summary,
+        breaks,
     }
+}
+
+/// More cells than a block of a scan has.
+fn fine(options: &mut Options) {
+    options.grid = GridSize::Cells([32; 3]);
 }
 
 macro_rules! wgsl {
@@ -44,23 +53,78 @@ macro_rules! wgsl {
     };
 }
 
-const BOUND: KernelInfo =
-    row(wgsl!("bound"), passes::bound, 1, [23, 150, 160], "finds which cells each triangle's own box touches");
-const SCAN: KernelInfo =
-    row(wgsl!("scan"), passes::scan, EACH, [66, 124, 200], "sums the values before each one, in blocks");
-const ADD: KernelInfo = row(wgsl!("add"), passes::add, 1, [66, 124, 200], "adds the sum of all blocks before its own");
-const SPAN: KernelInfo =
-    row(wgsl!("span"), passes::span, 1, [232, 140, 60], "tests up to 32 cells of a row against their triangle");
-const EMIT: KernelInfo =
-    row(wgsl!("emit"), passes::emit, 1, [190, 150, 30], "writes a reference for each cell that a span overlaps");
-const HISTOGRAM: KernelInfo =
-    row(wgsl!("histogram"), passes::histogram, 1, [150, 120, 190], "counts a digit of the cell in each block");
-const SCATTER: KernelInfo =
-    row(wgsl!("scatter"), passes::scatter, 1, [200, 80, 140], "moves each reference to its place by a digit");
-const MARK: KernelInfo =
-    row(wgsl!("mark"), passes::mark, 1, [90, 165, 90], "finds where the references to each cell begin and end");
-const MEASURE: KernelInfo =
-    row(wgsl!("measure"), passes::measure, 1, [120, 130, 140], "the length of each cell's list");
+const BOUND: KernelInfo = row(
+    wgsl!("bound"),
+    passes::bound,
+    1,
+    [23, 150, 160],
+    "finds which cells each triangle's own box touches",
+    &[Break::new(as_it_is, "high - low + 1u", "high - low + 2u")],
+);
+const SCAN: KernelInfo = row(
+    wgsl!("scan"),
+    passes::scan,
+    EACH,
+    [66, 124, 200],
+    "sums the values before each one, in blocks",
+    &[Break::new(as_it_is, "from_side][lane - 1u]", "from_side][lane]")],
+);
+const ADD: KernelInfo = row(
+    wgsl!("add"),
+    passes::add,
+    1,
+    [66, 124, 200],
+    "adds the sum of all blocks before its own",
+    &[Break::new(fine, "saturating_add(before,", "saturating_add(0u,")],
+);
+const SPAN: KernelInfo = row(
+    wgsl!("span"),
+    passes::span,
+    1,
+    [232, 140, 60],
+    "tests up to 32 cells of a row against their triangle",
+    &[Break::new(as_it_is, "u32(meets(x))", "1u")],
+);
+const EMIT: KernelInfo = row(
+    wgsl!("emit"),
+    passes::emit,
+    1,
+    [190, 150, 30],
+    "writes a reference for each cell that a span overlaps",
+    &[Break::new(as_it_is, "first + firstTrailingBit(left)", "first + firstTrailingBit(left) + 1u")],
+);
+const HISTOGRAM: KernelInfo = row(
+    wgsl!("histogram"),
+    passes::histogram,
+    1,
+    [150, 120, 190],
+    "counts a digit of the cell in each block",
+    &[Break::new(as_it_is, "counts[digit_of(cell)], 1u", "counts[digit_of(cell)], 2u")],
+);
+const SCATTER: KernelInfo = row(
+    wgsl!("scatter"),
+    passes::scatter,
+    1,
+    [200, 80, 140],
+    "moves each reference to its place by a digit",
+    &[Break::new(as_it_is, "(bit - 1u)", "(bit | (bit - 1u))")],
+);
+const MARK: KernelInfo = row(
+    wgsl!("mark"),
+    passes::mark,
+    1,
+    [90, 165, 90],
+    "finds where the references to each cell begin and end",
+    &[Break::new(as_it_is, "vec4u(i + 1u)", "vec4u(i)")],
+);
+const MEASURE: KernelInfo = row(
+    wgsl!("measure"),
+    passes::measure,
+    1,
+    [120, 130, 140],
+    "the length of each cell's list",
+    &[Break::new(as_it_is, "vec4u(length)", "vec4u(length + 1u)")],
+);
 
 /// The kernels, wherever they stand.
 #[cfg(test)]

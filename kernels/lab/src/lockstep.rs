@@ -1,0 +1,87 @@
+//! Two runs of a program whose arithmetic has only one result, compared bit for bit after every pass: where they first
+//! differ. Programs whose floats may be rounded otherwise are compared by [`crate::divergence`].
+
+use std::fmt;
+use std::ops::ControlFlow;
+
+use raystep_kernels::{Kernel, Progress, RenderError, Renderer, Stream};
+
+/// What a comparison found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lockstep {
+    /// Passes compared.
+    pub passes: usize,
+    /// Components compared: those of the streams that a pass writes.
+    pub components: u64,
+    /// Where the runs first differ; no pass after that one is compared.
+    pub first: Option<Unequal>,
+}
+
+/// A component that differs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unequal {
+    /// The pass after which it does.
+    pub pass: usize,
+    /// The kernel of that pass.
+    pub kernel: Kernel,
+    /// The stream.
+    pub stream: Stream,
+    /// Its layer.
+    pub layer: usize,
+    /// The element: its place in the stream, row by row.
+    pub element: usize,
+    /// The bits of the run that is judged.
+    pub ours: u32,
+    /// Those of the other.
+    pub reference: u32,
+}
+
+impl fmt::Display for Unequal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let info = self.stream.info();
+        let (kernel, layer) = (self.kernel.name(), info.layers[self.layer]);
+        write!(f, "after pass {} ({kernel}), {}.{layer} of element {}", self.pass, info.name, self.element)?;
+        write!(
+            f,
+            " of {} is {} on the device and {} on the CPU reference",
+            info.elements.name, self.ours, self.reference
+        )
+    }
+}
+
+/// Runs both from their start, the second of which is on the CPU reference, to their end or the first difference.
+///
+/// `progress` is called after every pass and may stop.
+///
+/// # Errors
+/// Where a run fails, the system has not the memory, or `progress` said so.
+pub async fn lockstep(
+    ours: &mut Renderer,
+    reference: &mut Renderer,
+    mut progress: impl FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Lockstep, RenderError> {
+    ours.restart();
+    reference.restart();
+    let mut found = Lockstep::default();
+    while let (Some(pass), Some(_)) = (ours.step().await?, reference.step().await?) {
+        found.passes += 1;
+        let plan = ours.shared_plan();
+        for stream in plan.variant(pass.kernel).into_iter().flat_map(|variant| variant.written_streams()) {
+            let (left, right) = (ours.values(stream).await?, reference.values(stream).await?);
+            found.components += left.bits.len() as u64;
+            let differing = left.bits.iter().zip(&right.bits).position(|(a, b)| a != b);
+            if let Some(at) = differing {
+                let texels = left.width as usize * left.height as usize;
+                let (layer, element) = (at / texels, at % texels);
+                let (ours, reference) = (left.bits[at], right.bits[at]);
+                let (pass, kernel) = (pass.index, pass.kernel);
+                found.first = Some(Unequal { pass, kernel, stream, layer, element, ours, reference });
+                return Ok(found);
+            }
+        }
+        if progress(ours.progress()).is_break() && ours.next_kernel().is_some() {
+            return Err(RenderError::Cancelled { passes: ours.pass_count() });
+        }
+    }
+    Ok(found)
+}
