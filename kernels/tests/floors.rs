@@ -1,13 +1,14 @@
-//! The floors of `kernels/src`: no module reaches up, and no modules side by side reach each other in a circle.
+//! The layers of `kernels/src`: no module uses a higher one, and modules on the same level do not use each other in a
+//! cycle.
 //!
-//! Arrows are drawn from the paths in the sources, with re-exports followed to the module that has the item. Code for
-//! tests only is left out, and so are a folder's own file and the modules below it: they are one thing.
+//! Dependencies are read from the paths in the sources, with re-exports followed to the module that defines the item.
+//! Test-only code is ignored; a folder's own file and the modules below it count as one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The modules of the crate, lowest first: each may name those in its own line and in the lines before.
+/// The modules of the crate, lowest first: each may use those in its own line and in the lines before it.
 const FLOORS: &[&[&str]] = &[
     &["numbers"],
     &["shared"],
@@ -25,27 +26,27 @@ const FLOORS: &[&[&str]] = &[
     &["export"],
 ];
 
-/// A path in a source file: names separated by `::`, the first one of the crate's root.
+/// A path in a source file: names separated by `::`, starting at the crate's root.
 type Names = Vec<String>;
 
 /// A module of the crate.
 #[derive(Default)]
 struct Module {
     file: String,
-    /// Where the names that it imports or re-exports come from.
+    /// The source of each name that it imports or re-exports.
     imports: BTreeMap<String, Names>,
-    /// Every path in its code, and the line.
+    /// Every path in its code, and its line.
     paths: Vec<(usize, Names)>,
 }
 
-/// An arrow between two modules, with where it is drawn.
+/// A dependency between two modules, and where it occurs.
 struct Arrow {
     from: Names,
     to: Names,
     place: String,
 }
 
-/// The code of a file without comments, strings and what is compiled for tests only; lines stay where they are.
+/// The code of a file without comments, strings and test-only items; line numbers stay the same.
 fn code_of(text: &str) -> String {
     let mut code = String::new();
     let mut rest = text;
@@ -67,7 +68,7 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Where a string ends that begins here.
+/// The end of the string that begins here.
 fn string_end(text: &str) -> usize {
     let mut escaped = false;
     let is_end = |(_, c): &(usize, char)| {
@@ -78,7 +79,7 @@ fn string_end(text: &str) -> usize {
     text.char_indices().skip(1).find(is_end).map_or(text.len(), |(at, _)| at + 1)
 }
 
-/// Where an item ends that begins here: at its semicolon, or at the brace that closes its block.
+/// The end of the item that begins here: its semicolon, or the brace that closes its block.
 fn item_end(text: &str) -> usize {
     let mut depth = 0;
     for (at, c) in text.char_indices() {
@@ -94,7 +95,7 @@ fn item_end(text: &str) -> usize {
     text.len()
 }
 
-/// The paths of a use tree such as `a::{b, c::{self, d as e}}`, each with the name that it gets.
+/// The paths in a use tree such as `a::{b, c::{self, d as e}}`, each with the name that it introduces.
 fn expand(tree: &str, before: &[String], all: &mut Vec<(String, Names)>) {
     let tree = tree.trim();
     let mut depth = 0;
@@ -124,7 +125,7 @@ fn expand(tree: &str, before: &[String], all: &mut Vec<(String, Names)>) {
     }
 }
 
-/// A path as it is written in `module`, from the crate's root; `None` for a path that leaves the crate.
+/// A path as written in `module`, made absolute from the crate's root; `None` for a path that leaves the crate.
 fn absolute(written: &[String], module: &[String], modules: &BTreeMap<Names, Module>) -> Option<Names> {
     let (first, rest) = written.split_first()?;
     let mut base = match first.as_str() {
@@ -142,7 +143,7 @@ fn absolute(written: &[String], module: &[String], modules: &BTreeMap<Names, Mod
     Some(base)
 }
 
-/// The module that has what an absolute path names, re-exports followed.
+/// The module that defines what an absolute path names, with re-exports followed.
 fn owner(path: &[String], modules: &BTreeMap<Names, Module>, depth: usize) -> Names {
     let mut at = Vec::new();
     for (i, name) in path.iter().enumerate() {
@@ -160,7 +161,7 @@ fn owner(path: &[String], modules: &BTreeMap<Names, Module>, depth: usize) -> Na
     at
 }
 
-/// Reads the modules of a crate from its files, named from `src` on.
+/// Parses the modules of a crate from its files, with paths relative to `src`.
 fn modules_of(files: &[(String, String)]) -> BTreeMap<Names, Module> {
     let module_of = |file: &str| -> Names {
         let path = file.trim_end_matches(".rs");
@@ -189,7 +190,7 @@ fn modules_of(files: &[(String, String)]) -> BTreeMap<Names, Module> {
     modules
 }
 
-/// Every path of the crate that code names: as written, the line, and the name that a `use` gives it.
+/// Every path of the crate that code mentions: as written, its line, and the name that a `use` introduces for it.
 fn paths_in(code: &str) -> Vec<(Names, usize, Option<String>)> {
     let line_of = |at: usize| 1 + code[..at].matches('\n').count();
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
@@ -219,7 +220,7 @@ fn paths_in(code: &str) -> Vec<(Names, usize, Option<String>)> {
 
 fn arrows_of(modules: &BTreeMap<Names, Module>) -> Vec<Arrow> {
     let mut arrows = Vec::new();
-    // The crate's root re-exports from everywhere.
+    // The crate's root re-exports from everywhere, so it is ignored.
     for (from, module) in modules.iter().filter(|(from, _)| !from.is_empty()) {
         for (line, path) in &module.paths {
             let place = format!("{}:{line}: {} -> {}", module.file, from.join("::"), path.join("::"));
@@ -229,9 +230,9 @@ fn arrows_of(modules: &BTreeMap<Names, Module>) -> Vec<Arrow> {
     arrows
 }
 
-/// A circle among `nodes`, as the arrows that make it up.
+/// A cycle in the dependencies, as the list of those that form it.
 fn circle<'a>(arrows: &BTreeMap<(&'a str, &'a str), &'a str>) -> Option<Vec<&'a str>> {
-    // What nobody in the rest reaches is in no circle.
+    // A module that no remaining one depends on is in no cycle.
     let mut rest: BTreeSet<(&str, &str)> = arrows.keys().copied().collect();
     loop {
         let (starts, ends): (BTreeSet<_>, BTreeSet<_>) = rest.iter().copied().unzip();
@@ -253,7 +254,7 @@ fn circle<'a>(arrows: &BTreeMap<(&'a str, &'a str), &'a str>) -> Option<Vec<&'a 
     }
 }
 
-/// Arrows up, circles, and modules without a floor.
+/// Dependencies on higher modules, cycles, and modules missing from the list.
 fn faults(files: &[(String, String)], floors: &[&[&str]]) -> Vec<String> {
     let modules = modules_of(files);
     let arrows = arrows_of(&modules);
@@ -265,7 +266,7 @@ fn faults(files: &[(String, String)], floors: &[&[&str]]) -> Vec<String> {
     for arrow in arrows.iter().filter(|arrow| !arrow.to.is_empty() && floor(&arrow.to) > floor(&arrow.from)) {
         faults.push(format!("up: {}", arrow.place));
     }
-    // Modules side by side: the two ways part at them.
+    // The two paths separate at these sibling modules.
     let mut siblings: BTreeMap<&[String], BTreeMap<(&str, &str), &str>> = BTreeMap::new();
     for arrow in &arrows {
         let common = arrow.from.iter().zip(&arrow.to).take_while(|(a, b)| a == b).count();
@@ -275,7 +276,7 @@ fn faults(files: &[(String, String)], floors: &[&[&str]]) -> Vec<String> {
     }
     for (folder, arrows) in siblings {
         if let Some(circle) = circle(&arrows) {
-            let mut text = format!("a circle in {}:", if folder.is_empty() { "src".into() } else { folder.join("/") });
+            let mut text = format!("a cycle in {}:", if folder.is_empty() { "src".into() } else { folder.join("/") });
             circle.iter().for_each(|place| write!(text, "\n    {place}").expect("a string"));
             faults.push(text);
         }
@@ -318,7 +319,7 @@ fn an_arrow_up_and_a_circle_are_found() {
     for up in ["use crate::high::B;", "fn f() { crate::high::b() }", "use crate::Short;", "use super::high;"] {
         let found = of(&[("low.rs", &format!("{low}{up}")), high, ("lib.rs", "pub use high::C as Short;")]);
         assert!(found.len() == 2 && found[0].starts_with("up: low.rs:5: "), "{up}: {found:?}");
-        assert!(found[1].starts_with("a circle in src:"), "{up}: {found:?}");
+        assert!(found[1].starts_with("a cycle in src:"), "{up}: {found:?}");
     }
     let beside = [("low.rs", "use crate::beside::A;"), ("beside/mod.rs", "pub use inner::A;"), ("beside/inner.rs", "")];
     assert_eq!(of(&beside), [""; 0]);

@@ -1,4 +1,4 @@
-//! Structures hold what a ray can meet, shaders bind what the tables say, and modules reach down only.
+//! Structures hold everything that a ray can hit, shaders bind what the tables say, and modules use only lower ones.
 
 mod bvh;
 mod floors;
