@@ -103,6 +103,7 @@ fn to_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: R::Bits) -> 
 
 impl<R: Precision> CpuExecutor<R> {
     /// Allocates the plan's streams. `clock`, in nanoseconds, times the passes if there is one.
+    ///
     /// # Errors
     /// If the system does not have that much memory.
     pub fn new(plan: &Arc<Plan>, clock: Option<fn() -> u64>) -> Result<Self, OutOfMemory> {

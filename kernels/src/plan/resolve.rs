@@ -15,7 +15,7 @@ use crate::tables::sizes::LIVE_REGIONS;
 
 /// A structure that was built, and the decisions that go with it.
 pub(super) struct Resolved {
-    /// Which one; never [`Accelerator::Auto`].
+    /// The accelerator; never [`Accelerator::Auto`].
     pub(super) accelerator: Accelerator,
     /// The options of the kernels, except those that depend on iterations of their loops.
     pub(super) features: Features,

@@ -42,7 +42,7 @@ pub struct GridSummary {
     pub leaps: bool,
     /// Bytes of the buffers that the run binds for it.
     pub bytes: u64,
-    /// What cells were grown by, in traced units.
+    /// Growth of the cells, in traced units.
     pub growth: f32,
 }
 
@@ -59,7 +59,7 @@ pub struct BvhSummary {
     pub references: u64,
     /// Bytes of the buffers that the run binds for it, without the triangles' vertices.
     pub bytes: u64,
-    /// What boxes were grown by, in traced units.
+    /// Growth of the boxes, in traced units.
     pub growth: f32,
 }
 

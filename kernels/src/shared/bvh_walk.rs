@@ -7,10 +7,10 @@ use crate::numbers::real::{Real, Vec3};
 
 /// A node: its box, and its children or triangles.
 ///
-/// `link` has the number of triangles in bits 0 to 29. If it is 0, the node's children are nodes `first` and `first +
-/// 1`, ordered by their centres along the axis in bits 30 and 31 (0 to 2), the one along which they differ most: a ray
-/// that does not go down along that axis enters `first` first. Otherwise the node is a leaf with items `first .. first
-/// + count`, at most [`MAX_LEAF`](crate::structures::bvh::MAX_LEAF).
+/// `link` has the number of triangles in bits 0 to 29. If it is 0, the node's children are nodes `first` and
+/// `first + 1`, ordered by their centres along the axis in bits 30 and 31 (0 to 2), the one along which they differ
+/// most: a ray that does not go down along that axis enters `first` first. Otherwise the node is a leaf with items
+/// `first .. first + count`, at most [`MAX_LEAF`](crate::structures::bvh::MAX_LEAF).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BvhNode {

@@ -4,7 +4,7 @@
 //! bvh_nodes     8 words    per node, see [`BvhNode`]; the root is node 0, siblings are adjacent
 //! bvh_parents   u32        per node: its parent
 //! bvh_items     u32        triangle ids, in the order of the leaves
-//! wide_nodes    20 words   a node, see [`WideNode`]; the root is node 0
+//! wide_nodes    20 words   per node, see [`WideNode`]; the root is node 0
 //! packed_triangles 12 words  a corner and the triangle's id, a corner and 0, a corner and 0, in the order of the leaves
 //! ```
 //!

@@ -84,7 +84,7 @@ pub struct CountedGrid {
 }
 
 impl CountedGrid {
-    /// Whether most cells are empty: if there are few, looking for cells to skip costs more than it saves.
+    /// Whether most cells are empty: if only few are, looking for cells to skip costs more than it saves.
     #[must_use]
     pub fn is_sparse(&self) -> bool {
         let cells = self.counts.len();

@@ -10,7 +10,7 @@ use crate::shader::{Binding, Resource, Variant};
 use crate::tables::kernel::Role;
 use crate::tables::stream::Texel;
 
-/// What does not depend on a run's textures and buffers.
+/// A pipeline and its layouts: the part that does not depend on a run's textures and buffers.
 #[derive(Clone)]
 pub(super) struct Compiled {
     pub(super) pipeline: wgpu::ComputePipeline,

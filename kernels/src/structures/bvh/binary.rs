@@ -92,7 +92,7 @@ fn collapse(tree: &Bvh2) -> (Vec<bool>, f64) {
     (leaves, if root > 0.0 { below[0].0 / root } else { 0.0 })
 }
 
-/// Nodes in depth-first order, the order of a walk that enters every node.
+/// Lays out the nodes in the order in which a walk that enters every node meets them.
 fn layout(tree: &Bvh2, leaves: &[bool], references: &References, growth: f32, cost: f64, shape: TreeShape) -> BvhData {
     let mut data = BvhData {
         nodes: vec![boxed(&tree.nodes[0], growth)],
