@@ -17,9 +17,8 @@ mod unfolded;
 use std::ops::Range;
 
 use glam::DVec3;
-use raystep_kernels::Kernel;
 use raystep_kernels::export::trace::{RayState, Trace, TraceRow};
-use raystep_kernels::programs::closest_hit::states;
+use raystep_kernels::programs::closest_hit::{PROGRAM, Path, own, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 
@@ -263,8 +262,9 @@ fn finite(t: f32) -> Option<f64> {
     (t < INF).then_some(f64::from(t))
 }
 
-fn is_kernel(row: &TraceRow, kernel: Kernel) -> bool {
-    row.kernel == kernel.name()
+/// Where the pass of a row took the ray.
+fn path_of(row: &TraceRow) -> Path {
+    PROGRAM.kernel(row.kernel).and_then(own).map_or(Path::Stays, |own| own.path)
 }
 
 /// Whether the ray is active in a cell or at a node.

@@ -1,6 +1,5 @@
-//! Structures hold everything that a ray can hit, shaders bind what the tables say, and modules use only lower ones.
+//! Structures hold everything that a ray can hit, and shaders bind what the tables say.
 
 mod bvh;
-mod floors;
 mod grid;
 mod shaders;

@@ -14,6 +14,7 @@ use ways::Way;
 pub use raystep_lab::block_on;
 pub use raystep_lab::machine::now_ns;
 
+pub mod floors;
 pub mod parity;
 pub mod rays;
 pub mod sessions;

@@ -3,10 +3,12 @@
 mod adding;
 mod agreement;
 mod any_hit;
+mod architecture;
 mod compact;
 mod degenerate;
 mod device;
 mod divergence;
+mod floors;
 mod library;
 mod names;
 mod parity;

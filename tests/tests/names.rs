@@ -53,15 +53,11 @@ const MAY_NAME: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "what streams of rays look like at first, and panels about rays alone",
+        "panels about rays alone",
         &[
-            "inspector/src/draw/stream.rs",
             "inspector/src/ui/panels/compare.rs",
             "inspector/src/ui/panels/cost.rs",
             "inspector/src/ui/panels/cost/lanes.rs",
-            "inspector/src/ui/panels/stream.rs",
-            "inspector/src/ui/panels/stream/look.rs",
-            "inspector/src/ui/panels/stream/tools.rs",
         ],
     ),
     ("the plan of each program", &["kernels/src/plan/mod.rs", "kernels/src/plan/grid_build.rs"]),

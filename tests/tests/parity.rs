@@ -1,12 +1,10 @@
 //! One-step parity of every kernel on every scene: GPU and twin, from the same streams.
 
-mod breaks;
-
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use breaks::{BREAKS, SAMPLING_BREAKS, TURN_BREAKS};
-use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, states, streams};
+use raystep_kernels::programs::closest_hit::breaks::Shows;
+use raystep_kernels::programs::closest_hit::{PROGRAM, kernels, own, states, streams};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{
     Accelerator, Gpu, GridSize, Kernel, Numerics, Options, Plan, RaySource, Renderer, Rule, Sampler, Samples,
@@ -279,38 +277,38 @@ fn room(way: Way) -> Options {
     Options { counters: true, grid: GridSize::Cells([7, 7, 9]), ..options }
 }
 
-/// Every kernel, and every rule that kernels share, is broken once, and the comparison must name the kernel.
+/// Every row's breaks: the comparison must name the kernel.
 #[test]
 fn a_broken_kernel_is_named() {
-    for (kernel, way, from, to) in BREAKS {
-        let found = compare_broken(&room(way), kernel, from, to);
-        let first = found.breaches.first().unwrap_or_else(|| panic!("{} with {to:?} went unnoticed", kernel.name()));
-        assert_eq!(first.kernel, kernel, "{first}");
+    let scene = scene("cornell-box.gltf");
+    for kernel in PROGRAM.kernels() {
+        let breaks = own(kernel).expect("a row").breaks;
+        assert!(!breaks.is_empty(), "nothing breaks {}", kernel.name());
+        for broken in breaks {
+            let mut options = room(STEPPED);
+            (broken.run)(&mut options);
+            let change = change(kernel, broken.from, broken.to);
+            let found = match broken.iterations {
+                Some(most) => parity::compare_broken_in_turns(&gpu(), &scene, &options, most, change),
+                None => parity::compare_broken(&gpu(), &scene, &options, change),
+            };
+            let what = format!("{} with {:?}", kernel.name(), broken.to);
+            match broken.shows {
+                Shows::Stream => assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{what}"),
+                Shows::Counts => assert!(!found.miscounts.is_empty() && found.breaches.is_empty(), "{what}"),
+            }
+        }
     }
-    for (kernel, way, from, to) in TURN_BREAKS {
-        let scene = scene("cornell-box.gltf");
-        let found = parity::compare_broken_in_turns(&gpu(), &scene, &room(way), 6, change(kernel, from, to));
-        assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernel), "{} with {to:?}", kernel.name());
-    }
+}
+
+/// What only runs with other scenes or rays compile: several lights, and rays that end at any hit.
+#[test]
+fn a_kernel_broken_for_other_rays_is_named() {
     let lights = scene("lights.gltf");
     let (from, to) = ("LIGHTS_SUMMED + end", "LIGHTS_SUMMED + end + 1u");
     let options = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&lights, 40, 40));
     let found = parity::compare_broken_in_turns(&gpu(), &lights, &options, 1, change(kernels::SHADE, from, to));
     assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernels::SHADE), "lights are left out unnoticed");
-    // What only some runs compile: several samples, rays that the kernel makes, and rays that end at any hit.
-    for (kernel, sampler, from, to) in SAMPLING_BREAKS {
-        let way = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8);
-        let options = Options { samples: Samples { count: 5, sampler, seed: 1 }, ..room(way) };
-        let found = compare_broken(&options, kernel, from, to);
-        let first = found.breaches.first().map(|b| b.kernel);
-        assert_eq!(first, Some(kernel), "{} with {to:?}", kernel.name());
-    }
-    let options = Options { samples: Samples { count: 2, ..Samples::default() }, ..room(STEPPED) };
-    let found = compare_broken(&options, kernels::ACCUMULATE, "atomicAdd(&sent_here[tag], 1u)", "");
-    assert!(found.miscounts.first().is_some_and(|m| m.starts_with("accumulate")), "{:?}", found.miscounts);
-    let own_rays = Options { shade: false, ..room(Way::new(Accelerator::Bvh, ScheduleKind::Fused, 1)) };
-    let found = compare_broken(&own_rays, kernels::FUSED, "0.5", "0.4995");
-    assert!(found.breaches.iter().any(|b| b.component == (streams::STATE, 1)), "rays of its own went unnoticed");
     let rays = RaySource::Given(rays::segments(&scene("cornell-box.gltf"), 500, 3));
     let shadows = room(Way::new(Accelerator::Grid, ScheduleKind::Compact, 8));
     let shadows = Options { any_hit: true, shade: false, rays, ..shadows };

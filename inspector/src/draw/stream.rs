@@ -1,10 +1,9 @@
 //! A stream as a picture, drawn from the stream's own texture: nothing is read back for it.
 
 use raystep_kernels::Stream;
-use raystep_kernels::programs::closest_hit::streams::{self, STATE_ITEM};
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::tables::state::{States, Tag};
-use raystep_kernels::tables::stream::{STATE_TAG, Texel};
+use raystep_kernels::tables::stream::{self, Texel};
 use serde::{Deserialize, Serialize};
 
 use super::picture::{FORMAT, filled};
@@ -87,14 +86,13 @@ impl Meaning {
     #[must_use]
     pub fn of(stream: Stream, layer: Option<usize>) -> Self {
         let Some(layer) = layer else {
-            return if stream == streams::COLOR { Self::Color } else { Self::of(stream, Some(0)) };
+            return if stream.is_color() { Self::Color } else { Self::of(stream, Some(0)) };
         };
-        match layer {
-            STATE_TAG if stream == streams::STATE => Self::Tag,
-            STATE_ITEM if stream == streams::STATE => Self::Count,
-            _ if stream.info().unit.starts_with("count") => Self::Count,
-            _ if stream.is_float_layer(layer) => Self::Scalar,
-            _ => Self::Id,
+        match stream.info().meaning.get(layer) {
+            Some(stream::Meaning::Float | stream::Meaning::Distance | stream::Meaning::Light) => Self::Scalar,
+            Some(stream::Meaning::Count) => Self::Count,
+            Some(stream::Meaning::Tag) => Self::Tag,
+            Some(stream::Meaning::Id) | None => Self::Id,
         }
     }
 }

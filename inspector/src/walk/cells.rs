@@ -3,12 +3,12 @@
 use glam::DVec3;
 use raystep_kernels::export::trace::{RayState, TraceRow};
 use raystep_kernels::numbers::real::Vec3;
-use raystep_kernels::programs::closest_hit::{kernels, states};
+use raystep_kernels::programs::closest_hit::{Path, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 use raystep_kernels::shared::grid_walk::smallest_axis;
 
-use super::{Aabb, WalkGeometry, finite, is_kernel, is_walking, list};
+use super::{Aabb, WalkGeometry, finite, is_walking, list, path_of};
 
 /// How a ray entered a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,15 +75,16 @@ pub struct Crossing {
 impl WalkGeometry {
     /// Processes a row that may move the ray to another cell, or out of the grid.
     pub(super) fn move_to_cell(&mut self, data: &SceneData, i: usize, row: &TraceRow, before: Option<&RayState>) {
-        let starts = is_kernel(row, kernels::SETUP);
-        let steps = is_kernel(row, kernels::TRAVERSE_GRID) || is_kernel(row, kernels::WALK);
+        let path = path_of(row);
+        let starts = path == Path::Enters;
+        let steps = matches!(path, Path::NextCell | Path::Several);
         if !starts && !steps {
             return;
         }
         let after = &row.after;
         let moved = starts || before.is_none_or(|before| before.cell_index != after.cell_index);
         // A pass of several steps may end the walk in the current cell, or in another one.
-        let left = is_kernel(row, kernels::TRAVERSE_GRID) || moved || after.tag == states::BACKGROUND;
+        let left = path == Path::NextCell || moved || after.tag == states::BACKGROUND;
         if steps && left {
             self.leave_cell();
         }

@@ -1,10 +1,10 @@
 //! The rows of a trace that move the ray or test a triangle: the events that F11 steps through.
 
 use raystep_kernels::export::trace::Trace;
-use raystep_kernels::programs::closest_hit::kernels;
+use raystep_kernels::programs::closest_hit::Path;
 use raystep_kernels::scene_data::SceneData;
 
-use super::{is_kernel, is_walking};
+use super::{is_walking, path_of};
 
 /// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,8 +47,7 @@ pub fn events(trace: &Trace, data: &SceneData) -> Vec<Event> {
         if let Some(triangle) = row.tested {
             return Some(EventKind::Test(triangle));
         }
-        let moves = [kernels::SETUP, kernels::TRAVERSE_GRID, kernels::TRAVERSE_BVH, kernels::WALK];
-        if !moves.iter().any(|&kernel| is_kernel(row, kernel)) || !(has_grid || data.features.bvh) {
+        if path_of(row) == Path::Stays || !(has_grid || data.features.bvh) {
             return None;
         }
         let (after, index) = (&row.after, row.after.cell_index);

@@ -1,12 +1,12 @@
 //! The nodes of a walk through the BVH.
 
 use raystep_kernels::export::trace::{RayState, TraceRow};
-use raystep_kernels::programs::closest_hit::{kernels, states};
+use raystep_kernels::programs::closest_hit::{Path, states};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::parent_of;
 use raystep_kernels::shared::constants::NO_NODE;
 
-use super::{Aabb, WalkGeometry, is_kernel, is_walking};
+use super::{Aabb, WalkGeometry, is_walking, path_of};
 
 /// A node whose box was tested. Returning upwards through a node does not count as a visit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ impl WalkGeometry {
         self.current_node = is_walking(after).then_some(after.cell_index);
         let current = self.current_node.and_then(|node| data.bvh_nodes.get(node as usize));
         self.current_box = current.map(|node| Aabb::of_f32(node.min, node.max));
-        let Some(before) = before.filter(|_| is_kernel(row, kernels::TRAVERSE_BVH)) else { return };
+        let Some(before) = before.filter(|_| path_of(row) == Path::NextNode) else { return };
         let index = before.cell_index;
         let Some(node) = data.bvh_nodes.get(index as usize) else { return };
         let parent = parent(data, index);

@@ -1,7 +1,8 @@
 //! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may go another way.
 //!
-//! Two executors start from the same streams. After the pass, integers and what is only copied must be equal, and
-//! floats as near as WGSL's rules for rounding allow, but for rays that f32 cannot decide.
+//! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal, and
+//! computed floats as near as the kernel's row allows (see [`rounding`](raystep_kernels::programs::closest_hit::rounding)),
+//! except for rays that f32 cannot decide.
 
 mod judge;
 mod nudge;
@@ -11,15 +12,15 @@ use std::sync::Arc;
 use raystep_kernels::Kernel;
 use raystep_kernels::numbers::real::{Vec3, ulps};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::{ACCUMULATED_SAMPLES, STATE_CELL, STATE_ITEM, STATE_T};
+use raystep_kernels::programs::closest_hit::own;
+use raystep_kernels::programs::closest_hit::rounding::{self, Each, Off, Ties};
+use raystep_kernels::programs::closest_hit::streams::{self, STATE_CELL, STATE_ITEM, STATE_T};
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::bvh_walk::finite_inverse;
 use raystep_kernels::shared::camera::eye_ray;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::shared::grid_walk::smallest_axis;
 use raystep_kernels::shared::vector::smallest3;
-use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::{Stream, StreamData};
 
 use crate::reference::{Possible, possible};
@@ -62,45 +63,38 @@ impl Rounding<'_> {
         [origin, direction]
     }
 
-    /// Most steps of a ray in the pass.
-    fn steps(&self) -> u32 {
-        if self.kernel.role() == Role::Walk { self.data.info.steps } else { 1 }
+    /// What the kernel's row allows; nothing for a kernel of another program.
+    fn row(&self) -> rounding::Rounding {
+        own(self.kernel).map_or(rounding::NONE, |own| own.rounding)
     }
 
-    /// The largest difference that WGSL's rounding rules allow for a float after one kernel: a division may
-    /// be off by 2.5 units in the last place, and a product that is added to may be contracted or not.
-    /// Software Vulkan does neither, and is equal bit for bit; an H200 does both.
-    ///
-    /// * ray_direction, ray_origin: sums of three terms of the size of the view plane; 4 roundings of those.
-    /// * tmax: a division and a product: 4 ulp; by the paper's rules it grows by that at every step, of which there are
-    ///   fewer than loop turns where it waits in place or scan.
-    /// * color: square roots, divisions and sums of terms below 1 or the value itself; a spot's cone multiplies
-    ///   the error of a cosine by its scale.
-    /// * accumulated, and color where it is given the mean: a division that is added to; 4 roundings.
-    /// * t, u, v: by the triangle's own bound, see [`super`]. It allows the 10 roundings of a
-    ///   sheared corner; a ray that the kernel makes itself is off by 4 more, so the double of it covers both.
-    ///
-    /// Integers, and what is only copied, must be equal but for rays that f32 cannot decide.
-    fn allows(&self, (stream, layer): (Stream, usize), a: u32, b: u32, possible: Option<&Possible>) -> bool {
+    /// By how much a float that the kernel computes may be multiplied wrongly.
+    fn times(&self, each: Each) -> u64 {
+        u64::from(match each {
+            Each::Pass => 1,
+            Each::Step => self.data.info.steps,
+            Each::Iteration => self.data.features.turns,
+        })
+    }
+
+    /// Whether a component may differ like this by rounding alone. `tested` is the triangle that the pass tested.
+    fn allows(&self, (stream, layer): (Stream, usize), a: u32, b: u32, tested: Option<&Possible>) -> bool {
+        let row = self.row();
+        let Some((_, _, off)) = row.floats.iter().find(|(of, layers, _)| *of == stream && layers.contains(&layer))
+        else {
+            return false;
+        };
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
-        let size = x.abs().max(y.abs()).max(1.0);
-        let difference = f64::from((x - y).abs());
-        let is = |streams: &[Stream]| streams.contains(&stream);
-        match layer {
-            _ if is(&RAY) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
-            _ if is(&[streams::TMAX]) => ulps(a, b) <= 4 * u64::from(self.steps()),
-            _ if is(&[streams::PLACE, streams::SCAN]) => {
-                stream.is_float_layer(layer) && ulps(a, b) <= 4 * u64::from(self.data.features.turns)
+        let within = |roundings: f32| (x - y).abs() <= roundings * f32::EPSILON * x.abs().max(y.abs()).max(1.0);
+        let bounded = |bound: f64| f64::from((x - y).abs()) <= 2.0 * bound;
+        match *off {
+            Off::Ulps(most, each) => ulps(a, b) <= most * self.times(each),
+            Off::Roundings(most) => within(most),
+            Off::RoundingsOfLight(most) => {
+                within(most * self.data.lights.iter().fold(1.0f32, |m, light| m.max(light.cone_scale)))
             }
-            0 | 1 if is(&[streams::HIT]) => possible.is_some_and(|p| difference <= 2.0 * p.weight_bound),
-            STATE_T if is(&[streams::STATE]) => possible.is_some_and(|p| difference <= 2.0 * p.t_bound),
-            _ if is(&[streams::COLOR]) => {
-                let cone = self.data.lights.iter().fold(1.0f32, |m, l| m.max(l.cone_scale));
-                let of_one_kernel = if self.kernel.role() == Role::Sample { 4.0 } else { 64.0 * cone };
-                (x - y).abs() <= of_one_kernel * f32::EPSILON * size
-            }
-            0..ACCUMULATED_SAMPLES if is(&[streams::ACCUMULATED]) => (x - y).abs() <= 4.0 * f32::EPSILON * size,
-            _ => false,
+            Off::DistanceToTriangle => tested.is_some_and(|p| bounded(p.t_bound)),
+            Off::WeightOfTriangle => tested.is_some_and(|p| bounded(p.weight_bound)),
         }
     }
 
@@ -110,13 +104,13 @@ impl Rounding<'_> {
             (self.component(streams::STATE, STATE_CELL, ray), self.component(streams::STATE, STATE_ITEM, ray));
         let [origin, direction] = self.ray(ray);
         let seen = |triangle| possible(&self.data.vertices, origin, direction, triangle);
-        match self.kernel.role() {
-            Role::Test => {
+        match self.row().ties {
+            Ties::Triangle => {
                 let (first, count) = self.data.list(cell);
                 (item < count).then(|| seen(self.data.listed(first + item))).flatten()
             }
-            Role::Walk | Role::Whole => (hit < self.data.info.triangles).then(|| seen(hit)).flatten(),
-            _ => None,
+            Ties::Many => (hit < self.data.info.triangles).then(|| seen(hit)).flatten(),
+            Ties::None | Ties::FirstCell | Ties::Leap | Ties::Box => None,
         }
     }
 
@@ -193,15 +187,14 @@ impl Rounding<'_> {
             let in_cell = self.data.features.in_cell;
             !p.is_definite || close(exit) || close(nearest) || in_cell && self.near_plane(at(p.t), None)
         };
-        match self.kernel.role() {
-            Role::Enter => Some(self.walk_may_begin_elsewhere(ray)),
-            Role::Test => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
-            // Many cells, boxes and triangles.
-            Role::Walk | Role::Whole => None,
-            Role::Step if self.data.features.skip => Some(self.leap_may_end_elsewhere(ray)),
-            Role::Step if self.data.features.bvh => Some(self.grazes_a_box(ray, origin, direction)),
+        match self.row().ties {
+            Ties::None => Some(false),
+            Ties::FirstCell => Some(self.walk_may_begin_elsewhere(ray)),
             // The comparisons of a step to the next cell are of numbers that both sides read from the same stream.
-            Role::Step | Role::Source | Role::Finish | Role::Sample | Role::Count | Role::Once => Some(false),
+            Ties::Leap => Some(self.data.features.skip && self.leap_may_end_elsewhere(ray)),
+            Ties::Box => Some(self.grazes_a_box(ray, origin, direction)),
+            Ties::Triangle => Some(self.tested(ray, NO_TRIANGLE).is_some_and(by_a_triangle)),
+            Ties::Many => None,
         }
     }
 }

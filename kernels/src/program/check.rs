@@ -51,8 +51,8 @@ pub enum Fault {
         /// What it names.
         missing: String,
     },
-    /// A stream does not have one initial value per layer.
-    #[error("{program}: stream {stream} has {layers} layers and {unwritten} values to begin with")]
+    /// A stream does not have one initial value and one meaning per layer.
+    #[error("{program}: stream {stream} has {layers} layers and {given} {what}")]
     Layers {
         /// The program.
         program: &'static str,
@@ -60,8 +60,10 @@ pub enum Fault {
         stream: &'static str,
         /// Number of layers.
         layers: usize,
-        /// Number of initial values.
-        unwritten: usize,
+        /// Initial values or meanings.
+        what: &'static str,
+        /// Number of these.
+        given: usize,
     },
     /// A kernel takes a state and sends it nowhere, or sends from a state that it does not take.
     #[error("{program}: kernel {kernel} {problem} {state}")]
@@ -136,9 +138,11 @@ impl Program {
         let program = self.name;
         let has = |name: &str| self.elements(name).is_some();
         for stream in self.streams {
-            let (layers, unwritten) = (stream.layers.len(), stream.unwritten.len());
-            if layers != unwritten || layers == 0 {
-                faults.push(Fault::Layers { program, stream: stream.name, layers, unwritten });
+            let layers = stream.layers.len();
+            for (what, given) in [("initial values", stream.unwritten.len()), ("meanings", stream.meaning.len())] {
+                if layers != given || layers == 0 {
+                    faults.push(Fault::Layers { program, stream: stream.name, layers, what, given });
+                }
             }
             if !has(stream.elements.name) {
                 let missing = format!("elements {:?}", stream.elements.name);

@@ -6,7 +6,7 @@ use super::*;
 use crate::program::{Instance, Kernel};
 use crate::tables::elements::{Count, Elements};
 use crate::tables::state::{StateInfo, StateRole, States};
-use crate::tables::stream::StreamInfo;
+use crate::tables::stream::{Meaning, StreamInfo};
 
 #[test]
 fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
@@ -69,7 +69,14 @@ fn every_fault_is_found_and_said() {
         ("two streams are called \"state\"", changed(|p| p.streams = stream(|s| s.name = "state"))),
         ("ray_origin does not stand at its own place", changed(|p| p.streams = stream(|s| s.index = 5))),
         ("has 9 states, at most 8 fit", changed(|p| p.states = more(8, "LATE"))),
-        ("stream ray_origin has 3 layers and 1 values", changed(|p| p.streams = stream(|s| s.unwritten = &[0]))),
+        (
+            "stream ray_origin has 3 layers and 1 initial values",
+            changed(|p| p.streams = stream(|s| s.unwritten = &[0])),
+        ),
+        (
+            "stream ray_origin has 3 layers and 1 meanings",
+            changed(|p| p.streams = stream(|s| s.meaning = &[Meaning::Float])),
+        ),
         ("ray_origin names elements \"nowhere\"", changed(|p| p.streams = stream(|s| s.elements = &NOWHERE))),
         ("lost names elements \"nowhere\"", changed(|p| p.elements = leaked(vec![p.elements[0], &LOST]))),
         ("intersect names list 7", changed(|p| p.kernels = with(INTERSECT, |k| k.kernel.list = Some(7)))),

@@ -22,6 +22,31 @@ pub enum Texel {
     U32,
 }
 
+/// What the numbers of a layer are: it decides how they are compared, printed and coloured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// A float.
+    Float,
+    /// A float that counts along a ray, so that [`INF`](crate::shared::constants::INF) is never reached.
+    Distance,
+    /// A float: linear light. Three layers of it, the first of a stream, are a colour.
+    Light,
+    /// How many, or how far into a list.
+    Count,
+    /// Which: two of them are equal or different.
+    Id,
+    /// A state.
+    Tag,
+}
+
+impl Meaning {
+    /// Whether the layer holds a float, as such or as bits.
+    #[must_use]
+    pub const fn is_float(self) -> bool {
+        matches!(self, Self::Float | Self::Distance | Self::Light)
+    }
+}
+
 /// A row of a program's table of streams.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamInfo {
@@ -35,8 +60,8 @@ pub struct StreamInfo {
     pub texel: Texel,
     /// One name per layer.
     pub layers: &'static [&'static str],
-    /// Layers of a `u32` stream that hold f32 bits.
-    pub float_layers: &'static [usize],
+    /// What each layer's numbers are. Floats of a `u32` stream are their bits.
+    pub meaning: &'static [Meaning],
     /// Unit of the numbers.
     pub unit: &'static str,
     /// Initial value of each layer (bits), before any kernel has written it.
@@ -86,7 +111,12 @@ impl Stream {
     /// Whether a layer holds a float, directly or as bits.
     #[must_use]
     pub fn is_float_layer(self, layer: usize) -> bool {
-        self.0.texel == Texel::F32 || self.0.float_layers.contains(&layer)
+        self.0.meaning.get(layer).is_some_and(|meaning| meaning.is_float())
+    }
+    /// Whether its first three layers are a colour.
+    #[must_use]
+    pub fn is_color(self) -> bool {
+        matches!(self.0.meaning, [Meaning::Light, Meaning::Light, Meaning::Light, ..])
     }
 }
 
@@ -187,7 +217,7 @@ impl StreamData {
 
 /// Defines a program's table of streams, and a constant for each of them.
 macro_rules! streams {
-    ($($(#[doc = $doc:literal])* $stream:ident of $elements:ident: $name:literal $texel:ident $layers:expr, floats: $floats:expr, unit: $unit:literal, unwritten: $unwritten:expr, why_absent: $why:expr;)*) => {
+    ($($(#[doc = $doc:literal])* $stream:ident of $elements:ident: $name:literal $texel:ident $layers:expr, meaning: $meaning:expr, unit: $unit:literal, unwritten: $unwritten:expr, why_absent: $why:expr;)*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
         enum Index { $($stream),* }
 
@@ -199,7 +229,7 @@ macro_rules! streams {
                 elements: &$elements,
                 texel: $crate::tables::stream::Texel::$texel,
                 layers: $layers,
-                float_layers: $floats,
+                meaning: $meaning,
                 unit: $unit,
                 unwritten: $unwritten,
                 why_absent: $why,

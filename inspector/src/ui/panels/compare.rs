@@ -125,7 +125,8 @@ impl Panel for Compare {
         let has = |stream: Stream| a.plan.has_stream(stream) && b.plan.has_stream(stream);
         let streams: Vec<Stream> = a.plan.streams.iter().map(|s| s.what).filter(|&s| has(s)).collect();
         if !streams.contains(&self.stream) {
-            (self.stream, self.layer) = (streams::STATE, 0);
+            let states = a.plan.program.state_stream().filter(|stream| streams.contains(stream));
+            (self.stream, self.layer) = (states.or(streams.first().copied()).unwrap_or(self.stream), 0);
         }
         self.choose_stream(ui, &streams);
         let seen = |settings: &Settings| (settings.size, settings.view, settings.ray);

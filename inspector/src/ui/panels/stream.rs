@@ -6,8 +6,6 @@ mod tools;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
 use look::Look;
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, Plan, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others};
@@ -179,7 +177,9 @@ impl Panel for StreamView {
 /// without states the last stream that the last pass has written.
 fn default_stream(plan: &Plan, streams: &[Stream], last: Option<Kernel>) -> Option<Stream> {
     let own = match plan.program.state_stream() {
-        Some(_) if last.is_some_and(|kernel| kernel.role() == Role::Finish) => Some(streams::COLOR),
+        Some(_) if last.is_some_and(|kernel| kernel.role() == Role::Finish) => {
+            streams.iter().copied().find(|stream| stream.is_color())
+        }
         Some(states) => Some(states),
         None => last.and_then(|kernel| plan.variant(kernel)?.written_streams().last()),
     };
@@ -238,9 +238,8 @@ impl StreamView {
     }
 
     fn colors(&self, stream: Stream, layer: usize) -> Colors {
-        self.look.colors.unwrap_or(match (stream, layer) {
-            _ if stream == streams::TMAX => Colors::Magma,
-            (_, STATE_T) if stream == streams::STATE => Colors::Magma,
+        self.look.colors.unwrap_or(match stream.info().meaning.get(layer) {
+            Some(raystep_kernels::tables::stream::Meaning::Distance) => Colors::Magma,
             _ => Colors::Viridis,
         })
     }

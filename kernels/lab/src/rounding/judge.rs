@@ -2,10 +2,10 @@
 
 use raystep_kernels::executor::cpu::CpuError;
 use raystep_kernels::plan::Plan;
+use raystep_kernels::programs::closest_hit::rounding::Ties;
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
-use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::stream::{Stream, StreamData};
 
 use super::Rounding;
@@ -130,7 +130,7 @@ impl Rounding<'_> {
 
     /// The count of repeated tests walks from the start again, through another first cell perhaps.
     fn is_other_count(&self, ray: usize, components: &[Component]) -> bool {
-        self.kernel.role() == Role::Test
+        self.row().ties == Ties::Triangle
             && components.iter().filter(|c| !c.is_allowed).all(|c| (c.stream, c.layer) == REPEATED)
             && self.walk_may_begin_elsewhere(ray)
     }

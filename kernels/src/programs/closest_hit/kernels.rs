@@ -2,7 +2,7 @@
 
 use super::elements::RAYS;
 use super::states::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, TRAV, TRAV_SETUP, UNWRITTEN};
-use super::{Own, conditions, explain};
+use super::{Own, Path, breaks, conditions, explain, rounding};
 use crate::options::reasons::{
     Because, EYE_RAYS, FUSED as BY_FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, STEPPED, of_a_step,
 };
@@ -40,7 +40,13 @@ kernels! {
         colour: [23, 150, 160],
         why_absent: |run| if run.features.eye_rays { EYE_RAYS } else { GIVEN },
         summary: "generates a ray for every pixel",
-        own: Own { explain: explain::of_generate, conditions: conditions::OF_GENERATE },
+        own: Own {
+            explain: explain::of_generate,
+            conditions: conditions::OF_GENERATE,
+            path: Path::Stays,
+            rounding: rounding::OF_GENERATE,
+            breaks: breaks::OF_GENERATE,
+        },
     }
     /// Finds a ray's first cell.
     SETUP setup of RAYS, twin: element, {
@@ -59,7 +65,13 @@ kernels! {
         colour: [150, 120, 190],
         why_absent: |_| BY_FUSED,
         summary: "finds where the ray's walk begins, or that it misses the grid",
-        own: Own { explain: explain::of_setup, conditions: conditions::OF_SETUP },
+        own: Own {
+            explain: explain::of_setup,
+            conditions: conditions::OF_SETUP,
+            path: Path::Enters,
+            rounding: rounding::OF_SETUP,
+            breaks: breaks::OF_SETUP,
+        },
     }
     /// Moves a ray to its next cell.
     TRAVERSE_GRID traverse_grid of RAYS, twin: element, {
@@ -79,7 +91,13 @@ kernels! {
         colour: [66, 124, 200],
         why_absent: of_a_step,
         summary: "moves the ray to its next cell",
-        own: Own { explain: explain::of_traverse_grid, conditions: conditions::OF_TRAVERSE_GRID },
+        own: Own {
+            explain: explain::of_traverse_grid,
+            conditions: conditions::OF_TRAVERSE_GRID,
+            path: Path::NextCell,
+            rounding: rounding::OF_TRAVERSE_GRID,
+            breaks: breaks::OF_TRAVERSE_GRID,
+        },
     }
     /// Moves a ray to its next node of the tree.
     TRAVERSE_BVH traverse_bvh of RAYS, twin: element, {
@@ -100,7 +118,13 @@ kernels! {
         colour: [66, 124, 200],
         why_absent: of_a_step,
         summary: "moves the ray to its next node of the BVH",
-        own: Own { explain: explain::of_traverse_bvh, conditions: conditions::OF_TRAVERSE_BVH },
+        own: Own {
+            explain: explain::of_traverse_bvh,
+            conditions: conditions::OF_TRAVERSE_BVH,
+            path: Path::NextNode,
+            rounding: rounding::OF_TRAVERSE_BVH,
+            breaks: breaks::OF_TRAVERSE_BVH,
+        },
     }
     /// Tests one triangle.
     INTERSECT intersect of RAYS, twin: element, {
@@ -124,7 +148,13 @@ kernels! {
         colour: [232, 140, 60],
         why_absent: |run| if run.features.many_steps { MANY_STEPS } else { BY_FUSED },
         summary: "tests the ray against one triangle of its cell or leaf",
-        own: Own { explain: explain::of_intersect, conditions: conditions::OF_INTERSECT },
+        own: Own {
+            explain: explain::of_intersect,
+            conditions: conditions::OF_INTERSECT,
+            path: Path::Stays,
+            rounding: rounding::OF_INTERSECT,
+            breaks: breaks::OF_INTERSECT,
+        },
     }
     /// Takes a ray several steps on.
     WALK walk of RAYS, twin: element, {
@@ -149,7 +179,13 @@ kernels! {
         colour: [190, 150, 30],
         why_absent: |run| if run.is_fused() { BY_FUSED } else { ONE_STEP },
         summary: "moves the ray by several cells or nodes",
-        own: Own { explain: explain::of_walk, conditions: conditions::OF_WALK },
+        own: Own {
+            explain: explain::of_walk,
+            conditions: conditions::OF_WALK,
+            path: Path::Several,
+            rounding: rounding::OF_WALK,
+            breaks: breaks::OF_WALK,
+        },
     }
     /// Takes a ray from its start to its hit.
     FUSED fused of RAYS, twin: element, {
@@ -186,7 +222,13 @@ kernels! {
         colour: [200, 80, 140],
         why_absent: |_| STEPPED,
         summary: "takes the ray from its start to its nearest hit",
-        own: Own { explain: explain::of_fused, conditions: &[] },
+        own: Own {
+            explain: explain::of_fused,
+            conditions: &[],
+            path: Path::Stays,
+            rounding: rounding::OF_FUSED,
+            breaks: breaks::OF_FUSED,
+        },
     }
     /// Colours what was hit.
     SHADE shade of RAYS, twin: element, {
@@ -205,7 +247,13 @@ kernels! {
         colour: [90, 165, 90],
         why_absent: |_| NO_SHADE,
         summary: "colours the ray from its hit, or the background",
-        own: Own { explain: explain::of_shade, conditions: conditions::OF_SHADE },
+        own: Own {
+            explain: explain::of_shade,
+            conditions: conditions::OF_SHADE,
+            path: Path::Stays,
+            rounding: rounding::OF_SHADE,
+            breaks: breaks::OF_SHADE,
+        },
     }
     /// Adds a sample to its pixel's mean.
     ACCUMULATE accumulate of RAYS, twin: element, {
@@ -223,7 +271,13 @@ kernels! {
         colour: [120, 130, 140],
         why_absent: |_| ONE_SAMPLE,
         summary: "adds the sample to its pixel's mean, and requests the next one",
-        own: Own { explain: explain::of_accumulate, conditions: conditions::OF_ACCUMULATE },
+        own: Own {
+            explain: explain::of_accumulate,
+            conditions: conditions::OF_ACCUMULATE,
+            path: Path::Stays,
+            rounding: rounding::OF_ACCUMULATE,
+            breaks: breaks::OF_ACCUMULATE,
+        },
     }
     /// Counts the rays in each state.
     COUNT count of RAYS, twin: element, {
@@ -238,7 +292,13 @@ kernels! {
         colour: [120, 120, 120],
         why_absent: |_| (Because::Options, "every kernel counts the rays that it sends on"),
         summary: "counts the rays in each state, after a kernel that does not",
-        own: Own { explain: explain::of_count, conditions: &[] },
+        own: Own {
+            explain: explain::of_count,
+            conditions: &[],
+            path: Path::Stays,
+            rounding: rounding::NONE,
+            breaks: breaks::OF_COUNT,
+        },
     }
 }
 

@@ -3,6 +3,7 @@
 //! A kernel is `x.wgsl` and its twin `x.rs`, and a row of [`kernels`]; [`schedule`] says in what order they run.
 
 pub mod accumulate;
+pub mod breaks;
 pub mod buffers;
 pub mod conditions;
 pub mod count;
@@ -15,6 +16,7 @@ pub mod intersect;
 pub mod kernels;
 pub mod ray;
 pub mod ray_state;
+pub mod rounding;
 pub mod schedule;
 pub mod setup;
 pub mod shade;
@@ -27,8 +29,10 @@ pub mod walk;
 
 use std::borrow::Cow;
 
+use breaks::Break;
 use conditions::Condition;
 use ray_state::RayState;
+use rounding::Rounding;
 
 use crate::options::features::Features;
 use crate::program::{Course, Kernel, Program};
@@ -62,6 +66,27 @@ pub struct Own {
     pub explain: fn(&SceneData, &RayState, &RayState) -> (Option<u32>, String),
     /// What the conditions of its file mean for a ray's streams.
     pub conditions: &'static [Condition],
+    /// Where one pass of it takes a ray.
+    pub path: Path,
+    /// What a device that rounds otherwise may change in one pass.
+    pub rounding: Rounding,
+    /// What breaks it on purpose, for the test of its comparison with its CPU reference.
+    pub breaks: &'static [Break],
+}
+
+/// Where one pass of a kernel takes a ray, along its path through a grid or a BVH.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Nowhere, or all the way at once.
+    Stays,
+    /// Into its first cell, or to the root.
+    Enters,
+    /// Into its next cell, or out of the grid.
+    NextCell,
+    /// To the next node, if the box of its node was tested.
+    NextNode,
+    /// Through several cells or nodes, or none.
+    Several,
 }
 
 /// What this program says of a kernel; `None` for another program's.

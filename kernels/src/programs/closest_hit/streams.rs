@@ -28,6 +28,7 @@
 use super::elements::RAYS;
 use crate::options::reasons::{Because, EYE_RAYS, FUSED, NO_SHADE, ONE_SAMPLE, Reason, Run};
 use crate::shared::constants::{INF, NO_CELL, NO_NODE, NO_TRIANGLE};
+use crate::tables::stream::Meaning::{Count, Distance, Float, Id, Light, Tag};
 use crate::tables::stream::{Stream, streams};
 
 /// Layer of the `state` stream: bits of the nearest t so far, [`INF`] without a hit.
@@ -59,40 +60,40 @@ fn of_tmax(run: &Run<'_>) -> Reason {
 
 streams! {
     /// Where the ray starts.
-    RAY_ORIGIN of RAYS: "ray_origin" F32 &["x", "y", "z"], floats: &[], unit: "traced units",
+    RAY_ORIGIN of RAYS: "ray_origin" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units",
         unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
     /// Where it goes.
-    RAY_DIRECTION of RAYS: "ray_direction" F32 &["x", "y", "z"], floats: &[], unit: "traced units per t",
+    RAY_DIRECTION of RAYS: "ray_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
         unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
     /// Tag, nearest t, cell, item offset.
-    STATE of RAYS: "state" U32 &["tag", "t", "cell", "item"], floats: &[STATE_T], unit: "tag, t as f32 bits, 1-D index, count",
+    STATE of RAYS: "state" U32 &["tag", "t", "cell", "item"], meaning: &[Tag, Distance, Id, Count], unit: "tag, t as f32 bits, 1-D index, count",
         unwritten: &[0, INF.to_bits(), 0, 0], why_absent: of_steps;
     /// t at which the ray leaves its cell, per axis.
-    TMAX of RAYS: "tmax" F32 &["x", "y", "z"], floats: &[], unit: "t",
+    TMAX of RAYS: "tmax" F32 &["x", "y", "z"], meaning: &[Distance; 3], unit: "t",
         unwritten: &[0; 3], why_absent: of_tmax;
     /// Node visited before this one.
-    PREVIOUS of RAYS: "previous" U32 &["node"], floats: &[], unit: "index of a node",
+    PREVIOUS of RAYS: "previous" U32 &["node"], meaning: &[Id], unit: "index of a node",
         unwritten: &[NO_NODE], why_absent: of_steps;
     /// Barycentrics and triangle of the nearest hit.
-    HIT of RAYS: "hit" U32 &["u", "v", "triangle"], floats: &[0, 1], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
+    HIT of RAYS: "hit" U32 &["u", "v", "triangle"], meaning: &[Float, Float, Id], unit: "barycentric weights of vertices 1 and 2 as f32 bits, triangle id",
         unwritten: &[0, 0, NO_TRIANGLE], why_absent: of_steps;
     /// Shaded colour.
-    COLOR of RAYS: "color" F32 &["r", "g", "b"], floats: &[], unit: "linear light",
+    COLOR of RAYS: "color" F32 &["r", "g", "b"], meaning: &[Light; 3], unit: "linear light",
         unwritten: &[0; 3], why_absent: |_| NO_SHADE;
     /// Cells visited, triangles tested, repeated tests.
-    COUNTERS of RAYS: "counters" U32 &["cells", "triangles", "repeated"], floats: &[], unit: "count",
+    COUNTERS of RAYS: "counters" U32 &["cells", "triangles", "repeated"], meaning: &[Count; 3], unit: "count",
         unwritten: &[0; 3], why_absent: |_| (Because::Options, "counters are not requested");
     /// Mean colour and coverage of the samples so far, and their number.
-    ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], floats: &[], unit: "linear light, share of samples that hit, count",
+    ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], meaning: &[Light, Light, Light, Float, Float], unit: "linear light, share of samples that hit, count",
         unwritten: &[0; 5], why_absent: |_| ONE_SAMPLE;
     /// Where in the grid a ray waits for the next dispatch of `fused`, where that does not follow from its cell.
-    PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], floats: &[4, 5, 6], unit: "cell coordinates, count of cells, t as f32 bits",
+    PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Id, Id, Count, Distance, Distance, Distance], unit: "cell coordinates, count of cells, t as f32 bits",
         unwritten: &[0; 7], why_absent: |_| NO_WALK_WAITS;
     /// Where in the wide tree it does: the child entered last on each level.
-    TRAIL of RAYS: "trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], floats: &[], unit: "child entered last, 4 bits per level",
+    TRAIL of RAYS: "trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], meaning: &[Id; 4], unit: "child entered last, 4 bits per level",
         unwritten: &[0; 4], why_absent: |_| NO_WALK_WAITS;
     /// Where the search for repeated tests waits for the next dispatch.
-    SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], floats: &[1, 2, 3], unit: "1-D index, t as f32 bits",
+    SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Distance, Distance, Distance], unit: "1-D index, t as f32 bits",
         unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "no search for repeated tests needs more loop iterations than one dispatch allows");
 }
 

@@ -1,7 +1,6 @@
 //! The saved part of a stream view.
 
 use raystep_kernels::Stream;
-use raystep_kernels::programs::closest_hit::streams;
 use serde::{Deserialize, Serialize};
 
 use crate::draw::stream::Colors;
@@ -60,7 +59,7 @@ impl Look {
 
     /// Whether the view shows a colour for this stream.
     pub(super) fn is_color(&self, stream: Option<Stream>) -> bool {
-        self.layer.is_none() && self.stream.or(stream) == Some(streams::COLOR)
+        self.layer.is_none() && self.stream.or(stream).is_some_and(Stream::is_color)
     }
 }
 

@@ -1,7 +1,6 @@
 //! The toolbar: stream, component, colours, range, and their legend.
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Program, Stream};
 use raystep_lab::layer_stats::{LayerStats, Others, Span};
 
@@ -33,11 +32,11 @@ impl StreamView {
                     .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "stream"));
             }
             let names = stream.info().layers;
-            if stream == streams::COLOR && ui.selectable_label(layer.is_none(), "rgb").clicked() {
+            if stream.is_color() && ui.selectable_label(layer.is_none(), "rgb").clicked() {
                 (self.look.layer, self.look.range) = (None, None);
             }
             for (i, name) in names.iter().enumerate() {
-                let is_shown = layer == Some(i) || layer.is_none() && i == 0 && stream != streams::COLOR;
+                let is_shown = layer == Some(i) || layer.is_none() && i == 0 && !stream.is_color();
                 if ui.selectable_label(is_shown, *name).clicked() {
                     (self.look.layer, self.look.range) = (Some(i), None);
                 }

@@ -1,0 +1,198 @@
+//! What breaks each kernel on purpose: a change of its WGSL, and a run in which the comparison with its CPU reference
+//! must notice that. A comparison that cannot fail proves nothing.
+
+use crate::options::samples::Samples;
+use crate::options::{Accelerator, Numerics, Options, ScheduleKind, Skip};
+use crate::shared::samples::Sampler;
+
+/// A change of a kernel's WGSL that must be noticed after its pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Break {
+    /// Makes the run, from one of the grid that runs one step a pass: `--schedule second`.
+    pub run: fn(&mut Options),
+    /// Most loop iterations of a dispatch, where only a walk that waits for the next one compiles that line.
+    pub iterations: Option<u32>,
+    /// A part of its WGSL, whatever white space lies in it.
+    pub from: &'static str,
+    /// What takes its place.
+    pub to: &'static str,
+    /// How it shows.
+    pub shows: Shows,
+}
+
+/// How a broken kernel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shows {
+    /// A stream differs, after a pass of that kernel.
+    Stream,
+    /// The counts of the states do not agree with the tags.
+    Counts,
+}
+
+impl Break {
+    /// A change that shows in a stream.
+    #[must_use]
+    pub const fn new(run: fn(&mut Options), from: &'static str, to: &'static str) -> Self {
+        Self { run, iterations: None, from, to, shows: Shows::Stream }
+    }
+
+    /// The same with few loop iterations a dispatch, so that walks wait between any two steps.
+    const fn in_parts(self) -> Self {
+        Self { iterations: Some(6), ..self }
+    }
+
+    /// The same where the counts show it.
+    const fn in_counts(self) -> Self {
+        Self { shows: Shows::Counts, ..self }
+    }
+}
+
+/// The grid, one step a pass.
+pub fn stepped(_: &mut Options) {}
+
+fn leaping(options: &mut Options) {
+    options.skip = Skip::On;
+}
+
+/// Several steps a pass, over lists of live rays.
+fn several(options: &mut Options) {
+    (options.schedule, options.steps_per_pass) = (ScheduleKind::Compact, 8);
+}
+
+fn several_leaping(options: &mut Options) {
+    several(options);
+    leaping(options);
+}
+
+fn several_bvh(options: &mut Options) {
+    several(options);
+    bvh(options);
+}
+
+fn several_none(options: &mut Options) {
+    several(options);
+    none(options);
+}
+
+fn bvh(options: &mut Options) {
+    options.accelerator = Accelerator::Bvh;
+}
+
+fn none(options: &mut Options) {
+    options.accelerator = Accelerator::None;
+}
+
+fn listed_bvh(options: &mut Options) {
+    options.schedule = ScheduleKind::Compact;
+    bvh(options);
+}
+
+fn fused(options: &mut Options) {
+    options.schedule = ScheduleKind::Fused;
+}
+
+fn fused_leaping(options: &mut Options) {
+    fused(options);
+    leaping(options);
+}
+
+fn fused_paper(options: &mut Options) {
+    fused(options);
+    options.numerics = Numerics::Paper;
+}
+
+fn fused_bvh(options: &mut Options) {
+    fused(options);
+    bvh(options);
+}
+
+fn fused_none(options: &mut Options) {
+    fused(options);
+    none(options);
+}
+
+/// The fused kernel makes its rays itself.
+fn fused_eye_rays(options: &mut Options) {
+    fused_bvh(options);
+    options.shade = false;
+}
+
+fn sobol(options: &mut Options) {
+    several(options);
+    options.samples = Samples { count: 5, sampler: Sampler::Sobol, seed: 1 };
+}
+
+fn random(options: &mut Options) {
+    sobol(options);
+    options.samples.sampler = Sampler::Random;
+}
+
+pub(super) const OF_GENERATE: &[Break] = &[
+    Break::new(stepped, "0.5", "0.4995"),
+    Break::new(sobol, "column ^= column >> 1u", "column = column >> 1u"),
+    Break::new(sobol, "0x05526c56u", "0x05526c54u"),
+    Break::new(sobol, "hashed(sampling.seed)", "hashed(0u)"),
+    Break::new(random, "hashed(hashed(sample) + second_seed)", "hashed(sample + second_seed)"),
+];
+
+pub(super) const OF_SETUP: &[Break] = &[
+    Break::new(stepped, "floor(position)", "ceil(position)"),
+    Break::new(stepped, "let next = ISECT_NO_HIT", "let next = BACKGROUND"),
+    Break::new(bvh, "vec4u(NO_NODE)", "vec4u(0u)"),
+];
+
+pub(super) const OF_TRAVERSE_GRID: &[Break] = &[
+    Break::new(stepped, "select(vec3i(-1), vec3i(1)", "select(vec3i(1), vec3i(-1)"),
+    Break::new(stepped, "tmax.x < tmax.y && ", ""),
+    Break::new(leaping, "forward * (distance - 1)", "forward * distance"),
+];
+
+pub(super) const OF_TRAVERSE_BVH: &[Break] =
+    &[Break::new(bvh, "((at.node - 1u) ^ 1u) + 1u", "at.node"), Break::new(listed_bvh, "min(t0, t1)", "t0")];
+
+pub(super) const OF_INTERSECT: &[Break] = &[
+    Break::new(stepped, "nearest_t <= exit", "nearest_t < 0.5 * exit"),
+    Break::new(stepped, "let u = weight_b * inverse", "let u = weight_a * inverse"),
+    Break::new(bvh, "bvh_items[first + item]", "bvh_items[first]"),
+    Break::new(stepped, "keep_scan(texel, index, walk.tmax)", "keep_scan(texel, cell, walk.tmax)").in_parts(),
+];
+
+pub(super) const OF_WALK: &[Break] = &[
+    Break::new(several, "step < scene.steps", "step + 1u < scene.steps"),
+    Break::new(several, "trace.u = candidate.u", "trace.u = candidate.v"),
+    Break::new(several_leaping, "8u * (index % 4u)", "8u * (index % 3u)"),
+    Break::new(several_leaping, "min(walk.cell, last)", "walk.cell"),
+    Break::new(several_bvh, "let first = node.first", "let first = node.first + 1u"),
+    Break::new(several_bvh, "select(0u, 1u, goes_down", "select(1u, 0u, goes_down"),
+    Break::new(several_none, "3u * entry + 2u", "3u * entry + 1u"),
+    Break::new(several, "item + 1u - grid_cells", "item + 2u - grid_cells").in_parts(),
+    Break::new(several_bvh, "at.in_leaf = place.item > 0u", "at.in_leaf = false").in_parts(),
+    Break::new(several_none, "is_spent(place.trace)", "false").in_parts(),
+];
+
+pub(super) const OF_FUSED: &[Break] = &[
+    Break::new(fused, "trace.t <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
+    Break::new(fused_leaping, "distance > 1", "distance > 2"),
+    Break::new(fused_bvh, "bitcast<i32>(nearest_t)", "bitcast<i32>(0.5 * nearest_t)"),
+    Break::new(fused_bvh, "leaves.base + countOneBits", "leaves.base + 0u * countOneBits"),
+    Break::new(fused_eye_rays, "0.5", "0.4995"),
+    Break::new(fused, "item + 1u - grid_cells", "item - grid_cells").in_parts(),
+    Break::new(fused_paper, "u32(left)", "u32(left + 1)").in_parts(),
+    Break::new(fused_bvh, "level + 1u, NO_CHILD", "level + 1u, 0u").in_parts(),
+    Break::new(fused_bvh, "(1u << (24u + child)) - 1u", "(2u << (24u + child)) - 1u").in_parts(),
+    Break::new(fused_none, "wait_at(0u, triangle + 1u)", "wait_at(0u, triangle + 2u)").in_parts(),
+];
+
+pub(super) const OF_SHADE: &[Break] =
+    &[Break::new(stepped, "max(dot3(normal, to_light), 0.0)", "abs(dot3(normal, to_light))")];
+
+pub(super) const OF_ACCUMULATE: &[Break] = &[
+    Break::new(sobol, "/ samples", "* 0.5"),
+    Break::new(sobol, "!= NO_TRIANGLE", "!= 0u"),
+    Break::new(sobol, "samples < f32(sampling.samples)", "samples < 3.0"),
+    Break::new(sobol, "textureStore(color, texel, 1, vec4f(mean.y))", "textureStore(color, texel, 1, vec4f(mean.x))"),
+    Break::new(sobol, "atomicAdd(&sent_here[tag], 1u)", "").in_counts(),
+];
+
+pub(super) const OF_COUNT: &[Break] =
+    &[Break::new(fused, "atomicAdd(&in_workgroup[tag], 1u)", "atomicAdd(&in_workgroup[tag], 2u)").in_counts()];

@@ -1,0 +1,110 @@
+//! What rounding may change in one pass of each kernel, where a device contracts products and sums, or divides less
+//! exactly than its CPU reference.
+//!
+//! WGSL lets a division be off by 2.5 units in the last place, and lets a product that is added to be contracted or not.
+//! Software Vulkan does neither, and is equal bit for bit; an H200 does both.
+
+use super::streams::{ACCUMULATED, COLOR, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX};
+use crate::tables::stream::Stream;
+
+/// What rounding may change in one pass of a kernel: nothing else may differ from its CPU reference.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounding {
+    /// The floats that the kernel computes: layers of a stream, and how far off they may be. What it only copies is not
+    /// among them.
+    pub floats: &'static [(Stream, &'static [usize], Off)],
+    /// Which of its comparisons rounding may turn, so that a ray goes another way.
+    pub ties: Ties,
+}
+
+/// How far off a float may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Off {
+    /// Units in the last place, once or for each part of the pass.
+    Ulps(u64, Each),
+    /// Multiples of 2⁻²³ of the larger number, or of 1 where both are smaller.
+    Roundings(f32),
+    /// The same, times the largest factor by which a light's cone scales a cosine.
+    RoundingsOfLight(f32),
+    /// Twice the triangle's own bound for t. That bound allows the 10 roundings of a sheared corner; a ray that the
+    /// kernel makes itself is off by 4 more, so its double covers both.
+    DistanceToTriangle,
+    /// Twice the triangle's own bound for a barycentric weight, likewise.
+    WeightOfTriangle,
+}
+
+/// What an error of one computation is multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Each {
+    /// It is made once.
+    Pass,
+    /// It is made in every step of the pass.
+    Step,
+    /// It is made in every loop iteration that a dispatch allows.
+    Iteration,
+}
+
+/// Which comparisons of a kernel rounding may turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ties {
+    /// None: it compares integers, or floats that it only reads.
+    None,
+    /// The point of entry with the planes between cells.
+    FirstCell,
+    /// The end of a leap over empty cells with the planes between cells.
+    Leap,
+    /// The ray with the box of a node.
+    Box,
+    /// The ray with the edges of a triangle, and its t with the nearest so far and the exit of the cell.
+    Triangle,
+    /// Many of these: only rays next to the ray tell.
+    Many,
+}
+
+/// Layers 0 to 2: x, y and z, or r, g and b.
+const ALL_3: &[usize] = &[0, 1, 2];
+/// A division and a product, which may be contracted with the sum before them.
+const DIVISION: u64 = 4;
+/// Sums of three terms, each of the size of the result or of 1.
+const SUM: Off = Off::Roundings(4.0);
+/// A colour that is multiplied or added to.
+pub const COLOUR: &[(Stream, &[usize], Off)] = &[(COLOR, ALL_3, SUM)];
+/// Barycentric weights and t of a hit.
+const OF_A_HIT: [(Stream, &[usize], Off); 2] =
+    [(HIT, &[0, 1], Off::WeightOfTriangle), (STATE, &[STATE_T], Off::DistanceToTriangle)];
+
+/// What only copies floats.
+pub const NONE: Rounding = Rounding { floats: &[], ties: Ties::None };
+
+pub(super) const OF_GENERATE: Rounding =
+    Rounding { floats: &[(RAY_ORIGIN, ALL_3, SUM), (RAY_DIRECTION, ALL_3, SUM)], ties: Ties::None };
+
+pub(super) const OF_SETUP: Rounding =
+    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass))], ties: Ties::FirstCell };
+
+pub(super) const OF_TRAVERSE_GRID: Rounding =
+    Rounding { floats: &[(TMAX, ALL_3, Off::Ulps(DIVISION, Each::Pass))], ties: Ties::Leap };
+
+pub(super) const OF_TRAVERSE_BVH: Rounding = Rounding { floats: &[], ties: Ties::Box };
+
+pub(super) const OF_INTERSECT: Rounding = Rounding {
+    floats: &[OF_A_HIT[0], OF_A_HIT[1], (SCAN, &[1, 2, 3], Off::Ulps(DIVISION, Each::Iteration))],
+    ties: Ties::Triangle,
+};
+
+/// By the paper's rules tmax grows by a rounded tDelta at every step, of which there are fewer than loop iterations.
+pub(super) const OF_WALK: Rounding =
+    Rounding { floats: &[OF_A_HIT[0], OF_A_HIT[1], (TMAX, ALL_3, Off::Ulps(DIVISION, Each::Step))], ties: Ties::Many };
+
+pub(super) const OF_FUSED: Rounding = Rounding {
+    floats: &[OF_A_HIT[0], OF_A_HIT[1], (PLACE, &[4, 5, 6], Off::Ulps(DIVISION, Each::Iteration))],
+    ties: Ties::Many,
+};
+
+/// Square roots, divisions and sums of terms below 1 or the value itself; a spot's cone multiplies a cosine's error.
+pub(super) const OF_SHADE: Rounding =
+    Rounding { floats: &[(COLOR, ALL_3, Off::RoundingsOfLight(64.0))], ties: Ties::None };
+
+/// A division that is added to. The number of samples is exact.
+pub(super) const OF_ACCUMULATE: Rounding =
+    Rounding { floats: &[(ACCUMULATED, &[0, 1, 2, 3], SUM), (COLOR, ALL_3, SUM)], ties: Ties::None };
