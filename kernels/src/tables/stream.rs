@@ -22,25 +22,25 @@ pub enum Texel {
     U32,
 }
 
-/// What the numbers of a layer are: it decides how they are compared, printed and coloured.
+/// The meaning of a layer's numbers, which decides how they are compared, printed and coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A float.
     Float,
-    /// A float that counts along a ray, so that [`INF`](crate::shared::constants::INF) is never reached.
+    /// A float, the t of a ray, so that [`INF`](crate::shared::constants::INF) is never reached.
     Distance,
     /// A float: linear light. Three layers of it, the first of a stream, are a colour.
     Light,
-    /// How many, or how far into a list.
+    /// A count, or an offset into a list.
     Count,
-    /// Which: two of them are equal or different.
+    /// An id: two of them are equal or different.
     Id,
     /// A state.
     Tag,
 }
 
 impl Meaning {
-    /// Whether the layer holds a float, as such or as bits.
+    /// Whether the layer holds a float, directly or as bits.
     #[must_use]
     pub const fn is_float(self) -> bool {
         matches!(self, Self::Float | Self::Distance | Self::Light)
@@ -60,7 +60,7 @@ pub struct StreamInfo {
     pub texel: Texel,
     /// One name per layer.
     pub layers: &'static [&'static str],
-    /// What each layer's numbers are. Floats of a `u32` stream are their bits.
+    /// The meaning of each layer's numbers. Floats of a `u32` stream are their bits.
     pub meaning: &'static [Meaning],
     /// Unit of the numbers.
     pub unit: &'static str,
