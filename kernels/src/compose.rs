@@ -1,15 +1,15 @@
-//! From modules to one WGSL text: what a kernel and the functions it calls are made of, with the options decided.
+//! Composes one WGSL text from modules: a kernel and the functions it calls, with the options decided.
 //!
-//! A module is WGSL with two additions, both written as WESL (<https://wesl-lang.dev>) has them:
+//! A module is WGSL with two additions, both written as in WESL (<https://wesl-lang.dev>):
 //!
-//! - `import package::MODULE::{NAME, …};` brings declarations of another module.
-//! - `@if(EXPRESSION)` before a declaration, an import, a struct's member or a statement keeps it where the expression
-//!   of options holds; `@else` right after it is kept where it does not. `@else @if(EXPRESSION)` begins another arm of
-//!   the same choice: at most one is kept, the first that holds.
+//! - `import package::MODULE::{NAME, …};` imports declarations from another module.
+//! - `@if(EXPRESSION)` before a declaration, an import, a struct member or a statement keeps it only if the expression
+//!   of options is true; an `@else` right after it is kept if it is false. `@else @if(EXPRESSION)` begins another
+//!   branch of the same choice: the first branch whose condition is true is kept, and no other.
 //!
-//! The result has the declarations that the entry point reaches, in their files' order and words, comments included,
-//! and under their own names: names of globals are names of streams and buffers. WESL's own crate parses all of WGSL
-//! and prints it again; it took an eighth of the time to build raystep, and five times as long to compose a kernel.
+//! The result holds the declarations that the entry point reaches, verbatim, comments included, in the order of their
+//! files and under their own names: names of globals are names of streams and buffers. WESL's own crate parses all of
+//! WGSL and prints it again; it took an eighth of raystep's build time, and five times as long to compose a kernel.
 
 mod condition;
 mod items;
@@ -22,15 +22,15 @@ use items::Module;
 pub use options::left_out;
 pub use words::{Word, WordKind, words};
 
-/// Why modules do not make one text.
+/// Why modules cannot be composed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ComposeError {
-    /// An attribute, import or declaration is not understood.
+    /// An attribute, import or declaration cannot be parsed.
     #[error("{module}, line {line}: {message}")]
     Malformed {
         /// The module.
         module: String,
-        /// From 1; of an import or declaration, counted once the options have been decided.
+        /// Line, from 1; for an import or declaration, counted after the options have been decided.
         line: usize,
         /// What is wrong.
         message: String,
@@ -40,7 +40,7 @@ pub enum ComposeError {
     NoModule {
         /// The importing module.
         module: String,
-        /// What it names.
+        /// The module it names.
         missing: String,
     },
     /// A module does not declare what is imported from it.
@@ -48,9 +48,9 @@ pub enum ComposeError {
     NoItem {
         /// The importing module.
         module: String,
-        /// What it names.
+        /// The imported name.
         name: String,
-        /// Where it should be.
+        /// The module it is imported from.
         from: String,
     },
     /// The root does not declare its entry point.
@@ -61,23 +61,23 @@ pub enum ComposeError {
         /// The entry point.
         name: String,
     },
-    /// Two declarations would have one name.
+    /// Two declarations have the same name.
     #[error("{name:?} is declared twice, in {first} and in {second}")]
     Twice {
         /// The name.
         name: String,
         /// One module.
         first: String,
-        /// The other one, or the same.
+        /// The other module, or the same one.
         second: String,
     },
 }
 
-/// Composes the function `entry` of the module `root` and all that it reaches. `source` gives a module's text by its
+/// Composes the function `entry` of the module `root` and everything it reaches. `source` returns a module's text by
 /// name, `option` an option's value.
 ///
 /// # Errors
-/// Where the modules do not fit together, or are not understood.
+/// If the modules do not fit together or cannot be parsed.
 pub fn compose<'a>(
     root: &str,
     entry: &str,
@@ -96,12 +96,12 @@ struct Linker<'f, 'a> {
     source: &'f dyn Fn(&str) -> Option<&'a str>,
     option: &'f dyn Fn(&str) -> Option<bool>,
     modules: BTreeMap<String, Module>,
-    /// In the order in which they were first reached.
+    /// Loaded modules, in the order in which they were first reached.
     order: Vec<String>,
 }
 
 impl Linker<'_, '_> {
-    /// Reads a module once; false where there is none of that name.
+    /// Reads a module once; returns false if there is none of that name.
     fn load(&mut self, name: &str) -> Result<bool, ComposeError> {
         if self.modules.contains_key(name) {
             return Ok(true);
@@ -113,7 +113,7 @@ impl Linker<'_, '_> {
         Ok(true)
     }
 
-    /// All declarations that one reaches, as (module, name).
+    /// All declarations reachable from the entry point, as (module, name).
     fn reached(&mut self, root: &str, entry: &str) -> Result<BTreeSet<(String, String)>, ComposeError> {
         let mut reached = BTreeSet::new();
         let mut waiting = vec![(root.to_owned(), entry.to_owned())];
@@ -134,7 +134,7 @@ impl Linker<'_, '_> {
         Ok(reached)
     }
 
-    /// Where what a name means in a module is declared; `None` where it is a local name, or WGSL's own.
+    /// The module and name under which a name used in `module` is declared; `None` for local names and WGSL's own.
     fn resolve(&mut self, module: &str, name: &str) -> Result<Option<(String, String)>, ComposeError> {
         let here = &self.modules[module];
         if here.declares(name) {

@@ -1,7 +1,7 @@
-//! From a kernel's file to the WGSL that a device gets, and what that WGSL says of its bindings.
+//! Turns a kernel's file into the WGSL that a device gets, and reflects its bindings.
 //!
 //! [`compose`](crate::compose) resolves `import` and `@if`; naga parses and validates the result and tells what every
-//! entry point reads and writes, through the functions it calls. The WGSL is the only list of bindings.
+//! entry point reads and writes, including through the functions it calls. The WGSL is the only list of bindings.
 
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
@@ -14,14 +14,14 @@ use crate::options::features::Features;
 use crate::program::Kernel;
 use crate::tables::stream::{Stream, Texel};
 
-/// What a binding is bound to.
+/// What a global is bound to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Resource {
     /// A per-ray stream, read through a sampled texture.
     ReadStream(Stream),
     /// A per-ray stream, written or updated in place.
     WriteStream {
-        /// Which stream.
+        /// The stream.
         stream: Stream,
         /// Declared `read_write`, else `write`.
         readable: bool,
@@ -30,34 +30,34 @@ pub enum Resource {
     Uniform,
     /// A read-only storage buffer.
     Storage,
-    /// Housekeeping of the passes: who was sent where, and which rays are live.
+    /// Counters of the passes and lists of live rays.
     Live {
         /// Declared `read_write`, else `read`.
         writable: bool,
     },
-    /// What a pass is launched over: a uniform that the executor writes for each pass.
+    /// Launch parameters: a uniform that the executor writes for each pass.
     Launch,
 }
 
-/// One binding of a kernel's variant, as its WGSL declares and uses it.
+/// A binding of a kernel's variant, as its WGSL declares and uses it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Binding {
     /// `@group`
     pub group: u32,
     /// `@binding`
     pub index: u32,
-    /// Global's name: the stream's or buffer's.
+    /// The global's name: that of the stream or buffer.
     pub name: String,
-    /// What to bind.
+    /// What is bound.
     pub resource: Resource,
-    /// The entry point reads it.
+    /// Whether the entry point reads it.
     pub reads: bool,
-    /// The entry point writes it.
+    /// Whether the entry point writes it.
     pub writes: bool,
 }
 
 impl Binding {
-    /// The stream that is bound, if it is one.
+    /// The stream that is bound, if any.
     #[must_use]
     pub fn stream(&self) -> Option<Stream> {
         match self.resource {
@@ -67,7 +67,7 @@ impl Binding {
     }
 }
 
-/// A uniform or storage struct as naga lays it out.
+/// Layout of a uniform or storage struct, from naga.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StructLayout {
     /// The WGSL struct's name.
@@ -81,24 +81,24 @@ pub struct StructLayout {
 /// A kernel with its options decided.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// Which kernel.
+    /// The kernel.
     pub kernel: Kernel,
-    /// Plain WGSL.
+    /// Plain WGSL source.
     pub source: String,
-    /// Everything it binds.
+    /// All of its bindings.
     pub bindings: Vec<Binding>,
-    /// Structs behind its uniforms and buffers.
+    /// Structs of its uniforms and buffers.
     pub structs: Vec<StructLayout>,
 }
 
-/// The buffers of [`Resource::Live`] that every program has; the others are the program's lists. All but `live_rays` have
-/// slots, one a pass.
+/// The buffers of [`Resource::Live`] that every program has; the others are the program's lists. All but `live_rays`
+/// have slots, one per pass.
 pub const LIVE: [&str; 3] = ["sent", "own_list", "live_rays"];
 
 /// The uniform of [`Resource::Launch`].
 pub const LAUNCH: &str = "launch";
 
-/// A kernel's source is not valid. This is a defect of raystep, not of a scene.
+/// A kernel's source is not valid. This is a bug in raystep, not in a scene.
 #[derive(Debug, thiserror::Error)]
 pub enum ShaderError {
     /// `import` or `@if` could not be resolved.
@@ -106,18 +106,18 @@ pub enum ShaderError {
     Compose {
         /// The kernel.
         kernel: &'static str,
-        /// Where and why.
+        /// The place and the reason.
         source: ComposeError,
     },
-    /// naga refuses the result.
+    /// naga rejects the result.
     #[error("kernel {kernel} is not valid WGSL: {message}")]
     Invalid {
         /// The kernel.
         kernel: &'static str,
-        /// What naga says.
+        /// naga's message.
         message: String,
     },
-    /// A global has no meaning for the host.
+    /// A global is unknown to the host.
     #[error("kernel {kernel} binds {name:?}, which is neither a stream nor a buffer")]
     UnknownBinding {
         /// The kernel.
@@ -127,29 +127,29 @@ pub enum ShaderError {
     },
 }
 
-/// Variants that were made before. Parsing and validating one takes longer than a small picture.
+/// Variants that were composed before. Parsing and validating one takes longer than rendering a small image.
 static KEPT: LazyLock<Mutex<HashMap<(Kernel, Features), Variant>>> = LazyLock::new(Mutex::default);
 
-/// Most that are kept, some 30 KB each.
+/// Most variants to keep; each takes about 30 KB.
 const MOST_KEPT: usize = 256;
 
 fn kept() -> MutexGuard<'static, HashMap<(Kernel, Features), Variant>> {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Forgets the variants that were made before, so that the next plan composes its own: for timing a first one.
+/// Drops the variants composed so far, so that the next plan composes its own: to time a first start.
 pub fn forget_variants() {
     kept().clear();
 }
 
 impl Variant {
-    /// The names of its program and kernel, as debuggers and wgpu's errors show them.
+    /// A label with the names of its program and kernel, for debuggers and wgpu's errors.
     #[must_use]
     pub fn label(&self) -> String {
         format!("{}.{}", self.kernel.program().name, self.kernel.name())
     }
 
-    /// The streams that the kernel changes.
+    /// The streams that the kernel writes.
     pub fn written_streams(&self) -> impl Iterator<Item = Stream> + '_ {
         self.bindings.iter().filter_map(|binding| match binding.resource {
             Resource::WriteStream { stream, .. } if binding.writes => Some(stream),
@@ -157,15 +157,15 @@ impl Variant {
         })
     }
 
-    /// Composes, validates and reflects a kernel, once for the same options. Needs no device.
+    /// Composes, validates and reflects a kernel, once for each combination of options. Needs no device.
     ///
     /// # Errors
-    /// Where the WGSL in this crate is wrong.
+    /// If the WGSL in this crate is invalid.
     pub fn new(kernel: Kernel, features: &Features) -> Result<Self, ShaderError> {
         if let Some(variant) = kept().get(&(kernel, *features)) {
             return Ok(variant.clone());
         }
-        // Nobody waits for this. Two may do it at once; their variants are the same.
+        // Done without the lock: two threads may compose the same variant at once, with equal results.
         let variant = Self::reflected(kernel, features)?;
         let mut kept = kept();
         if kept.len() >= MOST_KEPT {
@@ -222,7 +222,7 @@ impl Variant {
     }
 }
 
-/// A kernel's file and the modules that it imports from, as one text with its options decided.
+/// Composes a kernel's file and the modules that it imports from, with its options decided.
 fn composed(kernel: Kernel, features: &Features) -> Result<String, ComposeError> {
     let modules = (kernel.program().modules)(features);
     let root = kernel.info().name;
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_variant_is_kept_until_it_is_forgotten() {
-        // Options that no other test has.
+        // Options that no other test uses.
         let features = Features { turns: 4321, ..Features::default() };
         let is_kept = || kept().contains_key(&(kernels::SETUP, features));
         Variant::new(kernels::SETUP, &features).expect("a variant");

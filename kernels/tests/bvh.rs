@@ -1,4 +1,4 @@
-//! Trees contain what they say, find what a ray can meet, and build for any scene.
+//! BVHs contain what they claim, find everything that a ray can hit, and build for any scene.
 
 mod rays;
 mod scenes;
@@ -34,7 +34,7 @@ fn trees_of_all_scenes_and_qualities_keep_what_they_promise() {
     }
 }
 
-/// Exponents are the smallest with which the planes reach: half the spacing would not.
+/// Exponents are the smallest for which the planes suffice: half the spacing would not.
 #[test]
 fn wide_boxes_are_as_fine_as_they_can_be() {
     let vertices = soup(3000, 0.05, [1.0; 3], 0.0);
@@ -49,7 +49,7 @@ fn wide_boxes_are_as_fine_as_they_can_be() {
     }
 }
 
-/// The order in which a ray enters children is that of their slots.
+/// Slots give the order in which a ray enters children.
 #[test]
 fn children_lie_where_their_slots_say() {
     let wide = build_wide(&soup(3000, 0.02, [1.0; 3], 0.0), 0.0, &BvhOptions::default()).expect("a tree");
@@ -62,13 +62,13 @@ fn children_lie_where_their_slots_say() {
                 let sign = |a: usize| if octant >> (2 - a) & 1 == 1 { -1.0 } else { 1.0 };
                 Some((0..3).map(|a| sign(a) * (child.min[a] + child.max[a])).sum::<f64>())
             };
-            // First and last of the order that the documentation gives.
+            // First and last in the documented order.
             if let (Some(first), Some(last)) = (along(octant), along(7 ^ octant)) {
                 if first <= last { right += 1 } else { wrong += 1 }
             }
         }
     }
-    assert!(right > 50 * wrong.max(1), "{right} in order, {wrong} not");
+    assert!(right > 50 * wrong.max(1), "{right} in order, {wrong} out of order");
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn a_million_identical_triangles_build_in_seconds() {
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 
-/// Clustering would join one pair a round here.
+/// Clustering would join only one pair per round here.
 #[test]
 fn a_hundred_thousand_nested_boxes_build_in_seconds() {
     for outermost_first in [true, false] {
@@ -158,7 +158,7 @@ fn what_cannot_be_built_is_refused() {
     assert!(matches!(build(&vertices, 0.0, &small), Err(BvhError::TooLarge { buffer: "bvh_nodes", limit: 30, .. })));
 }
 
-/// Each promise is broken once, and `check` must say which.
+/// Breaks each guarantee once; `check` must report which.
 #[test]
 fn check_finds_what_is_broken() {
     let vertices = soup(200, 0.1, [1.0; 3], 0.0);
@@ -174,7 +174,7 @@ fn check_finds_what_is_broken() {
     assert!(matches!(broken(&lower), Err(BvhFault::Uncovered(_) | BvhFault::Order(_))), "{:?}", broken(&lower));
     assert_eq!(broken(&|t| t.growth = 2e-3), Err(BvhFault::Uncovered(0)));
     assert_eq!(broken(&|t| t.parents[5] ^= 1), Err(BvhFault::Parent(5)));
-    // Another axis; there are three, the fourth value says that there are no triangles.
+    // Another axis; there are three, and the fourth value marks an empty BVH.
     let turned = |t: &mut BvhData| t.nodes[0].link = ((t.nodes[0].axis() as u32 + 1) % 3) << 30;
     assert_eq!(broken(&turned), Err(BvhFault::Order(0)));
     assert_eq!(broken(&|t| t.nodes.swap(1, 2)), Err(BvhFault::Order(0)));
@@ -198,7 +198,7 @@ fn check_finds_what_is_broken() {
     assert!(matches!(broken(&|t| t.nodes[0].child_base += 1), Err(BvhFault::Link(_) | BvhFault::Uncovered(_))));
     assert!(broken(&|t| t.nodes[0].contents ^= 1 << 24).is_err());
 
-    // A cut triangle that lost one of its pieces.
+    // A triangle was cut and has lost one of its pieces.
     let vertices = needles(1000);
     let good = build_wide(&vertices, 0.0, &options(BvhQuality::High)).expect("a tree");
     assert_eq!(good.check(&vertices), Ok(()));

@@ -1,4 +1,4 @@
-//! The grid lists what a ray can meet, and little more.
+//! The grid lists everything that a ray can hit, and little more.
 
 use raystep_kernels::structures::grid::{self, GridError, GridSize, automatic_cells, build};
 
@@ -53,7 +53,7 @@ fn lists_are_ascending_and_cells_that_a_triangle_does_not_touch_do_not_list_it()
         assert!(built.list(cell).windows(2).all(|w| w[0] < w[1]));
     }
     let references = built.items.len();
-    // The boxes of the triangles alone would list about three times as many.
+    // By the triangles' boxes alone, cells would list about three times as many.
     let boxes: usize = vertices
         .chunks_exact(9)
         .map(|v| {
@@ -82,7 +82,7 @@ fn growing_the_cells_adds_less_than_a_hundredth() {
 fn planes_are_exact() {
     for offset in [0.0f32, 1.0, -0.3, 1000.0] {
         let mut vertices: Vec<f32> = soup(50, 0.1, [0.8; 3]).iter().map(|v| v + offset).collect();
-        // Bounds just below a power of two leave the least room.
+        // Bounds just below a power of two leave the least headroom.
         vertices.extend([0.99998, -0.99998, 0.99998].iter().cycle().take(9));
         vertices.extend([-0.99998, 0.99998, -0.99998].iter().cycle().take(9));
         for n in [1, 3, 20, 1001, 4011] {
@@ -91,7 +91,7 @@ fn planes_are_exact() {
                 let exact = f64::from(g.corner[0]) + f64::from(g.width[0]) * f64::from(i);
                 let plane = g.cell_plane::<f32>([i as i32, 0, 0]).x;
                 assert_eq!(f64::from(plane), exact, "offset {offset}, plane {i} of {n}");
-                // Contracted or not: the product alone is exact too.
+                // Also if contracted: the product alone is exact too.
                 assert_eq!(f64::from(g.width[0] * i as f32), f64::from(g.width[0]) * f64::from(i));
             }
         }
@@ -136,7 +136,7 @@ fn ten_thousand_triangles_that_fill_the_scene_get_a_grid_that_fits_memory() {
     assert!(built.items.len() <= 16 * 10_000 + 4096, "{}", built.items.len());
 }
 
-/// Triangles that overlap every cell would take triangles times cells steps to count.
+/// With triangles that overlap every cell, counting would take triangles times cells steps.
 #[test]
 fn a_hundred_thousand_triangles_that_fill_the_scene_are_given_up_on_early() {
     let vertices = soup(100_000, 1.0, [1.0; 3]);
@@ -147,7 +147,7 @@ fn a_hundred_thousand_triangles_that_fill_the_scene_are_given_up_on_early() {
     assert_eq!(huge, Err(GridError::TooManyReferences { cells, limit }));
 }
 
-/// Where f32 cannot tell one end of the scene from the other, a cell lists everything, and there is one.
+/// If f32 cannot distinguish the two ends of the scene, there is one cell that lists everything.
 #[test]
 fn origins_so_far_away_that_cells_mean_nothing_get_one_cell() {
     let vertices = soup(1000, 0.1, [1.0; 3]);

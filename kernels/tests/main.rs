@@ -1,4 +1,4 @@
-//! Structures hold what a ray can meet, and shaders bind what the tables say.
+//! Structures hold everything that a ray can hit, and shaders bind what the tables say.
 
 mod bvh;
 mod grid;

@@ -1,5 +1,5 @@
-//! Every kernel composes, validates and binds what the tables know, in every combination of options that
-//! a run can ask for; uniforms lie where the host puts them.
+//! Every kernel composes, validates and binds only what the tables know, in every combination of options that a run can
+//! ask for; the host's uniforms have the WGSL's layout.
 
 use std::mem::{offset_of, size_of};
 
@@ -16,7 +16,7 @@ use raystep_kernels::shared::texture::Texture;
 use raystep_kernels::structures::bvh::BvhNode;
 use raystep_kernels::tables::kernel::Role;
 
-/// All features off, then each alone, then all on, for grid, tree and none, robust and paper.
+/// All features off, then each alone, then all on, for grid, BVH and none, robust and paper.
 fn feature_sets() -> Vec<Features> {
     let mut sets = Vec::new();
     for (robust, grid, bvh) in [
@@ -30,7 +30,7 @@ fn feature_sets() -> Vec<Features> {
         let in_cell = grid && !robust;
         let base = Features { robust, watertight: robust, in_cell, grid, bvh, ..Features::default() };
         sets.push(base);
-        // One of the robust rules at a time.
+        // Without one of the robust rules at a time.
         let without: [fn(&mut Features); 4] =
             [|f| f.watertight = false, |f| f.contracted = true, |f| f.drifting = f.grid, |f| f.in_cell = f.grid];
         for change in without.into_iter().filter(|_| robust) {
@@ -42,7 +42,7 @@ fn feature_sets() -> Vec<Features> {
             }
         }
         let toggles: [fn(&mut Features); 21] = [
-            // Leaps need exact planes; the paper's rules have none.
+            // Empty-space skipping needs exact planes; the paper's rules have none.
             |f| f.skip = f.robust && f.grid,
             |f| f.live_lists = true,
             |f| (f.live_lists, f.many_steps) = (true, true),
@@ -81,7 +81,7 @@ fn feature_sets() -> Vec<Features> {
     sets
 }
 
-/// The same where walks, searches and sums of light wait for the next dispatch.
+/// The same features, with walks, searches and sums over lights that wait for the next dispatch.
 fn waiting(features: Features) -> Features {
     let resumes_scan = features.grid && features.counters && !features.many_steps;
     Features { resumes: true, resumes_scan, resumes_light: features.many_lights, turns: 100, ..features }
@@ -137,7 +137,7 @@ fn a_missing_option_is_an_error_and_not_silently_off() {
     }
 }
 
-/// The paper's Table 1, with the deviations named.
+/// The paper's Table 1, with deviations explained.
 #[test]
 fn kernels_write_what_table_1_says() {
     use streams::{COLOR, HIT, RAY_DIRECTION, RAY_ORIGIN, STATE, TMAX};

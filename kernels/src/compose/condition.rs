@@ -2,10 +2,10 @@
 
 use super::words::code;
 
-/// Whether an expression holds, given the value of each option.
+/// Evaluates an expression, given the value of each option.
 ///
 /// # Errors
-/// Says what of the expression is not understood: an option that is not known, or what is not one of the above.
+/// With a message about the part that cannot be parsed, or the option that does not exist.
 pub(super) fn holds(expression: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<bool, String> {
     let words: Vec<&str> = code(expression).into_iter().map(|word| word.text).collect();
     let mut parser = Parser { words, at: 0, option };
@@ -27,7 +27,7 @@ impl<'a> Parser<'a> {
         self.words.get(self.at).copied().unwrap_or_default()
     }
 
-    /// Whether a sign of two equal characters comes next; it is passed.
+    /// Consumes a sign of two equal characters if it comes next; returns whether it did.
     fn pair(&mut self, sign: &str) -> bool {
         let is_next = self.word() == sign && self.words.get(self.at + 1) == Some(&sign);
         if is_next {

@@ -1,4 +1,4 @@
-//! A module's declarations and imports, once its options are decided.
+//! Declarations and imports of a module whose options are decided.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +10,9 @@ use super::words::{Word, code, line_of, with_comment_above};
 #[derive(Debug)]
 pub(super) struct Item {
     pub(super) name: String,
-    /// With the comment right above it.
+    /// Source text, including the comment right above it.
     pub(super) text: String,
-    /// Names that it mentions, members not among them.
+    /// Names that it mentions, except members.
     pub(super) mentions: Vec<String>,
 }
 
@@ -21,7 +21,7 @@ pub(super) struct Item {
 pub(super) struct Module {
     /// In the file's order.
     pub(super) items: Vec<Item>,
-    /// From a name to the module that it is imported from.
+    /// Maps an imported name to its module.
     pub(super) imports: BTreeMap<String, String>,
 }
 
@@ -74,7 +74,7 @@ fn import(node: &[Word<'_>]) -> Option<(String, Vec<String>)> {
     Some(((*module).to_owned(), names))
 }
 
-/// The name that a declaration gives.
+/// The name that a declaration introduces.
 fn declared<'a>(node: &[Word<'a>]) -> Option<&'a str> {
     let keyword =
         node.iter().position(|word| matches!(word.text, "fn" | "struct" | "var" | "const" | "override" | "alias"))?;

@@ -1,4 +1,4 @@
-//! `@if(expression)` and `@else`: what the options leave out of a module is cut from its text.
+//! `@if(expression)` and `@else`: cuts what the options leave out of a module's text.
 
 use std::ops::Range;
 
@@ -6,38 +6,38 @@ use super::ComposeError;
 use super::condition::holds;
 use super::words::{Word, code, line_of, with_comment_above, without};
 
-/// A declaration, import, statement or struct's member that options decide about.
+/// One branch of a choice: a declaration, import, statement or struct member that is kept or left out.
 struct Arm {
-    /// Byte at which its attributes begin.
+    /// Byte offset of its attributes.
     start: usize,
-    /// Byte at which it begins itself.
+    /// Byte offset of the item itself.
     body: usize,
-    /// The byte after its last one.
+    /// Byte offset after its last byte.
     end: usize,
     is_in: bool,
-    /// An `@else` comes right after it.
+    /// Whether an `@else` follows directly.
     has_else: bool,
 }
 
-/// The text of a module with all options decided.
+/// The text of a module after all options are decided.
 ///
 /// # Errors
-/// Where an attribute is not understood.
+/// If an attribute cannot be parsed.
 pub(super) fn decided(module: &str, text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<String, ComposeError> {
     let removed = arms(module, text, option)?.into_iter().map(|arm| match arm {
         Arm { is_in: true, start, body, .. } => start..body,
-        // What is said right above belongs to both arms where there are two.
+        // A comment right above belongs to both branches, if there are two.
         Arm { has_else: true, start, end, .. } => start..end,
         Arm { start, end, .. } => with_comment_above(text, start)..end,
     });
     Ok(without(text, &removed.collect::<Vec<_>>()))
 }
 
-/// The bytes of all that the options leave out of a module's text, each with its attributes, in order. What is inside of
-/// what is left out is not named again.
+/// The byte ranges that the options leave out of a module's text, attributes included, in order. Nested ranges are not
+/// listed separately.
 ///
 /// # Errors
-/// Where an attribute is not understood.
+/// If an attribute cannot be parsed.
 pub fn left_out(
     module: &str,
     text: &str,
@@ -47,14 +47,14 @@ pub fn left_out(
     Ok(out.map(|arm| arm.start..arm.end).collect())
 }
 
-/// All arms of a text but those inside of one that is left out.
+/// All branches in a text, except those inside of one that is left out.
 fn arms(module: &str, text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Result<Vec<Arm>, ComposeError> {
     let words = code(text);
     let mut arms = Vec::new();
-    // For each open brace whether it is a struct's, whose members end with commas.
+    // For each open brace, whether it opens a struct, whose members end with commas.
     let mut in_struct = Vec::new();
-    // Where arms ended, and whether one of those that belong together was in: an `@else` stands right there. Of every
-    // depth.
+    // At every depth: where the branches ended, as an `@else` must follow right there, and whether one of their choice
+    // was kept.
     let mut ended: Vec<(usize, bool)> = Vec::new();
     let mut struct_is_next = false;
     let mut at = 0;
@@ -84,7 +84,7 @@ fn arms(module: &str, text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Resu
             was_in = before.ok_or_else(|| failed(LONE_ELSE))?.1;
             at += 1;
         }
-        // All must hold, and after `@else` none of the arms before may be in.
+        // All conditions must be true, and after `@else` no earlier branch may have been kept.
         let mut is_in = !was_in;
         while words.get(at).is_some_and(|next| next.text == "@if") {
             let close = closed(&words, at + 1).ok_or_else(|| failed("@if without (expression)"))?;
@@ -109,7 +109,7 @@ fn arms(module: &str, text: &str, option: &dyn Fn(&str) -> Option<bool>) -> Resu
 
 const LONE_ELSE: &str = "@else without an @if right before it";
 
-/// The word that closes the parenthesis at a word.
+/// The word that closes the parenthesis opened at a word.
 fn closed(words: &[Word<'_>], open: usize) -> Option<usize> {
     if words.get(open)?.text != "(" {
         return None;
@@ -128,12 +128,12 @@ fn closed(words: &[Word<'_>], open: usize) -> Option<usize> {
     None
 }
 
-/// The word after a declaration, a statement or a struct's member.
+/// The index of the word after a declaration, a statement or a struct member.
 pub(super) fn node_end(words: &[Word<'_>], from: usize, is_member: bool) -> Option<usize> {
     let mut depth = 0usize;
     // The braces of an import are a list.
     let is_import = words.get(from)?.text == "import";
-    // Of a member's type, `<` and `>` are brackets.
+    // In a member's type, `<` and `>` are brackets.
     let mut template = 0usize;
     for (at, word) in words.iter().enumerate().skip(from) {
         match word.text {
@@ -142,7 +142,7 @@ pub(super) fn node_end(words: &[Word<'_>], from: usize, is_member: bool) -> Opti
             "," if is_member && depth == 0 && template == 0 => return Some(at + 1),
             ";" if depth == 0 => return Some(at + 1),
             "(" | "[" | "{" => depth += 1,
-            // The end of what the node stands in: a last member needs no comma.
+            // The enclosing block ends here: the last member needs no comma.
             "}" if depth == 0 => return (is_member && at > from).then_some(at),
             ")" | "]" | "}" => {
                 depth = depth.checked_sub(1)?;

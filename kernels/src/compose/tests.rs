@@ -7,7 +7,7 @@ fn composed(modules: &[(&str, &'static str)], options: &[(&str, bool)]) -> Resul
     compose("main", "main", &source, &option)
 }
 
-/// Of one module that is all there is.
+/// Composes a single module.
 fn alone(text: &'static str, options: &[(&str, bool)]) -> String {
     composed(&[("main", text)], options).expect("a text")
 }

@@ -1,4 +1,4 @@
-//! WGSL as words: as much of its grammar as it takes to find attributes, braces and names.
+//! Splits WGSL into words: only as much of its grammar as is needed to find attributes, braces and names.
 
 use std::ops::Range;
 
@@ -9,27 +9,27 @@ pub enum WordKind {
     Name,
     /// `1`, `1u`, `0x3fu`, `1.5`, `1e-37`
     Number,
-    /// `@` and a name; parentheses after it are words of their own.
+    /// `@` and a name; parentheses after it are separate words.
     Attribute,
-    /// `// …`, or `/* … */` with those inside of it.
+    /// `// …`, or `/* … */` including nested ones.
     Comment,
-    /// One character of anything else.
+    /// Any other single character.
     Sign,
 }
 
 /// A word of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Word<'a> {
-    /// Its characters.
+    /// Its text.
     pub text: &'a str,
-    /// Byte at which it begins.
+    /// Byte offset of its start.
     pub start: usize,
     /// What it is.
     pub kind: WordKind,
 }
 
 impl Word<'_> {
-    /// The byte after its last one.
+    /// Byte offset after its last byte.
     #[must_use]
     pub fn end(&self) -> usize {
         self.start + self.text.len()
@@ -44,12 +44,12 @@ fn is_part_of_name(c: char) -> bool {
     c == '_' || c.is_alphanumeric()
 }
 
-/// Bytes of the name at the beginning.
+/// Length in bytes of the name at the start of `text`.
 fn name(text: &str) -> usize {
     text.find(|c| !is_part_of_name(c)).unwrap_or(text.len())
 }
 
-/// Bytes of the number at the beginning.
+/// Length in bytes of the number at the start of `text`.
 fn number(text: &str) -> usize {
     let is_hex = text.starts_with("0x");
     let mut before = '0';
@@ -61,7 +61,7 @@ fn number(text: &str) -> usize {
     text.len() - text.trim_start_matches(is_part).len()
 }
 
-/// Cuts a text into words, comments among them; only spaces are in none. Any text is cut, WGSL or not.
+/// Splits a text into words, including comments; only white space is left out. Accepts any text, WGSL or not.
 #[must_use]
 pub fn words(text: &str) -> Vec<Word<'_>> {
     let mut words = Vec::new();
@@ -86,14 +86,14 @@ pub fn words(text: &str) -> Vec<Word<'_>> {
     words
 }
 
-/// The words that are no comments.
+/// The words that are not comments.
 pub(super) fn code(text: &str) -> Vec<Word<'_>> {
     let mut words = words(text);
     words.retain(|word| word.kind != WordKind::Comment);
     words
 }
 
-/// Bytes of a comment of several lines; they nest.
+/// Length in bytes of a block comment; block comments nest.
 fn block_comment(text: &str) -> usize {
     let (mut depth, mut at) = (0usize, 0);
     loop {
@@ -112,13 +112,13 @@ fn block_comment(text: &str) -> usize {
     }
 }
 
-/// The number, from 1, of the line that a byte is on.
+/// The line number, from 1, of a byte offset.
 pub(super) fn line_of(text: &str, at: usize) -> usize {
     text[..at].matches('\n').count() + 1
 }
 
-/// The beginning of the comment lines right above a byte, or of its own line where there is nothing before it but
-/// spaces; else the byte itself.
+/// The start of the comment lines right above a byte offset; without any, the start of its own line if only spaces
+/// precede it there, else the offset itself.
 pub(super) fn with_comment_above(text: &str, at: usize) -> usize {
     let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
     if !text[line..at].trim().is_empty() {
@@ -135,7 +135,7 @@ pub(super) fn with_comment_above(text: &str, at: usize) -> usize {
     first
 }
 
-/// A text without some of its bytes; a line of which only spaces are left goes too.
+/// Removes byte ranges from a text; a line of which only spaces remain is removed too.
 pub(super) fn without(text: &str, removed: &[Range<usize>]) -> String {
     let mut marked = vec![false; text.len()];
     for range in removed {

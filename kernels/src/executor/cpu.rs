@@ -1,4 +1,5 @@
-//! The twins, on all cores: the same streams as the GPU executor, one row of texels an element.
+//! Runs the twins (CPU reference kernels) on all cores, over the same streams as the GPU executor, stored as one row of
+//! texels per element.
 
 mod columns;
 
@@ -22,12 +23,12 @@ use crate::tables::texels::{Layout, MOST_STREAMS, Texels};
 pub struct CpuExecutor<R: Precision> {
     plan: Arc<Plan>,
     sizes: Sizes,
-    /// One a set of elements, in the program's order.
+    /// One per set of elements, in the program's order.
     rows: Vec<Rows<R>>,
-    /// Of each stream, by its index, the set.
+    /// The set of each stream, by the stream's index.
     set_of: [usize; MOST_STREAMS],
-    /// Elements in each state, for every [`ELEMENTS_PER_TASK`] of those that have states: a pass leaves out tasks that
-    /// have none for it.
+    /// Elements in each state, for every block of [`ELEMENTS_PER_TASK`] elements that have states: a pass skips tasks
+    /// without elements in the kernel's states.
     counts: Vec<StateCounts>,
     clock: Option<fn() -> u64>,
 }
@@ -36,15 +37,15 @@ pub struct CpuExecutor<R: Precision> {
 #[derive(Clone, Debug)]
 struct Rows<R: Precision> {
     layout: Layout,
-    /// `None` for elements that are not counted yet.
+    /// `None` for elements that have not been counted yet.
     size: Option<Size>,
     texels: Vec<R::Bits>,
 }
 
-/// What keeps twins from running.
+/// Why twins cannot run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CpuError {
-    /// The streams do not fit.
+    /// The streams do not fit in memory.
     #[error(transparent)]
     Memory(#[from] OutOfMemory),
     /// The run has found more elements than fit.
@@ -52,23 +53,23 @@ pub enum CpuError {
     TooMany(#[from] TooMany),
 }
 
-/// The streams do not fit.
+/// The streams do not fit in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("not enough memory: the streams need {}; use a smaller image", Bytes(*bytes))]
 pub struct OutOfMemory {
-    /// What they need.
+    /// Bytes they need.
     pub bytes: u64,
 }
 
-/// Elements a task: enough work to be worth a hand-over, few enough to balance.
+/// Elements per task: enough work to be worth scheduling, few enough to balance the load.
 const ELEMENTS_PER_TASK: usize = 512;
 
 impl<R: Precision> Rows<R> {
-    /// Takes the memory for so many elements, all unwritten.
+    /// Allocates memory for this many elements, all unwritten.
     fn resize(&mut self, size: Option<Size>) -> Result<(), OutOfMemory> {
         let count = size.map_or(0, |size| size.texels() as usize * self.layout.stride);
         let bytes = (count * size_of::<R::Bits>()) as u64;
-        // Where there is no memory, there are no elements.
+        // No memory, so no elements.
         (self.size, self.texels) = (None, Vec::new());
         self.texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
         self.texels.resize(count, R::Bits::default());
@@ -76,7 +77,7 @@ impl<R: Precision> Rows<R> {
         Ok(())
     }
 
-    /// Every stream to its unwritten value.
+    /// Resets every stream to its unwritten value.
     fn clear(&mut self, streams: &[Stream]) {
         let mut row = vec![R::Bits::default(); self.layout.stride];
         for &stream in streams {
@@ -101,10 +102,10 @@ fn to_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: R::Bits) -> 
 }
 
 impl<R: Precision> CpuExecutor<R> {
-    /// Takes the memory for the plan's streams; `clock`, in nanoseconds, times passes if there is one.
+    /// Allocates the plan's streams. `clock`, in nanoseconds, times the passes if there is one.
     ///
     /// # Errors
-    /// Where the system has not that much memory.
+    /// If the system does not have that much memory.
     pub fn new(plan: &Arc<Plan>, clock: Option<fn() -> u64>) -> Result<Self, OutOfMemory> {
         let sizes = Sizes::new(plan);
         let mut rows = Vec::new();
@@ -124,21 +125,21 @@ impl<R: Precision> CpuExecutor<R> {
         Ok(executor)
     }
 
-    /// Every stream to its unwritten value, and every set that the run has counted to no size.
+    /// Resets every stream to its unwritten value, and forgets the sizes of all sets that the run has counted.
     pub fn clear(&mut self) {
-        // Less memory than before is not refused.
+        // Cannot fail: it never needs more memory than before.
         let _: Result<(), OutOfMemory> = self.resize(Sizes::new(&self.plan));
         let streams: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).collect();
         self.rows.iter_mut().for_each(|rows| rows.clear(&streams));
         self.count();
     }
 
-    /// How many elements each set has now.
+    /// The current size of each set.
     pub(crate) fn sizes(&self) -> Sizes {
         self.sizes.clone()
     }
 
-    /// Gives sets of elements other sizes.
+    /// Resizes the sets of elements.
     pub(crate) fn resize(&mut self, sizes: Sizes) -> Result<(), OutOfMemory> {
         let streams: Vec<Stream> = self.plan.streams.iter().map(|s| s.what).collect();
         for (rows, elements) in self.rows.iter_mut().zip(self.plan.program.elements) {
@@ -152,19 +153,19 @@ impl<R: Precision> CpuExecutor<R> {
         Ok(())
     }
 
-    /// How many elements a set has, and how they lie in its streams; `None` where that is not known yet.
+    /// The size of a set and its layout in the streams; `None` while it is unknown.
     #[must_use]
     pub fn size(&self, elements: &Elements) -> Option<Size> {
         self.sizes.of(self.plan.program, elements)
     }
 
-    /// Whether a stream is one of this run's program.
+    /// Whether a stream belongs to this run's program.
     fn is_known(&self, stream: Stream) -> bool {
         self.plan.program.streams.get(stream.index()).is_some_and(|info| Stream::of(info) == stream)
     }
 
-    /// The streams of the set that a stream belongs to, and where it lies in their rows; `None` where the plan left it
-    /// out.
+    /// The rows of the set that a stream belongs to, and the stream's offset in a row; `None` if the plan left the
+    /// stream out.
     fn rows_of(&self, stream: Stream) -> Option<(&Rows<R>, usize)> {
         self.is_known(stream).then_some(())?;
         let rows = &self.rows[self.set_of[stream.index()]];
@@ -180,7 +181,7 @@ impl<R: Precision> CpuExecutor<R> {
     /// Runs one pass over every element that the kernel works on.
     ///
     /// # Errors
-    /// Where the run has found more elements than fit.
+    /// If the run has found more elements than fit.
     pub fn run(&mut self, kernel: Kernel, scene: &SceneData) -> Result<PassResult, CpuError> {
         while let Some(unknown) = self.sizes.unknown(&self.plan, kernel) {
             let count = self.rows_of(unknown.stream).and_then(|(rows, first)| rows.texels.get(first).copied());
@@ -201,7 +202,7 @@ impl<R: Precision> CpuExecutor<R> {
         Ok(PassResult { kernel, counts: self.counts(), elements, threads_launched, begin_ns, duration_ns })
     }
 
-    /// Calls a twin for each element of every task that has one for it; how often that is.
+    /// Calls a twin for each element of every task with work for it; returns the number of calls.
     fn run_elements(&mut self, kernel: Kernel, twin: ElementTwin<R>, scene: &SceneData) -> u64 {
         let tag = self.tag();
         let is_first = scene.features.eye_rays && kernel.role() == Role::Whole;
@@ -238,7 +239,7 @@ impl<R: Precision> CpuExecutor<R> {
         self.plan.program.state_stream().and_then(|stream| self.rows_of(stream)).map(|(_, first)| first + STATE_TAG)
     }
 
-    /// Counts anew, after streams were replaced.
+    /// Recounts the elements in each state, after streams were replaced.
     fn count(&mut self) {
         let Some((rows, first)) = self.plan.program.state_stream().and_then(|stream| self.rows_of(stream)) else {
             return;
@@ -255,7 +256,7 @@ impl<R: Precision> CpuExecutor<R> {
         self.counts = rows.texels.chunks(ELEMENTS_PER_TASK * stride).map(count).collect();
     }
 
-    /// How many elements are in each state.
+    /// Number of elements in each state.
     #[must_use]
     pub fn counts(&self) -> StateCounts {
         let mut sum = StateCounts::default();
@@ -265,14 +266,14 @@ impl<R: Precision> CpuExecutor<R> {
         sum
     }
 
-    /// The values of a stream; f64 is rounded to f32. `None` where the plan left it out.
+    /// The values of a stream; f64 is rounded to f32. `None` if the plan left it out.
     #[must_use]
     pub fn read(&self, stream: Stream) -> Option<StreamData> {
         let Size { width, height, .. } = self.rows_of(stream)?.0.size?;
         self.read_region(stream, Region { x: 0, y: 0, width, height })
     }
 
-    /// A part of a stream; `None` where the plan left the stream out or it has no such part.
+    /// A region of a stream; `None` if the plan left the stream out or the region lies outside of it.
     #[must_use]
     pub fn read_region(&self, stream: Stream, region: Region) -> Option<StreamData> {
         let (rows, first) = self.rows_of(stream)?;
@@ -290,21 +291,21 @@ impl<R: Precision> CpuExecutor<R> {
         Some(StreamData { stream, width, height, bits })
     }
 
-    /// One element's texels in some streams; `None` where the plan left one of them out or it has no such texel.
+    /// One element's texels in several streams; `None` if the plan left one of them out or there is no such texel.
     #[must_use]
     pub fn read_texels(&self, streams: &[Stream], x: u32, y: u32) -> Option<Vec<Vec<u32>>> {
         let read = |&stream: &Stream| self.read_region(stream, Region { x, y, width: 1, height: 1 }).map(|d| d.bits);
         streams.iter().map(read).collect()
     }
 
-    /// A float component of an element at the executor's own precision.
+    /// A float component of an element in the executor's own precision.
     #[must_use]
     pub fn component(&self, stream: Stream, layer: usize, element: usize) -> Option<R> {
         let (rows, first) = self.rows_of(stream)?;
         rows.texels.get(element * rows.layout.stride + first + layer).map(|&bits| R::from_bits(bits))
     }
 
-    /// A copy, to come back to.
+    /// A copy of all streams, for [`Self::restore`].
     pub(crate) fn snapshot(&self) -> Result<Self, OutOfMemory> {
         let bytes = self.bytes();
         let copy = |rows: &Rows<R>| {
@@ -318,7 +319,7 @@ impl<R: Precision> CpuExecutor<R> {
         Ok(Self { plan, sizes, rows, set_of: self.set_of, counts, clock: self.clock })
     }
 
-    /// Back to a copy of an executor of the same plan.
+    /// Restores a copy made by an executor of the same plan.
     pub(crate) fn restore(&mut self, snapshot: &Self) -> Result<(), OutOfMemory> {
         self.resize(snapshot.sizes.clone())?;
         for (rows, kept) in self.rows.iter_mut().zip(&snapshot.rows) {
@@ -328,12 +329,12 @@ impl<R: Precision> CpuExecutor<R> {
         Ok(())
     }
 
-    /// What the streams take.
+    /// Bytes of all streams.
     pub(crate) fn bytes(&self) -> u64 {
         self.rows.iter().map(|rows| size_of_val(rows.texels.as_slice()) as u64).sum()
     }
 
-    /// Replaces one component of one element. False where the plan left the stream out or it has no such texel.
+    /// Replaces one component of one element. Returns false if the plan left the stream out or it has no such texel.
     pub(crate) fn write_component(&mut self, stream: Stream, layer: usize, x: u32, y: u32, bits: u32) -> bool {
         let Some((rows, first)) = self.rows_of_mut(stream) else { return false };
         let Some(size) = rows.size.filter(|s| x < s.width && y < s.height && layer < stream.layers()) else {
@@ -347,7 +348,7 @@ impl<R: Precision> CpuExecutor<R> {
         true
     }
 
-    /// Replaces a stream. False where the plan left it out or the size differs.
+    /// Replaces a stream. Returns false if the plan left it out or the size differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
         let stream = data.stream;
         let Some((rows, first)) = self.rows_of_mut(stream) else { return false };

@@ -1,4 +1,4 @@
-//! Passes on a wgpu adapter. Nothing here blocks: what comes back from the GPU is a future.
+//! Runs passes on a wgpu adapter. Nothing here blocks: results come back from the GPU as futures.
 
 mod batch;
 mod books;
@@ -60,19 +60,19 @@ pub struct GpuExecutor {
     device_ns: Option<u64>,
     host_ns: Option<u64>,
     copies: Copies,
-    /// Rays that one dispatch of a kernel that is launched in bands traces at most.
+    /// Most rays per dispatch of a kernel that is launched in bands.
     rays_a_dispatch: u64,
 }
 
-/// Most passes of one submission: one slot each for counts.
+/// Most passes per submission: each needs a slot for its counts.
 pub const MOST_PASSES: usize = COUNT_SLOTS as usize;
 
 impl GpuExecutor {
-    /// Allocates the plan's streams and buffers, uploads the buffers, compiles the variants. Errors of
-    /// validation and out-of-memory are caught, not thrown as panics.
+    /// Allocates the plan's streams and buffers, uploads the buffers and compiles the variants. Validation and
+    /// out-of-memory errors are returned and cause no panic.
     ///
     /// # Errors
-    /// Where the device refuses or is lost.
+    /// If the device refuses or is lost.
     pub async fn new(gpu: Arc<Gpu>, plan: &Arc<Plan>, data: &SceneData, timed: bool) -> Result<Self, GpuError> {
         gpu.health()?;
         let device = &gpu.device;
@@ -119,24 +119,24 @@ impl GpuExecutor {
         Ok(executor)
     }
 
-    /// The device in use.
+    /// The device.
     #[must_use]
     pub fn gpu(&self) -> &Arc<Gpu> {
         &self.gpu
     }
 
-    /// A stream's own texture: a 2D array, one layer a component.
+    /// The texture of a stream: a 2D array with one layer per component.
     #[must_use]
     pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
         self.streams.iter().find(|(s, _)| *s == stream).map(|(_, t)| t)
     }
 
-    /// A buffer of scene data, by name. Not for others: what unchecked shaders index by was looked at once.
+    /// A buffer of scene data, by name. Not public: unchecked shaders take indices from it that were checked only once.
     pub(crate) fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
         self.buffers.iter().find(|(n, _)| *n == name).map(|(_, b)| b)
     }
 
-    /// Names and bytes of everything that is allocated, as the device has it.
+    /// Names and sizes in bytes of everything that is allocated on the device.
     #[must_use]
     pub fn allocated(&self) -> Vec<(&'static str, u64)> {
         let bytes =
@@ -146,37 +146,37 @@ impl GpuExecutor {
         streams.chain(buffers).chain(self.books.allocated()).chain(self.fill.allocated()).collect()
     }
 
-    /// Device time of all passes so far: from the first's begin to the last's end in each submission,
-    /// summed. `None` where the adapter has no timestamps, or one was not valid.
+    /// Device time of all passes so far: per submission from the begin of the first pass to the end of the last,
+    /// summed. `None` if the adapter has no timestamps, or one of them was not valid.
     #[must_use]
     pub fn device_ns(&self) -> Option<u64> {
         self.device_ns
     }
 
-    /// Time of all passes so far on the host's clock, from recording each submission to knowing what it did, summed.
-    /// `None` where nobody has given a clock: see [`Gpu::check_clock`].
+    /// Host time of all passes so far: per submission from recording it to knowing its results, summed. `None` if there
+    /// is no host clock, see [`Gpu::check_clock`].
     #[must_use]
     pub fn host_ns(&self) -> Option<u64> {
         self.host_ns
     }
 
-    /// How many elements a set has, and how they lie in its streams; `None` where that is not known yet.
+    /// The size of a set and its layout in the streams; `None` while it is unknown.
     #[must_use]
     pub fn size(&self, elements: &Elements) -> Option<Size> {
         self.sizes.of(self.plan.program, elements)
     }
 
-    /// What a kernel is launched over.
+    /// The size of the set that a kernel is launched over.
     fn launched_over(&self, kernel: Kernel) -> Size {
         self.size(kernel.instance().over).unwrap_or(Size { width: 0, height: 0, count: 0 })
     }
 
-    /// How many elements each set has now.
+    /// The current size of each set.
     pub(crate) fn sizes(&self) -> Sizes {
         self.sizes.clone()
     }
 
-    /// Gives sets of elements other sizes: their streams are made anew, and are unwritten.
+    /// Resizes sets of elements; their streams are allocated again, unwritten.
     pub(crate) fn resize(&mut self, sizes: Sizes) -> Result<(), GpuError> {
         if sizes == self.sizes {
             return Ok(());
@@ -203,9 +203,9 @@ impl GpuExecutor {
         self.pipelines.bind(&Bindable { device: &gpu.device, streams, buffers, books }, is_new)
     }
 
-    /// Every stream to its unwritten value, and every set that the run has counted to no size.
+    /// Resets every stream to its unwritten value, and forgets the sizes of all sets that the run has counted.
     pub fn clear(&mut self) {
-        // What has no size is bound by no kernel, so that nothing can be missing.
+        // Cannot fail: kernels are not bound to sets without a size.
         let _: Result<(), GpuError> = self.resize(Sizes::new(&self.plan));
         self.books.clear();
         self.copies.forget_all();
@@ -216,7 +216,7 @@ impl GpuExecutor {
         self.gpu.submit([encoder.finish()]);
     }
 
-    /// Rays from outside: what some streams begin with from now on.
+    /// Sets the initial contents of some streams from now on: input rays.
     pub(crate) fn give(&mut self, streams: &[StreamData]) {
         self.fill.give(&self.gpu.device, &self.gpu.queue, streams);
     }
@@ -234,7 +234,7 @@ impl GpuExecutor {
         );
     }
 
-    /// Replaces one component of one ray, but not its tag, which lists follow from. False where the plan left the
+    /// Replaces one component of one ray, except its tag, on which the lists depend. Returns false if the plan left the
     /// stream out or the image has no such pixel.
     pub(crate) fn write_component(&mut self, stream: Stream, layer: usize, x: u32, y: u32, bits: u32) -> bool {
         let is_there = |t: &&wgpu::Texture| x < t.width() && y < t.height() && layer < stream.layers();
@@ -245,7 +245,7 @@ impl GpuExecutor {
         true
     }
 
-    /// Replaces a stream. False where the plan left it out or the size differs.
+    /// Replaces a stream. Returns false if the plan left it out or the size differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
         let Some(texture) = self.texture(data.stream) else { return false };
         let size = texture.size();
@@ -262,8 +262,8 @@ impl GpuExecutor {
     }
 }
 
-/// How many rays a dispatch of the fused kernel may trace, so that none runs much longer than 200 ms, the
-/// time after which some systems take the GPU away.
+/// Most rays that one dispatch of the fused kernel may trace, so that none takes much longer than 200 ms, after which
+/// some systems reset the GPU.
 fn rays_a_dispatch(kind: wgpu::DeviceType, plan: &Plan) -> u64 {
     const TESTS: u64 = 1 << 30;
     if plan.accelerator == Accelerator::None {
@@ -276,7 +276,7 @@ fn rays_a_dispatch(kind: wgpu::DeviceType, plan: &Plan) -> u64 {
     }
 }
 
-/// `None` for a stream of elements that are not counted yet.
+/// `None` for a stream of elements that have not been counted yet.
 fn stream_texture(device: &wgpu::Device, plan: &Plan, sizes: &Sizes, stream: Stream) -> Option<wgpu::Texture> {
     use wgpu::TextureUsages as U;
     let Size { width, height, .. } = sizes.of(plan.program, stream.info().elements)?;

@@ -1,4 +1,4 @@
-//! Who runs the passes: any wgpu adapter, or the twins on the CPU. Both keep the same streams.
+//! Runs the passes, on a wgpu adapter or with the twins on the CPU. Both keep the same streams.
 
 pub mod cpu;
 pub mod gpu;
@@ -15,12 +15,12 @@ pub struct PassResult {
     pub kernel: Kernel,
     /// Rays in each state after it.
     pub counts: StateCounts,
-    /// Elements that it was launched over.
+    /// Number of elements it was launched over.
     pub elements: u32,
     /// Threads launched, see [`crate::Pass::threads_launched`].
     pub threads_launched: u64,
-    /// When it began, on the executor's clock; `None` where passes were not timed.
+    /// When it began, on the executor's clock; `None` if passes were not timed.
     pub begin_ns: Option<u64>,
-    /// How long it took; `None` where passes were not timed or the timer's value is not valid.
+    /// How long it took; `None` if passes were not timed or the timer's value is not valid.
     pub duration_ns: Option<u64>,
 }

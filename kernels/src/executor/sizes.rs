@@ -1,4 +1,4 @@
-//! How many elements each set of a program has in a run: known from the plan, or found on the way.
+//! Sizes of a program's sets of elements in a run: known from the plan, or found during the run.
 
 use crate::plan::Plan;
 use crate::program::sizes::derive;
@@ -16,34 +16,34 @@ pub(crate) struct Sizes {
     most: u64,
 }
 
-/// A set that is still to be counted.
+/// A set that has not been counted yet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unknown {
     index: usize,
-    /// Where the number is: in the first texel of this stream.
+    /// The stream whose first texel holds the number.
     pub(crate) stream: Stream,
 }
 
 impl Sizes {
-    /// What is known before the first pass.
+    /// The sizes known before the first pass.
     pub(crate) fn new(plan: &Plan) -> Self {
         let known = plan.sets.iter().map(|set| set.size).collect();
         Self { known, side: plan.image_side, most: plan.most_elements }
     }
 
-    /// How many elements a set has.
+    /// The size of a set.
     pub(crate) fn of(&self, program: &Program, elements: &Elements) -> Option<Size> {
         self.known.get(program.elements.iter().position(|set| set.name == elements.name)?).copied()?
     }
 
-    /// The first set that has no size yet, and that this kernel is launched over or binds a stream of.
+    /// The first set without a size that this kernel is launched over or binds a stream of.
     pub(crate) fn unknown(&self, plan: &Plan, kernel: Kernel) -> Option<Unknown> {
         let streams = plan.variant(kernel).into_iter().flat_map(|variant| variant.streams());
         let mut needed = streams.map(|(stream, _)| stream.info().elements).chain([kernel.instance().over]);
         needed.find_map(|elements| self.root(plan.program, elements))
     }
 
-    /// The set that must be counted for this one to have a size.
+    /// The set that must be counted before this one has a size.
     fn root(&self, program: &'static Program, elements: &Elements) -> Option<Unknown> {
         let index = program.elements.iter().position(|set| set.name == elements.name)?;
         if self.known[index].is_some() {
@@ -56,7 +56,7 @@ impl Sizes {
         }
     }
 
-    /// A set was counted: it has a size from now on, and so have those that follow from it.
+    /// Sets the size of a counted set, and of those whose sizes follow from it.
     pub(crate) fn found(&mut self, program: &Program, unknown: Unknown, count: u32) -> Result<(), TooMany> {
         let elements = program.elements[unknown.index].name;
         let size = Size::folded(count.into(), self.side).filter(|_| u64::from(count) <= self.most);

@@ -1,26 +1,26 @@
-//! `passes.csv`: one row a pass, RFC 4180, raw numbers with their unit in the column's name. What is not
-//! known is empty, never 0.
+//! `passes.csv`: one row per pass, RFC 4180, raw numbers with their unit in the column's name. Unknown values are
+//! empty, never 0.
 //!
 //! | column | holds |
 //! |---|---|
-//! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
+//! | `schema_version` | [`SCHEMA_VERSION`]; increased when the meaning of a column changes |
 //! | `run_id` | the same for all rows of one run |
-//! | `scene` … `height_px` | what was run, and on what |
-//! | `repeat`, `is_warmup` | which repetition, from 0, and whether it only warmed up |
-//! | `pass_index` | place in the run, from 0 |
-//! | `iteration` | turn of the walk's loop, from 1; 0 before the loop |
+//! | `scene` … `height_px` | what was run, and on which device |
+//! | `repeat`, `is_warmup` | repetition, from 0, and whether it was only a warm-up |
+//! | `pass_index` | index in the run, from 0 |
+//! | `iteration` | iteration of the schedule's loop, from 1; 0 before the loop |
 //! | `kernel` | the kernel that ran |
 //! | `gpu_begin_ns` | since the run's first timed pass began, on the clock that `timer_source` names |
 //! | `gpu_duration_ns` | on the same clock |
 //! | `cpu_encode_ns` | host time to record the pass |
 //! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
-//! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stays for the next pass |
+//! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stay for the next pass |
 //! | `threads_launched` | by this pass, with or without a ray to work on; see [`Pass::threads_launched`] |
-//! | `cells_visited`, `triangles_tested` | by this pass, nodes where there is a tree; known where counters were asked for |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` where the device has no clock, or one that is none beside the host's, and only the whole run has a time; empty where nothing was timed |
+//! | `cells_visited`, `triangles_tested` | by this pass, with a BVH nodes; known if counters were requested |
+//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or an invalid one compared with the host's, and only the whole run has a time; empty if nothing was timed |
 //! | `timer_resolution_ns` | smallest step of that clock |
-//! | `valid` | `true` where the timer gave a duration, `false` where it failed to; empty where nothing was timed |
-//! | `host_run_ns` | of the whole run, on the host's clock, waiting for the device included; known where `timer_source` is `host` |
+//! | `valid` | `true` if the timer gave a duration, `false` if it failed to; empty if nothing was timed |
+//! | `host_run_ns` | time of the whole run on the host's clock, including the wait for the device; known if `timer_source` is `host` |
 
 use std::io::Write;
 
@@ -66,7 +66,7 @@ pub const COLUMNS: [&str; 26] = [
 pub enum Timer {
     /// The adapter's timestamps.
     GpuTimestamp {
-        /// Nanoseconds a tick.
+        /// Nanoseconds per tick.
         resolution_ns: f64,
     },
     /// The host's clock, around a twin.
@@ -74,7 +74,7 @@ pub enum Timer {
         /// Smallest step seen.
         resolution_ns: Option<f64>,
     },
-    /// The host's clock around the whole run: the device's is none, see [`crate::ClockCheck`]. No pass has a time.
+    /// The host's clock around the whole run: the device's is not valid, see [`crate::ClockCheck`]. No pass has a time.
     Host {
         /// Smallest step seen.
         resolution_ns: Option<f64>,
@@ -92,7 +92,7 @@ impl Timer {
         }
     }
 
-    /// Whether it times passes, and not only a run.
+    /// Whether it times single passes, not only a run.
     #[must_use]
     pub fn times_passes(self) -> bool {
         !matches!(self, Self::Host { .. })
@@ -112,10 +112,10 @@ impl Serialize for Timer {
     }
 }
 
-/// What all rows of a run have in common. In JSON, where a run is not repeated, under the columns' names.
+/// What all rows of a run have in common. Also in JSON, where a run is not repeated, under the columns' names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunContext {
-    /// Tells runs apart when files are joined.
+    /// Distinguishes runs when files are joined.
     pub run_id: String,
     /// The scene's name.
     pub scene: String,
@@ -127,20 +127,20 @@ pub struct RunContext {
     pub numerics: &'static str,
     /// The adapter's name, or `cpu`.
     pub device: String,
-    /// Texels a row.
+    /// Texels per row.
     pub width_px: u32,
     /// Rows.
     pub height_px: u32,
-    /// Which repetition, from 0.
+    /// Repetition, from 0.
     #[serde(skip)]
     pub repeat: u32,
-    /// Whether the repetition only warmed up.
+    /// Whether the repetition was only a warm-up.
     #[serde(skip)]
     pub is_warmup: bool,
     /// What timed the passes, if anything did.
     #[serde(rename = "timer_source")]
     pub timer: Option<Timer>,
-    /// [`Renderer::host_ns`](crate::Renderer::host_ns) of the whole run; written where passes have no times.
+    /// [`Renderer::host_ns`](crate::Renderer::host_ns) of the whole run; written if passes have no times.
     pub host_run_ns: Option<u64>,
 }
 
@@ -153,7 +153,7 @@ pub struct PassWork {
     pub triangles_tested: u64,
 }
 
-/// Rays that a pass moved out of its kernel's states: `rays_in` less those that are still there.
+/// Number of rays that a pass moved out of its kernel's states: `rays_in` less those that are still there.
 ///
 /// Only the kernel that runs moves rays, so nothing else can have entered those states meanwhile.
 #[must_use]
@@ -161,16 +161,16 @@ pub fn rays_out(pass: &Pass) -> u32 {
     pass.rays_in.saturating_sub(pass.kernel.live(&pass.counts))
 }
 
-/// A writer of RFC 4180, whose lines end with CRLF.
+/// An RFC 4180 writer; lines end with CRLF.
 #[must_use]
 pub fn writer<W: Write>(out: W) -> ::csv::Writer<W> {
     ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).from_writer(out)
 }
 
-/// Writes a whole file: the columns' names, and rows with as many fields.
+/// Writes a whole file: the column names, and rows with as many fields.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_file<'a>(
     out: impl Write,
     columns: &[&str],
@@ -184,7 +184,7 @@ pub fn write_file<'a>(
     writer.flush()
 }
 
-/// A field; what is not known is empty.
+/// A field; an unknown value is empty.
 #[must_use]
 pub fn known(value: Option<impl ToString>) -> String {
     value.map(|v| v.to_string()).unwrap_or_default()
@@ -193,22 +193,22 @@ pub fn known(value: Option<impl ToString>) -> String {
 /// Writes `passes.csv`.
 pub struct PassesCsv<W: Write> {
     writer: ::csv::Writer<W>,
-    /// Run and repetition of the rows so far, and when their first timed pass began.
+    /// Run, repetition and first timed pass's begin, for the rows being written.
     began: Option<(String, u32, u64)>,
 }
 
 impl<W: Write> PassesCsv<W> {
-    /// Writes the columns' names.
+    /// Writes the column names.
     ///
     /// # Errors
-    /// Where `out` fails.
+    /// If `out` fails.
     pub fn new(out: W) -> std::io::Result<Self> {
         let mut writer = writer(out);
         writer.write_record(COLUMNS)?;
         Ok(Self { writer, began: None })
     }
 
-    /// When the run began, on its clock: with `begin_ns` where this is its first timed pass.
+    /// When the run began, on its clock: at `begin_ns` if this is its first timed pass.
     fn run_began_ns(&mut self, run: &RunContext, begin_ns: u64) -> u64 {
         match &self.began {
             Some((run_id, repeat, began)) if *run_id == run.run_id && *repeat == run.repeat => *began,
@@ -219,12 +219,12 @@ impl<W: Write> PassesCsv<W> {
         }
     }
 
-    /// Writes a pass; those of a run in their order. `work` is known where counters were asked for.
+    /// Writes a pass; the passes of a run must come in order. `work` is known if counters were requested.
     ///
     /// # Errors
-    /// Where the output fails.
+    /// If the output fails.
     pub fn write(&mut self, run: &RunContext, pass: &Pass, work: Option<PassWork>) -> std::io::Result<()> {
-        // What a clock says that is none is not written, whoever has read it.
+        // Times from an invalid clock are not written, even if they were read.
         let is_timed = run.timer.is_some_and(Timer::times_passes);
         let (begin_ns, duration_ns) = (pass.begin_ns.filter(|_| is_timed), pass.duration_ns.filter(|_| is_timed));
         let since_start_ns = begin_ns.map(|begin| begin.saturating_sub(self.run_began_ns(run, begin)));
@@ -262,7 +262,7 @@ impl<W: Write> PassesCsv<W> {
     /// Writes what is still buffered.
     ///
     /// # Errors
-    /// Where the output fails.
+    /// If the output fails.
     pub fn finish(mut self) -> std::io::Result<()> {
         self.writer.flush()
     }
@@ -354,7 +354,7 @@ mod tests {
         }
         let row = rows(Some(Timer::CpuClock { resolution_ns: None }), None, None);
         assert_eq!((value(&row, "gpu_duration_ns"), value(&row, "valid")), ("", "false"));
-        assert_eq!(value(&row, "host_run_ns"), "", "the device has a clock");
+        assert_eq!(value(&row, "host_run_ns"), "", "the device's own clock is valid");
     }
 
     #[test]

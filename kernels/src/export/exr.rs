@@ -1,7 +1,7 @@
-//! OpenEXR: the image with what each ray hit, and streams.
+//! OpenEXR: the image with each ray's hit, or streams.
 //!
-//! One part, scan lines, ZIP: what every viewer opens. Floats are 32 bits, ids are UINT, so nothing is
-//! rounded. The image's channels:
+//! One part, scan lines, ZIP: what every viewer opens. Floats are 32 bits, ids are UINT, so nothing is rounded. The
+//! channels of an image:
 //!
 //! | channel | type | holds | where nothing was hit |
 //! |---|---|---|---|
@@ -13,8 +13,8 @@
 //! | `Hit.TriId.V` | uint | triangle id | 4294967295 |
 //! | `Normal.X` `Normal.Y` `Normal.Z` | float | unit normal of the triangle's plane, by its winding | 0 |
 //!
-//! A camera's direction has length 1 along the view, so its t *is* the depth; of given rays there is no
-//! view, and `Z` repeats t.
+//! A camera ray's direction has length 1 along the view, so its t *is* the depth; input rays have no view, and `Z`
+//! repeats t.
 
 use std::io::{Seek, Write};
 
@@ -28,16 +28,16 @@ use crate::renderer::image::Image;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::StreamData;
 
-/// An EXR file was not written.
+/// Why an EXR file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum ExrError {
-    /// What it is written to failed.
+    /// The output failed.
     #[error(transparent)]
     Io(#[from] std::io::Error),
     /// The encoder refused the image.
     #[error("the EXR encoder refused the image: {0}")]
     Encode(String),
-    /// There are not as many hits as pixels.
+    /// The number of hits differs from the number of pixels.
     #[error("{hits} hits were given for {pixels} pixels")]
     WrongLength {
         /// Hits.
@@ -50,7 +50,7 @@ pub enum ExrError {
     NoSuchTriangle {
         /// The id.
         triangle: u32,
-        /// How many there are.
+        /// Number of triangles in the scene.
         triangles: usize,
     },
 }
@@ -64,10 +64,10 @@ impl From<::exr::error::Error> for ExrError {
     }
 }
 
-/// Writes the image and what each ray hit. `triangles` are the scene's corners, for the normals.
+/// Writes the image and each ray's hit. `triangles` are the scene's corners, for the normals.
 ///
 /// # Errors
-/// Where `out` fails, or the parts do not fit each other.
+/// If `out` fails, or the sizes do not match.
 pub fn write_image(
     out: &mut (impl Write + Seek),
     image: &Image,
@@ -111,11 +111,11 @@ pub fn write_image(
     write_channels(out, image.width, image.height, channels)
 }
 
-/// Writes a stream: the channel `hit.u` is layer `u` of stream `hit`. A layer that is a float, as such or as
-/// bits in an integer texel, becomes a FLOAT channel, the others UINT; either way the bits are kept.
+/// Writes a stream: the channel `hit.u` is layer `u` of stream `hit`. A float layer, including floats stored as bits in
+/// an integer texel, becomes a FLOAT channel, the others UINT; either way the bits are kept.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_stream(out: &mut (impl Write + Seek), data: &StreamData) -> Result<(), ExrError> {
     let info = data.stream.info();
     let samples = |layer: usize| {
@@ -146,7 +146,7 @@ fn write_channels(
     Ok(())
 }
 
-/// The unit normal by the corners' winding; 0 for a triangle without area.
+/// The unit normal by the corners' winding; 0 for a triangle with no area.
 fn plane_normal(corners: &[[f32; 3]; 3]) -> [f32; 3] {
     let [a, b, c] = corners.map(|p| glam::Vec3::from(p).as_dvec3());
     (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()

@@ -1,4 +1,4 @@
-//! A run's summary, as values that serialise to JSON. Unknown is `null`, never 0.
+//! A run's summary, as values that serialise to JSON. Unknown values are `null`, never 0.
 
 use crate::programs::closest_hit::streams;
 use std::collections::BTreeMap;
@@ -15,56 +15,56 @@ use crate::tables::kernel::Role;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::{Stream, Texel};
 
-/// Version of the JSON objects here.
+/// Version of these JSON objects.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// What a run did, for `--summary-json`.
+/// Summary of a run, for `--summary-json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
     /// raystep's version.
     pub raystep_version: &'static str,
-    /// The same as in the run's `passes.csv`.
+    /// As in the run's `passes.csv`.
     pub run_id: String,
     /// The scene's name.
     pub scene: String,
-    /// What reading the scene had to say.
+    /// Notes from reading the scene.
     pub notes: Vec<String>,
     /// `gpu` or `cpu`.
     pub device: &'static str,
-    /// Why that one.
+    /// Why this device.
     pub device_reason: String,
     /// The adapter; `null` on the CPU.
     pub adapter: Option<AdapterInfo>,
     /// The run's options.
     pub options: RunOptions,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u64,
-    /// What keeps rays from testing every triangle.
+    /// The acceleration structure.
     #[serde(flatten)]
     pub structure: Structure,
-    /// Multiply lengths and t of the streams by this for scene units.
+    /// Multiply lengths and t in streams by this for scene units.
     pub scene_units_per_stream_unit: f64,
-    /// As in `passes.csv`; `null` where passes were not timed.
+    /// As in `passes.csv`; `null` if passes were not timed.
     pub timer_source: Option<&'static str>,
     /// As in `passes.csv`.
     pub host_run_ns: Option<u64>,
-    /// Passes in all.
+    /// Number of passes.
     pub passes: usize,
-    /// Passes, and rays worked on, of each kernel.
+    /// Passes of each kernel, and the rays they worked on.
     pub kernels: BTreeMap<&'static str, KernelSummary>,
-    /// Rays.
+    /// Number of rays.
     pub rays: u64,
-    /// Rays that hit a triangle.
+    /// Number of rays that hit a triangle.
     pub hits: u64,
-    /// Rays still walking at the bound on passes; 0 with robust numerics.
+    /// Rays still active when the limit of passes was reached; 0 with robust numerics.
     pub unfinished: u64,
-    /// Sums of the `counters` stream; `null` where they were not asked for.
+    /// Sums of the `counters` stream; `null` if counters were not requested.
     pub counters: Option<CounterSums>,
-    /// Against f64 brute force; `null` where that was not asked for.
+    /// Comparison with f64 brute force; `null` if not requested.
     pub check: Option<CheckSummary>,
-    /// Wall-clock seconds a stage.
+    /// Wall-clock seconds per stage.
     pub seconds: BTreeMap<&'static str, f64>,
     /// Bytes of each stream.
     pub stream_bytes: BTreeMap<&'static str, u64>,
@@ -72,7 +72,7 @@ pub struct Summary {
     pub buffer_bytes: BTreeMap<&'static str, u64>,
 }
 
-/// An adapter's names.
+/// Names of an adapter.
 #[derive(Clone, Debug, Serialize)]
 pub struct AdapterInfo {
     /// Its name.
@@ -83,7 +83,7 @@ pub struct AdapterInfo {
     pub kind: String,
     /// The driver's name and version.
     pub driver: String,
-    /// Turns after which it ends a loop, as a probe found; `null` where it ended none.
+    /// Iterations after which it ends a loop, as found by a test; `null` if it ended none.
     pub loops_end_after: Option<u32>,
 }
 
@@ -118,40 +118,40 @@ impl AdapterInfo {
     }
 }
 
-/// The options that decide a run.
+/// Options of the run.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunOptions {
-    /// The scene's file as the user wrote it.
+    /// Path of the scene file as the user wrote it.
     pub scene_path: String,
-    /// `--accelerator`, be it `auto`
+    /// `--accelerator`, possibly `auto`
     pub accelerator: &'static str,
     /// `--schedule`
     pub schedule: &'static str,
     /// `--numerics`
     pub numerics: &'static str,
-    /// Texels a row.
+    /// Texels per row.
     pub width_px: u32,
     /// Rows.
     pub height_px: u32,
-    /// `--grid`: `auto`, or the cells asked for along x, y and z.
+    /// `--grid`: `auto`, or the requested cells along x, y and z.
     pub grid: String,
     /// `--skip`
     pub skip: &'static str,
-    /// Most steps of a ray in one pass; `null` where a pass takes it to its end.
+    /// Most steps of a ray in one pass; `null` if one pass traces it completely.
     pub steps_per_pass: Option<u32>,
     /// `--counters`
     pub counters: bool,
     /// `--keep-all`
     pub keep_all: bool,
-    /// `--spp`: samples a pixel. Rays, hits, counters and `check` are those of one sample, of several the last.
+    /// `--spp`: samples per pixel. Rays, hits, counters and `check` are of one sample; with several, of the last.
     pub spp: u32,
-    /// `--sampler`; `null` where a pixel has one sample.
+    /// `--sampler`; `null` with one sample per pixel.
     pub sampler: Option<&'static str>,
-    /// `--seed`; `null` where a pixel has one sample.
+    /// `--seed`; `null` with one sample per pixel.
     pub seed: Option<u32>,
 }
 
-/// How many rays hit something.
+/// Number of rays that hit something.
 #[must_use]
 pub fn hit_count(hits: &[Option<RayHit>]) -> u64 {
     hits.iter().flatten().count() as u64
@@ -160,17 +160,17 @@ pub fn hit_count(hits: &[Option<RayHit>]) -> u64 {
 /// Sums over all rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CounterSums {
-    /// Cells visited; of a tree, nodes.
+    /// Cells visited; with a BVH, nodes.
     pub cells_visited: u64,
     /// Triangles tested.
     pub triangles_tested: u64,
-    /// Those tested in an earlier cell or leaf already; `null` where that is not looked for: with several
-    /// steps a pass, and in a tree.
+    /// Triangles tested again that were tested in an earlier cell or leaf; `null` if unknown: with several steps per
+    /// pass, and with a BVH.
     pub repeated_tests: Option<u64>,
 }
 
 impl CounterSums {
-    /// Of the values of the `counters` stream after a run of this plan; `None` for another stream.
+    /// Sums the values of the `counters` stream after a run of this plan; `None` for another stream.
     #[must_use]
     pub fn of(data: &crate::tables::stream::StreamData, plan: &Plan) -> Option<Self> {
         let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
@@ -187,43 +187,43 @@ impl CounterSums {
     }
 }
 
-/// What a comparison with f64 brute force found, in rays.
+/// Result of a comparison with f64 brute force, in rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CheckSummary {
-    /// Compared.
+    /// Rays compared.
     pub rays: u64,
-    /// With the exact result.
+    /// Rays with the exact result.
     pub same: u64,
-    /// With another that f32 cannot exclude.
+    /// Rays with another result that f32 cannot exclude.
     pub ties: u64,
-    /// Hit nothing where something is.
+    /// Rays that hit nothing where something is.
     pub missed: u64,
-    /// Hit something where nothing is.
+    /// Rays that hit something where nothing is.
     pub false_hits: u64,
-    /// Hit another triangle, or at a wrong t.
+    /// Rays that hit another triangle, or at a wrong t.
     pub wrong: u64,
-    /// Largest error of t among right hits, in units in the last place.
+    /// Largest error of t among correct hits, in units in the last place.
     pub largest_t_ulp: f64,
 }
 
-/// Rays in each state, by the state's name.
+/// Number of rays in each state, by the state's name.
 #[must_use]
 pub fn states(program: &Program, counts: &StateCounts) -> BTreeMap<&'static str, u32> {
     program.states.iter().zip(counts).map(|(state, &n)| (state.name, n)).collect()
 }
 
-/// A stream's row of the table, for readers of a dump.
+/// Describes a stream, for readers of a dump.
 #[derive(Clone, Debug, Serialize)]
 pub struct StreamSummary {
     /// Its name.
     pub name: &'static str,
-    /// `float32` or `uint32`, as NumPy says it.
+    /// `float32` or `uint32`, NumPy's names.
     pub dtype: &'static str,
-    /// One a layer.
+    /// One entry per layer.
     pub layers: Vec<LayerSummary>,
     /// Unit of its values.
     pub unit: &'static str,
-    /// Bytes for the whole image.
+    /// Size for the whole image.
     pub bytes: u64,
 }
 
@@ -232,13 +232,13 @@ pub struct StreamSummary {
 pub struct LayerSummary {
     /// Its name.
     pub name: &'static str,
-    /// Whether its bits are a float's, whatever the texel.
+    /// Whether its bits are a float, whatever the texel's type.
     pub is_float: bool,
-    /// The bits before a kernel has written any.
+    /// The bits before any kernel writes it.
     pub unwritten_bits: u32,
 }
 
-/// A stream for `texels` texels.
+/// Summary of a stream with this many texels.
 #[must_use]
 pub fn stream(stream: Stream, texels: u64) -> StreamSummary {
     let info = stream.info();

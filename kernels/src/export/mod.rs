@@ -1,16 +1,15 @@
-//! A run's results as files: needed by window and command line alike, so they live below both.
+//! A run's results as files: used by the window and the command line alike, so they live below both.
 //!
-//! Everything here writes to an [`std::io::Write`] or returns values; paths, clocks and threads are the
-//! caller's.
+//! Everything here writes to an [`std::io::Write`] or returns values; paths, clocks and threads are up to the caller.
 //!
 //! | module | format | holds |
 //! |---|---|---|
 //! | [`npy`] | NumPy `.npy` | one stream, bit for bit, (layer, row, column) |
-//! | [`exr`] | OpenEXR | the image with what each ray hit beside it; or one stream, a channel a layer |
-//! | [`csv`] | `passes.csv` | one row a pass |
+//! | [`exr`] | OpenEXR | the image with each ray's hit; or one stream, one channel per layer |
+//! | [`csv`] | `passes.csv` | one row per pass |
 //! | [`json`] | JSON | the run's summary |
-//! | [`plan`] | JSON | what a run needs and leaves out |
-//! | [`structure`] | text, JSON | the grid or tree of a run |
+//! | [`plan`] | JSON | what a run needs and what it leaves out |
+//! | [`structure`] | text, JSON | the grid or BVH of a run |
 //! | [`trace`] | table, CSV, JSON | the history of one ray, pass by pass |
 //! | [`trace_events`] | JSON | a run as Chrome trace events, for Perfetto |
 

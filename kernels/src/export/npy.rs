@@ -1,8 +1,8 @@
 //! A stream as a NumPy array, format version 1.0 (NEP 1).
 //!
-//! The array's shape is (layer, row, column), its type `<f4` or `<u4` as the stream's texel is: the bits
-//! are those of the stream. Floats that a stream keeps as bits in an integer texel (`state`'s t, `hit`'s u
-//! and v) are read with `array[1].view(numpy.float32)`.
+//! The array's shape is (layer, row, column), its type `<f4` or `<u4` like the stream's texel: the bits are those of
+//! the stream. Floats that a stream keeps as bits in an integer texel (t in `state`, u and v in `hit`) are read with
+//! `array[1].view(numpy.float32)`.
 
 use std::io::{self, Write};
 
@@ -11,16 +11,16 @@ use crate::tables::stream::{StreamData, Texel};
 /// Bytes before the data: magic, version, length and header, padded so that the data is aligned.
 pub const HEADER_BYTES: u64 = 128;
 
-/// Bytes of the whole file.
+/// Size of the whole file in bytes.
 #[must_use]
 pub fn file_bytes(data: &StreamData) -> u64 {
     HEADER_BYTES + 4 * data.bits.len() as u64
 }
 
-/// Writes the stream.
+/// Writes a stream.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
     let kind = match data.stream.info().texel {
         Texel::F32 => "<f4",
@@ -34,7 +34,7 @@ pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
     out.write_all(b"\x93NUMPY\x01\x00")?;
     out.write_all(&(HEADER_BYTES as u16 - 10).to_le_bytes())?;
     writeln!(out, "{header:<width$}")?;
-    // A piece at a time: a stream can be as large as half the memory.
+    // In pieces: a stream can take half of the memory.
     let mut bytes = Vec::with_capacity(4 << 14);
     for piece in data.bits.chunks(1 << 14) {
         bytes.clear();

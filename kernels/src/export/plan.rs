@@ -15,15 +15,15 @@ use crate::shader::{Resource, Variant};
 pub struct PlanSummary {
     /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
-    /// Texels a row.
+    /// Texels per row.
     pub width_px: u32,
     /// Rows.
     pub height_px: u32,
-    /// Rays.
+    /// Number of rays.
     pub rays: u64,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u64,
-    /// What keeps rays from testing every triangle.
+    /// The acceleration structure.
     #[serde(flatten)]
     pub structure: Structure,
     /// Scene units per unit of the streams.
@@ -36,7 +36,7 @@ pub struct PlanSummary {
     pub streams: Vec<StreamSummary>,
     /// Buffers to allocate.
     pub buffers: Vec<PlannedBuffer>,
-    /// Bytes of all of them.
+    /// Bytes of all streams and buffers.
     pub bytes: u64,
     /// What is left out.
     pub left_out: Vec<LeftOutSummary>,
@@ -50,7 +50,7 @@ pub enum StepSummary {
     Run(&'static str),
     /// Run a kernel until no ray is in its states.
     RunUntilIdle(&'static str),
-    /// Run the steps while rays are in the states of one of the kernels.
+    /// Repeat the steps while rays are in the states of one of the kernels.
     LoopWhileActive {
         /// The kernels.
         kernels: Vec<&'static str>,
@@ -64,9 +64,9 @@ pub enum StepSummary {
 pub struct PlannedKernel {
     /// Its name.
     pub name: &'static str,
-    /// One sentence.
+    /// One sentence about it.
     pub summary: &'static str,
-    /// States whose rays it works on.
+    /// States of the rays that it works on.
     pub rays_in: Vec<&'static str>,
     /// What it binds.
     pub bindings: Vec<BindingSummary>,
@@ -75,7 +75,7 @@ pub struct PlannedKernel {
 /// A binding of a kernel.
 #[derive(Clone, Debug, Serialize)]
 pub struct BindingSummary {
-    /// The stream or buffer.
+    /// Name of the stream or buffer.
     pub name: String,
     /// `stream`, `uniform` or `buffer`.
     pub kind: &'static str,
@@ -90,24 +90,24 @@ pub struct BindingSummary {
 pub struct PlannedBuffer {
     /// Its name.
     pub name: &'static str,
-    /// What an element is.
+    /// What one element is.
     pub element: &'static str,
-    /// Its bytes.
+    /// Its size.
     pub bytes: u64,
 }
 
-/// What a plan leaves out.
+/// Something that a plan leaves out.
 #[derive(Clone, Debug, Serialize)]
 pub struct LeftOutSummary {
     /// A kernel, stream, buffer or piece of code.
     pub what: String,
-    /// `scene`, `options` or `view`.
+    /// Who made it unnecessary: `scene`, `options` or `view`.
     pub because: &'static str,
     /// The reason.
     pub reason: &'static str,
 }
 
-/// The plan as it prints to JSON, of a run that was asked for with `--accelerator asked`.
+/// The plan as printed to JSON, for a run with `--accelerator asked`.
 #[must_use]
 pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
     let texels = u64::from(plan.width) * u64::from(plan.height);

@@ -6,7 +6,7 @@ use super::csv::known;
 pub use crate::history::*;
 
 impl Trace {
-    /// A table for people: a line a row.
+    /// A table for people: one line per row.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
@@ -40,10 +40,10 @@ impl Trace {
         out
     }
 
-    /// RFC 4180, raw numbers; what is not there is empty.
+    /// RFC 4180, raw numbers; missing values are empty.
     ///
     /// # Errors
-    /// Where `out` cannot be written.
+    /// If `out` cannot be written.
     pub fn write_csv(&self, out: impl std::io::Write) -> Result<(), csv::Error> {
         let mut csv = super::csv::writer(out);
         csv.write_record([

@@ -1,20 +1,20 @@
 //! A run's passes as Chrome trace events, which Perfetto and `chrome://tracing` open.
 //!
-//! Google, "Trace Event Format", 2016: complete events (`ph` X) on one thread are the passes, on a second the
-//! gaps between them; counter events (C) are the rays in each state after a pass; metadata events (M) name
-//! them all. `ts` and `dur` are microseconds from the beginning of the first pass.
+//! Google, "Trace Event Format", 2016: complete events (`ph` X) are the passes on one thread, and the gaps between them
+//! on a second; counter events (C) are the rays in each state after a pass; metadata events (M) name them all. `ts` and
+//! `dur` are microseconds from the beginning of the first pass.
 //!
-//! A pass without a valid time is left out, and so is one that begins before the one before it: its time lies
-//! in the gap, and `passes_without_times` counts it. On a device that overlaps passes, what two of them share
-//! is no gap but an overlap, so that always
+//! A pass without a valid time is left out, and so is one that begins before the previous one: its time is counted as
+//! part of the gap, and `passes_without_times` counts it. On a device that overlaps passes, the time that two of them
+//! share is counted as an overlap, not a gap, so that always
 //!
 //! `whole_us` = `passes_us` + `gaps_us` − `overlaps_us`.
 //!
-//! Where passes have no times and the run has the host's, there is one slice (`cat` run) on a track of its own, as long as
-//! the run, and no word of rays.
+//! If passes have no times but the run has one from the host, there is one slice (`cat` run) on a track of its own, as
+//! long as the run, and no event about rays.
 //!
-//! In a gap the device counts rays and copies the counts, waits for the host, or runs passes that were
-//! submitted ahead for rays that are no longer there.
+//! In a gap the device counts rays and copies the counts, waits for the host, or runs passes that were submitted ahead
+//! for rays that have already left.
 
 use std::collections::BTreeMap;
 
@@ -24,33 +24,33 @@ use super::csv::{RunContext, rays_out};
 use crate::renderer::Pass;
 use crate::tables::state::{COUNT, StateCounts};
 
-/// One run is one process.
+/// A run is one process.
 const PROCESS: u32 = 1;
 /// The track of passes.
 const PASSES: u32 = 1;
-/// The track of gaps.
+/// The track of a run that was timed only by the host.
 const GAPS: u32 = 2;
 /// The track of a run that only the host has timed.
 const HOST: u32 = 3;
 
-/// The file: what Perfetto reads and, in `otherData`, what it leaves alone.
+/// The file: the part that Perfetto reads and, in `otherData`, the part that it ignores.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct TraceEvents {
     /// In order of time.
     pub trace_events: Vec<Event>,
-    /// Times are shown to the nanosecond.
+    /// Shows times in nanoseconds.
     pub display_time_unit: &'static str,
-    /// What was run, and the sums.
+    /// Description of the run, and sums of its times.
     pub other_data: About,
 }
 
-/// What a trace is of, and what its slices add up to.
+/// What was run, and what its slices add up to.
 #[derive(Clone, Debug, Serialize)]
 pub struct About {
     /// raystep's version.
     pub raystep_version: &'static str,
-    /// As in `passes.csv`; `timer_source` is `null` where passes were not timed.
+    /// As in `passes.csv`; `timer_source` is `null` if passes were not timed.
     #[serde(flatten)]
     pub run: RunContext,
     /// From the beginning of the first pass to the end of the last.
@@ -59,9 +59,9 @@ pub struct About {
     pub passes_us: f64,
     /// Sum of the gaps between passes.
     pub gaps_us: f64,
-    /// Sum of what passes share with those before them.
+    /// Sum of the time that passes share with those before them.
     pub overlaps_us: f64,
-    /// Passes that are left out, as their times are unknown or not valid.
+    /// Passes left out because their times are unknown or not valid.
     pub passes_without_times: usize,
 }
 
@@ -95,7 +95,7 @@ struct Sums {
     overlaps: u64,
 }
 
-/// A run's passes, in their order.
+/// Trace events for a run's passes, which must be in order.
 #[must_use]
 pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
     let timed = timed(passes);
@@ -155,7 +155,7 @@ pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
     }
 }
 
-/// The passes with times that can be, their begin and duration.
+/// The passes with possible times, with begin and duration.
 fn timed(passes: &[Pass]) -> Vec<(&Pass, u64, u64)> {
     let mut before = 0;
     let valid = passes.iter().filter_map(|pass| {
@@ -234,7 +234,7 @@ mod tests {
         file
     }
 
-    /// What the format's document asks of each kind of event.
+    /// Checks what the format's specification requires of each kind of event.
     fn check(event: &Value) {
         let names: Vec<_> = event.as_object().expect("an object").keys().map(String::as_str).collect();
         let is_complete = event["ph"] == "X";
@@ -301,7 +301,7 @@ mod tests {
         adds_up(&overlapping);
         let about = &overlapping["otherData"];
         assert_eq!((&about["whole_us"], &about["gaps_us"]), (&0.165.into(), &0.01.into()));
-        // 20 within the first, 10 of the third with the first, 10 of the fourth with the third.
+        // 20 within the first; 10 shared by the third and the first; 10 shared by the fourth and the third.
         assert_eq!(about["overlaps_us"], 0.04);
 
         let holes = file(&[Some((100, 10)), None, Some((50, 10)), Some((u64::MAX, 10)), Some((120, 10))]);

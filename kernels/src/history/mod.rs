@@ -1,5 +1,5 @@
-//! The history of one ray: a row for every pass that worked on it, read from the executor's own streams, and
-//! why it did what it did, in words and numbers.
+//! The history of one ray: a row for every pass that worked on it, read from the executor's own streams, with the
+//! reason for what it did in words and numbers.
 
 use std::ops::ControlFlow;
 
@@ -12,59 +12,59 @@ use crate::renderer::{Pass, RenderError, Renderer};
 use crate::scene_data::SceneData;
 use crate::tables::stream::Stream;
 
-/// What one pass did to the ray.
+/// The effect of one pass on the ray.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TraceRow {
-    /// The pass's place in the run of all rays; `None` for a pass that waits for the last ray's walk, where only this
-    /// ray was traced.
+    /// The pass's index in the run of all rays; `None` for a pass that waits for the last ray's walk, if only this ray
+    /// was traced.
     pub pass: Option<usize>,
     /// Name of its kernel.
     pub kernel: &'static str,
     /// The ray's state before it.
     pub state_before: &'static str,
-    /// Cell (x, y, z) that it works in, before the pass.
+    /// Cell (x, y, z) that it is in, before the pass.
     pub cell: Option<[i32; 3]>,
-    /// Triangle that was tested.
+    /// The triangle tested by the pass, if any.
     pub tested: Option<u32>,
     /// The ray after the pass.
     pub after: RayState,
-    /// Why, in words.
+    /// The reason, in words.
     pub why: String,
 }
 
 /// The history of one ray.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trace {
-    /// Pixel (x, y); of the row of given rays where rays were given.
+    /// Pixel (x, y); for input rays, in the image they fill row by row.
     pub pixel: [u32; 2],
     /// Scene units per traced unit: multiply lengths by this.
     pub scene_units_per_stream_unit: f64,
-    /// Multiply t by this to get the t of the ray as it was asked for.
+    /// Multiply t by this to get t along the ray as the caller gave it.
     pub t_scale: f64,
-    /// Rays that were traced: this one alone, or all of the run.
+    /// Number of rays traced: this one alone, or all of the run.
     pub rays: u64,
-    /// Passes of the run of all rays, where all were traced; the ray waited in those that have no row.
+    /// Number of passes of the run of all rays, if all were traced; the ray waited in those that have no row.
     pub passes: Option<usize>,
     /// The rows.
     pub rows: Vec<TraceRow>,
 }
 
-/// Which rays are traced for the history of one.
+/// Which rays to trace for the history of one ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rays {
-    /// The ray alone, where [it can go alone](Renderer::can_go_alone), else all. Its rows are those of the run of all
-    /// rays, bit for bit, but for what depends on the other rays: how many passes there are, and the numbers of those
+    /// The ray alone, if [that is possible](Renderer::can_go_alone), else all. Its rows are those of the run of all
+    /// rays, bit for bit, except for what depends on the other rays: the number of passes, and the indices of those
     /// that wait for the last ray's walk.
     One,
-    /// All of the run.
+    /// All rays of the run.
     All,
 }
 
-/// Steps `renderer` from its first pass to its last and records one ray. `progress` is called after every
-/// pass and may stop.
+/// Steps `renderer` from its first pass to its last and records one ray. `progress` is called after every pass and may
+/// stop the run.
 ///
 /// # Errors
-/// Where the image has no such pixel, or the device fails, or `progress` said so.
+/// If the image has no such pixel, the device fails, or `progress` stopped the run.
 pub async fn trace(
     renderer: &mut Renderer,
     x: u32,
@@ -72,7 +72,7 @@ pub async fn trace(
     rays: Rays,
     mut progress: impl FnMut(&Pass) -> ControlFlow<()>,
 ) -> Result<Trace, RenderError> {
-    // A run of one given ray is the whole run.
+    // If there is only one input ray, it is the whole run.
     let is_alone = rays == Rays::One && renderer.plan().rays > 1 && renderer.restart_alone(x, y)?;
     if !is_alone {
         renderer.restart();
@@ -83,7 +83,7 @@ pub async fn trace(
     let waits_for_all = |kernel: Kernel| kernels.iter().position(|&k| k == kernel) > end_of_walk;
     let mut rows = Vec::new();
     while let Some(pass) = renderer.step().await? {
-        // A kernel leaves alone every ray that is not in its states: nothing to read back then.
+        // A kernel leaves every ray alone that is not in its states, so there is nothing to read back.
         if pass.kernel.info().takes.contains(&before.tag) {
             let after = ray_state(renderer, x, y).await?;
             let mut row = TraceRow::new(&pass, renderer.data(), &before, &after);
@@ -102,7 +102,7 @@ pub async fn trace(
 /// Decodes a ray's texels as they are now.
 ///
 /// # Errors
-/// Where the image has no such pixel, or the device fails.
+/// If the image has no such pixel, or the device fails.
 pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, RenderError> {
     let plan = renderer.plan();
     let streams: Vec<Stream> = RayState::STREAMS.into_iter().filter(|&s| plan.has_stream(s)).collect();
@@ -111,7 +111,7 @@ pub async fn ray_state(renderer: &Renderer, x: u32, y: u32) -> Result<RayState, 
 }
 
 impl TraceRow {
-    /// What a pass did to a ray that it worked on.
+    /// Describes what a pass did to a ray that it worked on.
     #[must_use]
     pub fn new(pass: &Pass, data: &SceneData, before: &RayState, after: &RayState) -> Self {
         let walks = pass.kernel.is_walk();
@@ -127,19 +127,19 @@ impl TraceRow {
         }
     }
 
-    /// Whether the pass is known to be one of the run's first so many.
+    /// Whether the pass is known to be among the first `passes` of the run.
     #[must_use]
     pub fn is_within(&self, passes: usize) -> bool {
         self.pass.is_some_and(|pass| pass < passes)
     }
 
-    /// How many passes of the run there are up to this one, where that is known.
+    /// Number of passes of the run up to and including this one, if known.
     #[must_use]
     pub fn place(&self) -> Option<usize> {
         self.pass.map(|pass| pass + 1)
     }
 
-    /// The pass's number; without one it is the run's last.
+    /// The pass's index; without one it is the run's last.
     #[must_use]
     pub fn number(&self) -> String {
         self.pass.map_or_else(|| "last".into(), |pass| pass.to_string())
@@ -147,7 +147,7 @@ impl TraceRow {
 }
 
 impl Trace {
-    /// The rows of a ray of a run that is at its end.
+    /// The rows of a ray, from a run that is complete.
     #[must_use]
     pub fn new(renderer: &Renderer, [x, y]: [u32; 2], rows: Vec<TraceRow>) -> Self {
         let scene_units_per_stream_unit = renderer.data().units.scene_units_per_stream_unit();

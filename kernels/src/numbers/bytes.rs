@@ -1,8 +1,8 @@
-//! Sizes as people read them.
+//! Sizes in human-readable form.
 
 use std::fmt;
 
-/// A byte count as people read it.
+/// A byte count that displays in human-readable form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bytes(pub u64);
 

@@ -1,4 +1,4 @@
-//! Numbers, units and the few helpers that everything else is written with.
+//! Numbers, units and a few helpers that everything else uses.
 
 pub mod bytes;
 pub mod named;

@@ -1,6 +1,6 @@
 //! Enums whose values have names in options, links and reports.
 
-/// An option's value has no meaning.
+/// A value that an option does not have.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{value:?} is not one of {expected}")]
 pub struct ParseOptionError {
@@ -9,14 +9,14 @@ pub struct ParseOptionError {
 }
 
 impl ParseOptionError {
-    /// `expected` names what it could be, as a list.
+    /// `expected` lists the possible values.
     #[must_use]
     pub fn new(value: &str, expected: &'static str) -> Self {
         Self { value: value.into(), expected }
     }
 }
 
-/// The names of an enum's values, to write and to read, for people and for serde.
+/// Converts an enum's values from and to their names, for people and for serde.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! named {

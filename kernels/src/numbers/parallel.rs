@@ -1,5 +1,5 @@
-//! The few loops that run on all cores where there are cores: rayon behind the feature `parallel`, the
-//! same loops in order without it.
+//! The few loops that run on all cores if there are several: rayon with the feature `parallel`, the same loops in order
+//! without it.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ pub(crate) fn for_ranges(len: usize, chunk: usize, f: impl Fn(Range<usize>) + Sy
     (0..len.div_ceil(chunk)).for_each(|i| f(range(i)));
 }
 
-/// Calls `f` with consecutive pieces of `items`, `chunk` long each, and the index of their first item.
+/// Calls `f` with consecutive chunks of `items`, `chunk` long each, and the index of their first item.
 pub(crate) fn for_chunks<T: Send>(items: &mut [T], chunk: usize, f: impl Fn(usize, &mut [T]) + Sync) {
     let chunk = chunk.max(1);
     #[cfg(feature = "parallel")]
@@ -28,7 +28,7 @@ pub(crate) fn for_chunks<T: Send>(items: &mut [T], chunk: usize, f: impl Fn(usiz
     items.chunks_mut(chunk).enumerate().for_each(|(i, piece)| f(i * chunk, piece));
 }
 
-/// `map` over consecutive ranges that cover `0..len`, the results in order.
+/// Maps consecutive ranges that cover `0..len`; the results are in order.
 pub fn map_ranges<T: Send>(len: usize, chunk: usize, f: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
     let chunk = chunk.max(1);
     let range = |i: usize| i * chunk..((i + 1) * chunk).min(len);

@@ -1,9 +1,9 @@
-//! Numbers that a twin can be run in: f32, as on the GPU, and f64, for the reference.
+//! The number types that a twin can run in: f32, as on the GPU, and f64, as the reference.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// A floating point type that every twin is generic over. Operations round as IEEE 754 says.
+/// A floating point type; every twin is generic over it. Operations round as specified by IEEE 754.
 pub trait Real:
     Copy
     + Debug
@@ -36,22 +36,22 @@ pub trait Real:
     fn from_i32(value: i32) -> Self;
     /// WGSL's `i32(x)`: truncates, and clamps to the range of i32; 0 for NaN.
     fn to_i32(self) -> i32;
-    /// Largest integer not above.
+    /// Largest integer that is not greater.
     fn floor(self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
     /// Square root, correctly rounded.
     fn sqrt(self) -> Self;
-    /// WGSL's `min`: the second operand where either is NaN is not relied upon.
+    /// WGSL's `min`. Do not rely on the result if either operand is NaN.
     fn min(self, other: Self) -> Self;
     /// WGSL's `max`.
     fn max(self, other: Self) -> Self;
     /// `self * factor + summand`, rounded once.
     fn fused(self, factor: Self, summand: Self) -> Self;
-    /// `a b - c d` where both products are rounded to the same number: what rounding took, 0 where they are too
-    /// small to be rounded alike.
+    /// `a b - c d` for two products that round to the same number: the difference that rounding removed, or 0 if they
+    /// are too small to be rounded alike.
     fn below_rounding(ab: [Self; 2], cd: [Self; 2]) -> Self;
-    /// Has a minus sign, as -0 has.
+    /// Whether it has a minus sign, as -0 has.
     fn is_negative(self) -> bool;
     /// Bit pattern.
     fn to_bits(self) -> Self::Bits;
@@ -115,7 +115,7 @@ macro_rules! real {
                 if product.abs() < <$float>::MIN_POSITIVE || [a, b, c, d].iter().any(|x| x.is_subnormal()) {
                     return 0.0;
                 }
-                // Both are exact, and of one exponent or nearly.
+                // Both are exact, and have the same exponent or nearly so.
                 a.mul_add(b, -product) - c.mul_add(d, -product)
             }
             fn is_negative(self) -> bool {
@@ -139,7 +139,7 @@ macro_rules! real {
 real!(f32, u32, 1.0 / (1u64 << 24) as f64);
 real!(f64, u64, 1.0 / (1u64 << 53) as f64);
 
-/// Distance of two f32, given as bits, in units in the last place; 0 for equal numbers and for two NaN.
+/// Distance of two f32, given as bits, in units in the last place; 0 for equal numbers and for two NaNs.
 #[must_use]
 pub fn ulps(a: u32, b: u32) -> u64 {
     let (x, y) = (f32::from_bits(a), f32::from_bits(b));
@@ -247,7 +247,7 @@ impl<R: Real> Neg for Vec3<R> {
 mod tests {
     use super::*;
 
-    /// Products that f32 cannot tell apart differ by what f64, in which they are exact, says.
+    /// For products that f32 cannot tell apart, the result agrees with f64, in which they are exact.
     #[test]
     fn what_rounding_took_from_two_equal_products_is_known() {
         let mut random = fastrand::Rng::with_seed(1);
@@ -255,7 +255,7 @@ mod tests {
         for i in 0..200_000 {
             let mut number = || ((random.f64() - 0.5) * 2f64.powi(i % 80 - 40)) as f32;
             let (a, b) = (number(), number());
-            // The same product made of others, and moved by a unit of the last place or two.
+            // The same product from other factors, changed by a unit in the last place or two.
             let c = f32::from_bits(a.to_bits() ^ (1 << (i % 5))) * if i % 2 == 0 { 1.0 } else { -1.0 };
             let d = a * b / c;
             if a * b != c * d || (a * b).abs() < f32::MIN_POSITIVE {
@@ -263,7 +263,7 @@ mod tests {
             }
             let exact = f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d);
             let found = <f32 as Real>::below_rounding([a, b], [c, d]);
-            // Below 2^-149 nothing is left in f32; above 2^-126 one rounding.
+            // Below 2^-149 nothing is left in f32; above 2^-126 there is one rounding.
             let tolerance = exact.abs() / f64::from(1 << 24) + 2f64.powi(-148);
             assert!((f64::from(found) - exact).abs() <= tolerance, "{a:e} {b:e} {c:e} {d:e}: {found:e}, {exact:e}");
             seen[match exact.total_cmp(&0.0) {

@@ -1,4 +1,4 @@
-//! Between linear light and the sRGB encoding.
+//! Conversion between linear light and the sRGB encoding.
 
 /// IEC 61966-2-1.
 #[must_use]

@@ -1,7 +1,7 @@
 //! Traced units: scene units times a power of two, so that the scene's extent lies in [1, 2).
 //!
-//! Multiplying by a power of two is exact, so a scene a millionth or a million times as large gives
-//! the same hits, bit for bit; only `t` and positions are scaled back when they are reported.
+//! Multiplying by a power of two is exact, so a scene that is a million times smaller or larger gives the same hits,
+//! bit for bit; only `t` and positions are scaled back when they are reported.
 
 use raystep_scenes::Bounds;
 
@@ -12,8 +12,8 @@ pub struct Units {
 }
 
 impl Units {
-    /// Units in which `bounds` has its longest side in [1, 2). A single point is measured by its
-    /// distance from the origin instead, and an empty scene is left as it is.
+    /// Units in which the longest side of `bounds` is in [1, 2). A single point is measured by its distance from the
+    /// origin instead, and an empty scene is not scaled.
     #[must_use]
     pub fn of(bounds: &Bounds) -> Self {
         if bounds.is_empty() {
@@ -43,7 +43,7 @@ impl Units {
         (f64::from(value) * self.scale()) as f32
     }
 
-    /// The same from f64, rounded to f32.
+    /// As [`Self::to_traced`], from f64, rounded to f32.
     #[must_use]
     pub fn to_traced_f64(self, value: f64) -> f32 {
         (value * self.scale()) as f32

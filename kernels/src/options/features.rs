@@ -1,4 +1,4 @@
-//! The textual options of the kernels: what a run needs, and for what it does not need, why not.
+//! The options of the kernels that are decided at composition, and why a run does without some of them.
 
 use crate::shared::grid_walk::WalkRules;
 use crate::shared::samples::Sampler;
@@ -6,18 +6,18 @@ use crate::shared::triangle::TriangleRules;
 
 macro_rules! features {
     ($($name:ident: $doc:literal,)*) => {
-        /// One flag for every `@if` in the WGSL, on which the twins branch too, and two numbers.
+        /// One flag for every option named in an `@if` of the WGSL; the twins branch on them too. And two numbers.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub struct Features {
             $(#[doc = $doc] pub $name: bool,)*
-            /// Groups of siblings that wait at most while the fused kernel walks through the tree of this scene.
+            /// Most groups of siblings that wait on the stack while the fused kernel walks through this scene's BVH.
             pub stack: u32,
-            /// Loop turns after which a thread leaves the rest to the next dispatch; 0 where no thread needs so many.
+            /// Loop iterations after which a thread leaves the rest to the next dispatch; 0 if no thread needs so many.
             pub turns: u32,
         }
 
         impl Features {
-            /// Name in the WGSL and value of every flag.
+            /// Name (in the WGSL) and value of every flag.
             #[must_use]
             pub fn list(&self) -> Vec<(&'static str, bool)> {
                 vec![$((stringify!($name), self.$name)),*]
@@ -30,54 +30,54 @@ features! {
     robust: "`--numerics robust`, else `paper`.",
     watertight: "Triangles are tested by Woop, Benthin and Wald (2013), else by Möller and Trumbore (1997).",
     contracted: "The watertight test has an explicit fma wherever a compiler may contract.",
-    drifting: "tMax grows by tDelta from cell to cell, else it follows from the cell.",
-    in_cell: "A hit counts only in the cell that is tested, else the nearest is kept.",
+    drifting: "tMax is accumulated: it grows by tDelta per cell; else it is computed from the cell.",
+    in_cell: "A hit counts only inside the cell being tested, else the nearest is kept.",
     grid: "The scene is traced through a uniform grid.",
-    bvh: "The scene is traced through a tree of boxes.",
-    skip: "Rays leap over empty cells of the grid.",
+    bvh: "The scene is traced through a BVH.",
+    skip: "Rays skip empty cells of the grid, several at a time.",
     live_lists: "Only rays that wait for a kernel are launched.",
     many_steps: "A ray may take several steps in one pass.",
-    resumes: "A walk may take more loop turns than one dispatch has: it goes on in the next.",
-    resumes_scan: "The search for repeated tests may, likewise.",
-    resumes_light: "The sum over the lights may, likewise.",
-    any_hit: "A ray ends at the first hit that is found.",
-    eye_rays: "The fused kernel makes its rays itself.",
+    resumes: "A walk may take more loop iterations than one dispatch allows: it continues in the next.",
+    resumes_scan: "The same for the search for repeated tests.",
+    resumes_light: "The same for the sum over the lights.",
+    any_hit: "A ray ends at the first hit found, nearest or not.",
+    eye_rays: "The fused kernel generates its rays itself.",
     clip: "Rays may start outside of the grid.",
     perspective: "Rays fan out from the eye, else they are parallel.",
     counters: "Cells visited and triangles tested are counted per ray.",
     normals: "Shading interpolates vertex normals.",
     textures: "A material has a base colour texture.",
-    vertex_colors: "Corners have colours.",
+    vertex_colors: "Vertices have colours.",
     many_materials: "There is more than one material.",
     emissive: "A material emits light.",
     double_sided: "A material is shaded on both sides.",
     many_lights: "There is more than one light.",
     directional_lights: "A light is directional.",
     spot_lights: "A light is a spot.",
-    samples: "A pixel has several samples, each with a ray of its own.",
+    samples: "A pixel has several samples, each with its own ray.",
     sobol: "Samples are spread evenly over the pixel, else at random.",
 }
 
 impl Features {
-    /// The part that the grid's walk depends on.
+    /// The options that the walk through the grid depends on.
     #[must_use]
     pub fn walk_rules(&self) -> WalkRules {
         WalkRules { robust: self.robust, clip: self.clip, drifting: self.drifting }
     }
 
-    /// Whether tMax follows from a ray's cell, so that a kernel which takes several steps need not keep it.
+    /// Whether tMax is computed from a ray's cell, so that a kernel which takes several steps need not store it.
     #[must_use]
     pub fn keeps_no_tmax(&self) -> bool {
         self.robust && !self.drifting
     }
 
-    /// The part that the test of a triangle depends on.
+    /// The options that the triangle test depends on.
     #[must_use]
     pub fn triangle_rules(&self) -> TriangleRules {
         TriangleRules { watertight: self.watertight, contracted: self.contracted }
     }
 
-    /// How samples are spread over a pixel, where it has several.
+    /// How samples are distributed over a pixel that has several.
     #[must_use]
     pub fn sampler(&self) -> Sampler {
         if self.sobol { Sampler::Sobol } else { Sampler::Random }

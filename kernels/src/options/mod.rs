@@ -1,4 +1,4 @@
-//! What a user asks for, and which options of the kernels that needs.
+//! A user's options, and the options of the kernels that follow from them.
 
 pub mod features;
 pub mod reasons;
@@ -10,54 +10,53 @@ pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
 use samples::Samples;
 
-/// What runs.
+/// The program to run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ProgramName {
-    /// Rays are traced to their closest hits, and shaded.
+    /// Rays are traced to their closest hits and shaded.
     #[default]
     ClosestHit,
     /// A uniform grid is built over the scene's triangles.
     GridBuild,
 }
 
-/// What keeps a ray from testing every triangle.
+/// The acceleration structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Accelerator {
-    /// The one of the others that traces this scene fastest, see [`Accelerator::candidates`].
+    /// Whichever of the others is expected to trace this scene fastest, see [`Accelerator::candidates`].
     Auto,
     /// A uniform grid.
     #[default]
     Grid,
     /// A bounding volume hierarchy.
     Bvh,
-    /// Nothing: every ray tests every triangle (the paper's Table 3).
+    /// None: every ray tests every triangle (the paper's Table 3).
     None,
 }
 
-/// In which order kernels run.
+/// The order in which kernels run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ScheduleKind {
     /// The paper's first strategy: intersect until no ray is active there, then traverse once.
     First,
     /// The paper's second: intersect and traverse in turn.
     Second,
-    /// As the second, but only rays that wait for a kernel are launched, for up to
-    /// [`Options::steps_per_pass`] steps.
+    /// Like the second, but only rays that wait for a kernel are launched, for up to [`Options::steps_per_pass`] steps.
     #[default]
     Compact,
-    /// One kernel takes each ray from its start to its hit.
+    /// One kernel traces each ray from its start to its hit.
     Fused,
 }
 
 impl ScheduleKind {
-    /// Whether a ray's walk can be watched pass by pass.
+    /// Whether a ray's walk can be observed pass by pass.
     #[must_use]
     pub fn is_stepped(self) -> bool {
         self != Self::Fused
     }
 }
 
-/// How fine the grid is.
+/// The grid's resolution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum GridSize {
     /// From the number of triangles and the scene's extent, see [`automatic_cells`](crate::structures::grid::automatic_cells).
@@ -67,10 +66,10 @@ pub enum GridSize {
     Cells([u32; 3]),
 }
 
-/// Whether rays leap over empty cells of the grid.
+/// Empty-space skipping: whether rays step across several empty cells at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Skip {
-    /// Where most cells are empty.
+    /// Only if most cells are empty.
     #[default]
     Auto,
     /// Always.
@@ -82,26 +81,28 @@ pub enum Skip {
 /// The rules for planes, steps and hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Numerics {
-    /// No missed, false or wrong hits but ties.
+    /// No missed, false or wrong hits except ties.
     #[default]
     Robust,
-    /// As the paper has them, a measured baseline.
+    /// The paper's rules, kept as a baseline.
     Paper,
 }
 
-/// A rule of robust numerics that one may do without, to see what it is worth. See `docs/numerics.md`.
+/// A rule of robust numerics that can be switched off to measure its effect. See `docs/numerics.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
-    /// tMax follows from the cell's integer coordinates. Without it, it grows by tDelta from cell to cell, and so
-    /// does its error; walks do not leap over empty cells then.
+    /// tMax is computed from the cell's integer coordinates. Without this rule it is accumulated from tDelta, and so is
+    /// its error; empty cells are then not skipped.
     TMax,
-    /// The nearest hit is kept and accepted at t ≤ exit. Without it, a hit counts only in the cell that is tested.
+    /// The nearest hit is kept, and accepted at t ≤ exit. Without this rule, a hit counts only inside the cell being
+    /// tested.
     Acceptance,
-    /// The watertight test. Without it, Möller and Trumbore's.
+    /// The watertight test. Without it, Möller and Trumbore's test.
     TriangleTest,
-    /// Cells are grown by the bound on rounding before triangles are listed. Without it, they are not.
+    /// Cells are grown by the bound on rounding errors before triangles are assigned to them. Without this rule, they
+    /// are not.
     CellGrowth,
-    /// Boxes of the tree are grown likewise. Without it, they are not.
+    /// Boxes of the BVH are grown likewise. Without this rule, they are not.
     BoxPadding,
 }
 
@@ -121,9 +122,9 @@ named!(
 named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
 
 impl Accelerator {
-    /// What [`Auto`](Self::Auto) may mean for that many triangles; of two, the grid where most of its cells have
-    /// triangles, else the tree. Measured in `docs/performance.md`: what fills its box evenly is traced faster
-    /// through a grid, surfaces through a tree.
+    /// The accelerators that [`Auto`](Self::Auto) chooses from for a number of triangles. Of two, it takes the grid if
+    /// most of its cells have triangles, else the BVH: `docs/performance.md` measures that evenly filled scenes are
+    /// traced faster through a grid, surfaces through a BVH.
     #[must_use]
     pub fn candidates(&self, triangles: usize) -> &[Self] {
         match self {
@@ -135,10 +136,10 @@ impl Accelerator {
     }
 }
 
-/// Most triangles that are tested faster without grid and tree.
+/// Most triangles that are tested faster without a grid or BVH.
 pub const MOST_WITHOUT: usize = 6;
 
-/// Fewest triangles whose grid has cells enough to tell whether they fill their box evenly.
+/// Fewest triangles whose grid has enough cells to tell whether the scene is filled evenly.
 pub const LEAST_FOR_GRID: usize = 512;
 
 /// A ray in scene units: `origin + t * direction`.
@@ -146,33 +147,33 @@ pub const LEAST_FOR_GRID: usize = 512;
 pub struct Ray {
     /// Where it starts.
     pub origin: [f32; 3],
-    /// Where it goes; any length but 0.
+    /// Direction; any length but 0.
     pub direction: [f32; 3],
 }
 
-/// Where rays come from.
+/// The source of rays.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RaySource {
-    /// One through the centre of each pixel.
+    /// One ray through the centre of each pixel.
     Camera {
         /// The camera.
         camera: Camera,
-        /// Pixels a row.
+        /// Pixels per row.
         width: u32,
         /// Rows.
         height: u32,
     },
-    /// These. They fill texels row by row; the last row may be partly unused.
+    /// Input rays. They fill texels row by row; the last row may be partly unused.
     Given(Vec<Ray>),
 }
 
-/// Steps a pass of the compact schedule, unless asked otherwise.
+/// Default steps per pass of the compact schedule.
 pub const STEPS_PER_PASS: u32 = 8;
 
 /// A run's options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// `--program`: what runs; rays that are not traced do not matter to a build.
+    /// `--program`: what runs. A build traces no rays.
     pub program: ProgramName,
     /// `--accelerator`
     pub accelerator: Accelerator,
@@ -180,38 +181,39 @@ pub struct Options {
     pub schedule: ScheduleKind,
     /// `--numerics`
     pub numerics: Numerics,
-    /// A rule of robust numerics to do without.
+    /// A rule of robust numerics to switch off.
     pub without: Option<Rule>,
-    /// The watertight test as a compiler that contracts would have it: with an explicit fma wherever it may.
+    /// The watertight test as compiled with contraction: with an explicit fma wherever a compiler may contract.
     pub contracted: bool,
     /// `--grid`
     pub grid: GridSize,
     /// `--skip`
     pub skip: Skip,
-    /// `--steps-per-pass`: most steps of a ray in one pass of the compact schedule; 1 is the paper's.
+    /// `--steps-per-pass`: most steps of a ray per pass of the compact schedule; the paper takes 1.
     pub steps_per_pass: u32,
-    /// A ray ends at the first hit that is found with t below 1, whichever it is: shadow rays, from a
-    /// point to a light. Not with `--numerics paper`.
+    /// A ray ends at the first hit found with t below 1, nearest or not: for shadow rays, from a point to a light. Not
+    /// with `--numerics paper`.
     pub any_hit: bool,
-    /// Where rays come from.
+    /// The source of rays.
     pub rays: RaySource,
     /// Shade the hits; without it, a run ends with the `hit` stream.
     pub shade: bool,
     /// Count cells, tests and repeated tests per ray.
     pub counters: bool,
-    /// Time every pass, where the adapter can.
+    /// Time every pass, if the adapter can.
     pub timings: bool,
-    /// Keep a record of every pass, for [`Renderer::passes`](crate::Renderer::passes). Without it, only what passes sum
-    /// up to is known, and a run of many samples takes no more memory than one of few.
+    /// Keep a record of every pass, for [`Renderer::passes`](crate::Renderer::passes). Without it, only sums are kept,
+    /// and a run of many samples takes no more memory than one of few.
     pub keep_passes: bool,
-    /// `--keep-all`: leave nothing out, to see what leaving out saves.
+    /// `--keep-all`: leave nothing out, to measure what leaving out saves.
     pub keep_all: bool,
-    /// `--spp`, `--sampler`, `--seed`: samples a pixel. More than one need a camera's rays, and shading.
+    /// `--spp`, `--sampler`, `--seed`: samples per pixel. More than one require a camera and shading.
     pub samples: Samples,
 }
 
 impl Options {
-    /// The defaults: grid, compact with [`STEPS_PER_PASS`] steps a pass, robust, shaded, nothing measured, passes kept.
+    /// The defaults: grid, compact with [`STEPS_PER_PASS`] steps per pass, robust, shaded, nothing measured, passes
+    /// kept.
     #[must_use]
     pub fn new(rays: RaySource) -> Self {
         Self {

@@ -1,58 +1,58 @@
-//! Why a run does without a kernel, a stream or a buffer.
+//! Reasons why a run does without a kernel, a stream or a buffer.
 
 use super::features::Features;
 use super::{Accelerator, Options, ScheduleKind};
 
-/// Who made it unnecessary.
+/// What made it unnecessary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Because {
     /// The scene does not have it.
     Scene,
     /// The options do not ask for it.
     Options,
-    /// The result that is wanted does not show it.
+    /// The requested result does not show it.
     View,
 }
 
-/// Where a reason lies, and the reason.
+/// What made something unnecessary, and the reason in words.
 pub type Reason = (Because, &'static str);
 
-/// A run that does without something.
+/// What a reason may depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a> {
-    /// What was asked for.
+    /// The options as requested.
     pub options: &'a Options,
     /// The options of the kernels.
     pub features: &'a Features,
-    /// What keeps rays from testing every triangle; never [`Accelerator::Auto`].
+    /// The acceleration structure; never [`Accelerator::Auto`].
     pub accelerator: Accelerator,
 }
 
-/// The schedule steps.
+/// The schedule takes single steps.
 pub const STEPPED: Reason = (Because::Options, "the schedule steps");
-/// The schedule does not step.
+/// The schedule takes no single steps.
 pub const FUSED: Reason = (Because::Options, "--schedule fused");
-/// Steps and tests are one kernel.
+/// One kernel both steps and tests.
 pub const MANY_STEPS: Reason = (Because::Options, "several steps per pass are taken in one kernel");
-/// A pass is one step.
+/// A pass takes one step.
 pub const ONE_STEP: Reason = (Because::Options, "one step per pass");
 /// Nothing is shaded.
 pub const NO_SHADE: Reason = (Because::View, "the result is hits, not an image");
-/// There is no mean of samples.
+/// There is one sample per pixel, so nothing is averaged.
 pub const ONE_SAMPLE: Reason = (Because::Options, "one sample per pixel");
-/// Rays come from outside.
+/// Rays are given by the caller.
 pub const GIVEN: Reason = (Because::View, "input rays");
-/// Rays are made where they are traced.
+/// Rays are generated in the kernel that traces them.
 pub const EYE_RAYS: Reason = (Because::Options, "the fused kernel generates its rays");
 
 impl Run<'_> {
-    /// Whether one kernel takes rays from their start to their hit.
+    /// Whether one kernel traces rays from start to hit.
     #[must_use]
     pub fn is_fused(&self) -> bool {
         self.options.schedule == ScheduleKind::Fused
     }
 
-    /// Another accelerator was asked for, or chosen.
+    /// The reason if another accelerator was requested or chosen.
     #[must_use]
     pub fn other_accelerator(&self) -> Reason {
         match self.accelerator {
@@ -68,14 +68,14 @@ impl Run<'_> {
         }
     }
 
-    /// The scene has no need of it, if there is shading at all.
+    /// The given reason if the run shades, else that nothing is shaded.
     #[must_use]
     pub fn of_shading(&self, reason: &'static str) -> Reason {
         if self.options.shade { (Because::Scene, reason) } else { NO_SHADE }
     }
 }
 
-/// Why a kernel that steps through a structure is left out.
+/// Why a kernel that steps through an acceleration structure is left out.
 #[must_use]
 pub fn of_a_step(run: &Run<'_>) -> Reason {
     match run {

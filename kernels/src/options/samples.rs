@@ -1,34 +1,34 @@
-//! Several samples a pixel: how many, and how they are spread over it.
+//! Several samples per pixel: how many, and how they are distributed.
 //!
-//! A pixel is the square from its upper left corner to the next pixel's, every place of it counts the same (a box
-//! filter), and its colour is the mean of its samples in linear light. One sample lies in the centre; of several,
-//! none need to. A sample's place depends on its pixel, its number and the seed, not on how many there will be: a
-//! run of 1,024 samples goes through the means of all shorter runs but that of one.
+//! A pixel is the square from its upper left corner to the next pixel's; every point of it has the same weight (a box
+//! filter), and its colour is the mean of its samples in linear light. A single sample lies in the centre; with
+//! several, none has to. A sample's position depends on its pixel, its index and the seed, not on the number of
+//! samples: a run of 1,024 samples passes through the means of all shorter runs, except that of one sample.
 
 use serde::{Deserialize, Serialize};
 
 use crate::shared::samples::Sampler;
 
-/// Samples of every pixel.
+/// The samples of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Samples {
-    /// How many, from 1 to [`Samples::MOST`]; 1 is the pixel's centre, whatever the rest says.
+    /// How many, from 1 to [`Samples::MOST`]; a single one is at the pixel's centre, whatever the other fields are.
     pub count: u32,
-    /// How they are spread.
+    /// How they are distributed.
     pub sampler: Sampler,
-    /// Another seed, other places.
+    /// Different seeds give different positions.
     pub seed: u32,
 }
 
 impl Default for Samples {
-    /// One, in the centre.
+    /// One sample, in the centre.
     fn default() -> Self {
         Self { count: 1, sampler: Sampler::default(), seed: 0 }
     }
 }
 
 impl Samples {
-    /// Most samples of a pixel. The mean's rounding errors stay far below what as many samples leave of noise, see
+    /// Most samples per pixel. Up to here the rounding errors of the mean stay far below the noise that remains, see
     /// [`crate::programs::closest_hit::accumulate`].
     pub const MOST: u32 = 65_536;
 }

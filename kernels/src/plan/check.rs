@@ -1,4 +1,4 @@
-//! What cannot be planned: images, scenes and rays that do not fit, with the numbers.
+//! Errors of planning: images, scenes and rays that do not fit, with the numbers.
 
 use raystep_scenes::{Projection, Scene};
 
@@ -13,15 +13,15 @@ use crate::structures::bvh::BvhError;
 use crate::structures::grid::GridError;
 use crate::tables::elements::folded_width;
 
-/// A run that cannot be planned.
+/// Why a run cannot be planned.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    /// The image has no pixels, or more than fit.
+    /// The image has no pixels, or too many.
     #[error(
         "an image of {width}x{height} pixels cannot be traced here: each side must be 1 to {side}, and their product at most {rays}"
     )]
     ImageSize {
-        /// Pixels a row.
+        /// Pixels per row.
         width: u64,
         /// Rows.
         height: u64,
@@ -30,7 +30,7 @@ pub enum PlanError {
         /// Most pixels.
         rays: u64,
     },
-    /// A buffer is larger than the device binds, be it a GPU or the CPU.
+    /// A buffer is larger than the device, GPU or CPU, can bind.
     #[error("{name} needs {} in one buffer, but this device binds at most {}: {} too many", Bytes(*bytes), Bytes(*limit), Bytes(bytes - limit))]
     BufferSize {
         /// The buffer.
@@ -40,33 +40,33 @@ pub enum PlanError {
         /// The limit.
         limit: u64,
     },
-    /// This machine's memory does not hold it.
+    /// This machine does not have enough memory.
     #[error(transparent)]
     OutOfMemory(#[from] SceneDataError),
     /// More triangles than an id can name.
     #[error("the scene has {0} triangles, at most {max} can be traced", max = u32::MAX / 9)]
     TooManyTriangles(usize),
-    /// The scene is so small for its distance from the origin that f32 cannot tell its points apart.
+    /// The scene is so small compared with its distance from the origin that f32 cannot distinguish its points.
     #[error(
         "the scene's points are not finite, or are a hundred million times farther from the origin than from each \
          other: move the scene to the origin"
     )]
     Extent,
-    /// The camera cannot make rays.
+    /// The camera cannot generate rays.
     #[error("the camera cannot generate rays: {0}")]
     Camera(String),
-    /// A ray that was given cannot be traced.
+    /// An input ray cannot be traced.
     #[error("ray {index} cannot be traced: {reason}")]
     Ray {
-        /// Its place in the list.
+        /// Its index in the list.
         index: usize,
         /// What is wrong.
         reason: &'static str,
     },
-    /// So many samples a pixel cannot be taken.
+    /// This number of samples per pixel is not possible.
     #[error("cannot take {count} samples per pixel: {reason}")]
     Samples {
-        /// How many were asked for.
+        /// The requested number.
         count: u32,
         /// Why not.
         reason: &'static str,
@@ -86,21 +86,21 @@ pub enum PlanError {
         "texture {index} of {width}x{height} has {texels} texels; they must match, and all textures together have at most {MAX_TEXELS}"
     )]
     Texture {
-        /// Its place in the scene.
+        /// Its index in the scene.
         index: usize,
-        /// Texels a row.
+        /// Texels per row.
         width: u32,
         /// Rows.
         height: u32,
-        /// Texels that it has.
+        /// Number of texels it has.
         texels: usize,
     },
-    /// A set of elements does not fit the textures of its streams.
+    /// A set of elements does not fit in its streams' textures.
     #[error("{count} {elements} do not fit textures of {side}x{side} texels, the largest here: use fewer cells")]
     TooMany {
         /// Name of the set.
         elements: String,
-        /// How many there are.
+        /// Number of elements.
         count: u64,
         /// Longest side of a texture.
         side: u32,
@@ -108,15 +108,15 @@ pub enum PlanError {
     /// The grid cannot be built.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// The tree cannot be built.
+    /// The BVH cannot be built.
     #[error(transparent)]
     Bvh(#[from] BvhError),
-    /// A kernel of ours is wrong.
+    /// One of raystep's own kernels is invalid.
     #[error(transparent)]
     Shader(#[from] ShaderError),
 }
 
-/// Most texels of all textures: two words each must have a 32-bit index, and a row's product a sign.
+/// Most texels of all textures together: two words each need a 32-bit index, and products of a row a sign bit.
 pub const MAX_TEXELS: u64 = 1 << 30;
 
 pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32, u64), PlanError> {
@@ -136,9 +136,9 @@ pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32
     Ok((width as u32, height as u32, rays))
 }
 
-/// Farthest coordinate in traced units, where the scene's extent is 1 to 2. From 2²⁴ on, f32 does not see
-/// the scene's extent at all; up to here, t stays far below [`crate::shared::constants::INF`] even along an
-/// axis that a ray is nearly parallel to.
+/// Largest coordinate in traced units, where the scene's extent is 1 to 2. From 2²⁴ on, f32 cannot resolve the scene's
+/// extent at all; up to this value, t stays far below [`crate::shared::constants::INF`] even along an axis that a ray
+/// is nearly parallel to.
 const FARTHEST: f64 = (1u64 << 28) as f64;
 
 pub(super) fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> {
@@ -215,10 +215,10 @@ pub(super) fn check_rays(options: &Options, units: Units) -> Result<(), PlanErro
     }
 }
 
-/// Bytes of a texel as kernels read it.
+/// Bytes per texel as kernels read it.
 const TEXEL_BYTES: u64 = 8;
 
-/// Refuses textures that cannot be bound before they are converted.
+/// Rejects textures that cannot be bound before they are converted.
 pub(super) fn check_texels(scene: &Scene, limits: &Limits) -> Result<(), PlanError> {
     let texels: u64 = scene.textures.iter().map(|t| t.texels.len() as u64).sum();
     check_buffer("texels", texels * TEXEL_BYTES, limits)

@@ -1,4 +1,4 @@
-//! Which options of the kernels a run needs, and why it does without the rest.
+//! Decides which options of the kernels a run needs, and why it does without the rest.
 
 use raystep_scenes::{Light, Projection, Scene};
 
@@ -73,7 +73,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
     }
 }
 
-/// Everything that the tables have and the plan has not.
+/// Everything in the program's tables that the plan leaves out.
 pub(super) fn absent(plan: &Plan, options: &Options) -> Vec<LeftOut> {
     let mut all = Vec::new();
     let mut add = |what: String, (because, reason): Reason| all.push(LeftOut { what, because, reason });
@@ -91,7 +91,7 @@ pub(super) fn absent(plan: &Plan, options: &Options) -> Vec<LeftOut> {
     all
 }
 
-/// Everything that a run of rays does without: rows of the tables, and code.
+/// Everything that a run of rays leaves out: rows of the tables, and code.
 pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
     use Because::Scene as S;
     let mut all = absent(plan, options);

@@ -15,7 +15,7 @@ impl fmt::Display for Plan {
     }
 }
 
-/// What an element of a buffer is, be it one that the GPU executor keeps for itself.
+/// Describes an element of a buffer, including the buffers that the GPU executor keeps for itself.
 pub(crate) fn element(program: &Program, name: &str) -> &'static str {
     match (program.buffer(name), name) {
         (Some(info), _) => info.element,
@@ -27,7 +27,7 @@ pub(crate) fn element(program: &Program, name: &str) -> &'static str {
     }
 }
 
-/// A plan, and what the grid or tree that was built for it came to.
+/// A plan, and the sizes of the grid or BVH that was built for it.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanText<'a>(pub &'a Plan, pub &'a Structure);
 

@@ -1,4 +1,4 @@
-//! The plan of a grid that is built pass by pass.
+//! Plans a grid that is built pass by pass.
 
 use std::collections::BTreeSet;
 
@@ -19,12 +19,12 @@ use crate::structures::grid;
 use crate::tables::elements::Size;
 use crate::tables::sizes::fill_bytes;
 
-/// Plans the build of the grid that the same options would trace rays through. Its resolution is decided here, as ever;
-/// how long its lists are is left to the build.
+/// Plans the build of the grid that the same options would trace rays through. Its resolution is decided here; the
+/// length of its lists is found by the build.
 pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Plan, SceneData), PlanError> {
     let units = Units::of(&scene.bounds());
     check_scene(scene, units)?;
-    // Where rays begin is part of what cells are grown by.
+    // The growth of cells depends on where rays begin.
     check_rays(options, units)?;
     check_buffer("vertices", 36 * scene.triangles.len() as u64, limits)?;
     let vertices = traced_vertices(scene, units);
@@ -34,7 +34,7 @@ pub(super) fn plan(scene: &Scene, options: &Options, limits: &Limits) -> Result<
     of(grid, growth, vertices, units, options, limits)
 }
 
-/// Plans the build of the lists of a grid over these corners.
+/// Plans the build of the lists of a grid over these triangles.
 pub(crate) fn of(
     grid: Grid,
     growth: f32,

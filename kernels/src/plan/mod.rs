@@ -1,4 +1,4 @@
-//! What a run needs, worked out before any GPU call, and what it leaves out, with the reason.
+//! What a run needs, determined before any GPU call, and what it leaves out, with the reason.
 //!
 //! The plan follows from reflection: a stream or buffer is allocated if, and only if, a kernel of the
 //! schedule, compiled with the run's options, binds it.
@@ -43,36 +43,36 @@ use resolve::{Resolved, resolve};
 pub use structure::{BvhSummary, GridSummary, Structure, structure_bytes};
 use turns::{Resumes, Walk};
 
-/// Something with a size.
+/// Something together with its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Planned<T> {
     /// What it is.
     pub what: T,
-    /// Its bytes on the executor.
+    /// Its size in bytes on the executor.
     pub bytes: u64,
 }
 
-/// A set of elements of a run.
+/// A set of elements in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlannedSet {
-    /// Which one.
+    /// Which set.
     pub what: &'static Elements,
-    /// Its size; `None` where the run finds it.
+    /// Its size; `None` if the run has to find it.
     pub size: Option<Size>,
 }
 
-/// Something that a run does without.
+/// Something that a run leaves out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
     /// `kernel shade`, `stream counters`, `buffer normals`, `code for spot lights`, …
     pub what: String,
-    /// Where the reason lies.
+    /// What made it unnecessary.
     pub because: Because,
     /// The reason.
     pub reason: &'static str,
 }
 
-/// A run, before it starts.
+/// Everything about a run that is decided before it starts.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The program that it runs.
@@ -81,19 +81,19 @@ pub struct Plan {
     pub sets: Vec<PlannedSet>,
     /// Longest side of a stream's texture.
     pub image_side: u32,
-    /// Most elements of a set.
+    /// Most elements per set.
     pub most_elements: u64,
-    /// Texels a row of every stream.
+    /// Texels per row of every stream.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Rays; fewer than texels where given rays do not fill the last row.
+    /// Number of rays; fewer than texels if input rays do not fill the last row.
     pub rays: u64,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u64,
-    /// What keeps rays from testing every triangle; never [`Accelerator::Auto`].
+    /// The acceleration structure; never [`Accelerator::Auto`].
     pub accelerator: Accelerator,
-    /// Options decided.
+    /// Options of the kernels.
     pub features: Features,
     /// Order of kernels.
     pub schedule: Schedule,
@@ -105,8 +105,8 @@ pub struct Plan {
     pub buffers: Vec<Planned<&'static str>>,
     /// What is left out.
     pub left_out: Vec<LeftOut>,
-    /// Most passes that a sample of all pixels can take before it must be over: every ray visits at most nx + ny + nz + 2
-    /// cells and tests no list more than once. The paper's numerics can exceed it, see `docs`.
+    /// Most passes that a sample of all pixels can take: every ray visits at most nx + ny + nz + 2 cells and tests no
+    /// list more than once. The paper's numerics can exceed it, see `docs`.
     pub pass_bound: u64,
 }
 
@@ -131,7 +131,7 @@ fn housekeeping(program: &Program, bound: &BTreeSet<&str>, texels: u64) -> Vec<P
     all
 }
 
-/// The kernels of a schedule, as they will be compiled, and the one that counts for those that do not.
+/// The kernels of a schedule as they will be compiled, and the kernel that counts rays for those that do not.
 fn variants(program: &'static Program, schedule: &Schedule, features: &Features) -> Result<Vec<Variant>, ShaderError> {
     let mut kernels = schedule.kernels();
     if kernels.iter().any(|kernel| kernel.is_counted_anew(features)) {
@@ -167,16 +167,16 @@ fn planned_buffers(
 }
 
 impl Plan {
-    /// What something of this run is called where a debugger or one of wgpu's errors shows it.
+    /// A label for an object of this run, shown by debuggers and in wgpu's errors.
     #[must_use]
     pub fn label(&self, name: &str) -> String {
         format!("{}.{name}", self.program.name)
     }
 
-    /// Plans a run and prepares the bytes that it binds. No GPU is involved.
+    /// Plans a run and prepares the data that it binds. Uses no GPU.
     ///
     /// # Errors
-    /// Where the scene or the options do not fit `limits`, with the numbers.
+    /// If the scene or the options do not fit `limits`, with the numbers.
     pub fn new(scene: &Scene, options: &Options, limits: &Limits) -> Result<(Self, SceneData), PlanError> {
         if options.program == ProgramName::GridBuild {
             return grid_build::plan(scene, options, limits);
@@ -190,7 +190,7 @@ impl Plan {
         let Resolved { accelerator, mut features, structure, vertices } =
             resolve(scene, options, units, limits, (width, height))?;
 
-        // What the turns of loops ask for is the last that the options of the kernels wait for.
+        // The last options of the kernels to be decided are those that depend on iterations of loops.
         let is_fused = options.schedule == ScheduleKind::Fused;
         let triangles = scene.triangles.len() as u64;
         let lights = if options.shade { scene.lights.len() as u64 } else { 0 };
@@ -246,13 +246,13 @@ impl Plan {
         Ok((plan, data))
     }
 
-    /// The size of the set that the run is about.
+    /// The size of the program's main set of elements.
     #[must_use]
     pub fn size(&self) -> Size {
         Size { width: self.width, height: self.height, count: self.rays as u32 }
     }
 
-    /// Bytes of all streams and buffers whose size is known.
+    /// Bytes of all streams and buffers with a known size.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.streams.iter().map(|s| s.bytes).sum::<u64>() + self.buffers.iter().map(|b| b.bytes).sum::<u64>()

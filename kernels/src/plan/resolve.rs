@@ -1,4 +1,4 @@
-//! Which structure a run traces its scene through, and the options of the kernels that follow from it.
+//! Decides through which acceleration structure a run traces its scene, and the options of the kernels that follow.
 
 use raystep_scenes::Scene;
 
@@ -13,11 +13,11 @@ use crate::structures::bvh::{self, BvhOptions, BvhQuality};
 use crate::structures::{Structure, grid};
 use crate::tables::sizes::LIVE_REGIONS;
 
-/// A structure that is built, and what was decided with it.
+/// A structure that was built, and the decisions that go with it.
 pub(super) struct Resolved {
-    /// Which one; never [`Accelerator::Auto`].
+    /// The accelerator; never [`Accelerator::Auto`].
     pub(super) accelerator: Accelerator,
-    /// The options of the kernels, but for what follows from the turns of their loops.
+    /// The options of the kernels, except those that depend on iterations of their loops.
     pub(super) features: Features,
     /// The structure.
     pub(super) structure: Structure,
@@ -25,20 +25,20 @@ pub(super) struct Resolved {
     pub(super) vertices: Vec<f32>,
 }
 
-/// What a structure is built from.
+/// The input of building a structure.
 struct Site<'a> {
     options: &'a Options,
     vertices: &'a [f32],
     /// Bounds coordinates and distances, see [`reach`].
     reach: f32,
-    /// 32-bit words of the largest buffer that the executor holds.
+    /// Size of the executor's largest buffer, in 32-bit words.
     most_words: u64,
 }
 
-/// Builds the first of the accelerators asked for that suits the scene.
+/// Builds the first of the requested accelerators that suits the scene.
 ///
 /// # Errors
-/// Where none of them can be built, or the scene does not fit `limits`.
+/// If none of them can be built, or the scene does not fit `limits`.
 pub(super) fn resolve(
     scene: &Scene,
     options: &Options,
@@ -72,7 +72,7 @@ pub(super) fn resolve(
     }
 }
 
-/// What is known to be too large before anything is built is refused before anything is built.
+/// Rejects what is known to be too large before anything is built.
 fn check_sizes(
     scene: &Scene,
     options: &Options,
@@ -108,8 +108,8 @@ fn check_sizes(
 }
 
 impl Site<'_> {
-    /// The structure that `features` name, and the features that follow from it. `None` for a grid that another
-    /// accelerator is better than: only the last one is built whatever it comes to.
+    /// Builds the structure that `features` name, and the features that follow from it. `None` for a grid if another
+    /// accelerator suits the scene better; the last candidate is always built.
     fn build(&self, mut features: Features, is_last: bool) -> Result<Option<(Features, Structure)>, PlanError> {
         let structure = if features.grid {
             match self.grid(&mut features, is_last)? {
@@ -122,13 +122,13 @@ impl Site<'_> {
             Structure::None
         };
         if let Structure::Wide(tree) = &structure {
-            // The root is not pushed, and a node's siblings wait while its children are visited.
+            // The root is not pushed, and a node's siblings wait on the stack while its children are visited.
             features.stack = tree.depth.saturating_sub(1);
         }
         Ok(Some((features, structure)))
     }
 
-    /// The grid, filled once: whether most of its cells are empty is known from the counts of their lists.
+    /// Builds the grid: the counts of its lists tell whether most of its cells are empty before they are filled.
     fn grid(&self, features: &mut Features, is_last: bool) -> Result<Option<Structure>, PlanError> {
         let Self { options, vertices, reach, most_words } = *self;
         let is_grown = options.without != Some(Rule::CellGrowth);
@@ -143,7 +143,7 @@ impl Site<'_> {
                 Skip::Off => false,
                 Skip::Auto => is_sparse,
             };
-        // Walks that leap are faster through a finer grid, where its resolution was left to us.
+        // Empty-space skipping is faster through a finer grid, if the resolution is automatic.
         let counted = match options.grid {
             GridSize::Auto if features.skip => {
                 drop(counted);

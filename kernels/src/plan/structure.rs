@@ -1,4 +1,4 @@
-//! What keeps a run's rays from testing every triangle, in numbers: for the terminal and for JSON.
+//! A run's acceleration structure in numbers: for the terminal and for JSON.
 
 use std::fmt;
 
@@ -10,20 +10,20 @@ use crate::options::{Accelerator, LEAST_FOR_GRID, MOST_WITHOUT};
 use crate::scene_data::SceneData;
 use crate::structures::bvh::WideContent;
 
-/// The buffers that make up grids and trees.
+/// The buffers that make up grids and BVHs.
 const OF_STRUCTURES: [&str; 7] =
     ["grid_cells", "grid_items", "grid_distances", "bvh_nodes", "bvh_parents", "bvh_items", "wide_nodes"];
 
-/// What was chosen, why, and what it came to.
+/// The acceleration structure, why it was chosen, and its sizes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Structure {
     /// `grid`, `bvh` or `none`.
     pub accelerator: &'static str,
-    /// The option that asked for it, or why `auto` chose it.
+    /// The option that requested it, or why `auto` chose it.
     pub accelerator_because: String,
     /// The grid; `null` without one.
     pub grid: Option<GridSummary>,
-    /// The tree; `null` without one.
+    /// The BVH; `null` without one.
     pub bvh: Option<BvhSummary>,
 }
 
@@ -38,33 +38,33 @@ pub struct GridSummary {
     pub references: u64,
     /// Longest list.
     pub longest_list: u32,
-    /// Whether rays leap over empty cells.
+    /// Whether rays skip empty cells.
     pub leaps: bool,
     /// Bytes of the buffers that the run binds for it.
     pub bytes: u64,
-    /// What cells were grown by, in traced units.
+    /// Growth of the cells, in traced units.
     pub growth: f32,
 }
 
-/// A tree in numbers.
+/// A BVH in numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BvhSummary {
-    /// Children of an inner node, at most: 2 where rays are stepped, 8 in the fused kernel.
+    /// Most children per inner node: 2 if rays are stepped, 8 in the fused kernel.
     pub width: u32,
-    /// Nodes, leaves of a binary tree included; a wide node holds its leaves itself.
+    /// Number of nodes, including the leaves of a binary BVH; a wide node contains its leaves.
     pub nodes: u64,
-    /// Nodes on the longest way down, both ends counted.
+    /// Nodes on the longest path from the root to a leaf, both included.
     pub depth: u32,
     /// Triangles in all leaves; large ones are in several.
     pub references: u64,
-    /// Bytes of the buffers that the run binds for it, corners of triangles apart.
+    /// Bytes of the buffers that the run binds for it, without the triangles' vertices.
     pub bytes: u64,
-    /// What boxes were grown by, in traced units.
+    /// Growth of the boxes, in traced units.
     pub growth: f32,
 }
 
 impl Structure {
-    /// Of a plan that was asked for with `--accelerator asked`.
+    /// Summarises a plan that was requested with `--accelerator asked`.
     #[must_use]
     pub fn of(asked: Accelerator, plan: &Plan, data: &SceneData) -> Self {
         let because = match (asked, plan.accelerator) {
@@ -87,14 +87,14 @@ impl Structure {
     }
 }
 
-/// Bytes of the grid or tree, as far as the run binds it.
+/// Bytes of the grid's or BVH's buffers that the run binds.
 #[must_use]
 pub fn structure_bytes(plan: &Plan) -> u64 {
     plan.buffers.iter().filter(|b| OF_STRUCTURES.contains(&b.what)).map(|b| b.bytes).sum()
 }
 
 impl GridSummary {
-    /// Of a run that has a grid.
+    /// Summarises the grid of a run.
     #[must_use]
     pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
         if data.grid_cells.len() < 2 {
@@ -114,7 +114,7 @@ impl GridSummary {
 }
 
 impl BvhSummary {
-    /// Of a run that has a tree.
+    /// Summarises the BVH of a run.
     #[must_use]
     pub fn of(plan: &Plan, data: &SceneData) -> Option<Self> {
         if plan.accelerator != Accelerator::Bvh {
@@ -126,7 +126,7 @@ impl BvhSummary {
             width: if is_wide { 8 } else { 2 },
             nodes: if is_wide { data.wide_nodes.len() } else { data.bvh_nodes.len() } as u64,
             depth: if is_wide { wide_depth(data) } else { binary_depth(data) },
-            // An empty tree has an entry that no leaf lists.
+            // An empty BVH has one entry that no leaf lists.
             references: if plan.triangles == 0 { 0 } else { references as u64 },
             bytes: structure_bytes(plan),
             growth: data.growth,
@@ -153,7 +153,7 @@ fn wide_depth(data: &SceneData) -> u32 {
     })
 }
 
-/// Levels of a tree whose root is node 0; `children` adds those of a node.
+/// Levels of a tree whose root is node 0; `children` pushes the children of a node.
 fn depth(children: impl Fn(u32, &mut Vec<u32>)) -> u32 {
     let (mut level, mut below, mut depth) = (vec![0], Vec::new(), 0);
     while !level.is_empty() {
@@ -166,7 +166,7 @@ fn depth(children: impl Fn(u32, &mut Vec<u32>)) -> u32 {
 }
 
 impl fmt::Display for Structure {
-    /// One line; it begins with the accelerator's name, in a column of nine.
+    /// One line, beginning with the accelerator's name in a column of nine characters.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:<9} ", self.accelerator)?;
         match (&self.grid, &self.bvh) {

@@ -1,24 +1,25 @@
-//! What breaks a kernel on purpose: a change of its WGSL, and a run in which the comparison with its CPU reference must
-//! notice that. A comparison that cannot fail proves nothing.
+//! Deliberate defects of a kernel: a change of its WGSL, and a run in which the comparison with its CPU reference must
+//! detect it. A comparison that cannot fail proves nothing.
 
 use crate::options::Options;
 
-/// A change of a kernel's WGSL that must be noticed after its pass.
+/// A change of a kernel's WGSL that must be detected after its pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Break {
-    /// Makes the run, from one through a grid with one step a pass.
+    /// Makes the run from one that uses the grid and one step per pass.
     pub run: fn(&mut Options),
-    /// Most loop iterations of a dispatch, where only a walk that waits for the next one compiles that line.
+    /// Most loop iterations per dispatch, if the changed line is compiled only for walks that wait for the next
+    /// dispatch.
     pub iterations: Option<u32>,
-    /// A part of its WGSL, whatever white space lies in it.
+    /// A part of its WGSL, white space is ignored.
     pub from: &'static str,
-    /// What takes its place.
+    /// The replacement.
     pub to: &'static str,
-    /// How it shows.
+    /// How it is detected.
     pub shows: Shows,
 }
 
-/// How a broken kernel shows.
+/// How a broken kernel is detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shows {
     /// A stream differs, after a pass of that kernel.
@@ -28,24 +29,24 @@ pub enum Shows {
 }
 
 impl Break {
-    /// A change that shows in a stream.
+    /// A change that is detected in a stream.
     #[must_use]
     pub const fn new(run: fn(&mut Options), from: &'static str, to: &'static str) -> Self {
         Self { run, iterations: None, from, to, shows: Shows::Stream }
     }
 
-    /// The same with few loop iterations a dispatch, so that walks wait between any two steps.
+    /// The same with few loop iterations per dispatch, so that walks wait between any two steps.
     #[must_use]
     pub(crate) const fn in_parts(self) -> Self {
         Self { iterations: Some(6), ..self }
     }
 
-    /// The same where the counts show it.
+    /// The same, detected in the counts.
     #[must_use]
     pub(crate) const fn in_counts(self) -> Self {
         Self { shows: Shows::Counts, ..self }
     }
 }
 
-/// The run as it is.
+/// Leaves the run as it is.
 pub fn as_it_is(_: &mut Options) {}

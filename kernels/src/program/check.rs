@@ -1,4 +1,4 @@
-//! What must hold of a program before anything runs it, each with an error of its own.
+//! Checks a program before anything runs it; each kind of problem has its own error.
 
 use std::collections::BTreeSet;
 
@@ -8,10 +8,10 @@ use crate::tables::kernel::{Counts, Role};
 use crate::tables::state::{COUNT, StateRole, Tag};
 use crate::tables::texels::MOST_STREAMS;
 
-/// Something wrong with a program.
+/// A problem with a program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
-    /// Two rows of a table have one name.
+    /// Two rows of a table have the same name.
     #[error("{program}: two {what} are called {name:?}")]
     Twice {
         /// The program.
@@ -21,7 +21,7 @@ pub enum Fault {
         /// The name.
         name: &'static str,
     },
-    /// A row does not stand at its own index.
+    /// A row is not at its own index.
     #[error("{program}: {name} does not stand at its own place of the table")]
     Place {
         /// The program.
@@ -29,14 +29,14 @@ pub enum Fault {
         /// The row.
         name: &'static str,
     },
-    /// A table is longer than executors have room for.
+    /// A table has more rows than executors support.
     #[error("{program} has {count} {what}, at most {most} fit")]
     TooMany {
         /// The program.
         program: &'static str,
         /// The table.
         what: &'static str,
-        /// Its rows.
+        /// Number of its rows.
         count: usize,
         /// Most rows.
         most: usize,
@@ -46,23 +46,23 @@ pub enum Fault {
     Missing {
         /// The program.
         program: &'static str,
-        /// Whose row it is.
+        /// The row that names it.
         of: &'static str,
         /// What it names.
         missing: String,
     },
-    /// A stream does not say what each layer begins with, or what its numbers are.
+    /// A stream does not have one initial value and one meaning per layer.
     #[error("{program}: stream {stream} has {layers} layers and {given} {what}")]
     Layers {
         /// The program.
         program: &'static str,
         /// The stream.
         stream: &'static str,
-        /// Its layers.
+        /// Number of layers.
         layers: usize,
         /// Initial values or meanings.
         what: &'static str,
-        /// How many of these it has.
+        /// Number of these.
         given: usize,
     },
     /// A kernel takes a state and sends it nowhere, or sends from a state that it does not take.
@@ -72,7 +72,7 @@ pub enum Fault {
         program: &'static str,
         /// The kernel.
         kernel: &'static str,
-        /// What is wrong.
+        /// The problem.
         problem: &'static str,
         /// The state.
         state: &'static str,
@@ -96,7 +96,7 @@ pub enum Fault {
 }
 
 impl Program {
-    /// Everything that is wrong with it; empty where it can run.
+    /// Everything that is wrong with the program; empty if it can run.
     #[must_use]
     pub fn faults(&'static self) -> Vec<Fault> {
         let mut faults = Vec::new();
@@ -196,7 +196,7 @@ impl Program {
                 }
             }
             for send in info.sends {
-                // A kernel for an element's whole course may also make it.
+                // A kernel that handles an element from start to end may also create it.
                 let makes = info.role == Role::Whole && Some(send.from) == unborn;
                 if !info.takes.contains(&send.from) && !makes {
                     add("does not take what it sends on from", send.from);

@@ -1,4 +1,4 @@
-//! A kernel's row, and the places where a kernel stands in a program.
+//! A kernel's row, and the instances of kernels in a program.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -15,22 +15,22 @@ use crate::tables::kernel::{Counts, Launch, Role, Transition};
 use crate::tables::state::{StateCounts, Tag};
 use crate::tables::texels::{Columns, Texels};
 
-/// One element's work on the CPU.
+/// Processes one element on the CPU.
 pub type ElementTwin<R> = fn(&mut Texels<'_, R>, &SceneData);
-/// A whole pass on the CPU.
+/// Runs a whole pass on the CPU.
 pub type PassTwin = fn(&mut dyn Columns, Kernel, &SceneData);
 
 /// A kernel's twin, its CPU reference kernel: the same algorithm in Rust.
 #[derive(Clone, Copy)]
 pub enum Twin {
-    /// Of a kernel that looks at its own element alone, in both precisions.
+    /// For a kernel that accesses only its own element, in both precisions.
     Element {
         /// As a GPU computes.
         f32: ElementTwin<f32>,
-        /// For comparison.
+        /// The reference for comparisons.
         f64: ElementTwin<f64>,
     },
-    /// Of a kernel whose elements look at each other.
+    /// For a kernel whose elements read each other.
     Pass(PassTwin),
 }
 
@@ -43,7 +43,7 @@ impl fmt::Debug for Twin {
     }
 }
 
-/// A precision in which twins run.
+/// A precision that twins run in.
 pub trait Precision: Real {
     /// The twin for this precision.
     fn twin(f32: ElementTwin<f32>, f64: ElementTwin<f64>) -> ElementTwin<Self>;
@@ -61,8 +61,8 @@ impl Precision for f64 {
     }
 }
 
-/// That no index of a kernel needs a check, for some scenes and options. Only this crate proves it: what indexes out of
-/// bounds without a check may do anything.
+/// Proof that no index of a kernel needs a check, for some scenes and options. Only this crate can create one: an
+/// unchecked index out of bounds is undefined behaviour.
 #[derive(Clone, Copy, Debug)]
 pub struct Proof(Option<fn(&SceneData, &Features) -> bool>);
 
@@ -70,95 +70,95 @@ impl Proof {
     /// Every index is checked.
     pub const NONE: Self = Self(None);
 
-    /// No index needs a check where this holds.
+    /// No index needs a check if this function returns true.
     pub(crate) const fn new(holds: fn(&SceneData, &Features) -> bool) -> Self {
         Self(Some(holds))
     }
 
-    /// Whether it holds.
+    /// Whether the proof holds for a scene and options.
     #[must_use]
     pub fn holds(&self, data: &SceneData, features: &Features) -> bool {
         self.0.is_some_and(|holds| holds(data, features))
     }
 }
 
-/// A row of a program's table of kernels: all that is known of a kernel.
+/// A row of a program's table of kernels: all facts about a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelInfo {
     /// Name of the file and of the entry point.
     pub name: &'static str,
-    /// Source with its options still in it.
+    /// WGSL source, before options are decided.
     pub wgsl: &'static str,
     /// The same algorithm on the CPU.
     pub twin: Twin,
-    /// Tags of the elements that it works on; none for a kernel that works on all.
+    /// Tags of the elements that it works on; empty if it works on all.
     pub takes: &'static [Tag],
-    /// Where it sends them. A pass that leaves a tag as it was is listed only where the kernel worked on the element.
+    /// The states it sends them to. A transition to the same tag is listed only if the kernel did work on the element.
     /// Some runs use a subset.
     pub sends: &'static [Transition],
-    /// What it is for in a run.
+    /// Its role in a run.
     pub role: Role,
-    /// Invocations of its workgroups along x and y, or of a workgroup where it is launched over a list.
+    /// Invocations per workgroup along x and along y; if it is launched over a list, in total.
     pub workgroup: u32,
     /// How it is launched over all elements.
     pub launch: Launch,
-    /// How the host learns where it sent elements.
+    /// How the host learns to which states it sent elements.
     pub counts: Counts,
-    /// Whether an element may wait there for the next dispatch, as one has too few loop turns for it.
+    /// Whether an element may wait for the kernel's next dispatch because one dispatch allows too few loop iterations.
     pub resumes: fn(&Features) -> bool,
-    /// The list of the elements that wait for it, where only live ones are launched: an index into the program's.
+    /// The list of elements that wait for it, if only live ones are launched: an index into the program's lists.
     pub list: Option<usize>,
-    /// Whether it may run without checks of its indices.
+    /// Proof that it may run without index checks.
     pub proof: Proof,
-    /// Its colour in every diagram, sRGB: readable on light and dark.
+    /// Its colour in all diagrams, sRGB: readable on light and dark backgrounds.
     pub colour: [u8; 3],
     /// Why a run does without it.
     pub why_absent: fn(&Run<'_>) -> Reason,
-    /// One sentence.
+    /// One sentence about it.
     pub summary: &'static str,
     /// What breaks it on purpose, for the test of its comparison with its CPU reference: at least one.
     pub breaks: &'static [Break],
 }
 
-/// A place of a kernel in a program: what it is launched over, and what is bound to its names.
+/// An instance of a kernel in a program: the elements it is launched over, and the streams bound to its names.
 pub struct Instance {
-    /// Its place in the program's table.
+    /// Its index in the program's table.
     pub index: usize,
-    /// Its name: the kernel's, where that stands in the program once.
+    /// Its name: the kernel's, if the program has only one instance of it.
     pub name: &'static str,
     /// The program.
     pub program: &'static Program,
     /// The kernel.
     pub kernel: KernelInfo,
-    /// What it is launched over.
+    /// The set of elements it is launched over.
     pub over: &'static Elements,
-    /// What `launch.parameter` is to it.
+    /// The value of `launch.parameter`.
     pub parameter: u32,
-    /// The streams bound to its names, where they have others.
+    /// Streams bound under other names: pairs of a name in the WGSL and a stream.
     pub binds: &'static [(&'static str, &'static str)],
 }
 
-/// A kernel where it stands in a program: a row of the program's table.
+/// An instance of a kernel in a program: a row of the program's table.
 #[derive(Clone, Copy)]
 pub struct Kernel(&'static Instance);
 
 impl Kernel {
-    /// The kernel of a row.
+    /// The kernel of an instance.
     #[must_use]
     pub const fn of(instance: &'static Instance) -> Self {
         Self(instance)
     }
-    /// What is known of the kernel, wherever it stands.
+    /// The facts about the kernel, the same for all instances.
     #[must_use]
     pub const fn info(self) -> &'static KernelInfo {
         &self.0.kernel
     }
-    /// Its place in the program.
+    /// Its index in the program.
     #[must_use]
     pub const fn instance(self) -> &'static Instance {
         self.0
     }
-    /// The program in which it stands.
+    /// The program it belongs to.
     #[must_use]
     pub const fn program(self) -> &'static Program {
         self.0.program
@@ -168,12 +168,12 @@ impl Kernel {
     pub const fn name(self) -> &'static str {
         self.0.name
     }
-    /// What is bound to a name of its WGSL: the name itself, unless its place in the program says otherwise.
+    /// What is bound to a name in its WGSL: the name itself, unless the instance says otherwise.
     #[must_use]
     pub fn bound(self, name: &str) -> &str {
         self.0.binds.iter().find(|(of, _)| *of == name).map_or(name, |&(_, bound)| bound)
     }
-    /// The state in which it leaves every element that it works on, where there is only one.
+    /// The state in which it leaves every element that it works on, if there is only one.
     #[must_use]
     pub const fn sends_all_to(self) -> Option<Tag> {
         match self.info().counts {
@@ -181,7 +181,7 @@ impl Kernel {
             Counts::Sent | Counts::Anew | Counts::None => None,
         }
     }
-    /// Whether the elements in each state are counted anew after a pass of it, in a run with these options.
+    /// Whether the elements in each state have to be recounted after a pass of it, in a run with these options.
     #[must_use]
     pub fn is_counted_anew(self, features: &Features) -> bool {
         let info = self.info();
@@ -191,12 +191,12 @@ impl Kernel {
             Counts::Anew => true,
         }
     }
-    /// What it is for in a run.
+    /// Its role in a run.
     #[must_use]
     pub const fn role(self) -> Role {
         self.info().role
     }
-    /// Whether it belongs to the walk: it runs again and again.
+    /// Whether it belongs to the walk, and so runs repeatedly.
     #[must_use]
     pub const fn is_walk(self) -> bool {
         self.info().role.is_walk()
@@ -206,7 +206,7 @@ impl Kernel {
     pub const fn workgroup(self) -> u32 {
         self.info().workgroup
     }
-    /// How many of these elements it would work on.
+    /// Number of these elements it would work on.
     #[must_use]
     pub fn live(self, counts: &StateCounts) -> u32 {
         self.info().takes.iter().map(|&tag| counts[tag as usize]).sum()
@@ -228,7 +228,7 @@ impl PartialOrd for Kernel {
 }
 
 impl Ord for Kernel {
-    /// In the order of their table; kernels of two programs in any.
+    /// In table order; the order between kernels of different programs is arbitrary.
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |kernel: &Self| (kernel.0.index, std::ptr::from_ref(kernel.0).addr());
         key(self).cmp(&key(other))
@@ -247,8 +247,8 @@ impl fmt::Debug for Kernel {
     }
 }
 
-/// A program's table of kernels, and a constant for each of them. A kernel's twin is the function of its name in the
-/// module of its name.
+/// Defines a program's table of kernels, and a constant for each of them. A kernel's twin is the function of the same
+/// name in the module of the same name.
 macro_rules! kernels {
     ($($(#[doc = $doc:literal])* $kernel:ident $module:ident of $over:ident, twin: $twin:ident, { takes: $takes:expr, sends: $sends:expr, role: $role:expr, workgroup: $workgroup:expr, launch: $launch:expr, counts: $counts:expr, resumes: $resumes:expr, list: $list:expr, $(proof: $proof:expr,)? colour: $colour:expr, why_absent: $why_absent:expr, summary: $summary:literal, own: $own:expr, breaks: $breaks:expr, })*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
@@ -285,7 +285,7 @@ macro_rules! kernels {
 
         $($(#[doc = $doc])* pub const $kernel: Kernel = Kernel::of(&KERNELS[Index::$kernel as usize]);)*
 
-        /// What this program alone says of each of its kernels.
+        /// The program's own data about each of its kernels.
         pub static OWN: [Own; KERNELS.len()] = [$($own),*];
     };
 }

@@ -1,17 +1,17 @@
-//! Which kernels run, in what order, until what holds: a value that can be checked without a GPU.
+//! Which kernels run, in what order and until which condition holds: a value that can be checked without a GPU.
 
 use super::kernel::Kernel;
 use crate::tables::kernel::{Launch, Role};
 use crate::tables::state::StateCounts;
 
-/// One line of a schedule.
+/// A step of a schedule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Run a kernel once.
     Run(Kernel),
-    /// Run a kernel until no ray is active there; not at all if none is.
+    /// Run a kernel until no ray is active in it; not at all if none is.
     RunUntilIdle(Kernel),
-    /// Run the steps again and again while any ray is active in one of the kernels.
+    /// Repeat the steps while any ray is active in one of the kernels.
     LoopWhileActive(Vec<Kernel>, Vec<Step>),
 }
 
@@ -26,7 +26,7 @@ impl Step {
     }
 }
 
-/// An order of kernels.
+/// The order in which kernels run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Schedule {
     /// The steps, first to last.
@@ -56,20 +56,21 @@ impl Schedule {
 }
 
 impl Schedule {
-    /// Whether it goes through its steps once a sample.
+    /// Whether it repeats its steps for every sample.
     fn has_samples(&self) -> bool {
         let [Step::LoopWhileActive(kernels, _)] = self.steps.as_slice() else { return false };
         matches!(kernels[..], [kernel] if kernel.role() == Role::Source)
     }
 
-    /// The counts after a kernel that is no part of the walk, if it sent all of its rays on to the next kernel.
+    /// The counts after a kernel that is not part of the walk, assuming that it sends all of its rays to the next
+    /// kernel.
     fn after_all(&self, kernel: Kernel, counts: &StateCounts) -> StateCounts {
         let first_taken = |is_taker: fn(Role) -> bool| {
             self.kernels().into_iter().find(|k| is_taker(k.role())).and_then(|k| k.info().takes.first().copied())
         };
         let to = match kernel.role() {
             Role::Enter => first_taken(Role::is_walk),
-            // Every pixel wants another sample.
+            // Every pixel asks for another sample.
             Role::Sample => first_taken(|role| role == Role::Source),
             _ => kernel.sends_all_to(),
         };
@@ -82,31 +83,31 @@ impl Schedule {
     }
 }
 
-/// A place in a schedule. Cloning it and walking the clone on a guess tells which passes may come next.
+/// A position in a schedule. Advancing a clone with guessed counts tells which passes may come next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cursor {
     /// Index of the step at each depth of nesting, outermost first.
     path: Vec<usize>,
-    /// How often the body of the walk's loop was begun, of several samples a pixel in this sample.
+    /// Number of iterations of the walk's loop that have begun; with several samples per pixel, in this sample.
     pub iteration: u32,
-    /// Samples of every pixel that are complete; 0 where a pixel has one.
+    /// Number of complete samples per pixel; 0 if a pixel has one.
     pub samples: u32,
 }
 
 impl Cursor {
-    /// Before the first step.
+    /// The position before the first step.
     #[must_use]
     pub fn start() -> Self {
         Self { path: vec![0], iteration: 0, samples: 0 }
     }
 
-    /// The kernel that runs next, given how many rays are in each state; `None` at the end. Moves past it.
+    /// The kernel that runs next, given the number of rays in each state; `None` at the end. Advances past it.
     pub fn next(&mut self, schedule: &Schedule, counts: &StateCounts) -> Option<Kernel> {
         loop {
             let (steps, parent) = self.steps(schedule);
             let index = *self.path.last()?;
             let Some(step) = steps.get(index) else {
-                // End of a body: back to the loop's head, or the end of the schedule.
+                // End of a loop's body: back to the loop's condition; else the end of the schedule.
                 parent?;
                 self.path.pop();
                 continue;
@@ -139,7 +140,7 @@ impl Cursor {
         }
     }
 
-    /// Right before the step that it has moved past, as far as counts go.
+    /// The position right before the last step it advanced past, as far as counts tell.
     #[cfg(test)]
     pub(crate) fn before(&self) -> Self {
         let mut before = self.clone();
@@ -149,7 +150,7 @@ impl Cursor {
         before
     }
 
-    /// Goes on behind the walk, whatever is still active in it; stays where it is outside of the walk.
+    /// Advances past the walk, even if rays are still active in it; does nothing outside of the walk.
     pub fn leave_walk(&mut self, schedule: &Schedule) {
         if let Some(depth) = self.walk_depth(schedule) {
             self.path.truncate(depth + 1);
@@ -157,12 +158,13 @@ impl Cursor {
         }
     }
 
-    /// The next passes if every ray stayed where it is: what may be submitted before the counts of the
-    /// first are known. A pass on which no ray is active changes nothing, so a wrong guess is harmless as
-    /// long as it only repeats kernels that have become idle.
+    /// The next passes if every ray stayed in its state: these may be submitted before the counts of the first are
+    /// known. A pass without active rays changes nothing, so a wrong guess is harmless as long as it only repeats
+    /// kernels that have become idle.
     ///
-    /// Of several samples a pixel, also the steps from the end of a walk into the next sample's, as if there were one
-    /// and every ray began to walk: where not, they find no ray either. So a sample costs about one submission.
+    /// With several samples per pixel, also the steps from the end of a walk into the next sample, assuming that there
+    /// is one and that every ray begins to walk: if not, these passes find no rays either. So a sample costs about one
+    /// submission.
     #[must_use]
     pub fn guess(&self, schedule: &Schedule, counts: &StateCounts, most: usize) -> Vec<Kernel> {
         let mut cursor = self.clone();
@@ -170,7 +172,7 @@ impl Cursor {
         let mut kernels = vec![first];
         let mut counts = *counts;
         let mut last = first;
-        // Nothing that a pass finds changes which pass comes next.
+        // These kernels run once, whatever they find, so the next pass is known.
         while last.role() == Role::Once && kernels.len() < most {
             match cursor.next(schedule, &counts) {
                 Some(next) if next.role() == Role::Once => {
@@ -180,11 +182,11 @@ impl Cursor {
                 _ => return kernels,
             }
         }
-        // Whether a kernel that runs until it is idle runs again is not known ahead.
+        // It is not known ahead whether a kernel that runs until it is idle runs again.
         while schedule.has_samples() && !last.is_walk() && !cursor.stays(schedule, last) {
             counts = schedule.after_all(last, &counts);
             match cursor.next(schedule, &counts) {
-                // The fused kernel is submitted alone: in parts, and what it did is counted anew.
+                // The fused kernel is submitted alone: it runs in bands, and its rays are counted afterwards.
                 Some(next) if kernels.len() < most && [last, next].iter().all(|k| k.info().launch != Launch::Bands) => {
                     kernels.push(next);
                     last = next;
@@ -192,14 +194,14 @@ impl Cursor {
                 _ => return kernels,
             }
         }
-        // Only inside of a loop may a pass be repeated for nothing.
+        // Only inside of the loop may a pass be repeated for nothing.
         if !cursor.in_walk(schedule) {
             return kernels;
         }
         while kernels.len() < most.max(1) {
             let mut ahead = cursor.clone();
             match ahead.next(schedule, &counts) {
-                // A kernel that runs once a turn is idle right after; guessing it again would be for nothing.
+                // A kernel that runs once per iteration is idle right after; guessing it again would be a waste.
                 Some(kernel)
                     if ahead.in_walk(schedule)
                         && (kernels.last() != Some(&kernel) || ahead.stays(schedule, kernel)) =>
@@ -213,7 +215,7 @@ impl Cursor {
         kernels
     }
 
-    /// Whether the step that the cursor is at may run the kernel, which ran just now, again at once.
+    /// Whether the step at the cursor may run the kernel again at once, right after it ran.
     fn stays(&self, schedule: &Schedule, kernel: Kernel) -> bool {
         let index = self.path.last().copied().unwrap_or(0);
         matches!(self.steps(schedule).0.get(index), Some(Step::RunUntilIdle(again)) if *again == kernel)
@@ -223,7 +225,7 @@ impl Cursor {
         self.walk_depth(schedule).is_some()
     }
 
-    /// At which depth of nesting the walk is that the cursor is in, or right before.
+    /// The depth of nesting of the walk that the cursor is in or right before.
     fn walk_depth(&self, schedule: &Schedule) -> Option<usize> {
         let mut steps = schedule.steps.as_slice();
         for (depth, &index) in self.path.iter().enumerate() {
@@ -236,7 +238,7 @@ impl Cursor {
         None
     }
 
-    /// The steps at the innermost depth, and the loop that they are the body of.
+    /// The steps at the innermost depth, and the loop whose body they are.
     fn steps<'a>(&self, schedule: &'a Schedule) -> (&'a [Step], Option<&'a Step>) {
         let (mut steps, mut parent) = (schedule.steps.as_slice(), None);
         for &index in &self.path[..self.path.len() - 1] {

@@ -1,23 +1,23 @@
-//! Sizes of sets of elements that follow from others.
+//! Sizes of sets of elements that follow from other sets.
 
 use super::Program;
 use crate::tables::elements::{Count, Size};
 
-/// More elements were found than fit.
+/// A run found more elements than fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the run has found {count} {elements}, at most {most} fit here")]
 pub struct TooMany {
     /// Name of the set.
     pub elements: &'static str,
-    /// How many were found; `u32::MAX` for that many and more.
+    /// Number found; `u32::MAX` also stands for more.
     pub count: u64,
     /// Most that fit.
     pub most: u64,
 }
 
-/// Gives sizes to the sets that follow from others.
+/// Sets the sizes of sets that follow from other sets.
 pub(crate) fn derive(program: &Program, known: &mut [Option<Size>], side: u32) -> Result<(), TooMany> {
-    // As often as there are sets: each may follow from one behind it.
+    // As many rounds as there are sets: each may follow from a later one.
     for _ in 0..program.elements.len() {
         for (index, elements) in program.elements.iter().enumerate() {
             let Count::Per { of, per, each } = elements.count else { continue };

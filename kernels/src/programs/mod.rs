@@ -7,10 +7,10 @@ use crate::options::ProgramName;
 use crate::program::Program;
 use crate::tables::stream::Stream;
 
-/// Every program.
+/// All programs.
 pub static ALL: [&Program; 2] = [&closest_hit::PROGRAM, &grid_build::PROGRAM];
 
-/// The program of this name.
+/// The program with this name.
 #[must_use]
 pub fn named(name: ProgramName) -> &'static Program {
     match name {
@@ -19,7 +19,7 @@ pub fn named(name: ProgramName) -> &'static Program {
     }
 }
 
-/// The stream of this name, of any program: no two have the same.
+/// The stream with this name, of any program: names are unique.
 #[must_use]
 pub fn stream(name: &str) -> Option<Stream> {
     ALL.into_iter().find_map(|program| program.stream(name))

@@ -1,4 +1,4 @@
-//! Every program against what must hold of one.
+//! Checks every program, and that the checks find what is wrong.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ fn no_program_has_a_fault_and_no_stream_of_two_has_the_same_name() {
     }
 }
 
-/// A program for the test's life.
+/// A changed program, leaked for the duration of the test.
 fn changed(change: impl FnOnce(&mut Program)) -> &'static Program {
     let mut program = Program { ..closest_hit::PROGRAM };
     change(&mut program);

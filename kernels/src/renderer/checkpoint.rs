@@ -1,4 +1,4 @@
-//! A place in a run to come back to without running its passes again.
+//! A checkpoint: a run can return to it without running its passes again.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::plan::Plan;
 use crate::program::schedule::Cursor;
 use crate::tables::state::StateCounts;
 
-/// Everything that the passes to come depend on, after some pass of a run. What runs on a GPU is kept on the GPU.
+/// Everything that later passes depend on, after some pass of a run. A GPU's streams are kept on the GPU.
 pub struct Checkpoint {
     plan: Arc<Plan>,
     kept: Kept,
@@ -29,26 +29,26 @@ enum Kept {
 }
 
 impl Checkpoint {
-    /// Passes before it.
+    /// Number of passes before it.
     #[must_use]
     pub fn place(&self) -> usize {
         self.records.len()
     }
 
-    /// Bytes that it holds, on the GPU or on the host.
+    /// Size in bytes, on the GPU or on the host.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         Self::bytes_of([self])
     }
 
-    /// Bytes that some checkpoints hold together: a stream that did not change from one to the next is kept once.
+    /// Size in bytes of several checkpoints together: a stream that did not change between them is kept only once.
     #[must_use]
     pub fn bytes_of<'a>(checkpoints: impl IntoIterator<Item = &'a Self>) -> u64 {
         let parts: BTreeMap<usize, u64> = checkpoints.into_iter().flat_map(Self::parts).collect();
         parts.values().sum()
     }
 
-    /// What it holds: which one, and its bytes.
+    /// The identity and size in bytes of each part.
     fn parts(&self) -> Vec<(usize, u64)> {
         let mut parts = match &self.kept {
             Kept::Gpu(snapshot) => snapshot.parts().collect(),
@@ -61,10 +61,10 @@ impl Checkpoint {
 }
 
 impl Renderer {
-    /// Keeps where the run is. [`restore`](Self::restore) brings it back, bit for bit.
+    /// Makes a checkpoint of the run. [`restore`](Self::restore) returns to it, bit for bit.
     ///
     /// # Errors
-    /// Where there is no room for it, or the device fails.
+    /// If there is no memory for it, or the device fails.
     pub async fn checkpoint(&mut self) -> Result<Checkpoint, RenderError> {
         self.settle().await?;
         let kept = match &mut self.executor {
@@ -83,10 +83,11 @@ impl Renderer {
         })
     }
 
-    /// Goes to where the run was; from there it lies behind or ahead. The passes that follow are those that followed.
+    /// Returns to a checkpoint, behind or ahead of the current pass. The passes that follow are the same as the first
+    /// time.
     ///
     /// # Errors
-    /// Where the checkpoint is not of this run, or of one that shares its plan and device. Nothing is changed then.
+    /// If the checkpoint is not of this run, nor of one that shares its plan and device. Nothing is changed then.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), RenderError> {
         if !Arc::ptr_eq(&self.plan, &checkpoint.plan) {
             return Err(RenderError::OtherRun);

@@ -1,4 +1,4 @@
-//! Streams changed from outside, between two passes.
+//! Edits streams from outside, between two passes.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use crate::tables::state::{self, StateCounts};
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 
 impl Renderer {
-    /// Replaces a stream's values; the next pass works on them. False where the plan left it out or the
-    /// size differs.
+    /// Replaces a stream's values; the next pass works on them. Returns false if the plan left it out or the size
+    /// differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
         let is_written = match &mut self.executor {
             Executor::Gpu(e) => e.write(data),
@@ -17,7 +17,7 @@ impl Renderer {
             Executor::CpuF64(e) => e.write(data),
         };
         if is_written && Some(data.stream) == self.plan.program.state_stream() {
-            // Which kernel is next follows from the counts.
+            // The counts decide which kernel runs next.
             self.counts = StateCounts::default();
             data.layer(STATE_TAG).iter().for_each(|&tag| self.counts[(tag as usize).min(state::COUNT - 1)] += 1);
         }
@@ -26,7 +26,7 @@ impl Renderer {
     /// Replaces one component of one ray; the next pass works on it.
     ///
     /// # Errors
-    /// Where the plan left the stream out, there is no such layer or pixel, or the device fails.
+    /// If the plan left the stream out, there is no such layer or pixel, or the device fails.
     pub async fn write_component(
         &mut self,
         stream: Stream,
@@ -41,7 +41,7 @@ impl Renderer {
         }
         let is_tag = Some(stream) == self.plan.program.state_stream() && layer == STATE_TAG;
         match &mut self.executor {
-            // Counts and lists of live rays follow from every ray's tag.
+            // Counts and lists of live rays depend on every ray's tag.
             Executor::Gpu(_) if is_tag => {
                 let mut data = self.values(stream).await?;
                 data.bits[y as usize * data.width as usize + x as usize] = bits;
@@ -62,7 +62,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// How many elements each set has now.
+    /// The current size of each set.
     fn sizes(&self) -> Sizes {
         match &self.executor {
             Executor::Gpu(e) => e.sizes(),
@@ -71,17 +71,17 @@ impl Renderer {
         }
     }
 
-    /// Takes over where another run is, which shares this one's plan: its streams as f32, and its place. The
-    /// passes that follow run here.
+    /// Continues where another run with the same plan is: copies its streams as f32, and its position. The passes that
+    /// follow run here.
     ///
     /// # Errors
-    /// Where the other run has another plan, or a device fails.
+    /// If the other run has another plan, or a device fails.
     pub async fn adopt(&mut self, other: &mut Self) -> Result<(), RenderError> {
         if !Arc::ptr_eq(&self.plan, &other.plan) {
             return Err(RenderError::OtherRun);
         }
         other.settle().await?;
-        // Until all is copied, streams and place do not belong together.
+        // Until everything is copied, streams and position do not match.
         self.is_ahead = true;
         match (&mut self.executor, other.sizes()) {
             (Executor::Gpu(e), sizes) => e.resize(sizes)?,

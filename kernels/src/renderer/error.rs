@@ -1,4 +1,4 @@
-//! Why a run fails.
+//! Errors of a run.
 
 use crate::executor::TooMany;
 use crate::executor::cpu::{CpuError, OutOfMemory};
@@ -6,25 +6,25 @@ use crate::executor::gpu::GpuError;
 use crate::plan::PlanError;
 use crate::tables::stream::Region;
 
-/// A run that failed.
+/// Why a run failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
-    /// It does not fit.
+    /// It does not fit the device.
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The system has not enough memory for the twins' streams.
+    /// The system does not have enough memory for the twins' streams.
     #[error(transparent)]
     Memory(#[from] OutOfMemory),
-    /// The run has found more elements than fit.
+    /// The run found more elements than fit.
     #[error(transparent)]
     TooMany(#[from] TooMany),
     /// The caller's progress function asked to stop.
     #[error("cancelled after {passes} passes")]
     Cancelled {
-        /// Passes that were complete.
+        /// Number of passes that were complete.
         passes: usize,
     },
     /// The stream is not part of the plan.
@@ -33,14 +33,14 @@ pub enum RenderError {
     /// The image has no such pixels.
     #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]
     NoPixel {
-        /// What was asked for.
+        /// The requested region.
         region: Region,
         /// Columns of the image.
         width: u32,
-        /// Its rows.
+        /// Rows of the image.
         height: u32,
     },
-    /// The elements that the stream is about are not counted yet.
+    /// The elements of the stream have not been counted yet.
     #[error("stream {stream:?} has no texels yet: {elements} are counted by a pass to come")]
     NotCounted {
         /// The stream's name.
@@ -53,13 +53,13 @@ pub enum RenderError {
     NoLayer {
         /// The stream's name.
         stream: &'static str,
-        /// What was asked for.
+        /// The requested layer.
         layer: usize,
     },
-    /// The streams to take over are another plan's, or another device's.
+    /// The streams to take over belong to another plan or device.
     #[error("streams of another run do not fit this one")]
     OtherRun,
-    /// A pass that was submitted ahead changed something. This is a defect of raystep.
+    /// A pass that was submitted ahead changed something. This is a bug in raystep.
     #[error("pass {0}, submitted ahead of its turn, was not idle")]
     Overshoot(usize),
 }

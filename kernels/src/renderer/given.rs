@@ -1,4 +1,4 @@
-//! Rays from outside: what `generate` would have written.
+//! Input rays, as the streams that `generate` would have written.
 
 use crate::numbers::units::exp2;
 use crate::options::Ray;
@@ -8,7 +8,7 @@ use crate::scene_data::{SceneData, traced_ray};
 use crate::shared::constants::INF;
 use crate::tables::stream::{Stream, StreamData};
 
-/// Rays from outside, as streams, and the exponent of each one's t.
+/// Input rays as streams, and the exponent of each ray's t.
 pub(super) struct GivenRays {
     pub(super) streams: [StreamData; 3],
     pub(super) exponents: Vec<i32>,
@@ -34,7 +34,7 @@ impl GivenRays {
             }
             streams[2].bits[i] = plan.program.course.map_or(0, |course| course.born);
             if any_hit {
-                // What lies behind the ray's end at t = 1 does not count.
+                // Hits beyond the ray's end at t = 1 do not count.
                 streams[2].bits[STATE_T * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();
             }
             exponents.push(exponent);

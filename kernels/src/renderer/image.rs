@@ -1,4 +1,4 @@
-//! The picture: linear light in memory and EXR, sRGB in PNG.
+//! The image: linear light in memory and EXR, sRGB in PNG.
 
 use crate::numbers::srgb::linear_to_srgb;
 use crate::programs::closest_hit::streams::HIT_TRIANGLE;
@@ -8,12 +8,11 @@ use crate::tables::stream::StreamData;
 /// A linear image, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// R G B linear light; A 1 where a ray hit something and 0 where it did not, of several samples the share
-    /// that did.
+    /// R G B in linear light; A is 1 if a ray hit something, else 0; with several samples, the share of rays that did.
     pub pixels: Vec<[f32; 4]>,
 }
 
@@ -28,7 +27,7 @@ impl Image {
         Self { width: color.width, height: color.height, pixels }
     }
 
-    /// Of the stream `accumulated`.
+    /// From the stream `accumulated`.
     pub(crate) fn from_mean(mean: &StreamData) -> Self {
         let pixel = |i| [0, 1, 2, 3].map(|layer| mean.get_f32(layer, i));
         let pixels = (0..mean.width as usize * mean.height as usize).map(pixel).collect();

@@ -7,20 +7,20 @@ use crate::programs::grid_build::streams::{START, STARTS_IN_ALL, TRIANGLE_EVEN, 
 use crate::tables::elements::Elements;
 use crate::tables::stream::Stream;
 
-/// The lists of a grid, as [`GridData`](crate::structures::grid::GridData) has them.
+/// The lists of a grid, in the format of [`GridData`](crate::structures::grid::GridData).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lists {
-    /// Starts of the lists, one a cell and one more.
+    /// Start of each cell's list, and one entry more.
     pub cells: Vec<u32>,
     /// The lists: triangle ids, ascending within a cell.
     pub items: Vec<u32>,
 }
 
 impl Lists {
-    /// What a run of the build has come to, once it is at its end.
+    /// The lists that a run of the build has made, once it is complete.
     ///
     /// # Errors
-    /// Where the run builds no grid, or is not at its end, or the device fails.
+    /// If the run builds no grid, is not complete, or the device fails.
     pub async fn of(renderer: &Renderer) -> Result<Self, RenderError> {
         let data = renderer.data();
         let mut cells = values(renderer, START).await?;
@@ -36,7 +36,7 @@ fn count(renderer: &Renderer, elements: &Elements) -> usize {
     renderer.size(elements).map_or(0, |size| size.count as usize)
 }
 
-/// The values of a stream of one layer, one an element.
+/// The values of a stream with one layer, one per element.
 async fn values(renderer: &Renderer, stream: Stream) -> Result<Vec<u32>, RenderError> {
     let mut values = renderer.values(stream).await?.bits;
     values.truncate(count(renderer, stream.info().elements));

@@ -1,4 +1,4 @@
-//! A run that a program drives: one pass at a time or to the end, with every stream in the open.
+//! A run, driven by its caller: pass by pass or to the end, with access to every stream.
 
 mod checkpoint;
 mod edit;
@@ -32,7 +32,7 @@ use records::Records;
 pub use records::{KernelSummary, PassTotals};
 pub use results::{RayHit, found};
 
-/// Where passes run.
+/// The device that passes run on.
 #[derive(Clone)]
 pub enum Device {
     /// A wgpu device.
@@ -44,8 +44,8 @@ pub enum Device {
 }
 
 impl Device {
-    /// What to take where nobody chose, and this is the best adapter: it, unless it is software. The twins are faster
-    /// then; `clock` is theirs.
+    /// The default device, given the best adapter: that adapter, unless it is software. In that case the twins are
+    /// faster; they use `clock`.
     #[must_use]
     pub fn auto(gpu: Arc<Gpu>, clock: Option<fn() -> u64>) -> Self {
         if gpu.is_software() { Self::Cpu(clock) } else { Self::Gpu(gpu) }
@@ -67,22 +67,22 @@ enum Executor {
 /// One pass that has run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pass {
-    /// Its place in the run, from 0.
+    /// Its index in the run, from 0.
     pub index: usize,
-    /// Turn of the walk's loop that it belongs to, from 1; 0 before the loop.
+    /// Iteration of the walk's loop that it belongs to, from 1; 0 before the loop.
     pub iteration: u32,
     /// Its kernel.
     pub kernel: Kernel,
-    /// Rays that it worked on.
+    /// Number of rays that it worked on.
     pub rays_in: u32,
     /// Rays in each state after it.
     pub counts: StateCounts,
-    /// Threads that it launched, with or without a ray to work on.
+    /// Number of threads that it launched, with or without a ray to work on.
     ///
-    /// On a GPU whole workgroups: of a kernel that works from a list of live rays as many full rows of
-    /// workgroups as hold them, of any other as many workgroups as cover the image. On the CPU calls of the
-    /// twin: for all rays of every chunk of 512 that has a ray in one of the kernel's states. What a GPU
-    /// launches to count rays, or in passes submitted ahead that turn out not to be needed, is not part of it.
+    /// On a GPU, whole workgroups: for a kernel that takes a list of live rays, as many full rows of workgroups as hold
+    /// them; for any other, as many workgroups as cover the image. On the CPU, calls of the twin: for all rays of every
+    /// chunk of 512 that has a ray in one of the kernel's states. Threads that a GPU launches to count rays, or in
+    /// passes that were submitted ahead but not needed, do not count.
     pub threads_launched: u64,
     /// When it began, on the device's own clock.
     pub begin_ns: Option<u64>,
@@ -90,18 +90,18 @@ pub struct Pass {
     pub duration_ns: Option<u64>,
 }
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Passes so far.
+    /// Number of passes so far.
     pub passes: usize,
-    /// Rays whose hit is decided.
+    /// Number of rays whose hit is decided.
     pub rays_decided: u64,
-    /// All rays.
+    /// Number of rays.
     pub rays: u64,
-    /// Samples of every pixel that are complete; rays are those of the next one.
+    /// Number of complete samples per pixel; `rays_decided` counts rays of the next one.
     pub samples: u32,
-    /// All samples of a pixel.
+    /// Number of samples per pixel at the end of the run.
     pub samples_wanted: u32,
 }
 
@@ -116,17 +116,17 @@ pub struct Renderer {
     records: Records,
     pass_bound: u64,
     unfinished: u64,
-    /// The one ray of a run that leaves out all others.
+    /// The pixel of the only ray, in a run that leaves out all others.
     alone: Option<[u32; 2]>,
-    /// Passes were submitted whose results are not recorded: a caller dropped the future that waited.
+    /// Whether passes were submitted whose results are not recorded: a caller dropped the future that waited for them.
     is_ahead: bool,
 }
 
 impl Renderer {
-    /// Plans the run, prepares the scene, allocates. No pass has run yet.
+    /// Plans the run, prepares the scene and allocates memory. No pass has run yet.
     ///
     /// # Errors
-    /// Where the scene or options do not fit the device, or the device fails.
+    /// If the scene or options do not fit the device, or the device fails.
     pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
         let limits = match device {
             Device::Gpu(gpu) => Limits::from(&**gpu),
@@ -136,10 +136,10 @@ impl Renderer {
         Self::from_plan(plan, data, options, device).await
     }
 
-    /// The same from a plan that was made before. Runs of one scene can share what they only read.
+    /// As [`new`](Self::new), with an existing plan. Runs of one scene can share the data that they only read.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub async fn from_plan(
         plan: impl Into<Arc<Plan>>,
         data: impl Into<Arc<SceneData>>,
@@ -181,13 +181,13 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Back to before the first pass, with all rays. Kernels are deterministic, so the same passes follow.
+    /// Returns to before the first pass, with all rays. Kernels are deterministic, so the same passes follow.
     pub fn restart(&mut self) {
         self.alone = None;
         self.begin();
     }
 
-    /// The same, with one ray where it goes alone.
+    /// Returns to before the first pass, with one ray if it is traced alone.
     fn begin(&mut self) {
         match &mut self.executor {
             Executor::Gpu(e) => e.clear(),
@@ -203,7 +203,7 @@ impl Renderer {
         match &self.given {
             Some(given) => {
                 for data in &given.streams {
-                    // A plan for given rays has these streams; a GPU keeps them, and copies them in `clear`.
+                    // A plan for input rays has these streams; a GPU keeps them, and copies them in `clear`.
                     let _: bool = match &mut self.executor {
                         Executor::Gpu(_) => true,
                         Executor::Cpu(e) => e.write(data),
@@ -214,7 +214,7 @@ impl Renderer {
                 self.count_in(|course| course.born, rays);
                 self.count_in(|course| course.unborn, texels - rays);
             }
-            // The fused kernel's rays wait for nobody to make them.
+            // With the fused kernel, rays need not be generated by a kernel before it.
             None if self.plan.features.eye_rays => self.count_in(|course| course.born, texels),
             None => self.count_in(|course| course.unborn, texels),
         }
@@ -223,7 +223,7 @@ impl Renderer {
         }
     }
 
-    /// So many elements are in a state, where the program has states.
+    /// Sets the number of elements in a state, if the program has states.
     fn count_in(&mut self, state: impl Fn(&Course) -> Tag, elements: u32) {
         if let Some(course) = &self.plan.program.course {
             self.counts[state(course) as usize] = elements;
@@ -236,8 +236,8 @@ impl Renderer {
         &self.plan
     }
 
-    /// How many elements a set of the program has, and how they lie in its streams' textures; `None` where the run is still
-    /// to count them.
+    /// The size of a set of the program, and its layout in the streams' textures; `None` while the run has not counted
+    /// it.
     #[must_use]
     pub fn size(&self, elements: &Elements) -> Option<Size> {
         match &self.executor {
@@ -265,19 +265,19 @@ impl Renderer {
         self.data.clone()
     }
 
-    /// Every pass so far, where [`Options::keep_passes`] asks for that; else none.
+    /// All passes so far, if [`Options::keep_passes`] is set; else none.
     #[must_use]
     pub fn passes(&self) -> &[Pass] {
         self.records.kept()
     }
 
-    /// How many passes have run so far.
+    /// Number of passes so far.
     #[must_use]
     pub fn pass_count(&self) -> usize {
         self.records.len()
     }
 
-    /// What all passes so far sum up to.
+    /// Sums over all passes so far.
     #[must_use]
     pub fn totals(&self) -> &PassTotals {
         self.records.totals()
@@ -289,21 +289,21 @@ impl Renderer {
         self.records.last()
     }
 
-    /// Rays in each state now.
+    /// Number of rays in each state.
     #[must_use]
     pub fn live(&self) -> StateCounts {
         self.counts
     }
 
-    /// Rays that were still walking when the bound on passes was reached, of all samples together. 0 with robust
+    /// Number of rays that were still walking when the limit of passes was reached, over all samples. 0 with robust
     /// numerics.
     #[must_use]
     pub fn unfinished(&self) -> u64 {
         self.unfinished
     }
 
-    /// Time of all passes so far on the device's own clock, in nanoseconds: on a GPU from the first begin to
-    /// the last end of each submission, summed; of the twins, the sum of their passes, where they are timed.
+    /// Time of all passes so far on the device's own clock, in nanoseconds: on a GPU from the first begin to the last
+    /// end of each submission, summed; for the twins, the sum of their passes, if timed.
     #[must_use]
     pub fn device_ns(&self) -> Option<u64> {
         match &self.executor {
@@ -312,8 +312,8 @@ impl Renderer {
         }
     }
 
-    /// Time of all passes so far on the host's clock, waiting for a GPU included, in nanoseconds: what is known where the
-    /// device's own clock is none. `None` where there is no such clock; see [`Gpu::check_clock`].
+    /// Time of all passes so far on the host's clock, in nanoseconds, including the wait for a GPU: known even if the
+    /// device's own clock is not valid. `None` if there is no such clock; see [`Gpu::check_clock`].
     #[must_use]
     pub fn host_ns(&self) -> Option<u64> {
         match &self.executor {
@@ -322,7 +322,7 @@ impl Renderer {
         }
     }
 
-    /// The GPU executor, where passes run on one.
+    /// The GPU executor, if passes run on one.
     #[must_use]
     pub fn gpu(&self) -> Option<&GpuExecutor> {
         match &self.executor {
@@ -331,7 +331,7 @@ impl Renderer {
         }
     }
 
-    /// The f64 twins, where passes run on them.
+    /// The f64 twins, if passes run on them.
     #[must_use]
     pub fn cpu_f64(&self) -> Option<&CpuExecutor<f64>> {
         match &self.executor {

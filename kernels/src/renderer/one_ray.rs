@@ -1,4 +1,4 @@
-//! A run of one ray alone: the same plan, the same kernels and the same texel, with every other ray left out.
+//! Runs one ray alone: the same plan, kernels and texel, with every other ray left out.
 
 use super::{RenderError, Renderer};
 use crate::program::schedule::Step;
@@ -6,16 +6,16 @@ use crate::tables::kernel::Role;
 use crate::tables::stream::{Region, STATE_TAG, StreamData};
 
 impl Renderer {
-    /// Whether a ray alone goes through the same passes, by the same numbers, as it does beside all others: so it is
-    /// up to the end of its walk where every turn of the walk runs the same kernels, whatever the rays do. Not where a
-    /// kernel runs until it is idle before the next one, and not where samples follow each other, as the next begins
-    /// when the last ray's walk is over.
+    /// Whether a ray alone goes through the same passes, with the same indices, as it does among all others. Up to the
+    /// end of its walk that holds if every iteration of the walk runs the same kernels, whatever the rays do; not if a
+    /// kernel runs until it is idle before the next one, and not with several samples, as the next sample begins when
+    /// the last ray's walk is over.
     #[must_use]
     pub fn can_go_alone(&self) -> bool {
         let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if kernel.role() != Role::Whole);
         let is_the_same_for_all = |step: &Step| match step {
             Step::Run(_) => runs_once(step),
-            // What shades for as long as the ray with the most to do is no part of the walk.
+            // Shading that runs as long as the ray with the most work is not part of the walk.
             Step::RunUntilIdle(kernel) => kernel.is_walk(),
             Step::LoopWhileActive(_, body) => body.iter().all(runs_once),
         };
@@ -24,11 +24,12 @@ impl Renderer {
             && self.plan.schedule.steps.iter().all(is_the_same_for_all)
     }
 
-    /// Back to before the first pass, with one ray alone: no kernel works on any other, until the next
-    /// [`restart`](Self::restart). False, and back with all rays, where it [cannot go alone](Self::can_go_alone).
+    /// Returns to before the first pass, with one ray alone: no kernel works on any other until the next
+    /// [`restart`](Self::restart). If it [cannot go alone](Self::can_go_alone), restarts with all rays and returns
+    /// false.
     ///
     /// # Errors
-    /// Where the image has no such pixel.
+    /// If the image has no such pixel.
     pub fn restart_alone(&mut self, x: u32, y: u32) -> Result<bool, RenderError> {
         let state = self.plan.program.state_stream();
         self.check_part(state.as_slice(), Region { x, y, width: 1, height: 1 })?;
@@ -37,7 +38,7 @@ impl Renderer {
         Ok(self.alone.is_some())
     }
 
-    /// Takes all rays but one out of the run that begins.
+    /// Removes all rays but one from the run that begins.
     pub(super) fn leave_out_others(&mut self, [x, y]: [u32; 2]) {
         let (width, height) = (self.plan.width, self.plan.height);
         let texels = width as usize * height as usize;
@@ -51,7 +52,7 @@ impl Renderer {
         let mut state = StreamData { stream: course.stream, width, height, bits };
         let ray = y as usize * width as usize + x as usize;
         for (i, tag) in state.bits[STATE_TAG * texels..(STATE_TAG + 1) * texels].iter_mut().enumerate() {
-            // What is done waits for no kernel.
+            // No kernel has work for an element that is done.
             *tag = if i == ray { *tag } else { course.done };
         }
         self.write(&state);

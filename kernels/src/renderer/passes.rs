@@ -1,4 +1,4 @@
-//! Running passes: one, some, or all that are left, in batches where that hides the way to the device.
+//! Runs passes: one, some, or all that remain, in batches that hide the latency of the device.
 
 use std::ops::ControlFlow;
 
@@ -8,14 +8,14 @@ use crate::executor::gpu::MOST_PASSES;
 use crate::program::Kernel;
 use crate::tables::stream::STATE_TAG;
 
-/// Rays times passes of one submission at most, or two passes.
+/// Most rays times passes per submission, unless that is fewer than two passes.
 const RAYS_A_BATCH: u64 = 1 << 26;
 
 impl Renderer {
     /// Runs one pass. `None` when the run is complete.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub async fn step(&mut self) -> Result<Option<Pass>, RenderError> {
         let recorded = self.advance(1).await?;
         Ok(self.records.last().filter(|_| recorded > 0))
@@ -41,16 +41,16 @@ impl Renderer {
     /// Runs to the end. `progress` is called between batches of passes and may stop the run.
     ///
     /// # Errors
-    /// Where the device fails, or `progress` said so.
+    /// If the device fails, or `progress` stopped the run.
     pub async fn run(&mut self, progress: impl FnMut(&Progress) -> ControlFlow<()>) -> Result<(), RenderError> {
         self.run_to(usize::MAX, progress).await
     }
 
-    /// Runs until so many passes have run in all, or to the end where that comes first; never beyond. `progress` is
-    /// called between batches of passes and may stop the run, which can go on from there.
+    /// Runs until this many passes have run in total, or to the end if that comes first; never beyond. `progress` is
+    /// called between batches of passes and may stop the run, which can be continued from there.
     ///
     /// # Errors
-    /// Where the device fails, or `progress` said so.
+    /// If the device fails, or `progress` stopped the run.
     pub async fn run_to(
         &mut self,
         place: usize,
@@ -60,13 +60,13 @@ impl Renderer {
         self.run_while(left, progress).await
     }
 
-    /// Runs as long as `left` says how many passes may follow.
+    /// Runs while `left` returns how many passes may follow.
     async fn run_while(
         &mut self,
         left: impl Fn(&Self) -> Option<usize>,
         mut progress: impl FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<(), RenderError> {
-        // Enough passes to hide the read-back, few enough rays to report often.
+        // Enough passes to hide the latency of the read-back, few enough rays to report often.
         let most = match self.executor {
             Executor::Gpu(_) => MOST_PASSES,
             Executor::Cpu(_) | Executor::CpuF64(_) => 1,
@@ -78,11 +78,11 @@ impl Renderer {
             if recorded == 0 {
                 break;
             }
-            // Where fewer were needed than submitted, a kernel is idle soon; the rest was for nothing.
+            // If fewer were needed than submitted, a kernel is about to become idle, and the rest was wasted.
             let wanted = if 2 * recorded < submitted { 2 * recorded } else { 2 * batch };
             // Passes that launch every ray cost as much at the end as at the beginning.
             let walking = self.undecided();
-            // Where no ray walks, all rays of the next sample soon do.
+            // If no ray is walking, all rays of the next sample soon will be.
             let launched = if self.plan.features.live_lists && walking > 0 { walking } else { self.plan.rays };
             batch = wanted.min((RAYS_A_BATCH / launched.max(1)) as usize).max(2).min(most);
             let is_over = left(self).is_none() || self.next_kernel().is_none();
@@ -93,13 +93,13 @@ impl Renderer {
         Ok(())
     }
 
-    /// Runs until so many samples of every pixel are complete, or to the end where that comes first. Then
-    /// [`image`](Self::image) is the mean of exactly those, be it that passes of the next sample have run too, and
-    /// the run can go on from there: one run of 1,024 samples shows the pictures of 2, 4, 8, … on its way.
-    /// `progress` is called between batches of passes and may stop the run.
+    /// Runs until this many samples of every pixel are complete, or to the end if that comes first. Then
+    /// [`image`](Self::image) is the mean of exactly those, even if passes of the next sample have run too, and the run
+    /// can be continued: one run of 1,024 samples gives the images of 2, 4, 8, … on its way. `progress` is called
+    /// between batches of passes and may stop the run.
     ///
     /// # Errors
-    /// Where the device fails, or `progress` said so.
+    /// If the device fails, or `progress` stopped the run.
     pub async fn run_to_sample(
         &mut self,
         samples: u32,
@@ -108,20 +108,20 @@ impl Renderer {
         self.run_while(|renderer| (renderer.samples() < samples).then_some(usize::MAX), progress).await
     }
 
-    /// Submits up to `most` passes and records those that the schedule asked for.
+    /// Submits up to `most` passes, and records those that the schedule required.
     async fn advance(&mut self, most: usize) -> Result<usize, RenderError> {
         self.settle().await?;
         self.submit(most).await
     }
 
-    /// Whether the streams are not what the passes so far made of them, because a caller dropped a future that
-    /// waited for passes. The next pass runs all of them again, from unwritten streams.
+    /// Whether the streams do not match the recorded passes, because a caller dropped a future that waited for passes.
+    /// The next pass runs all of them again, from unwritten streams.
     #[must_use]
     pub fn is_ahead(&self) -> bool {
         self.is_ahead
     }
 
-    /// Makes streams and recorded passes agree. Passes are deterministic: the recorded ones are run again.
+    /// Makes streams and recorded passes match. Passes are deterministic: the recorded ones are run again.
     pub(super) async fn settle(&mut self) -> Result<(), RenderError> {
         if self.is_ahead {
             let place = self.pass_count();
@@ -149,7 +149,7 @@ impl Renderer {
         for result in &results {
             let mut ahead = self.cursor.clone();
             if ahead.next(&self.plan.schedule, &self.counts) != Some(result.kernel) {
-                // What follows was submitted ahead for rays that are no longer there.
+                // Passes that were submitted ahead for rays that have already left.
                 if results[recorded..].iter().any(|r| r.counts != self.counts) {
                     return Err(RenderError::Overshoot(self.pass_count()));
                 }
@@ -177,14 +177,14 @@ impl Renderer {
         Ok(recorded)
     }
 
-    /// Only the paper's numerics can get here: a ray that wraps over a face of the grid.
+    /// Only possible with the paper's numerics: a ray wraps over a face of the grid.
     fn is_over_bound(&self) -> bool {
         let is_first = self.unfinished == 0 || self.plan.features.samples;
         is_first && self.undecided() > 0 && self.records.of_sample() as u64 >= self.pass_bound
     }
 
-    /// Ends the walks that have not come to an end. Where another sample follows, their rays have hit nothing in this
-    /// one: left where they are, they would walk on through all that follow, a sample behind the others.
+    /// Ends the walks that are still active. If another sample follows, their rays count as misses in this one:
+    /// otherwise they would keep walking through all following samples, a sample behind the others.
     async fn give_up_walks(&mut self) -> Result<(), RenderError> {
         if !self.plan.features.samples {
             self.unfinished = self.undecided();
@@ -207,7 +207,8 @@ impl Renderer {
         self.plan.program.states.walking(&self.counts)
     }
 
-    /// Elements whose result is known; of a program without states, the share of its passes that have run.
+    /// Number of elements whose result is known; for a program without states, in proportion to the passes that have
+    /// run.
     fn decided(&self) -> u64 {
         if self.plan.program.course.is_some() {
             return self.plan.program.states.decided(&self.counts);
@@ -216,7 +217,7 @@ impl Renderer {
         self.plan.rays * done.min(all) / all
     }
 
-    /// How far the run is.
+    /// Progress of the run.
     #[must_use]
     pub fn progress(&self) -> Progress {
         Progress {
@@ -228,13 +229,13 @@ impl Renderer {
         }
     }
 
-    /// Samples of every pixel that are complete: how many the [`image`](Self::image) is the mean of.
+    /// Number of complete samples per pixel, of which [`image`](Self::image) is the mean.
     #[must_use]
     pub fn samples(&self) -> u32 {
         if self.plan.features.samples { self.cursor.samples } else { u32::from(self.next_kernel().is_none()) }
     }
 
-    /// Samples of a pixel that the run ends with.
+    /// Number of samples per pixel at the end of the run.
     fn samples_wanted(&self) -> u32 {
         if self.plan.features.samples { self.data.sampling.samples } else { 1 }
     }
@@ -249,7 +250,7 @@ mod tests {
     use crate::renderer::Device;
     use crate::{Options, RaySource, Samples, ScheduleKind};
 
-    /// As if many rays never ended: a bound that is reached in the middle of the first walk.
+    /// As if many rays never ended: the limit of passes is reached in the middle of the first walk.
     #[test]
     fn rays_that_reach_the_bound_hold_up_no_other() {
         let scene = generate::cornell_box();
@@ -265,21 +266,21 @@ mod tests {
                 while renderer.step().await?.is_some() {
                     times += u32::from(renderer.unfinished() > unfinished);
                     unfinished = renderer.unfinished();
-                    // A sample takes its bound, and the passes that begin and end it.
+                    // A sample takes the limit of passes, and those that begin and end it.
                     let most = samples.count as usize * (9 + 4);
                     assert!(
                         renderer.passes().len() <= most,
-                        "{} passes: the bound is no bound",
+                        "{} passes: the limit does not hold",
                         renderer.passes().len()
                     );
                 }
-                assert_eq!(times, samples.count, "rays reach the bound in every sample");
+                assert_eq!(times, samples.count, "rays reach the limit in every sample");
                 let ended = u64::from(renderer.live()[states::DONE as usize]);
                 assert_eq!(ended + renderer.undecided(), 400);
                 if samples.count > 1 {
                     let counts = renderer.values(streams::ACCUMULATED).await?;
                     let complete = counts.layer(4).iter().filter(|&&n| f32::from_bits(n) == 4.0).count();
-                    assert_eq!((complete as u64, ended, renderer.samples()), (400, 400, 4), "nobody lags");
+                    assert_eq!((complete as u64, ended, renderer.samples()), (400, 400, 4), "no ray lags behind");
                 }
                 Ok::<(), RenderError>(())
             });
@@ -287,7 +288,7 @@ mod tests {
         }
     }
 
-    /// The bound is one of each sample's passes, not of the run's.
+    /// The limit applies to each sample's passes, not to the run's.
     #[test]
     fn a_bound_that_no_sample_reaches_ends_no_walk() {
         let scene = generate::cornell_box();
@@ -305,7 +306,7 @@ mod tests {
             renderer.run(|_| ControlFlow::Continue(())).await?;
             assert_eq!((renderer.unfinished(), renderer.pass_count()), (0, passes));
             assert_eq!(renderer.image().await?, image);
-            // Half of it is reached.
+            // The run reaches half of it.
             renderer.restart();
             renderer.pass_bound = longest as u64 / 2;
             renderer.run(|_| ControlFlow::Continue(())).await?;

@@ -1,4 +1,4 @@
-//! What is known of the passes that have run: what they sum up to, and, where somebody wants it, each of them.
+//! Records of the passes that have run: their sums and, on request, each of them.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::tables::kernel::Role;
 /// A kernel's share of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct KernelSummary {
-    /// Passes.
+    /// Number of passes.
     pub passes: usize,
     /// Rays worked on, summed over its passes.
     pub rays_in: u64,
@@ -18,10 +18,10 @@ pub struct KernelSummary {
     pub duration_ns: Option<u64>,
 }
 
-/// What some passes sum up to. It takes the same memory however many there are.
+/// Sums over passes. Takes the same memory however many there are.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PassTotals {
-    /// How many.
+    /// Number of passes.
     pub passes: usize,
     /// Passes, rays and time of each kernel, by name.
     pub kernels: BTreeMap<&'static str, KernelSummary>,
@@ -77,12 +77,12 @@ pub(super) struct Records {
 }
 
 impl Records {
-    /// None yet; `is_kept`: each is wanted.
+    /// No passes yet; `is_kept`: keep each of them.
     pub(super) fn new(is_kept: bool) -> Self {
         Self { is_kept, ..Self::default() }
     }
 
-    /// Forgets all.
+    /// Removes all passes.
     pub(super) fn clear(&mut self) {
         *self = Self::new(self.is_kept);
     }
@@ -100,7 +100,7 @@ impl Records {
         self.totals.passes
     }
 
-    /// Each of them, where that was wanted, else none.
+    /// Each of the passes if they are kept, else none.
     pub(super) fn kept(&self) -> &[Pass] {
         &self.kept
     }
@@ -113,7 +113,7 @@ impl Records {
         self.last
     }
 
-    /// Passes since rays were made last, or since the start.
+    /// Number of passes since rays were last generated, or since the start.
     pub(super) fn of_sample(&self) -> usize {
         self.of_sample
     }

@@ -1,4 +1,4 @@
-//! What a run has found so far: streams as they are, and the image and hits that are in them.
+//! Results of a run so far: the streams, and the image and hits that they contain.
 
 use super::{Executor, RenderError, Renderer};
 use crate::numbers::units::exp2;
@@ -8,10 +8,10 @@ use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::elements::Size;
 use crate::tables::stream::{Region, Stream, StreamData};
 
-/// What one ray hit, in scene units.
+/// A ray's hit, in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// Parameter along the ray's direction as it was given.
+    /// Parameter along the ray's direction as the caller gave it.
     pub t: f64,
     /// Weight of vertex 1.
     pub u: f32,
@@ -29,7 +29,7 @@ pub fn found(state: &StreamData, hit: &StreamData, ray: usize) -> Option<(u32, f
 }
 
 impl Renderer {
-    /// A stream's own texture, where passes run on a GPU.
+    /// The texture of a stream, if passes run on a GPU.
     #[must_use]
     pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
         self.gpu()?.texture(stream)
@@ -38,7 +38,7 @@ impl Renderer {
     /// A stream's values after the last pass.
     ///
     /// # Errors
-    /// Where the plan left it out, or the device fails.
+    /// If the plan left it out, or the device fails.
     pub async fn values(&self, stream: Stream) -> Result<StreamData, RenderError> {
         let elements = stream.info().elements;
         if self.plan.has_stream(stream) && self.size(elements).is_none() {
@@ -52,19 +52,19 @@ impl Renderer {
         data.ok_or(RenderError::NoStream(stream.name()))
     }
 
-    /// One ray's texel after the last pass, one word a layer.
+    /// One ray's texel after the last pass, one word per layer.
     ///
     /// # Errors
-    /// Where the plan left the stream out, the image has no such pixel, or the device fails.
+    /// If the plan left the stream out, the image has no such pixel, or the device fails.
     pub async fn texel(&self, stream: Stream, x: u32, y: u32) -> Result<Vec<u32>, RenderError> {
         self.texels(&[stream], x, y).await?.pop().ok_or(RenderError::NoStream(stream.name()))
     }
 
-    /// One ray's texels in some streams after the last pass, one word a layer: one submission, and one trip to
-    /// the host, for all of them.
+    /// One ray's texels in several streams after the last pass, one word per layer, read with one submission and one
+    /// read-back.
     ///
     /// # Errors
-    /// Where the plan left one of the streams out, the image has no such pixel, or the device fails.
+    /// If the plan left one of the streams out, the image has no such pixel, or the device fails.
     pub async fn texels(&self, streams: &[Stream], x: u32, y: u32) -> Result<Vec<Vec<u32>>, RenderError> {
         self.check_part(streams, Region { x, y, width: 1, height: 1 })?;
         let texels = match &self.executor {
@@ -75,10 +75,10 @@ impl Renderer {
         texels.ok_or(RenderError::NoStream(streams.first().map_or("", |s| s.name())))
     }
 
-    /// A part of a stream after the last pass.
+    /// A region of a stream after the last pass.
     ///
     /// # Errors
-    /// Where the plan left it out, the image has no such part, or the device fails.
+    /// If the plan left it out, the image has no such region, or the device fails.
     pub async fn region(&self, stream: Stream, region: Region) -> Result<StreamData, RenderError> {
         self.check_part(&[stream], region)?;
         let data = match &self.executor {
@@ -104,12 +104,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// The image so far, linear; alpha is 1 where a ray hit something. With several samples a pixel, the mean of
-    /// those that are complete and the share of them that hit: of [`samples`](Self::samples) samples, in every
-    /// pixel, between any two passes but with unwritten zeros before the first sample is complete.
+    /// The image so far, linear; alpha is 1 if a ray hit something. With several samples per pixel, the mean over the
+    /// complete samples, and the share of them that hit: for every pixel the same number of samples,
+    /// [`samples`](Self::samples), between any two passes. Before the first sample is complete, all values are zero.
     ///
     /// # Errors
-    /// Where the run does not shade, or the device fails.
+    /// If the run does not shade, or the device fails.
     pub async fn image(&self) -> Result<Image, RenderError> {
         if self.plan.features.samples {
             return Ok(Image::from_mean(&self.values(streams::ACCUMULATED).await?));
@@ -119,19 +119,18 @@ impl Renderer {
         Ok(Image::from_streams(&color, &hit))
     }
 
-    /// What t of ray `index` (y * width + x) in a stream is to be multiplied by to get the t of the ray in
-    /// scene units: the traced unit's size, and for a given ray also the power of two that its direction
-    /// was scaled by.
+    /// Factor from t of ray `index` (y * width + x) in a stream to t of the ray in scene units: the traced unit's size,
+    /// and for an input ray also the power of two by which its direction was scaled.
     #[must_use]
     pub fn t_scale(&self, index: usize) -> f64 {
         let given = self.given.as_ref().and_then(|g| g.exponents.get(index));
         given.map_or_else(|| self.data.units.scene_units_per_stream_unit(), |&exponent| exp2(exponent))
     }
 
-    /// What every ray hit so far, in scene units; of several samples a pixel, the latest sample's ray.
+    /// The hits of all rays so far, in scene units; with several samples per pixel, of the latest sample.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub async fn hits(&self) -> Result<Vec<Option<RayHit>>, RenderError> {
         let hit = self.values(streams::HIT).await?;
         let state = self.values(streams::STATE).await?;

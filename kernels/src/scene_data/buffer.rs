@@ -8,11 +8,11 @@ use crate::options::reasons::{Reason, Run};
 pub struct BufferInfo {
     /// Its name in WGSL, files and reports.
     pub name: &'static str,
-    /// A uniform, else read-only storage.
+    /// Whether it is a uniform, else read-only storage.
     pub is_uniform: bool,
-    /// What an element is, with its unit.
+    /// Description of an element, with its unit.
     pub element: &'static str,
-    /// Its bytes; none where a run does without it.
+    /// Its bytes; empty if a run does without it.
     pub bytes: fn(&SceneData) -> &[u8],
     /// Why a run does without it.
     pub why_absent: fn(&Run<'_>) -> Reason,
@@ -39,8 +39,8 @@ pub const fn storage(
 }
 
 impl BufferInfo {
-    /// Its bytes in a run; a storage buffer that would be empty gets 80 zero bytes, the largest entry of any, since
-    /// nothing can be bound to nothing.
+    /// Its bytes in a run; an empty storage buffer gets 80 zero bytes, the size of the largest entry, since empty
+    /// buffers cannot be bound.
     #[must_use]
     pub fn contents(self, data: &SceneData) -> &[u8] {
         const EMPTY: &[u8] = &[0; 80];

@@ -1,8 +1,8 @@
-//! Why the bytes of a scene cannot be prepared.
+//! Errors of preparing a scene's data.
 
 use crate::numbers::bytes::Bytes;
 
-/// This machine's memory does not hold a buffer of the scene.
+/// This machine does not have enough memory for a buffer of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("not enough memory for {name}, which needs {}", Bytes(*bytes))]
 pub struct SceneDataError {
@@ -12,10 +12,10 @@ pub struct SceneDataError {
     pub bytes: u64,
 }
 
-/// An empty list with room for `count` elements of the buffer `name`.
+/// An empty list with capacity for `count` elements of the buffer `name`.
 ///
 /// # Errors
-/// Where there is no memory for it.
+/// If there is not enough memory.
 pub(super) fn reserve<T>(name: &'static str, count: usize) -> Result<Vec<T>, SceneDataError> {
     let mut list = Vec::new();
     let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);

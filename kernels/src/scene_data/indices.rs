@@ -1,34 +1,34 @@
-//! What the fused kernel runs without bounds checks on: a proof, from the bytes that are bound alone, that every
-//! index it computes from them lies within what it points into.
+//! The condition under which the fused kernel runs without bounds checks: a proof, from only the bytes that are bound,
+//! that every index it computes from them is in bounds.
 //!
-//! Nothing is taken over from who built the structures. Depth and shape of the tree are derived from its nodes, and
-//! the bits of a node are read as the shader reads them. The work is linear in what is looked at; the one allocation
-//! is a byte a node, and where it fails the proof does.
+//! Nothing is assumed about how the structures were built. Depth and shape of the BVH are derived from its nodes, and
+//! the bits of a node are read as the shader reads them. The work is linear in the size of the data; the only
+//! allocation is one byte per node, and if it fails, so does the proof.
 
 use super::SceneData;
 use crate::options::features::Features;
 use crate::shared::constants::wide_stack;
 use crate::shared::wide_node::WideNode;
 
-/// Words or vectors of a buffer are counted in u32 by the shader, as `stride * index + rest`.
+/// Whether the shader can count the buffer's words or vectors in u32, as `stride * index + rest`.
 fn is_counted_in_u32(entries: usize, stride: usize) -> bool {
     entries.checked_mul(stride).is_some_and(|all| u32::try_from(all).is_ok())
 }
 
 impl SceneData {
-    /// Whether every index that the fused kernel, compiled with `features`, follows stays within what it points into:
-    /// what a shader without bounds checks relies on.
+    /// Whether every index that the fused kernel, compiled with `features`, follows is in bounds: a shader without
+    /// bounds checks relies on this.
     ///
-    /// - Of the grid: there is an offset for every cell and one more, offsets do not fall, and the last one is within
-    ///   the items; items are triangles; there is a byte of distance for every cell, 0 where the cell has a list.
-    /// - Of the tree: each node but the root is the child of exactly one node, which comes before it, so that there is
-    ///   neither a cycle nor a shared child; the entries of its leaves are there; no way from the root has more nodes
-    ///   than the kernel's stack has room for, and one.
-    /// - Without either, there are as many triangles as the kernel counts.
+    /// - With a grid: there is an offset for every cell and one more, offsets do not decrease, and the last one is
+    ///   within the items; items are triangles; there is a byte of distance for every cell, 0 if the cell has a list.
+    /// - With a BVH: each node but the root is the child of exactly one node, which comes before it, so there are
+    ///   neither cycles nor shared children; the entries of its leaves exist; no path from the root has more nodes than
+    ///   the kernel's stack has entries, plus one.
+    /// - With neither, there are as many triangles as the kernel counts.
     #[must_use]
     pub fn indices_hold(&self, features: &Features) -> bool {
         let entries = self.packed_triangles.len();
-        // Three vectors each. Ids are what the host and other kernels look up by.
+        // Three vectors each. The host and other kernels use the ids for lookups.
         let triangles_hold = is_counted_in_u32(entries, 3)
             && (self.info.triangles == 0 || self.packed_triangles.iter().all(|entry| entry[3] < self.info.triangles));
         triangles_hold
@@ -42,7 +42,7 @@ impl SceneData {
     }
 
     fn grid_holds(&self, leaps: bool) -> bool {
-        // The shader multiplies them as i32.
+        // The shader multiplies these as i32.
         let product = self.grid.cells.iter().try_fold(1i32, |all, &n| all.checked_mul(n).filter(|_| n > 0));
         let Some(cells) = product.map(|n| n as usize) else { return false };
         let entries = self.packed_triangles.len();
@@ -61,22 +61,22 @@ impl SceneData {
     }
 }
 
-/// Nodes on the longest way from the root, both ends counted. `None` where the nodes are not one tree whose parents
-/// come before their children, or name what is not there.
+/// Nodes on the longest path from the root, both ends included. `None` if the nodes do not form one tree whose parents
+/// come before their children, or refer to something that does not exist.
 fn wide_depth(nodes: &[WideNode], entries: usize) -> Option<u32> {
-    // Five vectors each.
+    // Five vectors per node.
     if nodes.is_empty() || !is_counted_in_u32(nodes.len(), 5) {
         return None;
     }
-    // 0 for one that no node has named yet. Deeper than a byte tells is deeper than any stack.
+    // 0 for a node that no node refers to yet. More levels than a byte holds are more than any stack holds.
     let mut levels: Vec<u8> = Vec::new();
     levels.try_reserve_exact(nodes.len()).ok()?;
     levels.resize(nodes.len(), 0);
     levels[0] = 1;
     for (i, node) in nodes.iter().enumerate() {
-        // One that none before it names is nobody's child, or the child of one after it.
+        // Without a reference from an earlier node, it is no node's child, or the child of a later one.
         let below = levels[i].checked_add(1).filter(|&below| below > 1)?;
-        // Of all 24 bits, whether their slots are leaves or not: the shader does not ask.
+        // From all 24 bits, whether their slots are leaves or not: the shader does not check.
         let of_leaves = (node.contents & 0x00ff_ffff).count_ones() as usize;
         if of_leaves > 0 && entries.checked_sub(of_leaves)? < node.triangle_base as usize {
             return None;
@@ -85,7 +85,7 @@ fn wide_depth(nodes: &[WideNode], entries: usize) -> Option<u32> {
         if inner > 0 {
             let first = node.child_base as usize;
             let children = levels.get_mut(first..first.checked_add(inner)?)?;
-            // One that comes before is named already, be it the root: so is every node on the way to this one.
+            // An earlier node, even the root, has a level already: so has every node on the path to this one.
             if children.iter().any(|&level| level != 0) {
                 return None;
             }
@@ -117,7 +117,7 @@ mod tests {
         assert!(!changed.indices_hold(features), "not seen: {what}");
     }
 
-    /// An inner node with a leaf among its children, and at least two inner ones.
+    /// An inner node with a leaf and at least two inner nodes among its children.
     fn mixed(data: &SceneData) -> usize {
         let is_mixed = |n: &WideNode| n.contents >> 24 != 0 && n.contents & 0xff_ffff != 0 && n.contents >> 24 != 0x80;
         let found = data.wide_nodes.iter().rposition(|n| is_mixed(n) && (n.contents >> 24).count_ones() >= 2);
@@ -148,7 +148,7 @@ mod tests {
     fn a_wrong_index_of_the_grid_is_seen() {
         let built = fused(Accelerator::Grid, 2000);
         assert!(built.0.skip && built.0.grid);
-        // Without leaps no distance covers for a wrong offset.
+        // Without skipping, no distance hides a wrong offset.
         let stepped = (Features { skip: false, ..built.0 }, built.1.clone());
         assert!(stepped.1.indices_hold(&stepped.0));
         let cells = built.1.grid_cells.len() - 1;
@@ -189,7 +189,7 @@ mod tests {
         refused("a last node that is missing", &built, |d| d.wide_nodes.truncate(d.wide_nodes.len() - 1));
         refused("a last entry that is missing", &built, |d| d.packed_triangles.truncate(d.packed_triangles.len() - 1));
         refused("an id that is no triangle", &built, |d| d.packed_triangles[7][3] = 2000);
-        // The shader takes such bits for entries of a leaf.
+        // The shader reads such bits as entries of a leaf.
         refused("entries of an inner child", &built, |d| {
             let slot = (d.wide_nodes[at].contents >> 24).trailing_zeros();
             d.wide_nodes[at].triangle_base = entries - (d.wide_nodes[at].contents & 0xff_ffff).count_ones();
@@ -220,10 +220,10 @@ mod tests {
         refused("siblings that overlap by one", &built, |d| d.wide_nodes[at].child_base += 1);
     }
 
-    /// Nothing but the fault is wrong with these: every node is named, and every index within the nodes.
+    /// Nothing but the fault is wrong with these: every node is referred to, and every index is in bounds.
     #[test]
     fn of_small_graphs_only_trees_hold() {
-        // Of each node its first child and how many.
+        // For each node, its first child and the number of children.
         let graph = |nodes: &[(u32, u32)]| -> Vec<WideNode> {
             let node = |&(child_base, inner): &(u32, u32)| {
                 let contents = if inner == 0 { 1 } else { ((1 << inner) - 1) << 24 };
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn a_tree_that_is_deeper_than_the_stack_is_seen_whatever_it_says_of_itself() {
-        // One child a node: no group ever waits, but the shader's room is counted for the worst ray.
+        // One child per node: no group ever waits, but the stack's size must suffice for the worst ray.
         let chain = |depth: u32| {
             let inner = |i| WideNode { child_base: i + 1, contents: 1 << 24, ..WideNode::default() };
             let mut nodes: Vec<WideNode> = (0..depth - 1).map(inner).collect();
@@ -270,7 +270,7 @@ mod tests {
         assert!(data.indices_hold(&features));
         for (depth, stack, holds) in [(1, 0, true), (2, 0, true), (3, 0, false), (3, 1, false), (3, 2, true)]
             .into_iter()
-            // The shader's stack has never more than 32 places, whatever is asked for.
+            // The shader's stack has at most 32 entries, whatever is requested.
             .chain([(33, 32, true), (34, 33, false), (34, u32::MAX, false), (300, 299, false), (257, 256, false)])
         {
             (data.wide_nodes, features.stack) = (chain(depth), stack);
@@ -286,7 +286,7 @@ mod tests {
         refused("an id that is no triangle", &built, |d| d.packed_triangles[39][3] = 40);
     }
 
-    /// A plan and data of different runs: what is proved must be what the shader was compiled for.
+    /// A plan and data of different runs: the proof must be about the features that the shader was compiled for.
     #[test]
     fn data_of_another_structure_is_seen() {
         let [grid, bvh, none] =

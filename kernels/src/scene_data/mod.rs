@@ -31,12 +31,12 @@ use traced::packed_triangles;
 pub(crate) use traced::{bvh_growth, reach, traced_vertices};
 pub use traced::{traced_camera, traced_ray};
 
-/// Host side of everything that is bound. What a run does not bind stays empty.
+/// The host's copy of all buffers and uniforms. Those that a run does not bind stay empty.
 #[derive(Clone, Default)]
 pub struct SceneData {
-    /// The options decided.
+    /// Options of the kernels.
     pub features: Features,
-    /// Scene units and traced units.
+    /// Conversion between scene units and traced units.
     pub units: Units,
     /// Uniform `build`.
     pub build: Build,
@@ -50,35 +50,35 @@ pub struct SceneData {
     pub sampling: Sampling,
     /// Uniform `shading`.
     pub shading: Shading,
-    /// Nine a triangle, traced units.
+    /// Nine per triangle, traced units.
     pub vertices: Vec<f32>,
-    /// One a cell and one more.
+    /// One per cell, and one more.
     pub grid_cells: Vec<u32>,
     /// Triangle ids.
     pub grid_items: Vec<u32>,
-    /// Four cells a word, a byte each: see [`crate::structures::grid::distances`].
+    /// One byte per cell, four cells per word: see [`crate::structures::grid::distances`].
     pub grid_distances: Vec<u32>,
-    /// What cells and boxes were grown by, traced units.
+    /// Growth of cells or boxes, in traced units.
     pub growth: f32,
-    /// The binary tree.
+    /// Nodes of the binary BVH.
     pub bvh_nodes: Vec<BvhNode>,
-    /// One a node.
+    /// One per node.
     pub bvh_parents: Vec<u32>,
     /// Triangle ids.
     pub bvh_items: Vec<u32>,
-    /// The wide tree.
+    /// Nodes of the wide BVH.
     pub wide_nodes: Vec<WideNode>,
-    /// Nodes on the longest way through it.
+    /// Nodes on its longest path.
     pub wide_depth: u32,
     /// Corners and ids as the fused kernel reads them.
     pub packed_triangles: Vec<[u32; 12]>,
-    /// Nine a triangle.
+    /// Nine per triangle.
     pub normals: Vec<f32>,
-    /// Six a triangle.
+    /// Six per triangle.
     pub texcoords: Vec<f32>,
-    /// Nine a triangle.
+    /// Nine per triangle.
     pub vertex_colors: Vec<f32>,
-    /// One a triangle.
+    /// One per triangle.
     pub triangle_materials: Vec<u32>,
     /// At least one.
     pub materials: Vec<Material>,
@@ -86,12 +86,12 @@ pub struct SceneData {
     pub lights: Vec<Light>,
     /// As many as materials refer to.
     pub textures: Vec<Texture>,
-    /// Two words a texel.
+    /// Two words per texel.
     pub texels: Vec<u32>,
 }
 
 impl std::fmt::Debug for SceneData {
-    /// Sizes only: the contents of a scene fill no log.
+    /// Prints sizes only: a scene's contents would flood a log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SceneData")
             .field("triangles", &self.info.triangles)
@@ -113,8 +113,8 @@ impl SceneData {
         [0, 3, 6].map(|c| Vec3::from_f32([v[c], v[c + 1], v[c + 2]]))
     }
 
-    /// Where the list of a cell or leaf begins, and how many triangles it has; all triangles where there is
-    /// neither grid nor tree.
+    /// Start of the list of a cell or leaf, and its number of triangles; all triangles if there is neither grid nor
+    /// BVH.
     #[must_use]
     pub fn list(&self, cell: u32) -> (u32, u32) {
         if self.features.grid {
@@ -128,7 +128,7 @@ impl SceneData {
         }
     }
 
-    /// The triangle at a place of the lists.
+    /// The triangle at an index in the lists.
     #[must_use]
     pub fn listed(&self, place: u32) -> u32 {
         if self.features.grid {
@@ -146,11 +146,12 @@ impl SceneData {
         (self.grid_distances[cell as usize / 4] >> (8 * (cell % 4)) & 0xff) as i32
     }
 
-    /// The bytes of a run whose structure and features are decided: what `wanted` names, and the structure. `scene` must
-    /// have as many entries per attribute as triangles; `vertices` are its corners in traced units.
+    /// The data of a run whose structure and features are decided: the buffers in `wanted`, and the structure. Each
+    /// attribute of `scene` must have as many entries as there are triangles; `vertices` are its corners in traced
+    /// units.
     ///
     /// # Errors
-    /// Where the memory for it is not there.
+    /// If there is not enough memory.
     pub(crate) fn new(
         scene: &Scene,
         options: &Options,

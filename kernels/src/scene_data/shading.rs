@@ -1,4 +1,4 @@
-//! What shading reads of a scene: normals, materials, lights, textures, colours.
+//! Scene data for shading: normals, materials, lights, textures, colours.
 
 use raystep_scenes::{Light as SceneLight, Scene, Texture as SceneTexture, Wrap};
 
@@ -35,7 +35,7 @@ pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Ligh
         };
         return vec![Light { position, kind: POINT, color: [1.0; 3], ..Light::default() }];
     }
-    // Farther than that, only a light's direction is left of it.
+    // Farther away, only the direction of a light matters.
     let place = |p: &[f32; 3]| p.map(|v| units.to_traced(v).clamp(-1e18, 1e18));
     let traced = |light: &SceneLight| match light {
         SceneLight::Point { position, color, .. } => {
@@ -54,7 +54,7 @@ pub(super) fn lights(scene: &Scene, options: &Options, units: Units) -> Vec<Ligh
     scene.lights.iter().map(traced).collect()
 }
 
-/// All texels in one buffer, linear, 16 bits a channel: fine enough for 8-bit sRGB's darkest steps.
+/// All texels in one buffer, linear, 16 bits per channel: enough to resolve the darkest steps of 8-bit sRGB.
 pub(super) fn textures(textures: &[SceneTexture]) -> Result<(Vec<Texture>, Vec<u32>), SceneDataError> {
     let white = [SceneTexture {
         width: 1,

@@ -1,4 +1,4 @@
-//! Corners, cameras and rays in traced units, and how large they get.
+//! Corners, cameras and rays in traced units, and bounds on their size.
 
 use raystep_scenes::{Camera as SceneCamera, Projection, Scene};
 
@@ -7,17 +7,17 @@ use crate::options::{Options, Ray, RaySource};
 use crate::shared::camera::Camera;
 use crate::structures::grid;
 
-/// What boxes of a tree are grown by, in traced units: as much as the grid's cells, and 24 roundings for the
-/// slab test. Its planes lie at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's
-/// corner, 6 of the distance from there, and 1 of the sum; both distances are below `reach`, the
-/// second one twice at most, since the planes' spacing is the next power of two.
+/// Growth of a BVH's boxes, in traced units: as much as the grid's cells, and 24 roundings for the slab test. Its
+/// planes are at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's corner, 6 of the distance
+/// from there, and 1 of the sum; both distances are below `reach`, the second at most twice that, since the planes'
+/// spacing is the next power of two.
 pub(crate) fn bvh_growth(reach: f32) -> f32 {
     grid::growth(reach) * (64.0 / 40.0)
 }
 
 /// Corners and ids of all triangles, or of those listed.
 pub(super) fn packed_triangles(vertices: &[f32], items: Option<&Vec<u32>>) -> Vec<[u32; 12]> {
-    // The tree of an empty scene has a leaf that nothing enters.
+    // The BVH of an empty scene has a leaf that no ray enters.
     let items = items.filter(|_| !vertices.is_empty());
     let mut packed = vec![[0; 12]; items.map_or(vertices.len() / 9, Vec::len)];
     crate::numbers::parallel::for_chunks(&mut packed, 1 << 14, |first, piece| {
@@ -44,7 +44,7 @@ pub(crate) fn traced_vertices(scene: &Scene, units: Units) -> Vec<f32> {
     vertices
 }
 
-/// The camera as the kernel has it. The view plane lies at distance 1, whatever the units.
+/// The camera in the kernels' format. The view plane is at distance 1, whatever the units.
 #[must_use]
 pub fn traced_camera(camera: &SceneCamera, units: Units, width: u32, height: u32) -> Camera {
     let aspect = f64::from(width) / f64::from(height);
@@ -64,8 +64,8 @@ pub fn traced_camera(camera: &SceneCamera, units: Units, width: u32, height: u32
     }
 }
 
-/// A ray in traced units: the origin scaled, the direction scaled by a power of two of its own so that
-/// its largest component lies in [1, 2). Also the exponent k of the scene's t: `t_scene = t_traced * 2^k`.
+/// A ray in traced units: the origin scaled, and the direction scaled by its own power of two so that its largest
+/// component is in [1, 2). Also returns the exponent k of the scene's t: `t_scene = t_traced * 2^k`.
 #[must_use]
 pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     let origin = ray.origin.map(|v| units.to_traced(v));
@@ -76,8 +76,8 @@ pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     (Ray { origin, direction }, unit + exponent)
 }
 
-/// Bounds every coordinate of corners and origins and the distances between them, in traced units; a
-/// power of two, so that a small move of the camera does not change the grid.
+/// An upper bound on every coordinate of corners and origins and on the distances between them, in traced units; a
+/// power of two, so that a small camera movement does not change the grid.
 pub(crate) fn reach(vertices: &[f32], options: &Options, units: Units) -> f32 {
     let largest_of = |values: &[f32]| values.iter().fold(0.0f32, |m, v| m.max(v.abs()));
     let scene = crate::numbers::parallel::map_ranges(vertices.len(), 1 << 18, |range| largest_of(&vertices[range]));

@@ -1,20 +1,20 @@
-//! Twin of `build.wgsl`: what a grid is built of.
+//! Twin of `build.wgsl`: the input of a grid build.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::grid_walk::Grid;
 
-/// The uniform `build`. The WGSL has its floats as bits.
+/// The uniform `build`. The WGSL reads its floats as bits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Build {
     /// Lower corner of cell (0, 0, 0).
     pub corner: [f32; 3],
-    /// What cells are grown by on all sides.
+    /// Growth of cells on all sides.
     pub growth: f32,
     /// Size of a cell.
     pub width: [f32; 3],
-    /// How many triangles there are.
+    /// Number of triangles.
     pub triangles: u32,
     /// Cells along each axis.
     pub cells: [u32; 3],
@@ -22,7 +22,7 @@ pub struct Build {
 }
 
 impl Build {
-    /// A build of the lists of `grid`.
+    /// The uniform for building the lists of `grid`.
     #[must_use]
     pub fn new(grid: &Grid, growth: f32, triangles: u32) -> Self {
         let cells = grid.cells.map(|n| n as u32);

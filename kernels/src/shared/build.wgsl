@@ -1,9 +1,9 @@
-// What the grid is built of. Floats are loaded as their bits: a device may flush a subnormal f32 that it loads as one.
+// The input of a grid build. Floats are loaded as their bits: a device may flush a subnormal that is loaded as f32.
 
 struct Build {
     // Lower corner of cell (0, 0, 0), f32 bits.
     corner: vec3u,
-    // What cells are grown by on all sides, f32 bits.
+    // Growth of cells on all sides, f32 bits.
     growth: u32,
     // Size of a cell, f32 bits.
     width: vec3u,
@@ -14,5 +14,5 @@ struct Build {
 }
 
 @group(1) @binding(0) var<uniform> build: Build;
-// Nine words a triangle, f32 bits.
+// Nine words per triangle, f32 bits.
 @group(1) @binding(1) var<storage, read> vertices: array<u32>;

@@ -1,16 +1,16 @@
-//! Twin of `bvh_walk.wgsl`: one step through the binary tree, without a stack.
+//! Twin of `bvh_walk.wgsl`: one step through the binary BVH, without a stack.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::constants::{NO_NODE, PARALLEL};
 use crate::numbers::real::{Real, Vec3};
 
-/// A node: its box, and what is in it.
+/// A node: its box, and its children or triangles.
 ///
-/// `link` has the number of triangles in bits 0 to 29. Where it is 0, the node's children are nodes `first` and
-/// `first + 1`, ordered by their centres along the axis in bits 30 and 31 (0 to 2), the one along which they
-/// differ most: a ray that does not go down that axis enters `first` first. Otherwise the node is a leaf with
-/// items `first .. first + count`, [`MAX_LEAF`](crate::structures::bvh::MAX_LEAF) at most.
+/// `link` has the number of triangles in bits 0 to 29. If it is 0, the node's children are nodes `first` and
+/// `first + 1`, ordered by their centres along the axis in bits 30 and 31 (0 to 2), the one along which they differ
+/// most: a ray that does not go down along that axis enters `first` first. Otherwise the node is a leaf with items
+/// `first .. first + count`, at most [`MAX_LEAF`](crate::structures::bvh::MAX_LEAF).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BvhNode {
@@ -24,18 +24,18 @@ pub struct BvhNode {
     pub link: u32,
 }
 
-/// `link` of the root of a tree without triangles: axis 3, count 0. Its box is the one point (`f32::MAX`,
-/// `f32::MAX`, `f32::MAX`), which a ray whose direction is shorter than 2^27 reaches at no t up to 2^100.
+/// `link` of the root of a BVH without triangles: axis 3, count 0. Its box is the single point (`f32::MAX`, `f32::MAX`,
+/// `f32::MAX`), which a ray whose direction is shorter than 2^27 does not reach at any t up to 2^100.
 pub const EMPTY: u32 = 3 << 30;
 
 impl BvhNode {
-    /// Triangles of a leaf; 0 for an inner node and for the root of an empty tree.
+    /// Number of triangles in a leaf; 0 for an inner node and for the root of an empty BVH.
     #[must_use]
     pub fn count(&self) -> u32 {
         self.link & 0x3fff_ffff
     }
 
-    /// Axis that the children of an inner node are ordered along.
+    /// Axis along which the children of an inner node are ordered.
     #[must_use]
     pub fn axis(&self) -> usize {
         (self.link >> 30) as usize
@@ -48,19 +48,19 @@ impl BvhNode {
     }
 }
 
-/// A ray's place in the tree.
+/// A ray's position in the BVH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Visit {
     /// The node; [`NO_NODE`] for a ray that has finished.
     pub node: u32,
-    /// The node before it; the node itself for a leaf that is done.
+    /// The previous node; the node itself for a leaf whose triangles have been tested.
     pub previous: u32,
-    /// In a leaf whose box the ray meets.
+    /// Whether the ray is in a leaf whose box it meets.
     pub in_leaf: bool,
 }
 
-/// 1 / direction, kept finite: a component too small to matter inside of the scene gets a size that
-/// cannot overflow.
+/// 1 / direction, kept finite: a component too small to matter inside the scene is replaced by one whose inverse cannot
+/// overflow.
 pub fn finite_inverse<R: Real>(direction: Vec3<R>) -> Vec3<R> {
     let least = R::from_f32(PARALLEL);
     direction.map(|d| {
@@ -69,7 +69,7 @@ pub fn finite_inverse<R: Real>(direction: Vec3<R>) -> Vec3<R> {
     })
 }
 
-/// Whether the ray is in the node's box anywhere between 0 and `nearest_t`.
+/// Whether the ray is inside the node's box anywhere between 0 and `nearest_t`.
 pub fn hits_box<R: Real>(node: &BvhNode, origin: Vec3<R>, inverse: Vec3<R>, nearest_t: R) -> bool {
     let t0 = (Vec3::from_f32(node.min) - origin) * inverse;
     let t1 = (Vec3::from_f32(node.max) - origin) * inverse;
@@ -78,7 +78,7 @@ pub fn hits_box<R: Real>(node: &BvhNode, origin: Vec3<R>, inverse: Vec3<R>, near
     t_enter <= t_leave
 }
 
-/// Whether the ray goes down an axis (0 to 2).
+/// Whether the ray goes down along an axis (0 to 2).
 fn goes_down<R: Real>(axis: u32, direction: Vec3<R>) -> bool {
     let along = match axis {
         0 => direction.x,
@@ -88,7 +88,7 @@ fn goes_down<R: Real>(axis: u32, direction: Vec3<R>) -> bool {
     along < R::zero()
 }
 
-/// An entry of `bvh_parents`: the node above, with the axis of its link in bits 30 and 31, or [`NO_NODE`].
+/// An entry of `bvh_parents`: the parent, with the axis of its link in bits 30 and 31, or [`NO_NODE`].
 #[must_use]
 pub fn link_above(nodes: &[BvhNode], parent: u32) -> u32 {
     nodes.get(parent as usize).map_or(NO_NODE, |above| parent | above.link >> 30 << 30)
@@ -122,11 +122,11 @@ pub fn next_node<R: Real>(
             return Visit { node: nearer, previous: at.node, in_leaf: false };
         }
     }
-    // Finished here: on to the sibling if this was the nearer child, else up.
+    // Finished with this node: continue with the sibling if this was the nearer child, else with the parent.
     if parent == NO_NODE {
         return Visit { node: NO_NODE, previous: at.node, in_leaf: false };
     }
-    // Of two children, the first has an odd number.
+    // The first of two siblings has an odd index.
     let is_first = at.node & 1 == 1;
     if is_first != goes_down(above >> 30, direction) {
         return Visit { node: ((at.node - 1) ^ 1) + 1, previous: parent, in_leaf: false };

@@ -1,26 +1,26 @@
-// The walk through a binary tree without a stack, one node a step (after Hapala and others, 2011): the
-// node and the one visited before it tell whether the ray enters the node or has finished with it.
+// The walk through a binary BVH without a stack, one node per step (after Hapala and others, 2011): the node and the
+// previous one tell whether the ray enters the node or has finished with it.
 //
-// Boxes are grown on the host by more than the rounding of both tests, so the test here needs no epsilon.
+// Boxes are grown on the host by more than the rounding errors of both tests, so the test here needs no epsilon.
 
 import package::constants::{NO_NODE, TINY_DIRECTION};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 
 struct BvhNode {
     min: vec3f,
-    // Inner: the first of two children, which lie side by side; leaf: its first item.
+    // Inner node: the first of two adjacent children; leaf: its first item.
     first: u32,
     max: vec3f,
-    // Bits 30-31: axis along which the first child lies lower; bits 0-29: items of a leaf, 0 for an inner node.
+    // Bits 30-31: axis along which the first child is the lower one; bits 0-29: items of a leaf, 0 for an inner node.
     link: u32,
 }
 
 @group(1) @binding(17) var<storage, read> bvh_nodes: array<BvhNode>;
-// The node above, and in bits 30-31 the axis of its link; NO_NODE for the root.
+// The parent, and in bits 30-31 the axis of its link; NO_NODE for the root.
 @group(1) @binding(18) var<storage, read> bvh_parents: array<u32>;
 
-// 1 / direction, kept finite: a component too small to matter inside of the scene gets a size that
-// cannot overflow.
+// 1 / direction, kept finite: a component too small to matter inside the scene is replaced by one whose inverse cannot
+// overflow.
 fn finite_inverse(direction: vec3f) -> vec3f {
     let tiny = abs(direction) < vec3f(TINY_DIRECTION);
     let least = select(vec3f(TINY_DIRECTION), vec3f(-TINY_DIRECTION), direction < vec3f(0.0));
@@ -37,7 +37,7 @@ fn hits_box(node: BvhNode, origin: vec3f, inverse: vec3f, nearest_t: f32) -> boo
     return t_enter <= t_leave;
 }
 
-// Whether the ray goes down an axis (0 to 2).
+// Whether the ray goes down along an axis (0 to 2).
 fn goes_down(axis: u32, direction: vec3f) -> bool {
     return select(select(direction.z, direction.y, axis == 1u), direction.x, axis == 0u) < 0.0;
 }
@@ -45,7 +45,7 @@ fn goes_down(axis: u32, direction: vec3f) -> bool {
 struct Visit {
     node: u32,
     previous: u32,
-    // In a leaf whose box the ray meets.
+    // Whether the ray is in a leaf whose box it meets.
     in_leaf: bool,
 }
 
@@ -63,11 +63,11 @@ fn next_node(at: Visit, origin: vec3f, direction: vec3f, inverse: vec3f, nearest
             return Visit(nearer, at.node, false);
         }
     }
-    // Finished here: on to the sibling if this was the nearer child, else up.
+    // Finished with this node: continue with the sibling if this was the nearer child, else with the parent.
     if (parent == NO_NODE) {
         return Visit(NO_NODE, at.node, false);
     }
-    // Of two children, the first has an odd number.
+    // The first of two siblings has an odd index.
     let is_first = (at.node & 1u) == 1u;
     if (is_first != goes_down(above >> 30u, direction)) {
         return Visit(((at.node - 1u) ^ 1u) + 1u, parent, false);

@@ -1,67 +1,68 @@
-//! Numbers that kernels and twins share. They become the WGSL module `package::constants`.
+//! Constants shared by kernels and twins, made into the WGSL module `package::constants`.
 
-/// Farther than any t: the value of t without a hit and of `tmax` along an axis that is never crossed.
-/// 2¹⁰⁰ and not infinity, because WGSL may assume that infinities do not occur.
+/// Larger than any t: the value of t without a hit, and of `tmax` along an axis that is never crossed. 2¹⁰⁰ instead of
+/// infinity, because WGSL may assume that there are no infinities.
 pub const INF: f32 = 1.267_650_6e30;
 
-/// A direction component below this (2⁻⁶⁴) cannot carry the ray across one cell's width of rounding
-/// error inside the grid: with t at most 2²⁸ in traced units, it moves by less than 2⁻³⁶, far less than
-/// what every cell is grown by (see [`crate::structures::grid`]). Dividing by anything larger stays below [`INF`].
+/// A direction component below this (2⁻⁶⁴) cannot move the ray inside the grid by more than the rounding error that
+/// cells are grown for: with t at most 2²⁸ in traced units, it moves by less than 2⁻³⁶, far less than every cell's
+/// growth (see [`crate::structures::grid`]). Dividing by anything larger stays below [`INF`].
 pub const PARALLEL: f32 = 5.421_011e-20;
 
-/// The paper's threshold for the same question (§4.2.3), absolute.
+/// The paper's threshold for parallel rays (§4.2.3), absolute.
 pub const PAPER_PARALLEL: f32 = 0.001;
 
 /// The determinant's threshold in the published Möller–Trumbore test (1997).
 pub const PAPER_EPSILON: f32 = 1e-6;
 
-/// The smallest f32 with all of its digits, 2⁻¹²⁶.
+/// The smallest normal f32, 2⁻¹²⁶.
 pub const MIN_NORMAL: f32 = f32::MIN_POSITIVE;
 
 /// The triangle of a ray that hit nothing.
 pub const NO_TRIANGLE: u32 = 0xffff_ffff;
 
-/// Invocations of a workgroup along x and y. 64 together, a multiple of every GPU's lane count.
+/// Invocations per workgroup along x and along y. 64 in total, a multiple of every GPU's SIMD width.
 pub const WORKGROUP: u32 = 8;
 
-/// The same of a workgroup that appends rays to lists: fewer workgroups wait for each other at a list's end.
+/// Likewise for a workgroup that appends rays to lists: the larger it is, the fewer workgroups compete for a list's
+/// end.
 pub const LIST_SIDE: u32 = 16;
 
-/// Nodes of the binary tree that make one step of a ray that takes several a pass: about the work of a cell, or of a node of the wide tree.
+/// Nodes of the binary BVH per step, where a ray takes several steps per pass: about as much work as a cell, or a node
+/// of the wide BVH.
 pub const NODES_A_STEP: u32 = 8;
 
-/// Workgroups a row of an indirect dispatch; the number of rows follows from the rays that are live.
+/// Workgroups per row of an indirect dispatch; the number of rows depends on the number of live rays.
 pub const LIST_GROUPS: u32 = 8;
 
 /// The tag of a thread that has no ray to work on.
 pub const NOBODY: u32 = 0xffff_ffff;
 
-/// The parent of a tree's root, and where a ray is that has finished its walk through a tree.
+/// The parent of a BVH's root, and the node of a ray that has finished its walk.
 pub const NO_NODE: u32 = 0xffff_ffff;
 
-/// Most levels of a wide tree: what a walk with an entry of its stack a level needs.
+/// Most levels of a wide BVH: a walk needs one stack entry per level.
 pub const WIDE_MAX_DEPTH: u32 = 32;
 
-/// The cell of a search that has not begun.
+/// The cell of a search that has not begun yet.
 pub const NO_CELL: u32 = 0xffff_ffff;
 
-/// Added to the number of lights summed so far, in the state's item: longer than any list.
+/// Added to the number of lights summed so far, in the state's item: larger than any list's length.
 pub const LIGHTS_SUMMED: u32 = 1 << 31;
 
-/// Loop turns that a triangle's test counts for: the list's, and three of the loop over its edges.
+/// Loop iterations that a triangle test counts as: one of the list's loop, and three of the loop over its edges.
 pub const TURNS_A_TEST: u32 = 4;
 
-/// Groups of siblings that the stack of the fused kernel has room for, where a scene's tree needs so many.
+/// Groups of siblings that the fused kernel's stack has room for, if a scene's BVH needs `needed`.
 #[must_use]
 pub fn wide_stack(needed: u32) -> u32 {
     needed.clamp(1, WIDE_MAX_DEPTH)
 }
 
-/// The WGSL module `package::constants`, with room for so many groups on a ray's stack, and so many loop turns a
-/// dispatch.
+/// The WGSL module `package::constants`, for a stack of this many groups, and this many loop iterations per dispatch.
 #[must_use]
 pub fn wgsl_module(stack: u32, turns: u32) -> String {
-    // Rust prints the shortest decimal that reads back as the same f32.
+    // Rust prints the shortest decimal that parses to the same f32.
     format!(
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
          const PAPER_PARALLEL: f32 = {PAPER_PARALLEL:e}f;\nconst PAPER_EPSILON: f32 = {PAPER_EPSILON:e}f;\n\

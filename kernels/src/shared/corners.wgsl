@@ -1,4 +1,4 @@
-// Positions of a triangle's corners: nine floats a triangle, traced units.
+// Positions of a triangle's corners: nine floats per triangle, traced units.
 
 @group(1) @binding(3) var<storage, read> vertices: array<f32>;
 

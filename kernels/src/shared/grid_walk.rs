@@ -1,4 +1,4 @@
-//! Twin of `grid_walk.wgsl`: where a walk through the grid starts, and one step.
+//! Twin of `grid_walk.wgsl`: the start of a walk through the grid, and one step.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -24,42 +24,41 @@ pub struct Grid {
     pub(crate) _pad3: u32,
 }
 
-/// What part of the rules a run uses; the WGSL has them as `@if`.
+/// Which of the rules a run uses; the WGSL has them as `@if`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WalkRules {
     /// `--numerics robust`, else `paper`.
     pub robust: bool,
     /// Origins may lie outside of the grid.
     pub clip: bool,
-    /// tMax grows by tDelta from cell to cell. The paper's rules always have it so.
+    /// tMax is accumulated: it grows by tDelta per cell. Always so with the paper's rules.
     pub drifting: bool,
 }
 
-/// A ray, and what each of its steps needs.
+/// A ray, and the values that each of its steps needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridRay<R> {
-    /// Where it starts.
+    /// Origin.
     pub origin: Vec3<R>,
-    /// Where it goes.
+    /// Direction.
     pub direction: Vec3<R>,
-    /// robust: 1 / direction, 0 along a parallel axis. paper: tDelta, what t grows by from one plane of
-    /// an axis to the next.
+    /// robust: 1 / direction, 0 along a parallel axis. paper: tDelta, the t between two planes of an axis.
     pub per_axis: Vec3<R>,
 }
 
-/// A ray's place in the grid.
+/// A ray's position in the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walk<R> {
     /// Cell coordinates.
     pub cell: [i32; 3],
     /// t at which the ray leaves the cell, per axis.
     pub tmax: Vec3<R>,
-    /// False where the ray misses or has left the grid.
+    /// False if the ray misses the grid or has left it.
     pub inside: bool,
 }
 
 impl Grid {
-    /// 1-D index, x fastest. Wraps as WGSL does where the paper's numerics run over a face.
+    /// 1-D index, x fastest. Wraps like WGSL if a ray wraps over a face with the paper's numerics.
     #[must_use]
     pub fn cell_index(&self, cell: [i32; 3]) -> u32 {
         let row = cell[1].wrapping_add(self.cells[1].wrapping_mul(cell[2]));
@@ -80,7 +79,7 @@ impl Grid {
         (0..3).all(|a| cell[a] >= 0 && cell[a] < self.cells[a])
     }
 
-    /// Lower faces of a cell.
+    /// Coordinates of a cell's lower faces.
     pub fn cell_plane<R: Real>(&self, cell: [i32; 3]) -> Vec3<R> {
         Vec3::from_f32(self.corner) + Vec3::from_f32(self.width) * Vec3::from(cell.map(R::from_i32))
     }
@@ -133,7 +132,7 @@ impl Grid {
             let far_plane = self.cell_plane::<R>(self.cells);
             let t0 = (near_plane - origin) * inverse;
             let t1 = (far_plane - origin) * inverse;
-            // A parallel axis does not bound t: inside its slab always, outside never.
+            // A parallel axis does not bound t: the ray is inside its slab always or never.
             let parallel = inverse.map(|v| v == R::zero());
             let outside = |p: bool, o: R, near: R, far: R| p && (o < near || o > far);
             let enter = select(zip(t0, t1, R::min), Vec3::splat(R::zero()), parallel);
@@ -141,7 +140,7 @@ impl Grid {
             let t_enter = enter.x.max(enter.y).max(enter.z.max(R::zero()));
             let t_leave = smallest3(leave);
             start = origin + ray.direction * t_enter;
-            // The negated comparison sends NaN outside.
+            // The negated comparison treats NaN as outside.
             inside = t_enter <= t_leave
                 && !outside(parallel.x, origin.x, near_plane.x, far_plane.x)
                 && !outside(parallel.y, origin.y, near_plane.y, far_plane.y)
@@ -171,15 +170,15 @@ impl Grid {
         Walk { cell, tmax, inside: crossed && self.is_in_grid(cell) }
     }
 
-    /// Leaves a cube of empty cells at once: every cell that is fewer than `distance` cells away along each
-    /// axis is empty (proximity clouds, Cohen and Sheffer, 1994). A leap of distance 1 is a step. robust only.
+    /// Leaves a cube of empty cells at once: every cell that is fewer than `distance` cells away along each axis is
+    /// empty (proximity clouds, Cohen and Sheffer, 1994). A leap of distance 1 is a step. robust only.
     pub fn leap<R: Real>(&self, walk: Walk<R>, distance: i32, ray: &GridRay<R>) -> Walk<R> {
         let forward = forward(ray);
         let last = add(walk.cell, forward.map(|f| f * (distance - 1)));
         let exit = self.cell_exit(last, ray);
         let axis = smallest_axis(exit);
         let t = smallest3(exit);
-        // As where the ray entered the grid; rounding cannot move it out of the cube, or backwards.
+        // As where the ray entered the grid; clamped, so that rounding cannot move it out of the cube or backwards.
         let place = self.cell_of_position(ray.origin + ray.direction * t);
         let cell = [0, 1, 2].map(|a| {
             let (low, high) = (walk.cell[a].min(last[a]), walk.cell[a].max(last[a]));
@@ -199,7 +198,7 @@ impl Grid {
             + (direction.map(|d| R::one() + sign(d)) * width).map(|v| v / two);
         let parallel = direction.abs().map(|v| v < R::from_f32(PAPER_PARALLEL));
         let t = zip(plane - relative, select(direction, Vec3::splat(R::one()), parallel), |p, d| p / d);
-        // An origin outside of the grid is not handled; only an index outside of the arrays is refused.
+        // Origins outside of the grid are not handled; only an index outside of the arrays is rejected.
         let tmax = select(t, Vec3::splat(R::from_f32(INF)), parallel);
         Walk { cell, tmax, inside: self.is_index_in_range(cell) }
     }
@@ -212,18 +211,18 @@ impl Grid {
         Walk { cell, tmax, inside: self.is_index_in_range(cell) }
     }
 
-    /// The paper's test for a ray that has left: on the + faces the index runs on into the next row.
+    /// The paper's test for a ray that has left: beyond the upper faces the index continues in the next row.
     fn is_index_in_range(&self, cell: [i32; 3]) -> bool {
         // In f32 as in the paper, and so without overflow for a cell far away.
         let ([x, y, z], [nx, ny, nz]) = (cell.map(|c| c as f32), self.cells.map(|c| c as f32));
         let index = x + nx * (y + ny * z);
-        // Beyond 2²⁴ cells f32 rounds the two together; the integers keep the arrays' end.
+        // Beyond 2²⁴ cells f32 rounds both to the same number; the integers guard the arrays' end.
         let in_arrays = self.cell_index(cell) < self.cells.iter().product::<i32>() as u32;
         index < nx * ny * nz && cell.iter().all(|&c| c >= 0) && in_arrays
     }
 }
 
-/// Which way a robust ray's cells go, per axis.
+/// Direction of a robust ray through the cells, per axis.
 fn forward<R: Real>(ray: &GridRay<R>) -> [i32; 3] {
     ray.per_axis.map(|v| if v > R::zero() { 1 } else { -1 }).to_array()
 }
@@ -233,7 +232,7 @@ fn inverse_direction<R: Real>(direction: Vec3<R>) -> Vec3<R> {
     direction.map(|d| if d.abs() < R::from_f32(PARALLEL) { R::zero() } else { R::one() / d })
 }
 
-/// Which axis is crossed next, in the order of the paper's Listing 1.
+/// The axis that is crossed next, with ties in the order of the paper's Listing 1.
 pub fn smallest_axis<R: Real>(tmax: Vec3<R>) -> [bool; 3] {
     let x = tmax.x < tmax.y && tmax.x < tmax.z;
     #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "as the WGSL has it: NaN is not smaller")]

@@ -1,7 +1,7 @@
-// The walk through a uniform grid (Amanatides and Woo, 1987): where it starts, and one step.
+// The walk through a uniform grid (Amanatides and Woo, 1987): its start, and one step.
 //
-// robust: tmax follows from the integer cell each time, so no error grows along the walk; the origin
-// is clipped to the grid; leaving is noticed per axis. paper: as Listing 1 of Mølhave's paper.
+// robust: tmax is computed from the integer cell each time, so errors do not grow along the walk; the origin is clipped
+// to the grid; leaving is detected per axis. paper: as in Listing 1 of Mølhave's paper.
 
 import package::constants::{INF, PARALLEL, PAPER_PARALLEL};
 
@@ -18,13 +18,13 @@ struct Grid {
 
 @group(1) @binding(1) var<uniform> grid: Grid;
 
-// A ray, and what each of its steps needs.
+// A ray, and the values that each of its steps needs.
 struct GridRay {
     origin: vec3f,
     direction: vec3f,
     // 1 / direction, 0 along a parallel axis.
     @if(robust) inverse: vec3f,
-    // What t grows by from one plane of an axis to the next.
+    // The t between two planes of an axis.
     @if(!robust) t_delta: vec3f,
 }
 
@@ -53,7 +53,7 @@ fn is_in_grid(cell: vec3i) -> bool {
     return all(cell >= vec3i(0)) && all(cell < grid.cells);
 }
 
-// Lower faces of a cell.
+// Coordinates of a cell's lower faces.
 fn cell_plane(cell: vec3i) -> vec3f {
     return grid.corner + grid.width * vec3f(cell);
 }
@@ -85,7 +85,7 @@ fn enter_grid(ray: GridRay) -> Walk {
     @if(clip) let far_plane = cell_plane(grid.cells);
     @if(clip) let t0 = (near_plane - ray.origin) * ray.inverse;
     @if(clip) let t1 = (far_plane - ray.origin) * ray.inverse;
-    // A parallel axis does not bound t: inside its slab always, outside never.
+    // A parallel axis does not bound t: the ray is inside its slab always or never.
     @if(clip) let parallel = ray.inverse == vec3f(0.0);
     @if(clip) let outside = parallel & ((ray.origin < near_plane) | (ray.origin > far_plane));
     @if(clip) let enter = select(min(t0, t1), vec3f(0.0), parallel);
@@ -97,7 +97,7 @@ fn enter_grid(ray: GridRay) -> Walk {
     let position = (start - grid.corner) * grid.inverse_width;
     let cell = clamp(vec3i(floor(position)), vec3i(0), grid.cells - vec3i(1));
     var walk = Walk(cell, cell_exit(cell, ray), true);
-    // The negated comparison sends NaN outside.
+    // The negated comparison treats NaN as outside.
     @if(clip) walk.inside = t_enter <= t_leave && !any(outside);
     return walk;
 }
@@ -122,14 +122,14 @@ fn leap(walk: Walk, distance: i32, ray: GridRay) -> Walk {
     let exit = cell_exit(last, ray);
     let axis = smallest_axis(exit);
     let t = min(min(exit.x, exit.y), exit.z);
-    // As where the ray entered the grid; rounding cannot move it out of the cube, or backwards.
+    // As where the ray entered the grid; clamped, so that rounding cannot move it out of the cube or backwards.
     let position = (ray.origin + ray.direction * t - grid.corner) * grid.inverse_width;
     let place = clamp(vec3i(floor(position)), min(walk.cell, last), max(walk.cell, last));
     let cell = select(place, last + forward, axis);
     return Walk(cell, cell_exit(cell, ray), t < INF && is_in_grid(cell));
 }
 
-// Which axis is crossed next, in the order of Listing 1.
+// The axis that is crossed next, with ties in the order of Listing 1.
 fn smallest_axis(tmax: vec3f) -> vec3<bool> {
     let x = tmax.x < tmax.y && tmax.x < tmax.z;
     let y = !(tmax.x < tmax.y) && tmax.y < tmax.z;
@@ -145,7 +145,7 @@ fn enter_grid(ray: GridRay) -> Walk {
     let plane = vec3f(cell) * grid.width + (1.0 + sign(direction)) * grid.width / 2.0;
     let parallel = abs(direction) < vec3f(PAPER_PARALLEL);
     let t = (plane - relative) / select(direction, vec3f(1.0), parallel);
-    // An origin outside of the grid is not handled; only an index outside of the arrays is refused.
+    // Origins outside of the grid are not handled; only an index outside of the arrays is rejected.
     return Walk(cell, select(t, vec3f(INF), parallel), is_index_in_range(cell));
 }
 
@@ -157,13 +157,13 @@ fn advance(walk: Walk, ray: GridRay) -> Walk {
     return Walk(cell, tmax, is_index_in_range(cell));
 }
 
-// The paper's test for a ray that has left: on the + faces the index runs on into the next row.
+// The paper's test for a ray that has left: beyond the upper faces the index continues in the next row.
 @if(!robust)
 fn is_index_in_range(cell: vec3i) -> bool {
     // In f32 as in the paper, and so without overflow for a cell far away.
     let index = f32(cell.x) + f32(grid.cells.x) * (f32(cell.y) + f32(grid.cells.y) * f32(cell.z));
     let count = f32(grid.cells.x) * f32(grid.cells.y) * f32(grid.cells.z);
-    // Beyond 2^24 cells f32 rounds the two together; the integers keep the arrays' end.
+    // Beyond 2^24 cells f32 rounds both to the same number; the integers guard the arrays' end.
     let in_arrays = cell_index(cell) < u32(grid.cells.x * grid.cells.y * grid.cells.z);
     return index < count && all(cell >= vec3i(0)) && in_arrays;
 }

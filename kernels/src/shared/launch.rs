@@ -1,25 +1,25 @@
-//! Twin of `launch.wgsl`: what a kernel is launched over.
+//! Twin of `launch.wgsl`: the parameters of a launch.
 
 use bytemuck::{Pod, Zeroable};
 
-/// Threads of a workgroup, each for one element.
+/// Threads per workgroup, one per element.
 pub const BLOCK: usize = 256;
 
 /// The uniform `launch`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Launch {
-    /// Of the set that the kernel is launched over.
+    /// Number of elements in the set that the kernel is launched over.
     pub elements: u32,
-    /// The step's number: which digit is sorted by.
+    /// Parameter of the step: the digit that it sorts by.
     pub parameter: u32,
-    /// Workgroups that the elements fill, the last one perhaps in part.
+    /// Workgroups that the elements fill, the last one perhaps only partly.
     pub blocks: u32,
     _pad: u32,
 }
 
 impl Launch {
-    /// A launch over a set.
+    /// The parameters of a launch over a set.
     #[must_use]
     pub fn new(elements: u32, parameter: u32) -> Self {
         Self { elements, parameter, blocks: elements.div_ceil(BLOCK as u32), _pad: 0 }

@@ -1,4 +1,4 @@
-//! Rules that two kernels must agree on: one WGSL function each, with one twin beside it.
+//! Functions that several kernels share: one WGSL function for each, with its twin beside it.
 
 pub mod build;
 pub mod bvh_walk;
@@ -15,7 +15,7 @@ pub mod vector;
 pub mod wide_node;
 pub mod wide_walk;
 
-/// The WGSL of each module here, by its name.
+/// The WGSL of each module in this folder, by name.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("build", include_str!("build.wgsl")),
     ("launch", include_str!("launch.wgsl")),

@@ -1,5 +1,5 @@
-// Triangles as the fused kernel reads them: three vectors each, corners and, in the first one's w, the
-// triangle's id. Traced units.
+// Triangles in the fused kernel's format: three vectors each with the corners, and the triangle's id in w of the first.
+// Traced units.
 
 @group(1) @binding(15) var<storage, read> packed_triangles: array<vec4u>;
 

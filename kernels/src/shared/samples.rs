@@ -1,33 +1,34 @@
-//! Twin of `samples.wgsl`: where in its pixel a sample lies.
+//! Twin of `samples.wgsl`: the position of a sample in its pixel.
 //!
 //! The even sampler is the two-dimensional Sobol' sequence, a (0,2)-sequence in base 2 (Sobol' 1967; its second
-//! coordinate by Pascal's triangle, as in Kollig and Keller, *Efficient Multidimensional Sampling*, 2002), with
-//! Owen's nested uniform scrambling (Owen 1995) done by a hash: Burley, *Practical Hash-based Owen Scrambling*,
-//! JCGT 9(4), 2020, whose permutation of Laine and Karras and constants these are. Scrambling keeps the net: in
-//! each pixel every elementary box has its point, and pixels do not repeat each other.
+//! coordinate from Pascal's triangle, as in Kollig and Keller, *Efficient Multidimensional Sampling*, 2002), with
+//! Owen's nested uniform scrambling (Owen 1995) computed by a hash: Burley, *Practical Hash-based Owen Scrambling*,
+//! JCGT 9(4), 2020, the source of the constants and of the Laine–Karras permutation used here. Scrambling keeps the
+//! net: in each pixel every elementary box contains its point, and pixels do not repeat each other.
 //!
-//! Hash: PCG-RXS-M-XS (O'Neill 2014), which Jarzyński and Olano, *Hash Functions for GPU Rendering*, JCGT 9(3),
-//! 2020, found the best of its price.
+//! The hash is PCG-RXS-M-XS (O'Neill 2014), which Jarzyński and Olano, *Hash Functions for GPU Rendering*, JCGT 9(3),
+//! 2020, found the best at its cost.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::numbers::named::named;
 
-/// How samples are spread over a pixel.
+/// How samples are distributed over a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Sampler {
-    /// Evenly: each pixel has a scrambled Sobol' sequence of its own, any 2ᵏ of which from a multiple of 2ᵏ on have
-    /// one point in each of 2ᵏ equal boxes, however these are cut. The error falls about as N^-0.75 at an edge.
+    /// Evenly: each pixel has its own scrambled Sobol' sequence, in which any 2ᵏ samples that start at a multiple of 2ᵏ
+    /// have one point in each of 2ᵏ equal boxes, however the pixel is divided into these. The error falls about as
+    /// N^-0.75 at an edge.
     #[default]
     Sobol,
-    /// Independently, as measure of the other. The error falls as N^-0.5.
+    /// Independently, for comparison. The error falls as N^-0.5.
     Random,
 }
 
 named!(Sampler, "sobol, random", Sobol "sobol", Random "random");
 
 impl Sampler {
-    /// Where in its pixel, from 0 to below 1 rightwards and downwards, a sample lies. The same bits as in kernels.
+    /// A sample's position in its pixel, from 0 to below 1, rightwards and downwards. The same bits as in kernels.
     #[must_use]
     pub fn place(self, pixel: [u32; 2], sample: u32, seed: u32) -> [f32; 2] {
         jitter(self, pixel, sample, seed)
@@ -38,9 +39,9 @@ impl Sampler {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Sampling {
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u32,
-    /// Another seed, other places.
+    /// Different seeds give different positions.
     pub seed: u32,
 }
 
@@ -83,7 +84,7 @@ pub fn sample_bits(sampler: Sampler, [x, y]: [u32; 2], sample: u32, seed: u32) -
     }
 }
 
-/// From the pixel's upper left corner, below 1 each way: 24 bits, as many as a float holds.
+/// Position from the pixel's upper left corner, both coordinates below 1: 24 bits, as many as a float holds.
 #[must_use]
 pub fn jitter(sampler: Sampler, pixel: [u32; 2], sample: u32, seed: u32) -> [f32; 2] {
     sample_bits(sampler, pixel, sample, seed).map(|bits| (bits >> 8) as f32 * 5.960_464_5e-8)
@@ -95,7 +96,7 @@ mod tests {
 
     use super::*;
 
-    /// Whether of the first or later 2ᵏ samples every box of the 2ᵏ has one, however the pixel is cut.
+    /// Whether each of the 2ᵏ boxes contains one of these 2ᵏ samples, however the pixel is divided.
     fn is_net(points: &[[u32; 2]]) -> bool {
         let k = points.len().ilog2();
         (0..=k).all(|across| {
@@ -116,7 +117,7 @@ mod tests {
                 }
             }
         }
-        // The test can fail.
+        // Show that the test can fail.
         let random: Vec<_> = (0..16).map(|n| sample_bits(Sampler::Random, [1, 0], n, 0)).collect();
         assert!(!is_net(&random));
     }
@@ -147,9 +148,10 @@ mod tests {
         }
     }
 
-    /// The part of a unit square below the line through its point (x, y) with this slope, exact to f64.
+    /// The part of a unit square below the line with this slope through the point (x, y), exact in f64.
     fn coverage(x: f64, y: f64, slope: f64) -> f64 {
-        // The integral of the line, clamped to the square, from 0 to 1: trapezoids between where it is clamped.
+        // The integral from 0 to 1 of the line, clamped to the square: trapezoids between the points where clamping
+        // begins.
         let height = |at: f64| (y + slope * (at - x)).clamp(0.0, 1.0);
         let mut cuts = vec![0.0, x + (0.0 - y) / slope, x + (1.0 - y) / slope, 1.0];
         cuts.retain(|c| (0.0..=1.0).contains(c));
@@ -157,11 +159,11 @@ mod tests {
         cuts.windows(2).map(|w| (w[1] - w[0]) * (height(w[0]) + height(w[1])) / 2.0).sum()
     }
 
-    /// Root of the mean square over pixels of the error of their coverage, each with an edge of its own.
+    /// Root mean square, over pixels with an edge each, of the error of their coverage.
     fn edge_rmse(sampler: Sampler, samples: u32) -> f64 {
         let pixels = 600;
         let square = |i: u32| {
-            // Through the inside of the pixel, at any angle but along an axis.
+            // Through the inside of the pixel, at any angle except along an axis.
             let at = |n: u32| f64::from(n) * 0.618_033_988_749_895 % 1.0;
             let (x, y, slope) = (at(i + 1), at(3 * i + 2), (0.1 + 1.4 * at(7 * i + 1)).tan());
             let is_below = |n: &u32| {
@@ -174,7 +176,7 @@ mod tests {
         ((0..pixels).map(square).sum::<f64>() / f64::from(pixels)).sqrt()
     }
 
-    /// Theory: at an edge, N boxes of a net of which √N are cut leave N^-3/4; independent samples leave N^-1/2.
+    /// In theory, at an edge that cuts √N of a net's N boxes, the error is N^-3/4; of independent samples, N^-1/2.
     #[test]
     fn the_error_at_an_edge_falls_as_theory_says() {
         for (sampler, expected) in [(Sampler::Sobol, -0.75), (Sampler::Random, -0.5)] {

@@ -1,14 +1,14 @@
-// Where in its pixel a sample lies. All integers until the last step, which is exact: every device has the same places.
+// The position of a sample in its pixel. Integers up to the last step, which is exact: every device gives the same.
 
 struct Sampling {
-    // Samples a pixel.
+    // Samples per pixel.
     samples: u32,
     seed: u32,
 }
 
 @group(1) @binding(21) var<uniform> sampling: Sampling;
 
-// PCG's output permutation on a step of its generator: every bit of the result depends on all of them.
+// PCG's output permutation on a step of its generator: every bit of the result depends on all bits of the input.
 fn hashed(value: u32) -> u32 {
     let step = value * 747796405u + 2891336453u;
     let word = ((step >> ((step >> 28u) + 4u)) ^ step) * 277803737u;
@@ -28,7 +28,7 @@ fn sobol_second(index: u32) -> u32 {
 }
 
 // Owen's scrambling: whether a digit flips depends on the seed and on the digits before it. Multiplying by an even
-// number, and adding, carry from low bits to high ones only, so the digits go in reversed.
+// number, and adding, carry only from low bits to high ones, so the digits must be reversed.
 @if(sobol)
 fn scrambled(digits: u32, seed: u32) -> u32 {
     var x = reverseBits(digits);
@@ -48,7 +48,7 @@ fn sample_bits(texel: vec2u, sample: u32) -> vec2u {
     @else return vec2u(hashed(sample + first_seed), hashed(hashed(sample) + second_seed));
 }
 
-// From the pixel's upper left corner, below 1 each way: 24 bits, as many as a float holds.
+// Position from the pixel's upper left corner, both coordinates below 1: 24 bits, as many as a float holds.
 fn jitter(texel: vec2u, sample: u32) -> vec2f {
     return vec2f(sample_bits(texel, sample) >> vec2u(8u)) * 5.9604644775390625e-8;
 }

@@ -10,8 +10,8 @@ pub struct SceneInfo {
     pub triangles: u32,
     /// Most steps of a ray in one pass.
     pub steps: u32,
-    /// Rays.
+    /// Number of rays.
     pub rays: u32,
-    /// Where a dispatch begins, in rows of workgroups.
+    /// First row of workgroups of a dispatch.
     pub first_row: u32,
 }

@@ -1,12 +1,12 @@
-// What kernels know of the scene and the run as numbers.
+// Numbers that describe the scene and the run to kernels.
 
 struct SceneInfo {
     triangles: u32,
     // Most steps of a ray in one pass.
     steps: u32,
-    // Rays; the texels of a picture, or fewer where rays are given.
+    // Number of rays: the texels of an image, or fewer with input rays.
     rays: u32,
-    // Where this dispatch begins, in rows of workgroups.
+    // First row of workgroups of this dispatch.
     first_row: u32,
 }
 

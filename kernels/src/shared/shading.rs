@@ -1,4 +1,4 @@
-//! Materials and lights as `shade.wgsl` reads them.
+//! Materials and lights in the format of `shade.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -15,7 +15,7 @@ pub struct Material {
     pub texture: u32,
     /// Added to the shaded colour, linear.
     pub emissive: [f32; 3],
-    /// Not 0: the normal faces the viewer.
+    /// Not 0 if the normal is turned towards the viewer.
     pub double_sided: u32,
 }
 
@@ -34,9 +34,9 @@ pub struct Light {
     pub position: [f32; 3],
     /// [`POINT`], [`DIRECTIONAL`] or [`SPOT`].
     pub kind: u32,
-    /// In which the light travels; length 1.
+    /// Direction in which the light travels; length 1.
     pub direction: [f32; 3],
-    /// Cosine of the half angle at which a spot ends.
+    /// Cosine of the half angle of a spot's cone.
     pub cos_outer: f32,
     /// Linear colour.
     pub color: [f32; 3],

@@ -10,7 +10,7 @@ use crate::numbers::real::{Real, Vec3};
 pub struct Texture {
     /// Index of the first texel.
     pub first: u32,
-    /// Texels a row.
+    /// Texels per row.
     pub width: i32,
     /// Rows.
     pub height: i32,
@@ -40,7 +40,7 @@ fn texel_at<R: Real>(texture: &Texture, texels: &[u32], x: i32, y: i32) -> Vec3<
     Vec3::new(channel(rg & 0xffff), channel(rg >> 16), channel(b & 0xffff)) * R::from_f32(1.0 / 65535.0)
 }
 
-/// The linear colour of texture `index` at (u, v); v = 0 is the top row's upper edge.
+/// The linear colour of texture `index` at (u, v); v = 0 is the upper edge of the top row.
 pub fn sample_texture<R: Real>(textures: &[Texture], texels: &[u32], index: u32, u: R, v: R) -> Vec3<R> {
     let texture = &textures[index as usize];
     let (lowest, highest) = (R::from_f32(-1e9), R::from_f32(1e9));

@@ -1,4 +1,4 @@
-// Base colour textures. All texels lie in one buffer: linear light, 16 bits a channel, two words each.
+// Base colour textures. All texels are in one buffer: linear light, 16 bits per channel, two words per texel.
 
 struct Texture {
     // Index of the first texel.
@@ -35,7 +35,7 @@ fn texel_at(texture: Texture, x: i32, y: i32) -> vec3f {
 
 fn sample_texture(index: u32, u: f32, v: f32) -> vec3f {
     let texture = textures[index];
-    // Far outside, the position has no fraction left; the bound keeps it an integer that can be wrapped.
+    // Far outside, the position has no fraction left; the clamp keeps it an integer that can be wrapped.
     let x = clamp(u * f32(texture.width), -1e9, 1e9);
     let y = clamp(v * f32(texture.height), -1e9, 1e9);
     if ((texture.sampling & 16u) == 0u) {

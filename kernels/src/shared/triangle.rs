@@ -1,4 +1,4 @@
-//! Twin of `triangle.wgsl`: one ray against one triangle.
+//! Twin of `triangle.wgsl`: tests a ray against a triangle.
 
 use super::constants::{INF, PAPER_EPSILON};
 use super::vector::{cross3, dot3};
@@ -17,23 +17,23 @@ pub struct Candidate<R> {
     pub is_hit: bool,
 }
 
-/// A ray's direction as the watertight test uses it: the axes are rotated so that its largest component
+/// A ray's direction in the form that the watertight test uses: the axes are rotated so that its largest component
 /// becomes z, and sheared so that it points along z.
 ///
-/// The WGSL multiplies by rows that have a 1 and a 0 instead of rotating. That rounds as little, so both have the
-/// same value, but for the sign of a zero, which no comparison sees.
+/// Instead of rotating, the WGSL multiplies by rows that contain a 1 and a 0. That rounds no differently, so both give
+/// the same values, except for the sign of a zero, which no comparison sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shear<R> {
-    /// Which axes become x, y and z.
+    /// The axes that become x, y and z.
     axes: [usize; 3],
-    /// Across per along, and 1 / along.
+    /// Slopes across the ray, and 1 / largest component.
     x: R,
     y: R,
     z: R,
 }
 
 impl<R: Real> Shear<R> {
-    /// Of a direction.
+    /// The shear for a direction.
     pub fn of(direction: Vec3<R>) -> Self {
         let magnitude = direction.abs();
         let axes = if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
@@ -48,7 +48,7 @@ impl<R: Real> Shear<R> {
         Self { axes, x: x / z, y: y / z, z: R::one() / z }
     }
 
-    /// A corner relative to the origin, as seen across the ray.
+    /// A corner relative to the origin, projected across the ray.
     #[inline(always)]
     fn across<const CONTRACTED: bool>(&self, corner: Vec3<R>) -> [R; 2] {
         let (c, [x, y, z]) = (corner.to_array(), self.axes);
@@ -58,30 +58,30 @@ impl<R: Real> Shear<R> {
         [c[x] - self.x * c[z], c[y] - self.y * c[z]]
     }
 
-    /// The WGSL's row of one axis across, as it is contracted: which product is added last depends on the rotation.
+    /// One row of the WGSL, with products contracted: which one is added last depends on the rotation.
     fn row(&self, axis: usize, slope: R, corner: [R; 3]) -> R {
         let mut row = [R::zero(); 3];
         (row[axis], row[self.axes[2]]) = (R::one(), -slope);
         corner[0].fused(row[0], corner[1].fused(row[1], corner[2] * row[2]))
     }
 
-    /// The same along the ray, in units of t.
+    /// A corner's depth along the ray, in units of t.
     #[inline(always)]
     fn along(&self, corner: Vec3<R>) -> R {
         self.z * corner.to_array()[self.axes[2]]
     }
 }
 
-/// How triangles are tested.
+/// The rules of the triangle test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct TriangleRules {
     /// [`watertight`], else [`moller_trumbore`].
     pub watertight: bool,
-    /// With every product that is added to something in one explicit fma, as a compiler may have it.
+    /// With an explicit fma for every product that is added to something, as a compiler may contract.
     pub contracted: bool,
 }
 
-/// Tests by the rules of a run; `shear` is the direction's.
+/// Tests a triangle by the rules of a run; `shear` belongs to the direction.
 #[inline]
 pub fn hit_triangle<R: Real>(
     rules: TriangleRules,
@@ -115,13 +115,13 @@ pub fn watertight<R: Real, const CONTRACTED: bool>(
     Candidate { is_hit, ..on_plane }
 }
 
-/// Where the ray meets the triangle's plane, inside of the triangle or not: what tells why [`watertight`] missed.
+/// Where the ray meets the triangle's plane, inside the triangle or not: explains why [`watertight`] missed.
 pub fn plane_hit<R: Real>(origin: Vec3<R>, shear: &Shear<R>, corners: [Vec3<R>; 3]) -> Candidate<R> {
     let corners = corners.map(|corner| corner - origin);
     on_plane::<R, false>(shear, &corners, weights::<R, false>(shear, &corners).0)
 }
 
-/// The corners' weights, not divided by their sum, and whether all are of one sign. The corners are relative to
+/// The corners' weights, not yet divided by their sum, and whether all have the same sign. The corners are relative to
 /// the origin.
 #[inline(always)]
 fn weights<R: Real, const CONTRACTED: bool>(shear: &Shear<R>, [a, b, c]: &[Vec3<R>; 3]) -> ([R; 3], bool) {
@@ -160,7 +160,7 @@ fn on_plane<R: Real, const CONTRACTED: bool>(
 ) -> Candidate<R> {
     let inverse = R::one() / (a + b + c);
     let [p, q, r] = corners.map(|corner| shear.along(corner));
-    // Divided first: a weight times a depth is a length cubed, which underflows long before either does.
+    // Divided first: a weight times a depth is a cubed length, which underflows long before either factor does.
     let [w, u, v] = [a * inverse, b * inverse, c * inverse];
     let t = if CONTRACTED { w.fused(p, u.fused(q, v * r)) } else { w * p + (u * q + v * r) };
     Candidate { t, u, v, is_hit: false }
@@ -184,7 +184,7 @@ pub fn moller_trumbore<R: Real>(origin: Vec3<R>, direction: Vec3<R>, [a, b, c]: 
     Candidate { t, u, v, is_hit }
 }
 
-/// The order of hits: nearer first, then the smaller triangle id.
+/// Orders hits: nearer first, then by smaller triangle id.
 pub fn is_nearer<R: Real>(t: R, triangle: u32, nearest_t: R, nearest_triangle: u32) -> bool {
     t < nearest_t || (t == nearest_t && triangle < nearest_triangle)
 }

@@ -1,11 +1,11 @@
-// One ray against one triangle.
+// Tests a ray against a triangle.
 //
-// watertight: Woop, Benthin and Wald (2013). What is on an edge is decided by comparing the two products of the
-// edge function: rounding is monotone, so where they differ the comparison is exact for the sheared corners, and a
-// shared edge gives both of its triangles the same two products in opposite roles. Where they are equal, integers
-// decide instead of the double precision of the paper. A ray that is exactly on an edge is inside for both.
+// watertight: Woop, Benthin and Wald (2013). Which side of an edge the ray is on is decided by comparing the two
+// products of the edge function: rounding is monotone, so if they differ the comparison is exact for the sheared
+// corners, and a shared edge gives both of its triangles the same two products in opposite roles. If they are equal,
+// integers decide instead of the double precision of the paper. A ray exactly on an edge is inside both triangles.
 //
-// contracted: the same with every product that is added to something in one explicit fma, as a compiler may have it.
+// contracted: the same with an explicit fma for every product that is added to something, as a compiler may contract.
 //
 // moller_trumbore: Möller and Trumbore (1997) as published, the paper's test.
 
@@ -20,9 +20,9 @@ struct Candidate {
     is_hit: bool,
 }
 
-// A ray's direction as the watertight test uses it: the axes are rotated so that its largest component
-// becomes z, and sheared so that it points along z. Three rows, each with a 1 and a 0 or with two zeros, so
-// that their products with a corner round as little as the rotated corner's would, whatever the order.
+// A ray's direction in the form that the watertight test uses: the axes are rotated so that its largest component
+// becomes z, and sheared so that it points along z. Three rows, each with a 1 and a 0 or with two zeros, so that their
+// products with a corner round no more than the rotated corner's would, in any order.
 struct Shear {
     x: vec3f,
     y: vec3f,
@@ -60,7 +60,7 @@ fn row(corner: vec3f, r: vec3f) -> f32 {
     @else return corner.x * r.x + corner.y * r.y + corner.z * r.z;
 }
 
-// A corner relative to the origin, as seen across the ray.
+// A corner relative to the origin, projected across the ray.
 fn across(corner: vec3f, s: Shear) -> vec2f {
     return vec2f(row(corner, s.x), row(corner, s.y));
 }
@@ -70,8 +70,8 @@ fn power_of_two(exponent: i32) -> f32 {
     return bitcast<f32>(u32(exponent + 127) << 23u);
 }
 
-// a b - c d where both products are rounded to the same f32. They differ by less than 2^25 units in the last place of
-// the exact products, so the low 32 bits of those tell by how much. 0 where they are too small to be rounded alike.
+// a b - c d for two products that round to the same f32. They differ by less than 2^25 units in the last place of the
+// exact products, so the low 32 bits of these tell by how much. 0 if they are too small to be rounded alike.
 fn below_rounding(a: f32, b: f32, c: f32, d: f32) -> f32 {
     let bits = bitcast<vec4u>(vec4f(a, b, c, d));
     let exponents = vec4i((bits >> vec4u(23u)) & vec4u(0xffu));
@@ -84,7 +84,7 @@ fn below_rounding(a: f32, b: f32, c: f32, d: f32) -> f32 {
     let last = min(ab, cd);
     let difference = bitcast<i32>(((digits.x * digits.y) << u32(ab - last)) - ((digits.z * digits.w) << u32(cd - last)));
     let magnitude = select(difference, -difference, ((bits.x ^ bits.y) >> 31u) == 1u);
-    // Exponents are 127 too large each, and the digits 2^23 times; in two steps, as 2^-172 is no f32.
+    // The exponents are 127 too large each, and the digits 2^23 times; in two steps, as 2^-172 is not an f32.
     let exponent = last - 300;
     let half = exponent / 2;
     return f32(magnitude) * power_of_two(half) * power_of_two(exponent - half);
@@ -113,7 +113,7 @@ fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Cand
     var weight_b = times_plus(r.x, p.y, -pr);
     var weight_c = times_plus(p.x, q.y, -qp);
     if (qr == rq || rp == pr || pq == qp) {
-        // A loop, so that what is seldom needed is there once: three copies take registers from every ray, and up to
+        // A loop, so that this rarely needed code exists once: three copies take registers from every ray, and up to
         // 11% more time on an H200; the loop takes 3% at most.
         var tail = q;
         var head = r;
@@ -134,7 +134,7 @@ fn watertight(origin: vec3f, shear: Shear, a: vec3f, b: vec3f, c: vec3f) -> Cand
     }
     let det = weight_a + weight_b + weight_c;
     let inverse = 1.0 / det;
-    // Divided first: a weight times a depth is a length cubed, which underflows long before either does.
+    // Divided first: a weight times a depth is a cubed length, which underflows long before either factor does.
     let w = weight_a * inverse;
     let u = weight_b * inverse;
     let v = weight_c * inverse;
@@ -160,8 +160,7 @@ fn moller_trumbore(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f
     return Candidate(t, u, v, is_hit);
 }
 
-// The order of hits: nearer first, then the smaller triangle id, so that the order in which triangles
-// are tested does not show.
+// Orders hits: nearer first, then by smaller triangle id, so that the order of the tests does not matter.
 fn is_nearer(t: f32, triangle: u32, nearest_t: f32, nearest_triangle: u32) -> bool {
     return t < nearest_t || (t == nearest_t && triangle < nearest_triangle);
 }

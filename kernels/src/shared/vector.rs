@@ -17,7 +17,7 @@ pub fn largest3<R: Real>(a: Vec3<R>) -> R {
     a.x.max(a.y).max(a.z)
 }
 
-/// The vector of length 1 along `a`, or 0 where `a` is too short to have a direction.
+/// The vector of length 1 along `a`, or 0 if `a` is too short to have a direction.
 pub fn unit3<R: Real>(a: Vec3<R>) -> Vec3<R> {
     let size = largest3(a.abs());
     #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "as the WGSL has it: NaN has no direction")]

@@ -1,4 +1,4 @@
-// Sums of products in a fixed order: the built-in dot() may be evaluated in any.
+// Sums of products in a fixed order: the built-in dot() may add in any order.
 
 fn dot3(a: vec3f, b: vec3f) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -12,8 +12,8 @@ fn largest3(a: vec3f) -> f32 {
     return max(max(a.x, a.y), a.z);
 }
 
-// Length 1 along a, or 0 where a is too short to have a direction. Scaled first: the squares of a tiny
-// vector would underflow.
+// Length 1 along a, or 0 if a is too short to have a direction. Scaled first: the squares of a tiny vector would
+// underflow.
 fn unit3(a: vec3f) -> vec3f {
     let size = largest3(abs(a));
     if (!(size > 1e-37)) {

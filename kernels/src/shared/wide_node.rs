@@ -1,10 +1,10 @@
-//! A node of the wide tree: eight boxes in 80 bytes.
+//! A node of the wide BVH: eight boxes in 80 bytes.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::numbers::units::exp2;
 
-/// A node of the compressed wide tree of Ylitie, Karras and Laine 2017, with the planes of each axis side by side.
+/// A node of the compressed wide BVH of Ylitie, Karras and Laine (2017), with the planes of each axis side by side.
 ///
 /// ```text
 /// word  0..3    origin           f32
@@ -16,20 +16,20 @@ use crate::numbers::units::exp2;
 ///       8..20   planes           8 bytes each: min x, max x, min y, max y, min z, max z
 /// ```
 ///
-/// Plane q of an axis lies at `origin + q * 2^(exponent - 127)`, which is exact in f64. An empty slot has no bit in
+/// Plane q of an axis is at `origin + q * 2^(exponent - 127)`, which is exact in f64. An empty slot has no bit in
 /// `contents`, and the planes 255 and 0.
 ///
-/// Seen from the node's centre, the child in slot s lies towards positive x, y and z where bits 2, 1 and 0 of s are
-/// set and towards negative ones where they are clear, as far as eight slots allow. So a ray enters children
-/// roughly by ascending `s ^ octant`, with these bits of octant set where its direction is negative.
+/// Seen from the node's centre, the child in slot s lies towards positive x, y and z if bits 2, 1 and 0 of s are set,
+/// and towards negative if they are clear, as far as eight slots allow. So a ray enters children roughly by ascending
+/// `s ^ octant`, where these bits of octant are set if its direction is negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct WideNode {
-    /// Traced units.
+    /// Lower corner of the planes, traced units.
     pub origin: [f32; 3],
     /// Biased exponents of the planes' spacing along x, y and z.
     pub exponents: [u8; 3],
-    /// Nothing.
+    /// Unused.
     pub unused: u8,
     /// First inner child.
     pub child_base: u32,
@@ -37,16 +37,16 @@ pub struct WideNode {
     pub triangle_base: u32,
     /// What each slot holds.
     pub contents: u32,
-    /// Nothing.
+    /// Unused.
     pub padding: u32,
     /// Along each axis, the lower and the upper plane of each slot.
     pub planes: [[[u8; 8]; 2]; 3],
 }
 
-/// What a slot of a [`WideNode`] holds.
+/// The child in a slot of a [`WideNode`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WideChild {
-    /// 0 to 7.
+    /// The slot, 0 to 7.
     pub slot: usize,
     /// Lower corner of its box, exact.
     pub min: [f64; 3],
@@ -59,19 +59,19 @@ pub struct WideChild {
 /// A child of a [`WideNode`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WideContent {
-    /// A node.
+    /// An inner node.
     Inner(u32),
     /// Entries of `packed_triangles`.
     Leaf {
-        /// The first.
+        /// The first entry.
         first: u32,
-        /// How many: 1 to 3.
+        /// Number of entries, 1 to 3.
         count: u32,
     },
 }
 
 impl WideNode {
-    /// The children in ascending slots; empty slots are left out.
+    /// The children by ascending slots; empty slots are left out.
     pub fn children(&self) -> impl Iterator<Item = WideChild> + '_ {
         (0..8usize).filter_map(|slot| {
             let content = self.content(slot)?;
@@ -80,7 +80,7 @@ impl WideNode {
         })
     }
 
-    /// What a slot (0 to 7) holds; `None` where it is empty.
+    /// The child in a slot (0 to 7); `None` if it is empty.
     #[must_use]
     pub fn content(&self, slot: usize) -> Option<WideContent> {
         let entries = self.contents >> (3 * slot) & 7;
@@ -93,14 +93,14 @@ impl WideNode {
         (entries != 0).then_some(WideContent::Leaf { first, count: entries.count_ones() })
     }
 
-    /// Where plane `q` of an axis (0 to 2) lies.
+    /// Coordinate of plane `q` of an axis (0 to 2).
     #[must_use]
     pub fn plane(&self, axis: usize, q: u8) -> f64 {
         f64::from(self.origin[axis]) + f64::from(q) * spacing(self.exponents[axis])
     }
 }
 
-/// What a biased exponent stands for.
+/// The spacing that a biased exponent stands for.
 pub(crate) fn spacing(exponent: u8) -> f64 {
     exp2(i32::from(exponent) - 127)
 }

@@ -1,4 +1,4 @@
-//! Twin of `wide_walk.wgsl`: one node of the compressed eight-wide tree.
+//! Twin of `wide_walk.wgsl`: one node of the compressed eight-wide BVH.
 
 use super::bvh_walk::finite_inverse;
 use super::wide_node::WideNode;
@@ -6,55 +6,55 @@ use crate::numbers::real::{Real, Vec3};
 
 /// Words of a restart trail, eight levels each.
 pub const TRAIL_WORDS: usize = 4;
-/// Its last level.
+/// The last level of a restart trail.
 pub const MOST_LEVELS: u32 = 31;
-/// What stands for none of a group's children.
+/// Stands for none of a group's children.
 pub const NO_CHILD: u32 = 8;
 
-/// The child of a level, from the trail's word that has the level.
+/// The child entered at a level, from the word of the trail that contains the level.
 #[must_use]
 pub fn trail_child(word: u32, level: u32) -> u32 {
     word >> (4 * (level % 8)) & 15
 }
 
-/// The word with another child for the level.
+/// The word with a different child at the level.
 #[must_use]
 pub fn with_trail_child(word: u32, level: u32, child: u32) -> u32 {
     let shift = 4 * (level % 8);
     word & !(15 << shift) | child << shift
 }
 
-/// What a ray's walk keeps.
+/// The variables of a ray's walk.
 #[derive(Clone, Copy, Debug)]
 pub struct WideRay<R> {
     origin: Vec3<R>,
     inverse: Vec3<R>,
-    /// Bits 2, 1, 0: the direction goes up along x, y, z.
+    /// Bits 2, 1, 0: the direction is positive along x, y, z.
     octant: u32,
     negative: [bool; 3],
 }
 
-/// Siblings that wait: `base` is the first child, and `bits` the hits (24-31, in the order of visits) and
-/// which slots are inner nodes (0-7).
+/// Siblings that wait: `base` is the first child, and `bits` holds the hits (24-31, in the order of visits) and the
+/// slots that are inner nodes (0-7).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WideGroup {
     /// First child.
     pub base: u32,
-    /// What was hit.
+    /// Hits, and slots that are inner nodes.
     pub bits: u32,
 }
 
-/// Entries of a node's leaves.
+/// The entries of a node's leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct WideLeaves {
     base: u32,
-    /// Those whose boxes were met (0-23).
+    /// Entries whose boxes were met (0-23).
     pub bits: u32,
     all: u32,
 }
 
 impl WideLeaves {
-    /// The entry of a leaf's hit.
+    /// The entry for a hit on a leaf.
     #[must_use]
     pub fn entry(&self, bit: u32) -> u32 {
         self.base + (self.all & ((1 << bit) - 1)).count_ones()
@@ -62,7 +62,7 @@ impl WideLeaves {
 }
 
 impl<R: Real> WideRay<R> {
-    /// Prepares a ray.
+    /// Prepares a ray for the walk.
     pub fn new(origin: Vec3<R>, direction: Vec3<R>) -> Self {
         let inverse = finite_inverse(direction);
         let negative = inverse.map(|v| v < R::zero()).to_array();
@@ -70,14 +70,14 @@ impl<R: Real> WideRay<R> {
         Self { origin, inverse, octant, negative }
     }
 
-    /// The node of a group's hit.
+    /// The node for a hit in a group.
     #[must_use]
     pub fn child(&self, group: WideGroup, bit: u32) -> u32 {
         let slot = (bit - 24) ^ self.octant;
         group.base + (group.bits & ((1 << slot) - 1) & 0xff).count_ones()
     }
 
-    /// Tests the eight boxes of a node: the groups of its inner children and of its leaves.
+    /// Tests the eight boxes of a node; returns the groups of its inner children and of its leaves.
     #[must_use]
     pub fn visit(&self, node: &WideNode, nearest_t: R) -> (WideGroup, WideLeaves) {
         let (mut enter, mut leave) = ([R::zero(); 8], [nearest_t; 8]);
@@ -85,7 +85,7 @@ impl<R: Real> WideRay<R> {
         for axis in 0..3 {
             let scale = R::from_f32(f32::from_bits(u32::from(node.exponents[axis]) << 23)) * inverse[axis];
             let offset = (R::from_f32(node.origin[axis]) - origin[axis]) * inverse[axis];
-            // A ray that goes down an axis meets the upper plane first.
+            // A ray that goes down along an axis meets the upper plane first.
             let near = usize::from(self.negative[axis]);
             let (near, far) = (&node.planes[axis][near], &node.planes[axis][1 - near]);
             for slot in 0..8 {
@@ -93,7 +93,7 @@ impl<R: Real> WideRay<R> {
                 leave[slot] = leave[slot].min(R::from_i32(i32::from(far[slot])) * scale + offset);
             }
         }
-        // The sign tells, as on the GPU: where a box ends at the ray's origin it may be that of -0.
+        // The sign decides, as on the GPU: it may be that of -0 if a box ends at the ray's origin.
         let hits = (0..8).fold(0, |hits, s| hits | u32::from(!(leave[s] - enter[s]).is_negative()) << s);
         let inner = node.contents >> 24;
         (
@@ -102,7 +102,7 @@ impl<R: Real> WideRay<R> {
         )
     }
 
-    /// Bit s of eight moves to bit s ^ octant.
+    /// Moves bit s of eight to bit s ^ octant.
     fn in_order(&self, slots: u32) -> u32 {
         let mut bits = slots;
         if !self.negative[0] {
@@ -118,7 +118,7 @@ impl<R: Real> WideRay<R> {
     }
 }
 
-/// Bit s of eight becomes bits 3s to 3s + 2.
+/// Copies bit s of eight to bits 3s to 3s + 2.
 fn tripled(slots: u32) -> u32 {
     let mut bits = (slots | slots << 8) & 0x00_f00f;
     bits = (bits | bits << 4) & 0x0c_30c3;

@@ -1,35 +1,35 @@
-// The walk through a compressed eight-wide tree (Ylitie, Karras and Laine, 2017), one node a step, with a
-// stack of one group of siblings a level.
+// The walk through a compressed eight-wide BVH (Ylitie, Karras and Laine, 2017), one node per step, with a stack of one
+// group of siblings per level.
 //
-// Boxes are grown on the host by more than the rounding of the test here, so it needs no epsilon.
+// Boxes are grown on the host by more than the rounding errors of the test here, so it needs no epsilon.
 
-// Five words a node, see WideNode in bvh/wide_node.rs.
+// Five words per node, see WideNode in bvh/wide_node.rs.
 @group(1) @binding(20) var<storage, read> wide_nodes: array<vec4u>;
 
-// A restart trail's words, eight levels each, its last level, and what stands for none of a group's children.
+// Words of a restart trail, eight levels each; its last level; and what stands for none of a group's children.
 @if(resumes) const TRAIL_WORDS: u32 = 4u;
 @if(resumes) const MOST_LEVELS: u32 = 31u;
 @if(resumes) const NO_CHILD: u32 = 8u;
 
-// The child of a level, from the trail's word that has the level.
+// The child entered at a level, from the word of the trail that contains the level.
 @if(resumes)
 fn trail_child(word: u32, level: u32) -> u32 {
     return (word >> (4u * (level % 8u))) & 15u;
 }
 
-// The word with another child for the level.
+// The word with a different child at the level.
 @if(resumes)
 fn with_trail_child(word: u32, level: u32, child: u32) -> u32 {
     let shift = 4u * (level % 8u);
     return (word & ~(15u << shift)) | (child << shift);
 }
 
-// What a ray's walk keeps in registers.
+// The variables of a ray's walk, kept in registers.
 struct WideRay {
     origin: vec3f,
-    // 1 / direction, finite.
+    // 1 / direction, kept finite.
     inverse: vec3f,
-    // Bits 2, 1, 0: the direction goes up along x, y, z.
+    // Bits 2, 1, 0: the direction is positive along x, y, z.
     octant: u32,
     negative: vec3<bool>,
 }
@@ -40,14 +40,14 @@ fn wide_ray(origin: vec3f, inverse: vec3f) -> WideRay {
     return WideRay(origin, inverse, octant, negative);
 }
 
-// Siblings that wait: of an inner group, base is the first child, and bits the hits (24-31, in the order of
-// visits) and which slots are inner nodes (0-7).
+// Siblings that wait: base is the first child of an inner group, and bits holds the hits (24-31, in the order of
+// visits) and the slots that are inner nodes (0-7).
 struct WideGroup {
     base: u32,
     bits: u32,
 }
 
-// Entries of a node's leaves: bits (0-23) are those whose boxes were met, of all of the node's.
+// The entries of a node's leaves: bits (0-23) are those whose boxes were met, out of all of the node's.
 struct WideLeaves {
     base: u32,
     bits: u32,
@@ -59,8 +59,8 @@ struct WideHits {
     leaves: WideLeaves,
 }
 
-// As integers, f32s that are not negative keep their order, and negative ones are below them: that is enough for
-// max with 0, and for min of what is a miss if one is negative. GPUs do more of these a clock.
+// As integers, f32s that are not negative keep their order, and negative ones are below them: enough for max with 0,
+// and for min where a negative value means a miss. GPUs compute more of these per clock.
 fn ints(v: vec4f) -> vec4i {
     return bitcast<vec4i>(v);
 }
@@ -69,7 +69,7 @@ fn bytes(word: u32) -> vec4f {
     return vec4f((vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(0xffu));
 }
 
-// Shifts a bit for each of four boxes into the misses, the last one's lowest: the sign of leave - enter.
+// Shifts a bit for each of four boxes into the misses, the last box's lowest: the sign of leave - enter.
 fn misses_of_four(misses: u32, near: vec3u, far: vec3u, scale: vec3f, offset: vec3f, nearest_t: f32) -> u32 {
     let enter = bitcast<vec4f>(max(
         max(ints(bytes(near.x) * scale.x + offset.x), ints(bytes(near.y) * scale.y + offset.y)),
@@ -86,7 +86,7 @@ fn misses_of_four(misses: u32, near: vec3u, far: vec3u, scale: vec3f, offset: ve
     return (shifted << 1u) | (inside.x >> 31u);
 }
 
-// Bit s of eight moves to bit s ^ octant.
+// Moves bit s of eight to bit s ^ octant.
 fn in_order(slots: u32, ray: WideRay) -> u32 {
     var bits = slots;
     bits = select(((bits & 0x0fu) << 4u) | (bits >> 4u), bits, ray.negative.x);
@@ -94,7 +94,7 @@ fn in_order(slots: u32, ray: WideRay) -> u32 {
     return select(((bits & 0x55u) << 1u) | ((bits >> 1u) & 0x55u), bits, ray.negative.z);
 }
 
-// Bit s of eight becomes bits 3s to 3s + 2.
+// Copies bit s of eight to bits 3s to 3s + 2.
 fn tripled(slots: u32) -> u32 {
     var bits = (slots | (slots << 8u)) & 0x00f00fu;
     bits = (bits | (bits << 4u)) & 0x0c30c3u;
@@ -111,7 +111,7 @@ fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
     let spacing = bitcast<vec3f>(((vec3u(head.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu)) << vec3u(23u));
     let scale = spacing * ray.inverse;
     let offset = (bitcast<vec3f>(head.xyz) - ray.origin) * ray.inverse;
-    // A ray that goes down an axis meets the upper plane first.
+    // A ray that goes down along an axis meets the upper plane first.
     let x_near = select(x.xy, x.zw, ray.negative.x);
     let x_far = select(x.zw, x.xy, ray.negative.x);
     let y_near = select(y.xy, y.zw, ray.negative.y);
@@ -130,12 +130,12 @@ fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
     );
 }
 
-// The entry of a leaf's hit.
+// The entry for a hit on a leaf.
 fn wide_entry(leaves: WideLeaves, bit: u32) -> u32 {
     return leaves.base + countOneBits(leaves.all & ((1u << bit) - 1u));
 }
 
-// The node of a group's next hit, which is the highest bit of its hits.
+// The node for the next hit in a group, which is the highest bit of its hits.
 fn wide_child(group: WideGroup, bit: u32, ray: WideRay) -> u32 {
     let slot = (bit - 24u) ^ ray.octant;
     return group.base + countOneBits(group.bits & ((1u << slot) - 1u) & 0xffu);

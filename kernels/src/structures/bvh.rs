@@ -1,24 +1,24 @@
-//! The bounding volume hierarchy: a binary tree for the stepped walk, or an eight-wide compressed one.
+//! The bounding volume hierarchy: a binary tree for single steps, or a compressed eight-wide one.
 //!
 //! ```text
-//! bvh_nodes     8 words    a node, see [`BvhNode`]; the root is node 0, two children lie side by side
-//! bvh_parents   u32        one a node: the node whose child it is
+//! bvh_nodes     8 words    per node, see [`BvhNode`]; the root is node 0, siblings are adjacent
+//! bvh_parents   u32        per node: its parent
 //! bvh_items     u32        triangle ids, in the order of the leaves
-//! wide_nodes    20 words   a node, see [`WideNode`]; the root is node 0
+//! wide_nodes    20 words   per node, see [`WideNode`]; the root is node 0
 //! packed_triangles 12 words  a corner and the triangle's id, a corner and 0, a corner and 0, in the order of the leaves
 //! ```
 //!
-//! **Boxes are conservative.** Every box contains the exact boxes of what is below it, grown by the distance
-//! that the caller gives, as the grid's cells are (see [`crate::structures::grid`]): binary boxes are rounded outwards to
-//! f32, wide ones to their 8-bit planes, both decided in f64. `check` holds the whole tree against that.
+//! **Boxes are conservative.** Every box contains the exact boxes of everything below it, grown by a distance that the
+//! caller gives, like the grid's cells (see [`crate::structures::grid`]): binary boxes are rounded outwards to f32,
+//! wide ones to their 8-bit planes, both decided in f64. `check` verifies this for a whole tree.
 //!
-//! **A triangle may be listed more than once.** Large oblique triangles are cut into pieces first, each with a
-//! box of its own ([`BvhQuality`] says how many); a ray may then test such a triangle again.
+//! **A triangle may be listed more than once.** Large oblique triangles are first cut into pieces, each with its own
+//! box ([`BvhQuality`] says how many); a ray may then test such a triangle again.
 //!
-//! **Any scene builds, in about n log n.** Clustering that stalls (nested or identical boxes) is forced
-//! on, the search of the optimiser is bounded where boxes overlap so much that it would go through the whole tree,
-//! and what is deeper than [`MAX_DEPTH`] or [`WIDE_MAX_DEPTH`] is replaced by a tree that halves at medians.
-//! A scene without triangles has one node that no ray hits: see [`EMPTY`] and [`WideNode`].
+//! **Any scene builds, in about n log n.** If clustering stalls (nested or identical boxes), neighbours are joined
+//! anyway; the optimiser's search is bounded if boxes overlap so much that it would visit the whole tree; and a tree
+//! deeper than [`MAX_DEPTH`] or [`WIDE_MAX_DEPTH`] is replaced by one that is halved at medians. A scene without
+//! triangles has one node that no ray hits: see [`EMPTY`] and [`WideNode`].
 
 mod binary;
 mod check;
@@ -40,24 +40,25 @@ pub use wide::{MAX_WIDE_LEAF, WideBvhData};
 
 use references::References;
 
-/// How much work goes into the tree. Each traces faster than the one before it.
+/// Effort of the build. Each level traces faster than the one before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BvhQuality {
-    /// Clusters among close neighbours, and no more.
+    /// Only clusters, among close neighbours.
     Fast,
-    /// Cuts large triangles, at most three further references for ten triangles, clusters among more neighbours,
-    /// and moves subtrees to better places.
+    /// Cuts large triangles, with at most three additional references for ten triangles, clusters among more
+    /// neighbours, and moves subtrees to better places.
     #[default]
     Balanced,
-    /// Moves five times as many.
+    /// Moves five times as many subtrees.
     High,
 }
 
 impl BvhQuality {
-    /// All of them, fastest to build first.
+    /// All qualities, fastest to build first.
     pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::High];
 
-    /// The best one that builds a tree over so many triangles within about a second on two cores, or `Balanced`.
+    /// The best quality that builds a tree over this many triangles within about a second on two cores, at least
+    /// `Balanced`.
     #[must_use]
     pub fn for_triangles(triangles: u64) -> Self {
         if triangles <= 1 << 18 { Self::High } else { Self::Balanced }
@@ -72,26 +73,26 @@ impl BvhQuality {
     }
 }
 
-/// What a quality means.
+/// Parameters of a quality.
 #[derive(Clone, Copy)]
 struct Effort {
-    /// Most further references that cutting may make, for each triangle.
+    /// Most additional references from cutting, per triangle.
     pieces: f64,
-    /// Neighbours on either side among which a cluster looks for its best partner.
+    /// Number of neighbours on either side among which a cluster looks for its best partner.
     search: usize,
-    /// Share of the nodes that the first round of reinsertion considers; 15 smaller rounds follow.
+    /// Share of nodes considered by the first round of reinsertion; 15 smaller rounds follow.
     reinsertion: f32,
-    /// Nodes that all rounds together may look at, for each node of the tree: a bound on the time where boxes
-    /// overlap so much that every search goes through most of them. Scenes of separate objects need about 20.
+    /// Most nodes that all rounds together may visit, per node of the tree: bounds the time if boxes overlap so much
+    /// that every search visits most of them. Scenes of separate objects need about 20.
     budget: f64,
 }
 
-/// How a tree is built, and what it has to fit.
+/// Options of a build, and the limit it has to fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BvhOptions {
-    /// How much work goes into it.
+    /// Effort of the build.
     pub quality: BvhQuality,
-    /// Most 32-bit words that one buffer of the executor holds.
+    /// Most 32-bit words in one buffer of the executor.
     pub most_words: u64,
 }
 
@@ -101,13 +102,13 @@ impl Default for BvhOptions {
     }
 }
 
-/// The tree cannot be built.
+/// The BVH cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BvhError {
-    /// More triangles than a reference can name.
+    /// More triangles than references can address.
     #[error("{triangles} triangles are more than the {MAX_TRIANGLES} that a bounding volume hierarchy can hold")]
     TooManyTriangles {
-        /// How many there are.
+        /// Number of triangles.
         triangles: u64,
     },
     /// A corner whose boxes would have no finite area.
@@ -116,42 +117,42 @@ pub enum BvhError {
         /// The first such triangle.
         triangle: u32,
     },
-    /// Boxes cannot be grown by that.
+    /// Boxes cannot be grown by this distance.
     #[error("boxes cannot be grown by {0}: it must be 0 to 2^40 traced units")]
     Growth(f32),
     /// A buffer would be larger than the executor can hold.
     #[error("{buffer} would take {words} words, more than the {limit} that fit one buffer here")]
     TooLarge {
-        /// Its name.
+        /// The buffer's name.
         buffer: &'static str,
-        /// What it would take.
+        /// Words it would take.
         words: u64,
-        /// What there is.
+        /// Words that fit.
         limit: u64,
     },
 }
 
-/// Most triangles: with their pieces, and with two nodes for each, still counted by 30 bits.
+/// Most triangles: together with their pieces, and with two nodes for each, they can still be counted with 30 bits.
 pub const MAX_TRIANGLES: u64 = 1 << 28;
 
-/// Largest coordinate and growth, traced units: areas and their sums stay finite in f32.
+/// Largest coordinate and growth, in traced units: areas and their sums stay finite in f32.
 pub(crate) const MAX_COORDINATE: f32 = (1u64 << 40) as f32;
 
-/// Builds the binary tree over `vertices` (nine floats a triangle, traced units), every box grown by `growth`.
+/// Builds the binary BVH over `vertices` (nine floats per triangle, traced units), every box grown by `growth`.
 ///
 /// # Errors
-/// Where a corner is not finite or much too far away, and where it does not fit the buffers.
+/// If a corner is not finite or much too far away, or if the BVH does not fit the buffers.
 pub fn build(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<BvhData, BvhError> {
     let references = gather(vertices, growth, options)?;
     binary::build(vertices, growth, &references, options)
 }
 
-/// Builds the wide tree over `vertices` (nine floats a triangle, traced units), every box grown by `growth`.
+/// Builds the wide BVH over `vertices` (nine floats per triangle, traced units), every box grown by `growth`.
 ///
 /// # Errors
-/// Where a corner is not finite or much too far away, and where it does not fit the buffers.
+/// If a corner is not finite or much too far away, or if the BVH does not fit the buffers.
 pub fn build_wide(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<WideBvhData, BvhError> {
-    // Known before anything is reserved: each triangle takes 12 words at least.
+    // Checked before anything is allocated: each triangle takes at least 12 words.
     fits("packed_triangles", 12 * (vertices.len() / 9) as u64, options)?;
     let references = gather(vertices, growth, options)?;
     wide::build(vertices, growth, &references, options)

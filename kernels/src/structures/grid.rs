@@ -1,21 +1,20 @@
 //! The uniform grid: its planes, its resolution, and which triangles each cell lists.
 //!
 //! ```text
-//! grid_cells  u32  one a cell, x fastest, and one more: where the cell's list starts in grid_items
+//! grid_cells  u32  one per cell, x fastest, and one more: where the cell's list starts in grid_items
 //! grid_items  u32  triangle ids, ascending within a cell; cell c owns cells[c] .. cells[c + 1]
 //! ```
 //!
-//! **Planes are exact.** Corner and cell width are multiples of one quantum, a power of two chosen so
-//! that every plane has at most 24 bits in it: `corner + width * i` is never rounded, contracted or not.
+//! **Planes are exact.** Corner and cell width are multiples of one quantum, a power of two chosen so that every plane
+//! fits in 24 bits: `corner + width * i` is never rounded, contracted or not.
 //!
-//! **Lists are conservative.** A ray's computed place differs from its true one by at most [`growth`],
-//! 40 roundings of 2⁻²⁴ of the largest distance involved: 7 in a crossing's t (difference 1, reciprocal 5,
-//! product 1), 5 in the entry point and its cell, and for the triangle 10 across the ray (its sheared
-//! corners) and 18 along it (its t), as `raystep_lab::reference` has them. Every cell is grown by that much
-//! before the exact triangle/box test, so the cell in which a ray is believed to be lists what the ray can
-//! meet there. Needles and triangles seen edge-on, whose t moves by more than 18 roundings when their edge
-//! functions round, are beyond this bound: there the grid may pick the other of two triangles that f32
-//! cannot tell apart, a tie.
+//! **Lists are conservative.** A ray's computed position differs from its true one by at most [`growth`], 40 roundings
+//! of 2⁻²⁴ of the largest distance involved: 7 in a crossing's t (difference 1, reciprocal 5, product 1), 5 in the
+//! entry point and its cell, and for the triangle 10 across the ray (its sheared corners) and 18 along it (its t), as
+//! in `raystep_lab::reference`. Every cell is grown by that much before the exact triangle/box test, so the cell that a
+//! ray is computed to be in lists everything that the ray can hit there. Needles and triangles seen edge-on, whose t
+//! moves by more than 18 roundings when their edge functions round, exceed this bound: there the grid may pick the
+//! other of two triangles that f32 cannot distinguish, a tie.
 
 mod distance;
 pub(crate) mod overlap;
@@ -37,7 +36,7 @@ pub use stats::GridStats;
 /// The grid cannot be built.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum GridError {
-    /// A cell count of 0, or more cells than an index can name.
+    /// A cell count of 0, or more cells than can be indexed.
     #[error("a grid of {} x {} x {} cells cannot be built: each count must be 1 to 4096 and their product at most {MAX_CELLS}", .0[0], .0[1], .0[2])]
     Size([u32; 3]),
     /// The lists are longer than the executor can hold.
@@ -56,37 +55,36 @@ pub enum GridError {
 /// Most cells in all.
 pub const MAX_CELLS: u64 = 1 << 28;
 
-/// A built grid.
+/// A grid with its lists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridData {
-    /// The uniform.
+    /// The uniform `grid`.
     pub grid: Grid,
-    /// Starts of the lists, one a cell and one more.
+    /// Start of each cell's list, and one entry more.
     pub cells: Vec<u32>,
     /// The lists.
     pub items: Vec<u32>,
-    /// What each cell was grown by, traced units.
+    /// Growth of each cell, in traced units.
     pub growth: f32,
 }
 
-/// What a cell is grown by, in traced units, where no origin, corner or distance between the two
-/// exceeds `reach`.
+/// Growth of cells, in traced units, if no origin, corner or distance between the two exceeds `reach`.
 #[must_use]
 pub fn growth(reach: f32) -> f32 {
     40.0 * reach.max(f32::MIN_POSITIVE * 1e9) / (1 << 24) as f32
 }
 
-/// A grid whose lists are counted, but not filled: enough to tell whether it is worth filling.
+/// A grid whose lists are counted but not filled: enough to tell whether filling is worthwhile.
 #[derive(Debug)]
 pub struct CountedGrid {
     grid: Grid,
     growth: f32,
-    /// Entries of each cell's list, and one more that is 0.
+    /// Length of each cell's list, and one more entry that is 0.
     counts: Vec<AtomicU32>,
 }
 
 impl CountedGrid {
-    /// Whether most cells are empty: where a walk seldom finds a cell to leap over, looking for one costs more.
+    /// Whether most cells are empty: if only few are, looking for cells to skip costs more than it saves.
     #[must_use]
     pub fn is_sparse(&self) -> bool {
         let cells = self.counts.len();
@@ -94,21 +92,21 @@ impl CountedGrid {
         cells > 64 && 2 * empty > cells
     }
 
-    /// Lists the triangles of each cell. `vertices` are those that were counted.
+    /// Fills the list of each cell. `vertices` must be those that were counted.
     #[must_use]
     pub fn fill(self, vertices: &[f32]) -> GridData {
         fill(vertices, self.grid, self.growth, self.counts)
     }
 }
 
-/// Counts the lists of the grid over `vertices` (nine floats a triangle, traced units).
+/// Counts the lists of the grid over `vertices` (nine floats per triangle, traced units).
 ///
-/// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words`
-/// is what one buffer of the executor holds. Without `is_grown`, cells list only the triangles that they exactly meet:
-/// what [`growth`] is for, left out.
+/// `reach` bounds every coordinate of corners and ray origins and the distances between them; `most_words` is the size
+/// of the executor's largest buffer. Without `is_grown`, cells list only the triangles that they exactly meet, not
+/// those that [`growth`] adds.
 ///
 /// # Errors
-/// Where the size asked for, or the lists, cannot be indexed.
+/// If the requested size, or the lists, cannot be indexed.
 pub fn count_lists(
     vertices: &[f32],
     size: GridSize,
@@ -126,11 +124,11 @@ pub fn count_lists(
     counted(grid, growth, vertices, most)
 }
 
-/// Where the planes of that grid are, and what its cells are grown by, without its lists; an automatic resolution is
-/// chosen by counting them.
+/// The planes of the same grid and its cells' growth, without its lists; an automatic resolution is chosen by counting
+/// them.
 ///
 /// # Errors
-/// Where the size asked for, or the lists of an automatic one, cannot be indexed.
+/// If the requested size, or the lists of an automatic one, cannot be indexed.
 pub fn planes(
     vertices: &[f32],
     size: GridSize,
@@ -147,10 +145,10 @@ pub fn planes(
     Ok((layout(min, max, cells, growth(reach)), if is_grown { growth(reach) } else { 0.0 }))
 }
 
-/// The same for a grid whose automatic resolution suits walks that leap over empty cells.
+/// As [`count_lists`], with an automatic resolution for empty-space skipping.
 ///
 /// # Errors
-/// Where the lists cannot be indexed.
+/// If the lists cannot be indexed.
 pub fn count_lists_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<CountedGrid, GridError> {
     let wanted = leaping((vertices.len() / 9) as u64);
     let growth = Growth { planes: growth(reach), lists: growth(reach) };
@@ -160,43 +158,43 @@ pub fn count_lists_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> R
 /// Builds the grid over `vertices`, see [`count_lists`].
 ///
 /// # Errors
-/// Where the size asked for, or the lists, cannot be indexed.
+/// If the requested size, or the lists, cannot be indexed.
 pub fn build(vertices: &[f32], size: GridSize, reach: f32, most_words: u64) -> Result<GridData, GridError> {
     Ok(count_lists(vertices, size, reach, true, most_words)?.fill(vertices))
 }
 
-/// Builds the grid for leaps over `vertices`, see [`count_lists_for_leaps`].
+/// Builds the grid for empty-space skipping over `vertices`, see [`count_lists_for_leaps`].
 ///
 /// # Errors
-/// Where the lists cannot be indexed.
+/// If the lists cannot be indexed.
 pub fn build_for_leaps(vertices: &[f32], reach: f32, most_words: u64) -> Result<GridData, GridError> {
     Ok(count_lists_for_leaps(vertices, reach, most_words)?.fill(vertices))
 }
 
-/// Counts and lists the triangles of each cell of a grid whose planes are there already, and what its cells are grown by.
+/// Counts and fills the lists of a grid whose planes and growth are given.
 ///
 /// # Errors
-/// Where the lists cannot be indexed.
+/// If the lists cannot be indexed.
 pub fn lists(grid: &Grid, growth: f32, vertices: &[f32], most_words: u64) -> Result<GridData, GridError> {
     Ok(counted(*grid, growth, vertices, most_words.min(u64::from(u32::MAX)))?.fill(vertices))
 }
 
-/// Counts the lists of a grid, of which there may be so many entries.
+/// Counts the lists of a grid, with at most `limit` entries.
 fn counted(grid: Grid, growth: f32, vertices: &[f32], limit: u64) -> Result<CountedGrid, GridError> {
     let too_many = || GridError::TooManyReferences { cells: grid.cells.map(|n| n as u32), limit };
     let counts = count(vertices, &grid, growth, limit).ok_or_else(too_many)?;
     Ok(CountedGrid { grid, growth, counts })
 }
 
-/// What planes stand off the scene by half of, and what cells are grown by for their lists.
+/// Twice `planes` is the margin around the scene; cells are grown by `lists` when triangles are listed.
 #[derive(Clone, Copy)]
 struct Growth {
     planes: f32,
     lists: f32,
 }
 
-/// The resolution that `cells` wants for the scene's extent, or a coarser one whose lists have at most so many
-/// entries a triangle, and `most` in all.
+/// The resolution that `cells` chooses for the scene's extent, or a coarser one whose lists have at most `entries` per
+/// triangle, and `most` in total.
 fn automatic(
     vertices: &[f32],
     cells: impl Fn([f64; 3]) -> [u32; 3],
@@ -207,7 +205,7 @@ fn automatic(
     let (min, max) = bounds(vertices);
     let triangles = (vertices.len() / 9) as u64;
     let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
-    // Cells not much larger than their growth would list their neighbours' triangles as well.
+    // Cells not much larger than their growth would list their neighbours' triangles too.
     let finest = extent.map(|e| (e / (8.0 * f64::from(growth.planes))).clamp(1.0, 4096.0) as u32);
     let mut cells = cells(extent);
     cells.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
@@ -217,7 +215,7 @@ fn automatic(
     }
     loop {
         let grid = layout(min, max, cells, growth.planes);
-        // Triangles much larger than a cell would fill every list; a coarser grid is cheaper then.
+        // Triangles much larger than a cell would fill every list; then a coarser grid is cheaper.
         if let Some(counts) = count(vertices, &grid, growth.lists, most.min(entries * triangles + 4096)) {
             return Ok(CountedGrid { grid, growth: growth.lists, counts });
         }
@@ -232,10 +230,10 @@ fn cell_count(cells: [u32; 3]) -> u64 {
     cells.iter().map(|&n| u64::from(n)).product()
 }
 
-/// How many cells a grid of that size has.
+/// Number of cells of a grid of this size.
 ///
 /// # Errors
-/// Where it cannot be built.
+/// If it cannot be built.
 pub fn check_cells(cells: [u32; 3]) -> Result<u64, GridError> {
     let count = cell_count(cells);
     if cells.iter().any(|&n| n == 0 || n > 4096) || count > MAX_CELLS {
@@ -244,7 +242,7 @@ pub fn check_cells(cells: [u32; 3]) -> Result<u64, GridError> {
     Ok(count)
 }
 
-/// Lower and upper corner; the unit box without triangles.
+/// Lower and upper corner; the unit box if there are no triangles.
 fn bounds(vertices: &[f32]) -> ([f32; 3], [f32; 3]) {
     const CHUNK: usize = 9 << 14;
     let parts = map_ranges(vertices.len(), CHUNK, |range| {
@@ -265,7 +263,7 @@ fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
         let margin = 2.0 * f64::from(growth);
         let (low, high) = (f64::from(min[a]) - margin, f64::from(max[a]) + margin);
         let count = f64::from(cells[a]);
-        // A bit of headroom: rounding up each of the cells may move the last plane outwards.
+        // Some headroom: rounding up each cell's width may move the last plane outwards.
         let quantum = exp2(floor_log2(low.abs().max(high.abs())) - 21);
         let corner = (low / quantum).floor() * quantum;
         let width = (((high - corner) / count) / quantum).ceil().max(1.0) * quantum;
@@ -276,12 +274,12 @@ fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
     grid
 }
 
-/// Triangles whose references are gathered before they are counted or listed, and the most references:
-/// few enough that the cells they touch stay in a core's cache.
+/// Triangles whose references are collected before they are counted or listed, and the limit of references: few enough
+/// that the cells they touch stay in a core's cache.
 const BATCH: usize = 256;
 const BATCH_REFERENCES: usize = 1 << 14;
 
-/// How many triangles each cell will list, or `None` once they are more than `limit` in all.
+/// Number of triangles that each cell will list, or `None` if they are more than `limit` in total.
 fn count(vertices: &[f32], grid: &Grid, growth: f32, limit: u64) -> Option<Vec<AtomicU32>> {
     let cells = grid.cells.iter().map(|&n| n as usize).product::<usize>();
     let counts: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(cells + 1).collect();
@@ -295,7 +293,7 @@ fn count(vertices: &[f32], grid: &Grid, growth: f32, limit: u64) -> Option<Vec<A
     (references.into_inner() <= limit).then_some(counts)
 }
 
-/// Calls `f` with every triangle and each cell that lists it, a batch at a time, until it says false.
+/// Calls `f` with every triangle and each cell that lists it, a batch at a time, until it returns false.
 fn for_references(
     vertices: &[f32],
     grid: &Grid,
@@ -305,7 +303,7 @@ fn for_references(
 ) {
     let goes_on = AtomicBool::new(true);
     let flush = |batch: &mut Vec<(u32, u32)>| {
-        // An atomic addition waits for its cell to arrive from memory; loads before it overlap.
+        // An atomic addition waits for its cell to be loaded from memory; prior loads overlap.
         let touched = batch.iter().fold(0, |sum, &(_, cell)| sum ^ counts[cell as usize].load(Ordering::Relaxed));
         std::hint::black_box(touched);
         if goes_on.load(Ordering::Relaxed) && !f(batch) {
@@ -340,7 +338,7 @@ fn fill(vertices: &[f32], grid: Grid, growth: f32, counts: Vec<AtomicU32>) -> Gr
     for count in &counts {
         references += count.swap(references, Ordering::Relaxed);
     }
-    // Each list is filled in any order; its start moves to its end, which is the next one's start.
+    // Each list is filled in any order; its start moves to its end, which is the next list's start.
     let slots: Vec<AtomicU32> = std::iter::repeat_with(|| AtomicU32::new(0)).take(references as usize).collect();
     for_references(vertices, &grid, growth, &counts, |batch| {
         for &(triangle, cell) in batch {
@@ -358,7 +356,7 @@ fn fill(vertices: &[f32], grid: Grid, growth: f32, counts: Vec<AtomicU32>) -> Gr
     GridData { grid, cells, items, growth }
 }
 
-/// Sorts every list, so that the order of the fill does not show.
+/// Sorts every list, so that the order of filling does not matter.
 fn sort_lists(cells: &[u32], items: &mut [u32]) {
     let mut lists = Vec::new();
     let mut rest = items;
@@ -380,13 +378,13 @@ fn sort_lists(cells: &[u32], items: &mut [u32]) {
 }
 
 impl GridData {
-    /// Bytes of the two lists.
+    /// Size in bytes of the two buffers.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         4 * (self.cells.len() as u64 + self.items.len() as u64)
     }
 
-    /// The triangles that a cell lists; empty for a cell that the grid does not have.
+    /// The triangles that a cell lists; empty for a cell outside of the grid.
     #[must_use]
     pub fn list(&self, cell: u32) -> &[u32] {
         let cell = cell as usize;

@@ -1,4 +1,4 @@
-//! What keeps a ray from testing every triangle: a uniform grid, or a bounding volume hierarchy.
+//! Acceleration structures: a uniform grid, or a bounding volume hierarchy.
 
 pub mod bvh;
 pub mod grid;
@@ -6,27 +6,27 @@ pub mod grid;
 use bvh::{BvhData, WideBvhData};
 use grid::GridData;
 
-/// What was built over the triangles of a scene.
+/// The acceleration structure of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Structure {
-    /// Nothing: every ray tests every triangle.
+    /// None: every ray tests every triangle.
     #[default]
     None,
     /// A uniform grid.
     Grid {
-        /// Its lists.
+        /// The grid and its lists.
         data: GridData,
-        /// How far each empty cell is from the next list, see [`grid::distances`]; empty where rays do not leap.
+        /// Distance of each empty cell to the next list, see [`grid::distances`]; empty without empty-space skipping.
         distances: Vec<u32>,
     },
-    /// A binary tree, for rays that are stepped.
+    /// A binary BVH, for rays that are stepped.
     Bvh(BvhData),
-    /// An eight-wide tree, for the fused kernel.
+    /// An eight-wide BVH, for the fused kernel.
     Wide(WideBvhData),
 }
 
 impl Structure {
-    /// The longest list of a cell or leaf; 0 where lists are not told apart.
+    /// Length of the longest list of a cell or leaf; 0 for structures without such lists.
     #[must_use]
     pub fn longest_list(&self) -> u32 {
         let longest = match self {
@@ -37,7 +37,7 @@ impl Structure {
         longest.unwrap_or(0)
     }
 
-    /// Cells along x, y and z together; 0 without a grid.
+    /// Sum of the cells along x, y and z; 0 without a grid.
     #[must_use]
     pub fn cells_along_axes(&self) -> u64 {
         match self {

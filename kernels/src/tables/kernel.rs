@@ -1,75 +1,75 @@
-//! What the rows of a program's kernels are made of.
+//! Types in the rows of a program's kernels.
 
 use super::state::Tag;
 
-/// One way of a ray from a state to the next.
+/// A transition from one state to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Transition {
     /// State before the pass.
     pub from: Tag,
-    /// Condition, in words.
+    /// The condition, in words.
     pub when: &'static str,
     /// State after the pass.
     pub to: Tag,
 }
 
-/// What a kernel is for in a run.
+/// The role of a kernel in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Makes rays; the first kernel of every sample.
+    /// Generates rays; the first kernel of every sample.
     Source,
     /// Finds where a ray's walk begins.
     Enter,
-    /// Takes a ray one step of its walk on.
+    /// Advances a ray by one step of its walk.
     Step,
-    /// Tests a ray against one item of where it is.
+    /// Tests a ray against one item of its cell or leaf.
     Test,
-    /// Takes a ray several steps on, tests included.
+    /// Advances a ray by several steps, including tests.
     Walk,
-    /// Takes a ray from its start to the end of its walk.
+    /// Traces a ray from its start to the end of its walk.
     Whole,
-    /// Makes the result from where a ray's walk has ended.
+    /// Computes a ray's result after its walk.
     Finish,
-    /// Adds a sample's result to those before it; the last kernel of every sample.
+    /// Adds a sample's result to the previous ones; the last kernel of every sample.
     Sample,
     /// Counts the elements in each state, after a kernel that does not count them itself.
     Count,
-    /// Does its work once, on every element.
+    /// Runs once, on every element.
     Once,
 }
 
 impl Role {
-    /// Whether such a kernel runs again and again until no ray walks.
+    /// Whether such a kernel runs repeatedly until no ray is walking.
     #[must_use]
     pub const fn is_walk(self) -> bool {
         matches!(self, Self::Step | Self::Test | Self::Walk)
     }
 }
 
-/// How a kernel that has no list of rays is launched over all of them.
+/// How a kernel without a list of rays is launched over all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Launch {
     /// In one dispatch.
     Whole,
-    /// In bands of rows, each a dispatch and a submission of its own: a ray may take long there, and systems take the
-    /// GPU away from a dispatch that lasts. It is not submitted together with other passes.
+    /// In bands of rows, each a dispatch and a submission of its own: a ray may take long, and systems reset the GPU
+    /// when a dispatch takes too long. Not submitted together with other passes.
     Bands,
-    /// In one dispatch, over elements that lie one after the other.
+    /// In one dispatch, over elements that are stored one after the other.
     List {
-        /// Elements of a thread.
+        /// Elements per thread.
         each: u32,
     },
 }
 
-/// How the host learns where a kernel has sent its rays.
+/// How the host learns to which states a kernel has sent its rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counts {
-    /// The kernel counts the rays that it sends into each state.
+    /// The kernel counts the rays that it sends to each state.
     Sent,
-    /// It does not count: all rays go to this state, but where some may wait for the next dispatch; then they are
-    /// counted anew.
+    /// It does not count: all rays go to this state, unless some may wait for the next dispatch; then they are
+    /// recounted.
     AllTo(Tag),
-    /// It does not count: the rays in each state are counted anew after it.
+    /// It does not count: the rays in each state are recounted after it.
     Anew,
     /// Its elements have no states.
     None,
@@ -78,7 +78,7 @@ pub enum Counts {
 /// A list of the rays that wait for a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListInfo {
-    /// What kernels that send rays there bind.
+    /// The name under which kernels that send rays there bind it.
     pub name: &'static str,
     /// The buffers of its slots in even and odd passes of its kernel: one is read as arguments while the other is
     /// written.

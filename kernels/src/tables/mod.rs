@@ -1,4 +1,4 @@
-//! What a program is made of, one table a kind of thing, and how its values lie in memory.
+//! The parts of a program, one kind of table each, and how its values are laid out in memory.
 
 pub mod elements;
 pub mod kernel;

@@ -1,25 +1,25 @@
-//! Sizes of the buffers that the GPU executor keeps for itself: what the plan counts and the executor allocates.
+//! Sizes of the GPU executor's own buffers, for the plan to count and the executor to allocate.
 
 use crate::tables::elements::Size;
 use crate::tables::stream::{Stream, StreamInfo};
 
-/// Passes of one batch at most: one slot each in the GPU executor's housekeeping buffers.
+/// Most passes per batch: each has a slot in the executor's buffers of counters.
 pub const COUNT_SLOTS: u64 = 256;
-/// Bytes between two slots: a dynamic offset's alignment on every adapter.
+/// Bytes between two slots: satisfies the alignment of dynamic offsets on every adapter.
 pub const COUNT_SLOT_BYTES: u64 = 256;
-/// Texels of each constant with which the GPU executor fills streams.
+/// Texels of each constant that the GPU executor fills streams with.
 pub const FILL_TEXELS: u32 = 1 << 18;
-/// Texels of the longest row of any texture.
+/// Texels in the longest row of any texture.
 const LONGEST_ROW: u64 = 1 << 15;
-/// Lists of rays that exist at a time: for each of two kernels the one that it works on, and the next.
+/// Lists of rays that exist at the same time: for each of two kernels, its current list and its next one.
 pub const LIVE_REGIONS: u64 = 4;
 
-/// Texels between two rows in a buffer: a copy wants them 256 bytes apart.
+/// Bytes between two rows in a buffer: copies require a multiple of 256.
 pub(crate) fn pitch(width: u32) -> u32 {
     width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4)
 }
 
-/// The values that a program's streams begin with.
+/// The initial values of a program's streams.
 pub(crate) fn fill_values(streams: &[StreamInfo]) -> Vec<u32> {
     let mut values: Vec<u32> = streams.iter().flat_map(|s| s.unwritten).copied().collect();
     values.sort_unstable();
@@ -32,18 +32,18 @@ pub(crate) fn fill_rows(width: u32, height: u32) -> u32 {
     (FILL_TEXELS / pitch(width)).clamp(1, height)
 }
 
-/// Words of each constant, where the program's first set of elements is of this size: at least a row of any other set.
+/// Words of each constant, if the program's first set of elements has this size: at least a row of any other set.
 pub(crate) fn fill_words(size: Size, sets: usize) -> u64 {
     let words = u64::from(pitch(size.width)) * u64::from(fill_rows(size.width, size.height));
     if sets > 1 { words.max(LONGEST_ROW) } else { words }
 }
 
-/// Bytes of the constants of a program with these streams and so many sets of elements.
+/// Bytes of the constants of a program with these streams and this many sets of elements.
 pub(crate) fn fill_bytes(size: Size, sets: usize, streams: &[StreamInfo]) -> u64 {
     4 * fill_words(size, sets) * fill_values(streams).len() as u64
 }
 
-/// Bytes of the copy of a given stream.
+/// Bytes of the copy of an input stream.
 pub(crate) fn given_bytes(stream: Stream, width: u32, height: u32) -> u64 {
     4 * u64::from(pitch(width)) * u64::from(height) * stream.layers() as u64
 }

@@ -1,22 +1,22 @@
-//! Where an element is in a program: the tags of the program's stream of states.
+//! States of a program's elements: the tags in the program's stream of states.
 //!
-//! Which kernel moves an element from one to the next is in the kernels' rows. The tags become constants of the WGSL
-//! module `package::state`, made from the table, so shaders and CPU reference kernels cannot disagree.
+//! The kernels' rows say which kernel moves an element from one state to the next. The tags become constants of the
+//! WGSL module `package::state`, generated from the table, so shaders and CPU reference kernels cannot disagree.
 
-/// A state: what layer [`STATE_TAG`](super::stream::STATE_TAG) of the stream of states holds.
+/// A state: the value in layer [`STATE_TAG`](super::stream::STATE_TAG) of the stream of states.
 pub type Tag = u32;
 
-/// Most states of a program: what the GPU counts for each pass has room for so many.
+/// Most states of a program: the GPU's counters of each pass have room for this many.
 pub const COUNT: usize = 8;
 
-/// Where a state lies in an element's course.
+/// How far an element in a state has got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StateRole {
-    /// There is no ray yet.
+    /// The ray has not been generated.
     Unborn,
-    /// The ray is on its way; what it hits is not known.
+    /// The ray is active: its hit is not known.
     Active,
-    /// What it hits is known, its result is not.
+    /// Its hit is known, its result is not.
     Resolved,
     /// Its result is known.
     Finished,
@@ -25,19 +25,19 @@ pub enum StateRole {
 /// A row of a program's table of states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateInfo {
-    /// Which state: its place in the table.
+    /// The state: its index in the table.
     pub tag: Tag,
     /// Its name in WGSL and in reports.
     pub name: &'static str,
-    /// Where it lies in an element's course.
+    /// How far an element in this state has got.
     pub role: StateRole,
-    /// Its colour in every diagram, sRGB.
+    /// Its colour in all diagrams, sRGB.
     pub colour: [u8; 3],
-    /// What an element does there, for people.
+    /// What an element in this state does, for people.
     pub meaning: &'static str,
 }
 
-/// How many elements are in each state, indexed by tag.
+/// Number of elements in each state, indexed by tag.
 pub type StateCounts = [u32; COUNT];
 
 /// A program's states.
@@ -50,37 +50,37 @@ impl States {
         self.0.iter()
     }
 
-    /// The name of a tag, or `"?"` for a value that is none.
+    /// The name of a tag, or `"?"` for a value that is not a tag.
     #[must_use]
     pub fn name(self, tag: Tag) -> &'static str {
         self.0.get(tag as usize).map_or("?", |state| state.name)
     }
 
-    /// Where a tag lies in an element's course; `None` for a value that is none.
+    /// How far an element with a tag has got; `None` for a value that is not a tag.
     #[must_use]
     pub fn role(self, tag: Tag) -> Option<StateRole> {
         self.0.get(tag as usize).map(|state| state.role)
     }
 
-    /// Whether a ray in this state may still hit something, or something else.
+    /// Whether a ray in this state may still find a hit, or a nearer one.
     #[must_use]
     pub fn is_walking(self, tag: Tag) -> bool {
         self.role(tag) == Some(StateRole::Active)
     }
 
-    /// Whether a ray in this state will hit nothing else any more.
+    /// Whether the hit of a ray in this state is final.
     #[must_use]
     pub fn is_decided(self, tag: Tag) -> bool {
         matches!(self.role(tag), Some(StateRole::Resolved | StateRole::Finished))
     }
 
-    /// Rays whose hit is decided.
+    /// Number of rays whose hit is decided.
     #[must_use]
     pub fn decided(self, counts: &StateCounts) -> u64 {
         sum(counts, |tag| self.is_decided(tag))
     }
 
-    /// Rays that still walk.
+    /// Number of rays that are still walking.
     #[must_use]
     pub fn walking(self, counts: &StateCounts) -> u64 {
         sum(counts, |tag| self.is_walking(tag))

@@ -1,8 +1,8 @@
-//! What a program keeps for each of its elements: streams.
+//! Streams: the values that a program keeps for each of its elements.
 //!
-//! A stream is a 2D-array texture: one texel an element, one layer a component, `r32float` or `r32uint`. Elements that
-//! are an image's pixels have pixel (x, y) in texel (x, y), row 0 at the top; others fill the rows one after the other.
-//! A kernel updates its own texel in place.
+//! A stream is a 2D-array texture: one texel per element, one layer per component, `r32float` or `r32uint`. Elements
+//! that are pixels of an image have pixel (x, y) in texel (x, y), row 0 at the top; others fill the rows one after the
+//! other. A kernel updates its own texel in place.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -13,7 +13,7 @@ use serde::{Serialize, Serializer};
 use super::elements::Elements;
 use crate::options::reasons::{Reason, Run};
 
-/// What a texel component is.
+/// Type of a texel's component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Texel {
     /// `r32float`
@@ -22,25 +22,25 @@ pub enum Texel {
     U32,
 }
 
-/// What the numbers of a layer are: it decides how they are compared, printed and coloured.
+/// The meaning of a layer's numbers, which decides how they are compared, printed and coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A float.
     Float,
-    /// A float that counts along a ray, so that [`INF`](crate::shared::constants::INF) is never reached.
+    /// A float, the t of a ray, so that [`INF`](crate::shared::constants::INF) is never reached.
     Distance,
     /// A float: linear light. Three layers of it, the first of a stream, are a colour.
     Light,
-    /// How many, or how far into a list.
+    /// A count, or an offset into a list.
     Count,
-    /// Which: two of them are equal or different.
+    /// An id: two of them are equal or different.
     Id,
     /// A state.
     Tag,
 }
 
 impl Meaning {
-    /// Whether the layer holds a float, as such or as bits.
+    /// Whether the layer holds a float, directly or as bits.
     #[must_use]
     pub const fn is_float(self) -> bool {
         matches!(self, Self::Float | Self::Distance | Self::Light)
@@ -50,27 +50,27 @@ impl Meaning {
 /// A row of a program's table of streams.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamInfo {
-    /// Its place in the table.
+    /// Its index in the table.
     pub index: usize,
     /// Its name in WGSL, files and options.
     pub name: &'static str,
-    /// What it has a texel for.
+    /// The elements that it has texels for.
     pub elements: &'static Elements,
     /// Component type.
     pub texel: Texel,
-    /// One name a layer.
+    /// One name per layer.
     pub layers: &'static [&'static str],
-    /// What each layer's numbers are. Floats of a `u32` stream are their bits.
+    /// The meaning of each layer's numbers. Floats of a `u32` stream are their bits.
     pub meaning: &'static [Meaning],
     /// Unit of the numbers.
     pub unit: &'static str,
-    /// What each layer holds before any kernel has written it (bits).
+    /// Initial value of each layer (bits), before any kernel has written it.
     pub unwritten: &'static [u32],
     /// Why a run does without it.
     pub why_absent: fn(&Run<'_>) -> Reason,
 }
 
-/// Layer of a program's stream of states that holds the tag.
+/// Layer with the tag in a program's stream of states.
 pub const STATE_TAG: usize = 0;
 
 /// A stream of a program: a row of its table.
@@ -88,7 +88,7 @@ impl Stream {
     pub const fn info(self) -> &'static StreamInfo {
         self.0
     }
-    /// Its place in its program's table.
+    /// Its index in its program's table.
     #[must_use]
     pub const fn index(self) -> usize {
         self.0.index
@@ -98,17 +98,17 @@ impl Stream {
     pub const fn name(self) -> &'static str {
         self.0.name
     }
-    /// Components a texel.
+    /// Components per texel.
     #[must_use]
     pub const fn layers(self) -> usize {
         self.0.layers.len()
     }
-    /// Bytes for so many texels on the GPU; `None` where that overflows.
+    /// Bytes for this many texels on the GPU; `None` if that overflows.
     #[must_use]
     pub fn bytes(self, texels: u64) -> Option<u64> {
         texels.checked_mul(4 * self.layers() as u64)
     }
-    /// Whether a layer holds a float, as such or as bits.
+    /// Whether a layer holds a float, directly or as bits.
     #[must_use]
     pub fn is_float_layer(self, layer: usize) -> bool {
         self.0.meaning.get(layer).is_some_and(|meaning| meaning.is_float())
@@ -135,7 +135,7 @@ impl PartialOrd for Stream {
 }
 
 impl Ord for Stream {
-    /// In the order of their table; streams of two programs in any.
+    /// In table order; the order between streams of different programs is arbitrary.
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |stream: &Self| (stream.0.index, std::ptr::from_ref(stream.0).addr());
         key(self).cmp(&key(other))
@@ -160,21 +160,21 @@ impl Serialize for Stream {
     }
 }
 
-/// A part of an image, in pixels.
+/// A region of an image, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Region {
-    /// Its first column.
+    /// First column.
     pub x: u32,
-    /// Its first row.
+    /// First row.
     pub y: u32,
-    /// Columns.
+    /// Number of columns.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
 }
 
 impl Region {
-    /// Whether it has pixels, all of them in an image of this size.
+    /// Whether it is not empty, and inside an image of this size.
     #[must_use]
     pub fn is_in(&self, width: u32, height: u32) -> bool {
         let fits =
@@ -183,12 +183,12 @@ impl Region {
     }
 }
 
-/// The values of one stream, or of a part of it, after some pass: layer-major, then rows from the top.
+/// The values of a stream, or of a region of it, after some pass: layer-major, then rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StreamData {
     /// Which stream.
     pub stream: Stream,
-    /// Texels a row.
+    /// Texels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
@@ -215,7 +215,7 @@ impl StreamData {
     }
 }
 
-/// A program's table of streams, and a constant for each of them.
+/// Defines a program's table of streams, and a constant for each of them.
 macro_rules! streams {
     ($($(#[doc = $doc:literal])* $stream:ident of $elements:ident: $name:literal $texel:ident $layers:expr, meaning: $meaning:expr, unit: $unit:literal, unwritten: $unwritten:expr, why_absent: $why:expr;)*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]

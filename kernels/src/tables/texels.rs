@@ -1,4 +1,4 @@
-//! The texels of one ray, as a CPU kernel reads and writes them.
+//! The texels of one ray, for a twin to read and write.
 
 use crate::numbers::real::{Real, Vec3};
 use crate::tables::stream::Stream;
@@ -6,17 +6,17 @@ use crate::tables::stream::Stream;
 /// Most streams of a program.
 pub const MOST_STREAMS: usize = 32;
 
-/// Where the components of each stream lie in a ray's row of texels.
+/// Layout of the streams' components in a ray's row of texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     /// Index of each stream's first component; `None` for a stream that the plan left out.
     pub(crate) first: [Option<usize>; MOST_STREAMS],
-    /// Components of a row.
+    /// Components per row.
     pub(crate) stride: usize,
 }
 
 impl Layout {
-    /// These streams, side by side.
+    /// The layout of these streams, side by side.
     pub(crate) fn of(streams: impl Iterator<Item = Stream>) -> Self {
         let mut layout = Self { first: [None; MOST_STREAMS], stride: 0 };
         for stream in streams {
@@ -38,12 +38,12 @@ pub struct Texels<'a, R: Real> {
 }
 
 impl<'a, R: Real> Texels<'a, R> {
-    /// Of the ray at column `x` and row `y`, whose components are `row`.
+    /// The ray at column `x` and row `y`, whose components are `row`.
     pub(crate) fn new(row: &'a mut [R::Bits], layout: &'a Layout, x: u32, y: u32) -> Self {
         Self { row, layout, x, y }
     }
     fn index(&self, stream: Stream, layer: usize) -> usize {
-        // A stream that the plan left out is never asked for: the twins branch on the same options.
+        // A stream that the plan left out is never accessed: the twins branch on the same options.
         self.layout.first[stream.index()].map_or(usize::MAX, |first| first + layer)
     }
     /// A float component.
@@ -79,10 +79,10 @@ impl<'a, R: Real> Texels<'a, R> {
     }
 }
 
-/// The streams of a run, as a CPU kernel reads and writes them whose elements look at each other. What is left out, or
-/// lies beyond a set's end, reads as 0 and is not written.
+/// The streams of a run, for twins whose elements read each other. Streams that were left out, and elements beyond a
+/// set's end, read as 0 and are not written.
 pub trait Columns {
-    /// How many elements a stream has a texel for.
+    /// Number of elements that a stream has texels for.
     fn len(&self, stream: Stream) -> usize;
     /// An integer component.
     fn load(&self, stream: Stream, layer: usize, element: usize) -> u32;

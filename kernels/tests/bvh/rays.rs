@@ -1,4 +1,4 @@
-//! What rays can meet of a tree: every triangle whose box they pierce.
+//! What rays can find in a BVH: every triangle whose box they pierce.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use raystep_kernels::structures::bvh::{BvhData, BvhQuality, WideBvhData, WideCon
 use super::options;
 use super::scenes::{Random, needles, soup};
 
-/// A ray as the slab tests have it: an origin, and one over the direction.
+/// A ray for the slab tests: an origin, and 1 / direction.
 struct Ray {
     origin: [f64; 3],
     inverse: [f64; 3],
@@ -22,8 +22,8 @@ impl Ray {
         Self { origin, inverse: [0, 1, 2].map(|a| 1.0 / (target[a] - origin[a])) }
     }
 
-    /// Whether it pierces a box made larger by `margin`, which a triangle's box is made smaller by: what f64
-    /// rounds off the one test must not show as a fault of the tree.
+    /// Whether it pierces a box grown by `margin`; a triangle's box is shrunk by it, so that f64's rounding errors in
+    /// this test do not appear as a fault of the BVH.
     fn pierces(&self, min: [f64; 3], max: [f64; 3], margin: f64) -> bool {
         let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
         for a in 0..3 {
@@ -35,7 +35,7 @@ impl Ray {
     }
 }
 
-/// What a ray meets in the binary tree.
+/// Triangles that a ray finds in the binary BVH.
 fn binary_hits(tree: &BvhData, ray: &Ray, margin: f64) -> BTreeSet<u32> {
     let mut hits = BTreeSet::new();
     let mut waiting = vec![0u32];
@@ -53,7 +53,7 @@ fn binary_hits(tree: &BvhData, ray: &Ray, margin: f64) -> BTreeSet<u32> {
     hits
 }
 
-/// What a ray meets in the wide tree.
+/// Triangles that a ray finds in the wide BVH.
 fn wide_hits(tree: &WideBvhData, ray: &Ray, margin: f64) -> BTreeSet<u32> {
     let mut hits = BTreeSet::new();
     let mut waiting = vec![0u32];
@@ -80,7 +80,7 @@ fn grown_box(v: &[f32], growth: f64) -> ([f64; 3], [f64; 3]) {
 fn rays_meet_every_triangle_whose_grown_box_they_pierce() {
     let cases = [([0.0; 3], 1.0, soup(800, 0.1, [1.0; 3], 0.0)), ([1e3; 3], 1.0, soup(800, 0.1, [1.0; 3], 1e3))];
     for (center, extent, vertices) in cases {
-        // Whole triangles only: of one that is cut, parts of the box are rightly missing.
+        // Only whole triangles: if one is cut, parts of its box are missing, as they should be.
         let options = options(BvhQuality::Fast);
         let growth = 1e-4f32;
         let tree = build(&vertices, growth, &options).expect("a tree");
@@ -104,7 +104,7 @@ fn rays_meet_every_triangle_whose_grown_box_they_pierce() {
     }
 }
 
-/// Points of triangles that are cut into pieces: a ray through one must meet the triangle.
+/// Points in triangles that are cut into pieces: a ray through one must find the triangle.
 #[test]
 fn rays_meet_triangles_that_were_cut() {
     let vertices = needles(1000);

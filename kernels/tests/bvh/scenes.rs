@@ -1,4 +1,4 @@
-//! Triangles to build trees of.
+//! Test scenes for BVHs.
 
 use raystep_scenes::generate;
 
@@ -33,7 +33,7 @@ pub(crate) fn soup(count: usize, size: f32, extent: [f32; 3], offset: f32) -> Ve
     vertices
 }
 
-/// Long thin triangles in all directions: most of what can be cut.
+/// Long thin triangles in all directions, of which much can be cut.
 pub(crate) fn needles(count: usize) -> Vec<f32> {
     let mut random = Random::new(2);
     let mut vertices = Vec::new();
@@ -49,13 +49,13 @@ pub(crate) fn needles(count: usize) -> Vec<f32> {
     vertices
 }
 
-/// Boxes inside one another, the outermost first or last.
+/// Nested boxes, the outermost first or last.
 pub(crate) fn nested(count: usize, outermost_first: bool) -> Vec<f32> {
     let sizes = (1..=count).map(|i| if outermost_first { count + 1 - i } else { i } as f32 / count as f32);
     sizes.flat_map(|s| [-s, -s, -s, s, s, s, -s, s, 0.0]).collect()
 }
 
-/// The scenes that every promise is checked on.
+/// The scenes on which every guarantee is checked.
 pub(crate) fn scenes() -> Vec<(&'static str, Vec<f32>)> {
     let flat = |scene: raystep_scenes::Scene| scene.triangles.as_flattened().as_flattened().to_vec();
     vec![

@@ -1,4 +1,4 @@
-//! The streams of all sets, for twins whose elements look at each other.
+//! The streams of all sets, for twins whose elements read each other.
 
 use super::{CpuExecutor, from_stream_bits, to_stream_bits};
 use crate::program::kernel::Precision;

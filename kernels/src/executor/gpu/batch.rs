@@ -1,4 +1,4 @@
-//! One submission of passes after the other, and what each pass did.
+//! Submits passes in batches and reads back what each pass did.
 
 use super::books::{Place, counts_after, groups, read_sent};
 use super::timers::read_times;
@@ -11,15 +11,15 @@ use crate::tables::kernel::{Launch, Role};
 use crate::tables::sizes::COUNT_SLOT_BYTES;
 use crate::tables::state::StateCounts;
 
-/// Where `first_row` lies in the uniform `scene`, in bytes.
+/// Byte offset of `first_row` in the uniform `scene`.
 const FIRST_ROW: u64 = 12;
 
 impl GpuExecutor {
-    /// Submits passes, at most [`MOST_PASSES`], and resolves to what each of them did. `counts` are the rays
-    /// in each state now.
+    /// Submits passes, at most [`MOST_PASSES`], and resolves to what each of them did. `counts` are the rays in each
+    /// state before the first.
     ///
     /// # Errors
-    /// Where the device is lost or refuses.
+    /// If the device is lost or refuses.
     pub async fn run(&mut self, passes: &[Kernel], counts: &StateCounts) -> Result<Vec<PassResult>, GpuError> {
         self.gpu.health()?;
         let passes = &passes[..passes.len().min(MOST_PASSES)];
@@ -42,7 +42,7 @@ impl GpuExecutor {
             }
             _ => self.encode_all(&mut encoder, passes, &places)?,
         }
-        // Those that are counted anew are submitted alone.
+        // A pass whose rays are counted afterwards is submitted alone.
         let is_counted_anew = matches!(passes, [kernel] if kernel.is_counted_anew(&self.plan.features));
         if is_counted_anew {
             self.encode_count(&mut encoder)?;
@@ -59,7 +59,7 @@ impl GpuExecutor {
         self.gpu.pop_scopes(scopes).await?;
 
         let sent = sent.finish(count * COUNT_SLOT_BYTES, read_sent).await?;
-        // Passes are over by then; reading their times is no part of them.
+        // The passes are over by now; reading their timestamps is not part of their time.
         let took = host_clock.zip(begin).map(|(now, begin)| now().saturating_sub(begin));
         self.host_ns = self.host_ns.zip(took).map(|(sum, took)| sum + took);
         let period = self.timers.as_ref().map_or(1.0, |t| t.period_ns);
@@ -87,7 +87,7 @@ impl GpuExecutor {
     fn note_span(&mut self, times: &[(Option<u64>, Option<u64>)]) {
         let ends = times.last().and_then(|&(begin, duration)| begin.zip(duration)).map(|(b, d)| b + d);
         let span = times.first().and_then(|t| t.0).zip(ends).and_then(|(begin, end)| end.checked_sub(begin));
-        // One batch without a time leaves the whole without one.
+        // Without the time of one batch, the sum is unknown.
         self.device_ns = self.device_ns.zip(span).map(|(sum, span)| sum + span);
     }
 
@@ -116,7 +116,7 @@ impl GpuExecutor {
         Ok(())
     }
 
-    /// A kernel in as many submissions as keep each of them short.
+    /// Runs a kernel in as many submissions as it takes to keep each of them short.
     fn encode_bands(
         &self,
         mut encoder: wgpu::CommandEncoder,
@@ -135,7 +135,7 @@ impl GpuExecutor {
             let label = self.pipelines.get(kernel).map(|pipeline| pipeline.label.as_str());
             let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes };
             self.dispatch(&mut encoder.begin_compute_pass(&descriptor), kernel, place, Some(a_band.min(rows - first)))?;
-            // What is written to a uniform holds from the next submission on.
+            // A value written to a uniform takes effect with the next submission.
             if a_band < rows {
                 self.gpu.queue.write_buffer(scene, FIRST_ROW, bytemuck::bytes_of(&first));
                 if !last {
@@ -156,8 +156,8 @@ impl GpuExecutor {
         self.dispatch(&mut encoder.begin_compute_pass(&descriptor), counter, &Place::default(), None)
     }
 
-    /// As many of these passes as can be submitted together: none but the first may wait for elements to be counted, and
-    /// their number is read first.
+    /// As many of these passes as can be submitted together. A pass that waits for elements to be counted must be the
+    /// first of a batch, and their number is read back before it.
     async fn sized<'a>(&mut self, passes: &'a [Kernel]) -> Result<&'a [Kernel], GpuError> {
         let Some(&first) = passes.first() else { return Ok(passes) };
         while let Some(unknown) = self.sizes.unknown(&self.plan, first) {

@@ -1,4 +1,4 @@
-//! The passes' books: how many rays each pass sent where, and the lists of live rays.
+//! Counters of each pass and the lists of live rays.
 
 use crate::plan::Plan;
 use crate::program::{Kernel, Program};
@@ -10,29 +10,29 @@ use crate::tables::kernel::Launch;
 use crate::tables::sizes::{COUNT_SLOT_BYTES, COUNT_SLOTS};
 use crate::tables::state::{COUNT, StateCounts, Tag};
 
-/// Rays of one row of an indirect dispatch.
+/// Rays per row of an indirect dispatch.
 const RAYS_A_ROW: u32 = LIST_SIDE * LIST_SIDE * LIST_GROUPS;
 
-/// Rows of an indirect dispatch that hold a list.
+/// Rows of an indirect dispatch that a list needs.
 fn rows_of(rays: u32) -> u32 {
     rays.div_ceil(RAYS_A_ROW)
 }
 
 /// One kernel's list.
 struct List {
-    /// Whose list it is.
+    /// The kernel whose list it is.
     kernel: Kernel,
     /// Slots of even and odd passes of the kernel within a batch: one is read while the other is written.
     slots: [wgpu::Buffer; 2],
-    /// How often the kernel has run: which half of its part of `live_rays` holds its list.
+    /// How often the kernel has run: its parity tells which half of its part of `live_rays` holds its list.
     turn: u64,
 }
 
-/// The buffers, and whose turn it is.
+/// The buffers, and the list of each kernel.
 pub(super) struct Books {
     pub(super) sent: wgpu::Buffer,
     pub(super) copy: wgpu::Buffer,
-    /// What passes are launched over, where a kernel asks for it.
+    /// Launch parameters, if a kernel binds them.
     launches: Option<wgpu::Buffer>,
     lists: Vec<Option<List>>,
     live_rays: Option<wgpu::Buffer>,
@@ -40,38 +40,38 @@ pub(super) struct Books {
     program: &'static Program,
 }
 
-/// The lists as they were after some pass.
+/// A copy of the lists, made after some pass.
 pub(super) struct KeptLists {
     turns: Vec<u64>,
     rays: Vec<Option<wgpu::Buffer>>,
 }
 
 impl KeptLists {
-    /// What they take on the GPU.
+    /// Bytes they occupy on the GPU.
     pub(super) fn bytes(&self) -> u64 {
         self.rays.iter().flatten().map(wgpu::Buffer::size).sum()
     }
 }
 
-/// Where one pass finds its slots.
+/// Where a pass finds its slots.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Place {
-    /// Pass within the batch.
+    /// Index of the pass within the batch.
     sent: u32,
-    /// Pass of its own kernel within the batch.
+    /// Index among the passes of its own kernel within the batch.
     own: u32,
-    /// The lists to which it sends rays, counted as passes of those kernels within the batch.
+    /// For each list that it sends rays to, the index among the passes of that list's kernel within the batch.
     next: Vec<u32>,
     list: Option<usize>,
 }
 
 impl Place {
-    /// Which of its bind groups it takes: bit i is the parity of list i.
+    /// Index of the bind group it uses: bit i is the parity of list i.
     pub(super) fn group(&self) -> usize {
         self.next.iter().rev().fold(0, |group, next| 2 * group + (next % 2) as usize)
     }
 
-    /// Threads that the pass launches when these rays are in each state before it.
+    /// Threads launched by the pass, given the rays in each state before it.
     pub(super) fn threads(&self, kernel: Kernel, before: &StateCounts, size: Size) -> u64 {
         match self.list {
             Some(_) => u64::from(rows_of(kernel.live(before))) * u64::from(RAYS_A_ROW),
@@ -79,7 +79,7 @@ impl Place {
         }
     }
 
-    /// Dynamic offset of a binding, by name; `None` for one without.
+    /// Dynamic offset of a binding, by name; `None` if it has none.
     pub(super) fn offset(&self, program: &Program, name: &str) -> Option<u32> {
         let slot = match name {
             "sent" | LAUNCH => self.sent,
@@ -130,7 +130,7 @@ impl Books {
         }
     }
 
-    /// Names and bytes of its buffers.
+    /// Names and sizes in bytes of its buffers.
     pub(super) fn allocated(&self) -> Vec<(&'static str, u64)> {
         let mut all = vec![("sent", self.sent.size()), ("sent_copy", self.copy.size())];
         all.extend(self.launches.iter().map(|b| (LAUNCH, b.size())));
@@ -142,7 +142,7 @@ impl Books {
         all
     }
 
-    /// What a kernel binds under a name, in the bind group for these slots; see [`Place::group`].
+    /// The resource bound to a name of a kernel, in the bind group with this index; see [`Place::group`].
     pub(super) fn binding(&self, kernel: Kernel, name: &str, group: usize) -> Option<wgpu::BindingResource<'_>> {
         let parity = |list: usize| group >> list & 1;
         let slots = |list: usize, parity: usize| Some(&self.lists.get(list)?.as_ref()?.slots[parity]);
@@ -158,12 +158,12 @@ impl Books {
         Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }))
     }
 
-    /// No ray is in any list.
+    /// Empties all lists.
     pub(super) fn clear(&mut self) {
         self.lists.iter_mut().flatten().for_each(|list| list.turn = 0);
     }
 
-    /// Copies the lists, which hold these rays.
+    /// Copies the lists, given the number of rays in each state.
     pub(super) fn keep(
         &self,
         device: &wgpu::Device,
@@ -202,12 +202,12 @@ impl Books {
         }
     }
 
-    /// Where the list of a kernel's pass begins in `live_rays`, in words.
+    /// Offset of the list of a kernel's pass in `live_rays`, in words.
     fn first_ray(&self, list: usize, turn: u64) -> u32 {
         (2 * list as u32 + (turn % 2) as u32) * self.texels
     }
 
-    /// Puts rays into lists by their tags: after the state stream was replaced from outside.
+    /// Rebuilds the lists from the tags, after the state stream was replaced from outside.
     pub(super) fn relist(&mut self, queue: &wgpu::Queue, tags: &[Tag], width: u32) {
         let Some(live_rays) = &self.live_rays else { return };
         for (index, list) in self.lists.iter().enumerate() {
@@ -224,8 +224,8 @@ impl Books {
         }
     }
 
-    /// Lays out a batch: the place of each pass, with the slots written so that they can be read and added to.
-    /// `sizes` are what the kernels are launched over.
+    /// Lays out a batch: the slots of each pass, initialised for reading and for adding to. `sizes` are the sizes of
+    /// the sets that the kernels are launched over.
     pub(super) fn lay_out(
         &mut self,
         queue: &wgpu::Queue,
@@ -278,12 +278,12 @@ impl Books {
     }
 }
 
-/// The list whose slots kernels bind under this name.
+/// The list whose slots are bound under this name.
 fn list_named(program: &Program, name: &str) -> Option<usize> {
     program.lists.iter().position(|list| list.name == name)
 }
 
-/// Whether there is one of it a pass, at an offset of its own.
+/// Whether there is one per pass, at an offset of its own.
 pub(super) fn is_dynamic(binding: &Binding) -> bool {
     match binding.resource {
         Resource::Launch => true,
@@ -292,13 +292,13 @@ pub(super) fn is_dynamic(binding: &Binding) -> bool {
     }
 }
 
-/// Workgroups along x and y of a kernel that is launched over all elements.
+/// Workgroups along x and y for a kernel that is launched over all elements.
 pub(super) fn groups(kernel: Kernel, size: Size) -> [u32; 2] {
-    /// What WebGPU promises along an axis.
+    /// The minimum that WebGPU guarantees along an axis.
     const MOST: u32 = 65_535;
     let workgroup = kernel.workgroup();
     match kernel.info().launch {
-        // As many as hold the elements, and some more where they do not fit one row.
+        // As many workgroups as cover the elements; a few more if they do not fit in one row.
         Launch::List { each } => {
             let blocks = size.count.div_ceil(workgroup * each);
             let rows = blocks.div_ceil(MOST).max(1);
@@ -308,7 +308,7 @@ pub(super) fn groups(kernel: Kernel, size: Size) -> [u32; 2] {
     }
 }
 
-/// Threads of a kernel's workgroup.
+/// Threads per workgroup of a kernel.
 fn threads_of(kernel: Kernel) -> u64 {
     let workgroup = u64::from(kernel.workgroup());
     match kernel.info().launch {
@@ -317,7 +317,7 @@ fn threads_of(kernel: Kernel) -> u64 {
     }
 }
 
-/// Counts after a pass, from those before it and what it sent.
+/// Counts after a pass, from those before it and the numbers of rays it sent.
 pub(super) fn counts_after(kernel: Kernel, before: &StateCounts, sent: &StateCounts) -> StateCounts {
     let mut after = *before;
     let active = kernel.info().takes;

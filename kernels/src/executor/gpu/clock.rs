@@ -1,13 +1,14 @@
-//! Whether a device's timestamps are times.
+//! Checks whether a device's timestamps are valid times.
 //!
-//! Some drivers give timestamps that are none: of when a command was recorded or taken up, not of when it was done.
-//! So the device is given arithmetic that lasts long enough to be seen on the host's clock as well, and what the two
-//! clocks say of it is compared.
+//! The timestamps of some drivers are not: they tell when a command was recorded or started, not when it was done. So
+//! the device runs arithmetic that takes long enough to be measured on the host's clock too, and the two measurements
+//! are compared.
 //!
-//! The host's time begins right before the submission and ends once its results are known; the work is all within.
-//! So a true device's span is not longer, but for what the two clocks run apart. It is shorter by what submitting,
-//! noticing the end and other work on the machine take; of a dispatch of [`LONG_ENOUGH_NS`] that is a small part, and
-//! of the best of several tries less still. Where it is more than half, what the device counts is not this work.
+//! The host's time begins right before the submission and ends once its results are known, so it covers all of the
+//! work. A correct device time is therefore no longer, except for the drift between the two clocks. It is shorter by
+//! what it takes to submit, to notice the end and to do other work on the machine; relative to a dispatch of
+//! [`LONG_ENOUGH_NS`] that is little, and still less in the best of several tries. If more than half is missing,
+//! the device's clock does not measure this work.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -18,23 +19,24 @@ use super::readback::Readback;
 use super::timers::read_times;
 use super::{Gpu, GpuError};
 
-/// Host time of a submission that is worth comparing: dozens of times what submitting and noticing the end take (some
-/// 0.1 ms on a GPU, 0.2 ms on software ones), and no more than a frame.
+/// Host time of a submission that is worth comparing: dozens of times the cost of submitting and noticing the end
+/// (about 0.1 ms on a GPU, 0.2 ms on software ones), and no longer than a frame.
 const LONG_ENOUGH_NS: u64 = 10_000_000;
 
-/// Submissions of that length. One that another program's work holds up says nothing; of five in a row, some are not.
+/// Number of submissions of that length. One that is delayed by another program says nothing; of five in a row, some
+/// are not.
 const TRIES: u32 = 5;
 
 /// Workgroups of the first submission.
 const FEWEST_GROUPS: u32 = 16;
 
-/// So many workgroups take longer than that on any device; they end the search where the host's clock stands still.
+/// More than any device computes in that time; ends the search if the host's clock stands still.
 const MOST_GROUPS: u32 = 1 << 22;
 
-/// Workgroups a row of the dispatch: no adapter has room for fewer than 65,535.
+/// Workgroups per row of the dispatch: every adapter allows at least 65,535.
 const GROUPS_A_ROW: u32 = 1 << 14;
 
-/// Turns of a loop are few, far below what any driver ends; longer work is more workgroups.
+/// Each loop has few iterations, far fewer than any driver's limit; longer work means more workgroups.
 const WGSL: &str = "
 @group(0) @binding(0) var<storage, read_write> result: array<u32, 64>;
 
@@ -46,7 +48,7 @@ fn clock(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
         value ^= value >> 17u;
         value ^= value << 5u;
     }
-    // Never so: such a generator (Marsaglia, 2003) does not reach 0. Work without a result would be left out.
+    // Never true: such a generator (Marsaglia, 2003) does not reach 0. Compilers would remove work without a write.
     if (value == 0u) {
         result[lane] = value;
     }
@@ -54,41 +56,41 @@ fn clock(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
 ";
 
 impl Gpu {
-    /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. Only once, before anything
-    /// that is to be timed is made; without it, no pass on this device has a time.
+    /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. To be called once, before
+    /// creating anything that is to be timed; without it, no pass on this device has a time.
     ///
     /// # Errors
-    /// Where the device is lost or refuses.
+    /// If the device is lost or refuses.
     pub async fn check_clock(self: &Arc<Self>, now: fn() -> u64) -> Result<(), GpuError> {
         if self.clock.get().is_none() {
             let check = match self.timestamp_period_ns {
                 Some(period_ns) => Some(check(self, period_ns, now).await?),
                 None => None,
             };
-            // Another's that was quicker is as good.
+            // If another call was faster, its result is as good.
             let _ = self.clock.set(Clock { now, check });
         }
         Ok(())
     }
 }
 
-/// Compares the device's clock with the host's, `now`. `period_ns`: nanoseconds a tick of the device's.
+/// Compares the device's clock with the host's, `now`. `period_ns`: nanoseconds per tick of the device's clock.
 async fn check(gpu: &Arc<Gpu>, period_ns: f64, now: fn() -> u64) -> Result<ClockCheck, GpuError> {
     gpu.health()?;
     let scopes = gpu.push_scopes();
     let work = Work::new(gpu, period_ns, now);
     gpu.pop_scopes(scopes).await?;
     let mut groups = FEWEST_GROUPS;
-    // Some drivers compile at the first use.
+    // Some drivers compile on first use.
     work.submit(groups).await?;
     let (mut best, mut tries): (Option<ClockCheck>, u32) = (None, 0);
     loop {
         let one = work.submit(groups).await?;
-        // Where the device says that it was long, it is the host's clock that does not count it.
+        // If the device reports a long time, it is the host's clock that fails to measure it.
         let is_long = one.host_ns >= LONG_ENOUGH_NS || one.device_ns.is_some_and(|ns| ns > 4 * LONG_ENOUGH_NS);
         if !is_long && groups < MOST_GROUPS {
-            // As much longer as it looks, but no more than four times: what is short is mostly waiting. One that was
-            // long before was held up, and is not compared.
+            // Lengthen by the measured ratio, but at most fourfold: short submissions mostly wait. One that took long
+            // before was delayed, and is not compared.
             let factor = LONG_ENOUGH_NS.div_ceil(one.host_ns.max(1)).clamp(2, 4) as u32;
             groups = (groups * factor).min(MOST_GROUPS);
             (best, tries) = (None, 0);
@@ -96,7 +98,7 @@ async fn check(gpu: &Arc<Gpu>, period_ns: f64, now: fn() -> u64) -> Result<Clock
         }
         tries += 1;
         let nearest = best.filter(|best| best.distance() <= one.distance()).unwrap_or(one);
-        // Twice, so that it is not one that was held up.
+        // Twice, to exclude one that was delayed.
         if tries >= TRIES || tries > 1 && nearest.agrees() {
             return Ok(nearest);
         }
@@ -115,7 +117,7 @@ struct Work<'a> {
     copy: wgpu::Buffer,
 }
 
-/// Bytes of two timestamps.
+/// Size of two timestamps.
 const BYTES: u64 = 16;
 
 impl<'a> Work<'a> {
@@ -149,7 +151,7 @@ impl<'a> Work<'a> {
         Self { gpu, period_ns, now, pipeline, group, set, resolved, copy }
     }
 
-    /// One submission, waited for.
+    /// Makes one submission and waits for it.
     async fn submit(&self, groups: u32) -> Result<ClockCheck, GpuError> {
         let scopes = self.gpu.push_scopes();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

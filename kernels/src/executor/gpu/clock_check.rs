@@ -1,17 +1,17 @@
 //! Whether two clocks agree about the same work.
 
-/// The least share of the host's time that a true device's span has in the best of them.
+/// Smallest valid ratio of device time to host time, in the best of several measurements.
 const LEAST_SHARE: f64 = 0.5;
 
-/// And the most: quartz clocks are apart by some 0.01%, and periods of ticks are told to some 0.1%.
+/// Largest valid ratio: quartz clocks differ by about 0.01%, and tick periods are reported to about 0.1%.
 const MOST_SHARE: f64 = 1.02;
 
-/// What the device's clock and the host's said of the same work.
+/// The device's and the host's measurement of the same work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClockCheck {
-    /// Span between the device's timestamps before and after it; `None` where they were no times.
+    /// Time between the device's timestamps before and after it; `None` if they were not valid.
     pub device_ns: Option<u64>,
-    /// From its submission to its end, on the host's clock.
+    /// Time from its submission to its end, on the host's clock.
     pub host_ns: u64,
 }
 
@@ -22,13 +22,13 @@ impl ClockCheck {
         self.device_ns.filter(|_| self.host_ns > 0).map(|ns| ns as f64 / self.host_ns as f64)
     }
 
-    /// Whether both are times of this work.
+    /// Whether the two agree, so that both measure this work.
     #[must_use]
     pub fn agrees(&self) -> bool {
         self.share().is_some_and(|share| (LEAST_SHARE..=MOST_SHARE).contains(&share))
     }
 
-    /// How far the two are apart, in octaves.
+    /// Difference of the two, in octaves.
     pub(super) fn distance(&self) -> f64 {
         self.share().map_or(f64::INFINITY, |share| share.log2().abs())
     }
@@ -53,7 +53,7 @@ mod tests {
             (Some(9_900_000), true),
             (Some(10_000_000), true),
             (Some(5_000_001), true),
-            // A clock a hundred times too slow, and one whose period is told wrong by a factor of two.
+            // A clock that is a hundred times too slow, and one whose period is reported wrong by a factor of two.
             (Some(100_000), false),
             (Some(4_900_000), false),
             (Some(10_300_000), false),

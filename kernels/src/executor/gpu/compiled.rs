@@ -1,4 +1,4 @@
-//! Pipelines of a device, each compiled once: runs that differ in scene, size or camera share them.
+//! Caches a device's pipelines, each compiled once: runs that differ only in scene, size or camera share them.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -10,15 +10,15 @@ use crate::shader::{Binding, Resource, Variant};
 use crate::tables::kernel::Role;
 use crate::tables::stream::Texel;
 
-/// What does not depend on a run's textures and buffers.
+/// A pipeline and its layouts: the part that does not depend on a run's textures and buffers.
 #[derive(Clone)]
 pub(super) struct Compiled {
     pub(super) pipeline: wgpu::ComputePipeline,
-    /// One for each group.
+    /// One per bind group.
     pub(super) layouts: Vec<wgpu::BindGroupLayout>,
 }
 
-/// Whether two variants are one pipeline.
+/// Identifies a pipeline: variants with equal keys share it.
 #[derive(PartialEq, Eq, Hash)]
 struct Key {
     source: String,
@@ -26,15 +26,15 @@ struct Key {
     is_proved: bool,
 }
 
-/// All pipelines that were compiled on a device.
+/// All pipelines compiled on a device.
 #[derive(Default)]
 pub(super) struct Pipelines(Mutex<HashMap<Key, Compiled>>);
 
-/// Most that are kept: a program has some ten kernels, each in a few variants.
+/// Most pipelines to keep: a program has about ten kernels, each in a few variants.
 const MOST: usize = 256;
 
 impl Pipelines {
-    /// The pipeline of a variant; without bounds checks where that is proved.
+    /// The pipeline of a variant, compiled without bounds checks if that is proved safe.
     pub(super) fn get(&self, device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compiled {
         let key = Key { source: variant.source.clone(), bindings: variant.bindings.clone(), is_proved };
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -50,7 +50,7 @@ impl Pipelines {
         compiled
     }
 
-    /// Forgets all: one of them may be what the device refused.
+    /// Drops all pipelines: one of them may be what the device refused.
     pub(super) fn clear(&self) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
@@ -85,7 +85,7 @@ fn compile(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> Compile
     Compiled { pipeline, layouts }
 }
 
-/// A kernel without bounds checks where `is_proved` says that no index needs one, see the pipelines of a plan.
+/// Compiles a kernel, without bounds checks if `is_proved` says that no index needs one; see the pipelines of a plan.
 fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> wgpu::ShaderModule {
     let label = variant.label();
     let descriptor = wgpu::ShaderModuleDescriptor {
@@ -95,22 +95,22 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     if !is_proved {
         return device.create_shader_module(descriptor);
     }
-    // SAFETY: what an unchecked shader must not do is index out of bounds or run without end.
+    // SAFETY: an unchecked shader must neither index out of bounds nor run without end.
     //
     // - Which shader it is: `is_proved` composes fused.wgsl again from the options that the proof is about, and
-    //   compares text and bindings with what is compiled here.
-    // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, by the names that the
-    //   shader binds them by. Nobody else gets hold of them, and the executor writes nothing to them later but
-    //   `first_row` of `scene`, which is part of a texel.
-    // - No index comes from a stream: a walk that resumes is not proved.
-    // - Indices that come from buffers, `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
+    //   compares text and bindings with those compiled here.
+    // - What it reads: the buffers are made from the very `SceneData` of the proof, whole, and bound under the names in
+    //   the shader. Nobody else has access to them, and the executor later writes only `first_row` of `scene`, which is
+    //   used to compute a texel.
+    // - No index comes from a stream: walks that resume are not proved.
+    // - Indices that come from buffers, by `SceneData::indices_hold`: offsets and items of the grid, entries of leaves,
     //   children of nodes, and triangles. Distances and cells are looked up by cell.
     // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
-    //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN goes the same ways.
-    // - The stack, `SceneData::indices_hold`: a group of siblings waits at most on each level but the root's.
-    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan is of its size.
-    // - Loops, by the proof: lists have an end, and the nodes are one tree, each visited at most once. By the shader:
-    //   a walk goes on along one axis in each step until it leaves the grid, or its turns are bounded.
+    //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN takes the same branches.
+    // - The stack, by `SceneData::indices_hold`: at most one group of siblings waits per level, and none at the root's.
+    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan has its size.
+    // - Loops, by the proof: lists are finite, and the nodes form one tree, each visited at most once. By the shader:
+    //   every step of a walk advances along one axis until it leaves the grid, or its iterations are bounded.
     #[allow(unsafe_code)]
     unsafe {
         device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())

@@ -1,4 +1,4 @@
-//! Adapters and devices: finding one, and noticing that it is gone.
+//! Finds adapters, opens devices, and notices when a device is lost.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -10,7 +10,7 @@ use super::poller::{HostPolls, Poller};
 use super::probe::loops;
 use crate::plan::{Limits, Loops};
 
-/// A device, its queue, and what became of it.
+/// A device, its queue, and its state.
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
@@ -18,12 +18,12 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// The adapter's name, driver and backend.
     pub info: wgpu::AdapterInfo,
-    /// Nanoseconds a tick of the pass timers; `None` where the adapter has none. Whether ticks are times is
-    /// [`clock_period_ns`](Self::clock_period_ns).
+    /// Nanoseconds per tick of the pass timers; `None` if the adapter has none. Whether the ticks are valid times is
+    /// told by [`clock_period_ns`](Self::clock_period_ns).
     pub timestamp_period_ns: Option<f64>,
-    /// What it makes of long loops.
+    /// How it handles long loops.
     pub loops: Loops,
-    /// Where the device comes from: what a window needs to show what is drawn on it.
+    /// The device's instance and adapter: a window needs them to show what is drawn on it.
     pub source: Option<GpuSource>,
     trouble: Arc<Mutex<Option<GpuError>>>,
     pub(super) gate: Arc<Gate>,
@@ -32,49 +32,49 @@ pub struct Gpu {
     pub(super) clock: OnceLock<Clock>,
 }
 
-/// The host's clock, and what the device's said beside it.
+/// The host's clock, and its comparison with the device's.
 pub(super) struct Clock {
     pub(super) now: fn() -> u64,
     pub(super) check: Option<ClockCheck>,
 }
 
-/// Where a device comes from.
+/// The instance and adapter of a device.
 #[derive(Clone, Debug)]
 pub struct GpuSource {
-    /// What listed the adapter.
+    /// The instance that listed the adapter.
     pub instance: wgpu::Instance,
-    /// What opened the device.
+    /// The adapter that opened the device.
     pub adapter: wgpu::Adapter,
 }
 
 /// Which adapter to take.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum AdapterChoice {
-    /// A real GPU if there is one, else a software one, the most capable first.
+    /// A hardware GPU if there is one, else a software adapter; the most capable first.
     #[default]
     Best,
-    /// The first whose name contains this, ignoring case.
+    /// The first adapter whose name contains this, ignoring case.
     Named(String),
 }
 
-/// An adapter as `raystep info` lists it.
+/// An adapter as listed by `raystep info`.
 #[derive(Clone, Debug)]
 pub struct AdapterSummary {
     /// Name, driver, backend, type.
     pub info: wgpu::AdapterInfo,
-    /// What it can hold.
+    /// Its limits.
     pub limits: wgpu::Limits,
-    /// Whether it can time passes.
+    /// Whether it supports timestamps.
     pub has_timestamps: bool,
-    /// Whether it has all that raystep needs.
+    /// Whether it supports everything raystep requires.
     pub is_usable: bool,
-    /// What it makes of long loops; `None` where it gives no device.
+    /// How it handles long loops; `None` if it gives no device.
     pub loops: Option<Loops>,
 }
 
-/// An instance without debug layers, unless the environment asks for them (`WGPU_DEBUG=1` hands the names of all that is
-/// on the GPU to its driver, for RenderDoc and Nsight), and without validation of indirect dispatches: it costs a pass of
-/// its own, and the lists that kernels append to have room for every ray.
+/// An instance without debug layers, unless the environment asks for them (`WGPU_DEBUG=1` passes the names of all GPU
+/// objects to the driver, for RenderDoc and Nsight), and without validation of indirect dispatches: that takes a pass
+/// of its own, and the lists that kernels append to have room for every ray.
 fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor {
         flags: wgpu::InstanceFlags::empty().with_env(),
@@ -92,7 +92,7 @@ pub async fn adapters() -> Vec<AdapterSummary> {
     summaries
 }
 
-/// Opens a device for a moment.
+/// Opens a device temporarily to test long loops.
 async fn probe_loops(adapter: &wgpu::Adapter) -> Option<Loops> {
     let (device, queue) = adapter.request_device(&wgpu::DeviceDescriptor::default()).await.ok()?;
     loops(&device, &queue).await.ok()
@@ -108,7 +108,7 @@ fn summary(adapter: &wgpu::Adapter, loops: Option<Loops>) -> AdapterSummary {
     }
 }
 
-/// Core WebGPU limits, and compute shaders that read and write r32 textures.
+/// Whether it supports core WebGPU limits, and compute shaders that read and write r32 textures.
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
     let read_write = |format| {
         let features = adapter.get_texture_format_features(format);
@@ -139,18 +139,18 @@ impl From<&Gpu> for Limits {
 }
 
 impl Gpu {
-    /// Opens a device on the adapter chosen, with all the limits it offers and timers where it has them.
+    /// Opens a device on the chosen adapter, with all the limits it offers, and with timestamps if it has them.
     ///
     /// # Errors
-    /// Where there is no such adapter, or it gives no device.
+    /// If there is no such adapter, or it gives no device.
     pub async fn new(choice: &AdapterChoice) -> Result<Arc<Self>, GpuError> {
         Self::with_features(choice, wgpu::Features::TIMESTAMP_QUERY).await
     }
 
-    /// The same with only those of `optional` features that the adapter has.
+    /// As [`new`](Self::new), but with only those of the `optional` features that the adapter has.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// As for [`new`](Self::new).
     pub async fn with_features(choice: &AdapterChoice, optional: wgpu::Features) -> Result<Arc<Self>, GpuError> {
         let instance = instance();
         let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
@@ -186,10 +186,10 @@ impl Gpu {
         Self::from_device(device, queue, info, Some(GpuSource { instance, adapter })).await
     }
 
-    /// Takes over a device that somebody else opened, and sees what it makes of long loops.
+    /// Takes over a device that was opened elsewhere, and tests how it handles long loops.
     ///
     /// # Errors
-    /// Where the device is lost, or cannot be read back from.
+    /// If the device is lost, or cannot be read back from.
     pub async fn from_device(
         device: wgpu::Device,
         queue: wgpu::Queue,
@@ -198,7 +198,7 @@ impl Gpu {
     ) -> Result<Arc<Self>, GpuError> {
         let trouble = Arc::new(Mutex::new(None));
         let note = |trouble: &Arc<Mutex<Option<GpuError>>>, error: GpuError| {
-            // The first trouble is the cause, what follows is its consequence.
+            // Keep the first error: later ones are its consequences.
             trouble.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         };
         let lost = trouble.clone();
@@ -227,19 +227,19 @@ impl Gpu {
         }))
     }
 
-    /// What the device's clock said beside the host's, where it has one and they were compared.
+    /// The comparison of the device's clock with the host's, if it has one and they were compared.
     #[must_use]
     pub fn clock_check(&self) -> Option<ClockCheck> {
         self.clock.get()?.check
     }
 
-    /// Nanoseconds a tick of the pass timers, where they are known to be times.
+    /// Nanoseconds per tick of the pass timers, if they are known to be valid times.
     #[must_use]
     pub fn clock_period_ns(&self) -> Option<f64> {
         self.timestamp_period_ns.filter(|_| self.clock_check().is_some_and(|check| check.agrees()))
     }
 
-    /// Why passes on this device have no times; `None` where they have.
+    /// Why passes on this device have no times; `None` if they have.
     #[must_use]
     pub fn why_no_times(&self) -> Option<String> {
         match (self.timestamp_period_ns, self.clock_check()) {
@@ -250,26 +250,26 @@ impl Gpu {
         }
     }
 
-    /// The host's clock, where somebody has given one.
+    /// The host's clock, if there is one.
     #[must_use]
     pub fn host_clock(&self) -> Option<fn() -> u64> {
         self.clock.get().map(|clock| clock.now)
     }
 
-    /// Says that the host polls the device whenever a future of this crate waits, so that no thread does (feature
-    /// `poll-thread`), until the answer is dropped. For a loop that draws with the same device, or that has better things
-    /// to wait for. Several hosts may poll at once.
+    /// Declares that the host polls the device whenever a future of this crate waits, so that no thread does (feature
+    /// `poll-thread`), until the returned guard is dropped. For a loop that draws with the same device, or that has
+    /// other events to wait for. Several hosts may poll at once.
     pub fn leave_polling_to_host(&self) -> HostPolls<'_> {
         HostPolls::new(&self.poller, &self.device)
     }
 
-    /// Forgets the pipelines that were compiled before, so that the next run compiles its own: for timing a first start.
-    /// Drivers may keep theirs all the same.
+    /// Drops the pipelines compiled so far, so that the next run compiles its own: to time a first start. Drivers may
+    /// still keep theirs.
     pub fn forget_compiled(&self) {
         self.compiled.clear();
     }
 
-    /// Whether it is a driver that computes on the CPU.
+    /// Whether its driver computes on the CPU.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
@@ -278,7 +278,7 @@ impl Gpu {
     /// Whether the device still works.
     ///
     /// # Errors
-    /// The first thing that went wrong with it.
+    /// The first error that occurred on it.
     pub fn health(&self) -> Result<(), GpuError> {
         match &*self.trouble.lock().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(error.clone()),
@@ -290,11 +290,11 @@ impl Gpu {
     pub(super) fn push_scopes(&self) -> [wgpu::ErrorScopeGuard; 2] {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        // In the order in which they must be popped, and are where an error on the way drops them.
+        // In the order in which they must be popped; an error in between drops them in this order too.
         [validation, memory]
     }
 
-    /// Ends catching; resolves to the first error caught.
+    /// Stops catching; resolves to the first error caught.
     pub(super) fn pop_scopes(
         &self,
         [validation, memory]: [wgpu::ErrorScopeGuard; 2],
@@ -303,7 +303,7 @@ impl Gpu {
         let (validation, memory) = (validation.pop(), memory.pop());
         let trouble = self.trouble.clone();
         async move {
-            // What does not fit is the cause of the calls that are refused after it.
+            // Out of memory is the cause of the validation errors that follow it.
             let (validation, memory) = (validation.await, memory.await);
             let caught = memory.or(validation);
             if let Some(error) = &*trouble.lock().unwrap_or_else(PoisonError::into_inner) {
@@ -313,8 +313,8 @@ impl Gpu {
         }
     }
 
-    /// Hands work to the queue. Waits only while somebody [holds it back](Self::hold_back), never for the GPU.
-    /// All work goes this way but that of the thread that draws a window.
+    /// Submits work to the queue. Waits only while submissions are [held back](Self::hold_back), never for the GPU. All
+    /// work is submitted here, except that of the thread that draws a window.
     pub fn submit(&self, work: impl IntoIterator<Item = wgpu::CommandBuffer>) {
         #[expect(clippy::disallowed_methods, reason = "the one place where it is called")]
         self.gate.pass(|| {
@@ -322,8 +322,8 @@ impl Gpu {
         });
     }
 
-    /// Holds back everything that other threads submit, until the answer is dropped. The thread that asks for this
-    /// must not submit while it has it.
+    /// Holds back everything that other threads submit, until the returned guard is dropped. The thread that calls this
+    /// must not submit while it holds the guard.
     pub fn hold_back(self: &Arc<Self>) -> Held {
         self.gate.hold_back()
     }

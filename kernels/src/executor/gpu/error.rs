@@ -2,10 +2,10 @@
 
 use crate::executor::TooMany;
 
-/// Something is wrong with the device.
+/// An error of the device.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
-    /// No adapter, or none by that name.
+    /// No adapter, or none with that name.
     #[error("no GPU adapter {0}")]
     NoAdapter(String),
     /// The adapter gives no device.
@@ -13,7 +13,7 @@ pub enum GpuError {
     NoDevice {
         /// The adapter.
         adapter: String,
-        /// What it says.
+        /// The adapter's message.
         message: String,
     },
     /// The device was lost.
@@ -28,7 +28,7 @@ pub enum GpuError {
     /// A read-back failed.
     #[error("reading back from the GPU failed: {0}")]
     Readback(String),
-    /// Something was asked for that the plan left out.
+    /// A stream or kernel that the plan left out.
     #[error("{0:?} is not part of this run's plan")]
     Missing(&'static str),
     /// The run has found more elements than fit.
@@ -45,7 +45,7 @@ impl From<wgpu::Error> for GpuError {
     }
 }
 
-/// A message for one line: wgpu's chain of causes, joined.
+/// Formats wgpu's chain of causes as one line.
 pub(super) fn first_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,18 +1,18 @@
-//! What every stream begins with, kept on the GPU: a restart copies it and uploads nothing.
+//! Initial contents of every stream, kept on the GPU: a restart copies them and uploads nothing.
 
 use crate::plan::Plan;
 use crate::tables::sizes::{fill_bytes, fill_values, fill_words, given_bytes, pitch};
 use crate::tables::stream::{Stream, StreamData};
 
-/// Constant texels, and the streams that were given.
+/// Constant texels, and the streams with input data.
 pub(super) struct Fill {
-    /// One part a distinct value.
+    /// One part per distinct value.
     constants: wgpu::Buffer,
     values: Vec<u32>,
     given: Vec<(Stream, wgpu::Buffer)>,
-    /// Name of the program, for labels.
+    /// The program's name, for labels.
     program: &'static str,
-    /// Words of a part.
+    /// Words per part.
     part: u64,
 }
 
@@ -32,7 +32,7 @@ impl Fill {
         Self { constants, values, part: part as u64, given: Vec::new(), program: plan.program.name }
     }
 
-    /// From now on these streams begin with these values.
+    /// Sets the initial contents of these streams from now on.
     pub(super) fn give(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, streams: &[StreamData]) {
         for data in streams {
             let (width, padding) = (data.width as usize, (pitch(data.width) - data.width) as usize);
@@ -52,7 +52,7 @@ impl Fill {
         }
     }
 
-    /// Names and bytes of its buffers.
+    /// Names and sizes in bytes of its buffers.
     pub(super) fn allocated(&self) -> Vec<(&'static str, u64)> {
         let mut all = vec![("fill", self.constants.size())];
         if !self.given.is_empty() {
@@ -61,7 +61,7 @@ impl Fill {
         all
     }
 
-    /// Every stream to what it begins with.
+    /// Resets every stream to its initial contents.
     pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, streams: &[(Stream, wgpu::Texture)]) {
         let part = 4 * self.part;
         let mut copy = |buffer: &wgpu::Buffer, offset, texture: &wgpu::Texture, first, rows, layer| {

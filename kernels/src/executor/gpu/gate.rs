@@ -1,13 +1,13 @@
-//! Who may hand work to the queue: a window configures its surface while nobody does.
+//! Controls who may submit to the queue: a window configures its surface while nobody does.
 //!
-//! wgpu waits for the GPU before it configures a surface, refuses where somebody submitted in the meantime, and then
-//! drops what it owed to read-backs that had finished. So whoever draws a window shuts the gate meanwhile.
+//! Before configuring a surface, wgpu waits for the GPU; it fails if somebody submitted in the meantime, and then drops
+//! the pending results of read-backs that had finished. So whoever draws a window closes the gate meanwhile.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 #[derive(Debug, Default)]
 pub(super) struct Gate {
-    /// How many hold it shut.
+    /// Number of guards that hold it closed.
     holders: Mutex<usize>,
     opened: Condvar,
 }
@@ -17,8 +17,8 @@ impl Gate {
         self.holders.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Does `work` as soon as nobody holds it back. The lock is kept meanwhile, so that nobody holds back what is
-    /// halfway there.
+    /// Does `work` as soon as nobody holds it back. The lock is kept meanwhile, so that the gate cannot close during
+    /// `work`.
     pub(super) fn pass(&self, work: impl FnOnce()) {
         let mut holders = self.holders();
         while *holders > 0 {
@@ -27,14 +27,14 @@ impl Gate {
         work();
     }
 
-    /// Holds work back until the answer is dropped.
+    /// Holds work back until the returned guard is dropped.
     pub(super) fn hold_back(self: &Arc<Self>) -> Held {
         *self.holders() += 1;
         Held(self.clone())
     }
 }
 
-/// While it lives, [`Gpu::submit`](super::Gpu::submit) waits.
+/// While it exists, [`Gpu::submit`](super::Gpu::submit) waits.
 #[must_use = "work is held back only while this lives"]
 pub struct Held(Arc<Gate>);
 

@@ -5,16 +5,16 @@ use std::sync::Arc;
 
 use super::Gpu;
 
-/// A GPU that has little to do lowers its clocks, within milliseconds and by as much as a factor of six. Runs that
-/// are shorter than the time between them are then measured at any clock between the two. A load that is submitted
-/// before each run, in order and not waited for, keeps the GPU busy, and ends before the run's timestamps begin.
+/// A GPU with little to do lowers its clocks, within milliseconds and by a factor of up to six. Runs that are shorter
+/// than that are then measured at any clock in between. A load that is submitted before each run, in order and without
+/// waiting for it, keeps the GPU busy, and ends before the run's timestamps begin.
 pub struct Load {
     gpu: Arc<Gpu>,
     pipeline: wgpu::ComputePipeline,
     group: wgpu::BindGroup,
 }
 
-/// About a millisecond of a large GPU's time: 2^18 threads of 2^14 steps each.
+/// About a millisecond on a large GPU: 2^18 threads of 2^14 steps each.
 const WORKGROUPS: u32 = 1 << 10;
 
 const WGSL: &str = "
@@ -26,7 +26,7 @@ fn load(@builtin(local_invocation_index) lane: u32) {
     for (var step = 0u; step < 16384u; step++) {
         value = value * 0.999 + 0.5;
     }
-    // Never so; what is written nowhere would be left out by a compiler.
+    // Never true; without a write, compilers would remove the loop.
     if (value < 0.0) {
         result[lane] = value;
     }
@@ -34,7 +34,7 @@ fn load(@builtin(local_invocation_index) lane: u32) {
 ";
 
 impl Load {
-    /// Compiles it.
+    /// Compiles the load.
     #[must_use]
     pub fn new(gpu: Arc<Gpu>) -> Self {
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -63,7 +63,7 @@ impl Load {
         Self { gpu, pipeline, group }
     }
 
-    /// Submits it. A GPU whose clocks do not matter, a software one, is left alone.
+    /// Submits the load. Does nothing on a software adapter, whose clocks do not matter.
     pub fn submit(&self) {
         if !matches!(self.gpu.info.device_type, wgpu::DeviceType::DiscreteGpu | wgpu::DeviceType::IntegratedGpu) {
             return;

@@ -1,4 +1,4 @@
-//! Pictures back from the GPU.
+//! Reads images back from the GPU.
 
 use std::sync::Arc;
 
@@ -6,10 +6,10 @@ use super::{Gpu, GpuError};
 use crate::executor::gpu::readback::Readback;
 
 impl Gpu {
-    /// The texels of a texture of four bytes each, row by row from the top, once the GPU has drawn it.
+    /// The texels of a texture with four bytes per texel, row by row from the top, once the GPU has drawn it.
     ///
     /// # Errors
-    /// Where the device is lost or refuses: the texture must allow copies from it.
+    /// If the device is lost or refuses: the texture must allow copies from it.
     pub async fn read_rgba8(self: &Arc<Self>, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
         self.health()?;
         let (width, height) = (texture.width(), texture.height());

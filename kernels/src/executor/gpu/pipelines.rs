@@ -1,4 +1,4 @@
-//! Pipelines and bind groups, made from what reflection says of each variant: the host binds by name.
+//! Pipelines and bind groups, made from the reflection of each variant: the host binds by name.
 
 use super::books::{Books, Place, is_dynamic};
 use super::compiled::Compiled;
@@ -11,26 +11,26 @@ use crate::tables::stream::Stream;
 
 pub(super) struct KernelPipeline {
     kernel: Kernel,
-    /// Names of program and kernel.
+    /// Names of the program and the kernel.
     pub(super) label: String,
     compiled: Compiled,
     bindings: Vec<Binding>,
-    /// The streams that it changes.
+    /// The streams that it writes.
     pub(super) writes: Vec<Stream>,
-    /// What is bound; `None` until each of its streams has its size.
+    /// Its bind groups; `None` until each of its streams has a size.
     bound: Option<Bound>,
 }
 
 struct Bound {
-    /// Groups 0 and 1: streams, and scene data.
+    /// Groups 0 and 1: streams and scene data.
     groups: Vec<wgpu::BindGroup>,
-    /// Group 2: counters and lists, one for each combination of even and odd slots; empty where it binds none.
+    /// Group 2: counters and lists, one group for each combination of even and odd slots; empty if it binds none.
     live: Vec<wgpu::BindGroup>,
-    /// Names in group 2 that have dynamic offsets, in order.
+    /// Names in group 2 with dynamic offsets, in order.
     offsets: Vec<String>,
 }
 
-/// Everything that pipelines bind.
+/// Everything that pipelines can bind.
 pub(super) struct Bindable<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) streams: &'a [(Stream, wgpu::Texture)],
@@ -53,7 +53,8 @@ impl Pipelines {
         Ok(pipelines)
     }
 
-    /// Binds what each pipeline names, where one of its streams is `new`; not where one has no size yet.
+    /// Binds the resources that each pipeline names, if one of its streams is `new`; skips pipelines with a stream that
+    /// has no size yet.
     pub(super) fn bind(&mut self, bindable: &Bindable<'_>, new: impl Fn(Stream) -> bool) -> Result<(), GpuError> {
         for pipeline in &mut self.0 {
             let streams: Vec<Stream> = pipeline.bindings.iter().filter_map(Binding::stream).collect();
@@ -72,7 +73,7 @@ impl Pipelines {
     }
 }
 
-/// The group of counters, lists and launches.
+/// The bind group of counters, lists and launch parameters.
 const LIVE_GROUP: u32 = 2;
 
 impl Bound {
@@ -131,8 +132,8 @@ impl KernelPipeline {
     }
 }
 
-/// Whether no index of this kernel needs a check: it is the kernel as this crate composes it for the plan's options, even
-/// where somebody has changed the plan, and what it indexes holds for just these options.
+/// Whether no index of this kernel needs a check: it is the kernel as this crate composes it for the plan's options,
+/// even if the plan was changed since, and the data was validated for exactly these options.
 fn is_proved(plan: &Plan, variant: &Variant, data: &SceneData) -> bool {
     variant.kernel.info().proof.holds(data, &plan.features)
         && Variant::new(variant.kernel, &plan.features)
@@ -157,7 +158,7 @@ mod tests {
     use crate::plan::Limits;
     use crate::programs::closest_hit::kernels;
 
-    /// What is compiled without checks is the very shader that the proof is about, over the very data.
+    /// A kernel compiled without checks is the very shader that the proof is about, and it runs on the very data.
     #[test]
     fn only_our_own_shader_of_these_options_over_data_that_holds_is_proved() {
         let scene = generate::soup(300, 1).expect("soup");

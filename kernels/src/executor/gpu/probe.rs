@@ -1,4 +1,4 @@
-//! What an adapter does that its limits do not say, found out by a small dispatch when a device is opened.
+//! Tests behaviour of an adapter that its limits do not tell, with a small dispatch when a device is opened.
 
 use std::future::poll_fn;
 use std::task::Poll;
@@ -9,10 +9,10 @@ use wgpu::util::DeviceExt as _;
 use super::error::GpuError;
 use crate::plan::Loops;
 
-/// Turns that the loop is told to take.
+/// Iterations that the loop is told to run.
 const TURNS: u32 = 1 << 18;
 
-/// What is computed in each turn depends on the one before, so that no compiler knows the loop's end.
+/// Each iteration depends on the one before, so that no compiler can predict the loop's end.
 const SOURCE: &str = "
 @group(0) @binding(0) var<storage, read_write> told: array<u32, 3>;
 
@@ -29,7 +29,7 @@ fn turns() {
 }
 ";
 
-/// Counts the turns that a loop takes on the device.
+/// Counts the iterations that a loop runs on the device.
 pub(super) async fn loops(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Loops, GpuError> {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("probe of loops"),
@@ -82,11 +82,11 @@ pub(super) async fn loops(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<
     }
 }
 
-/// Maps a buffer to read it. Nobody else polls a device that is just being opened, so this does.
+/// Maps a buffer for reading. Polls the device itself: nobody else does while it is being opened.
 async fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<(), GpuError> {
     let (sender, mut receiver) = oneshot::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver is gone where the caller lost interest.
+        // The receiver is gone if the caller was dropped.
         let _ = sender.send(result);
     });
     let result = poll_fn(|context| {
@@ -95,7 +95,7 @@ async fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<(), GpuE
         match Future::poll(std::pin::Pin::new(&mut receiver), context) {
             Poll::Ready(result) => Poll::Ready(result),
             Poll::Pending => {
-                // A browser polls by itself, and only while nobody asks.
+                // A browser polls by itself, but only while this task yields.
                 if !cfg!(target_arch = "wasm32") {
                     context.waker().wake_by_ref();
                 }

@@ -1,13 +1,13 @@
-//! Streams from the GPU to the host: whole, a part, or one ray's texels of many streams at once.
+//! Reads streams back from the GPU: whole, a region, or one ray's texels of many streams at once.
 
 use super::{GpuError, GpuExecutor};
 use crate::executor::gpu::readback::Readback;
 use crate::tables::stream::{Region, Stream, StreamData};
 
-/// Bytes of one trip to the host, or one layer: a stream may be larger than the largest buffer.
+/// Bytes per read-back, or one layer if that is larger: a stream may be larger than the largest buffer.
 const TRIP_BYTES: u64 = 1 << 26;
 
-/// Bytes from one texel to the next in a buffer of single texels. WebGPU wants a multiple of a texel's size.
+/// Distance in bytes between texels in a buffer of single texels. WebGPU requires a multiple of a texel's size.
 const TEXEL_BYTES: u64 = 4;
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
@@ -15,20 +15,20 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
 }
 
 impl GpuExecutor {
-    /// The values of a stream, once the GPU has finished what was submitted. `None` where the plan left it out.
+    /// The values of a stream, once the GPU has finished all submitted work. `None` if the plan left it out.
     ///
     /// # Errors
-    /// Where the device is lost or refuses.
+    /// If the device is lost or refuses.
     pub async fn read(&self, stream: Stream) -> Result<Option<StreamData>, GpuError> {
         let Some(texture) = self.texture(stream) else { return Ok(None) };
         let region = Region { x: 0, y: 0, width: texture.width(), height: texture.height() };
         self.read_region(stream, region).await
     }
 
-    /// A part of a stream; `None` where the plan left the stream out or the image has no such part.
+    /// A region of a stream; `None` if the plan left the stream out or the image has no such region.
     ///
     /// # Errors
-    /// Where the device is lost or refuses.
+    /// If the device is lost or refuses.
     pub async fn read_region(&self, stream: Stream, region: Region) -> Result<Option<StreamData>, GpuError> {
         let Region { x, y, width, height } = region;
         let Some(texture) = self.texture(stream).filter(|t| region.is_in(t.width(), t.height())) else {
@@ -70,11 +70,11 @@ impl GpuExecutor {
         Ok(Some(StreamData { stream, width, height, bits }))
     }
 
-    /// One ray's texels in some streams, one word a layer, in one submission and one trip to the host. `None` where
-    /// the plan left one of them out or the image has no such pixel.
+    /// One ray's texels in several streams, one word per layer, in one submission and one read-back. `None` if the plan
+    /// left one of them out or the image has no such pixel.
     ///
     /// # Errors
-    /// Where the device is lost or refuses.
+    /// If the device is lost or refuses.
     pub async fn read_texels(&self, streams: &[Stream], x: u32, y: u32) -> Result<Option<Vec<Vec<u32>>>, GpuError> {
         let textures: Option<Vec<_>> = streams.iter().map(|&s| Some((s, self.texture(s)?))).collect();
         let is_there = |textures: &Vec<(Stream, &wgpu::Texture)>| {
@@ -90,7 +90,7 @@ impl GpuExecutor {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let mut offset = 0;
         for (stream, texture) in textures {
-            // Two layers of one copy would lie a row apart, 256 bytes at least.
+            // Layers copied together would be a row apart, at least 256 bytes.
             for z in 0..stream.layers() as u32 {
                 encoder.copy_texture_to_buffer(
                     wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z }, ..texture.as_image_copy() },

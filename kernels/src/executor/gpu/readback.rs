@@ -1,5 +1,5 @@
-//! From the GPU to the host without blocking: a future that is ready once the device has been polled often enough, by
-//! whom `poller.rs` says.
+//! Reads back from the GPU without blocking: a future that is ready once the device has been polled often enough, by
+//! whoever polls according to `poller.rs`.
 
 use std::sync::Arc;
 
@@ -7,14 +7,14 @@ use futures_channel::oneshot;
 
 use super::{Gpu, GpuError};
 
-/// Bytes on their way. Dropped before they arrive, it gives the buffer back.
+/// A pending read-back. If dropped before the bytes arrive, it gives the buffer back.
 pub(crate) struct Readback {
     gpu: Arc<Gpu>,
     buffer: wgpu::Buffer,
     mapped: oneshot::Receiver<Result<(), wgpu::BufferAsyncError>>,
 }
 
-/// How often bytes are asked for that a healthy device forgot.
+/// How often to ask again for bytes that a healthy device forgot.
 const TRIES: usize = 8;
 
 impl Readback {
@@ -39,7 +39,8 @@ impl Readback {
             if problem.is_some() {
                 break problem;
             }
-            // wgpu forgets the request where it cannot configure a window's surface at that moment. The bytes are there.
+            // wgpu forgets the request if it fails to configure a window's surface at that moment. The bytes are still
+            // there.
             if tries == 0 {
                 break Some("the device dropped the request".into());
             }
@@ -59,14 +60,14 @@ impl Readback {
     }
 }
 
-/// Asks for the bytes.
+/// Requests the bytes.
 fn map(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result<(), wgpu::BufferAsyncError>> {
     let (sender, mapped) = oneshot::channel();
     let expected = gpu.poller.expect(&gpu.device);
     buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
-        // It has arrived once this is over.
+        // Dropped at the end of this callback: the read-back has arrived.
         let _expected = expected;
-        // The receiver is gone where the caller lost interest.
+        // The receiver is gone if the caller was dropped.
         let _ = sender.send(result);
     });
     mapped

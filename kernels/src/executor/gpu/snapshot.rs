@@ -1,4 +1,4 @@
-//! Streams and lists as they were after some pass, kept on the GPU: copies of textures, nothing goes to the host.
+//! Copies of streams and lists after some pass, kept on the GPU: nothing is read back to the host.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
@@ -10,7 +10,7 @@ use crate::program::Kernel;
 use crate::tables::state::StateCounts;
 use crate::tables::stream::Stream;
 
-/// Streams and lists after some pass.
+/// A copy of streams and lists after some pass.
 pub(crate) struct Snapshot {
     gpu: Arc<super::Gpu>,
     streams: Vec<(Stream, Arc<wgpu::Texture>)>,
@@ -20,17 +20,17 @@ pub(crate) struct Snapshot {
     host_ns: Option<u64>,
 }
 
-/// The copies that hold what streams hold now. What no pass has written since is not copied again.
+/// Copies that are still up to date. A stream that no pass has written since is not copied again.
 #[derive(Default)]
 pub(super) struct Copies(BTreeMap<Stream, Weak<wgpu::Texture>>);
 
 impl Copies {
-    /// A stream has changed.
+    /// Marks a stream as changed.
     pub(super) fn forget(&mut self, stream: Stream) {
         self.0.remove(&stream);
     }
 
-    /// Every stream has changed.
+    /// Marks every stream as changed.
     pub(super) fn forget_all(&mut self) {
         self.0.clear();
     }
@@ -45,7 +45,7 @@ fn bytes(texture: &wgpu::Texture) -> u64 {
 }
 
 impl Snapshot {
-    /// Everything that it holds: which one, and its bytes. Two snapshots may hold the same.
+    /// The identity and size in bytes of everything it holds. Two snapshots may share parts.
     pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
         let streams = self.streams.iter().map(|(_, texture)| (Arc::as_ptr(texture).addr(), bytes(texture)));
         streams.chain(std::iter::once((std::ptr::from_ref(self).addr(), self.lists.bytes())))
@@ -58,10 +58,10 @@ impl Snapshot {
 }
 
 impl GpuExecutor {
-    /// Keeps streams and lists as they are now. `counts` are the rays in each state.
+    /// Copies streams and lists as they are now. `counts` are the rays in each state.
     ///
     /// # Errors
-    /// Where there is no room for it, or the device is lost.
+    /// If there is no memory for it, or the device is lost.
     pub(crate) async fn snapshot(&mut self, counts: &StateCounts) -> Result<Snapshot, GpuError> {
         self.gpu.health()?;
         let scopes = self.gpu.push_scopes();
@@ -92,7 +92,7 @@ impl GpuExecutor {
         Ok(Snapshot { gpu: self.gpu.clone(), streams, lists, sizes: self.sizes.clone(), device_ns, host_ns })
     }
 
-    /// Streams and lists to what they were. The snapshot is of the same plan, on the same device.
+    /// Restores streams and lists. The snapshot must be of the same plan and on the same device.
     pub(crate) fn restore(&mut self, snapshot: &Snapshot) -> Result<(), GpuError> {
         self.resize(snapshot.sizes.clone())?;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -113,7 +113,7 @@ impl GpuExecutor {
         self.copies = Copies(streams.iter().map(|(stream, copy)| (*stream, Arc::downgrade(copy))).collect());
     }
 
-    /// Passes of these kernels are about to run.
+    /// Marks the streams as changed that passes of these kernels are about to write.
     pub(super) fn forget_written(&mut self, passes: &[Kernel]) {
         for kernel in passes {
             for &stream in self.pipelines.get(*kernel).map_or(&[][..], |pipeline| &pipeline.writes) {

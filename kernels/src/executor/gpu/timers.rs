@@ -8,7 +8,7 @@ pub(super) struct Timers {
     pub(super) resolved: wgpu::Buffer,
     pub(super) copy: wgpu::Buffer,
     pub(super) period_ns: f64,
-    /// Around every pass, which costs some microseconds each.
+    /// Whether to time every pass, which costs some microseconds each.
     pub(super) each_pass: bool,
 }
 
@@ -37,7 +37,7 @@ impl Timers {
         }
     }
 
-    /// Timestamps of one batch.
+    /// Number of timestamps in one batch.
     pub(super) fn queries(&self, passes: u32) -> u32 {
         if self.each_pass { 2 * passes } else { 2 }
     }
@@ -51,7 +51,7 @@ impl Timers {
     }
 }
 
-/// Begin and duration of each pair of timestamps. An end before its begin, or 0, is not a time.
+/// Begin and duration from each pair of timestamps. An end before its begin, or 0, is not valid.
 pub(super) fn read_times(bytes: &[u8], period_ns: f64) -> Vec<(Option<u64>, Option<u64>)> {
     let ticks: Vec<u64> =
         bytes.chunks_exact(8).map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])).collect();

@@ -1,12 +1,12 @@
-//! Twin of `accumulate.wgsl`: adds a sample to its pixel's mean, and asks for the next one.
+//! Twin of `accumulate.wgsl`: adds a sample to its pixel's mean, and asks for the next sample.
 //!
-//! The mean of n samples is that of n − 1, moved by an nth of the way to the nth. Against a sum that is divided at
-//! the end: the stream shows the picture so far at any time; a pixel whose samples are all the same has exactly
-//! their colour; and there is no sum in which samples drown. Each step rounds the mean by at most half a unit in
-//! its last place, and step k's error has weight k/n in the end, so after n samples of at most m the error is below
-//! (n + 13) / 2 · 2⁻²⁴ · m even if all of them went one way: 1.3e-4 m after 4,096, a thirtieth of a step of an 8-bit
-//! picture. They do not: 4,096 samples of noise are off by less than 2e-6 m in the tests below. That many samples leave an
-//! error of some 1e-3 m at an edge.
+//! The mean of n samples is the mean of n − 1, moved towards the nth sample by 1/n of their difference. Compared with a
+//! sum that is divided at the end, the stream shows the image so far at any time, a pixel whose samples are all equal
+//! gets exactly their colour, and no small sample is lost in a large sum. Each step rounds the mean by at most half a
+//! unit in its last place, and the error of step k has weight k/n in the end, so after n samples of at most m the error
+//! is below (n + 13) / 2 · 2⁻²⁴ · m even if all errors have the same sign: 1.3e-4 m after 4,096, a thirtieth of a step
+//! of an 8-bit image. In practice they do not: 4,096 samples of noise are off by less than 2e-6 m in the tests below.
+//! That many samples leave an error of about 1e-3 m at an edge.
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::states::{DONE, UNWRITTEN};
@@ -15,12 +15,12 @@ use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::texels::Texels;
 
-/// The mean of so many samples, from the mean of those before the last and the last.
+/// The mean of `samples` samples, from the mean of all but the last, and the last.
 pub fn moved<R: Real>(mean_before: R, sample: R, samples: R) -> R {
     mean_before + (sample - mean_before) / samples
 }
 
-/// One ray's work.
+/// Processes one ray.
 pub fn accumulate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let before: R = ray.load(ACCUMULATED, ACCUMULATED_SAMPLES);
     let wanted = R::from_i32(scene.sampling.samples as i32);
@@ -58,7 +58,7 @@ mod tests {
                 let (mut mean, mut sum) = (0.0f32, 0.0f64);
                 for sample in 0..most {
                     let [value, _] = Sampler::Random.place([pixel, 0], sample, 1);
-                    // Half of the pixels see two colours at an edge, the others noise.
+                    // Half of the pixels see an edge between two colours, the others noise.
                     let value = if pixel % 2 == 0 { value } else { [0.1, 0.73][usize::from(value > 0.3)] };
                     mean = moved(mean, value, (sample + 1) as f32);
                     sum += f64::from(value);

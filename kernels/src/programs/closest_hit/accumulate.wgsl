@@ -1,6 +1,6 @@
-// Adds a sample to its pixel's mean, and asks for the next one, or gives the mean to color.
+// Adds a sample to its pixel's mean, and asks for the next sample or copies the mean to color.
 //
-// The mean is moved towards the sample, not a sum divided at the end: see the twin.
+// The mean is moved towards the sample; there is no sum to divide at the end: see the twin for the reason.
 
 import package::constants::{LIST_SIDE, NOBODY, NO_TRIANGLE};
 import package::state::{UNWRITTEN, DONE};

@@ -1,4 +1,4 @@
-//! What breaks each kernel on purpose.
+//! Deliberate defects of each kernel.
 
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Numerics, Options, ScheduleKind, Skip};
@@ -9,7 +9,7 @@ fn leaping(options: &mut Options) {
     options.skip = Skip::On;
 }
 
-/// Several steps a pass, over lists of live rays.
+/// Several steps per pass, over lists of live rays.
 fn several(options: &mut Options) {
     (options.schedule, options.steps_per_pass) = (ScheduleKind::Compact, 8);
 }
@@ -66,7 +66,7 @@ fn fused_none(options: &mut Options) {
     none(options);
 }
 
-/// The fused kernel makes its rays itself.
+/// The fused kernel generates its rays itself.
 fn fused_eye_rays(options: &mut Options) {
     fused_bvh(options);
     options.shade = false;

@@ -137,7 +137,7 @@ pub static BUFFERS: &[BufferInfo] = &[
     ),
 ];
 
-/// Why distances to the next list are left out.
+/// Why the distances for empty-space skipping are left out.
 fn of_leaps(run: &Run<'_>) -> Reason {
     match run.features {
         features if !features.grid => run.other_accelerator(),
@@ -146,7 +146,7 @@ fn of_leaps(run: &Run<'_>) -> Reason {
     }
 }
 
-/// Why what rays step through a binary tree by is left out.
+/// Why a buffer of the binary BVH is left out.
 fn of_binary_tree(run: &Run<'_>) -> Reason {
     if run.is_fused() { FUSED } else { run.other_accelerator() }
 }

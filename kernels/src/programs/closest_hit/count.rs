@@ -1,4 +1,4 @@
-//! Twin of `count.wgsl`: the executor of twins counts tags as it goes, so that nothing is left to do.
+//! Twin of `count.wgsl`: the CPU executor counts tags as it goes, so there is nothing to do.
 
 use crate::numbers::real::Real;
 use crate::scene_data::SceneData;

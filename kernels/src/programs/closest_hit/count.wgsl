@@ -1,5 +1,5 @@
-// Counts the rays in each state, after a kernel that does not count them itself: a global atomic for each of the fused
-// kernel's small workgroups would cost it more than its shortest runs take.
+// Counts the rays in each state, after a kernel that does not count them itself: in the fused kernel, a global atomic
+// per small workgroup would take longer than its shortest runs.
 
 @group(0) @binding(0) var state: texture_2d_array<u32>;
 @group(2) @binding(0) var<storage, read_write> sent: array<atomic<u32>, 8>;

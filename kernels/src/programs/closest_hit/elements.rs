@@ -1,6 +1,6 @@
-//! What this program traces.
+//! The elements of this program.
 
 use crate::tables::elements::{Count, Elements};
 
-/// A ray for each pixel, or for each ray that is given.
+/// One ray per pixel, or per input ray.
 pub static RAYS: Elements = Elements { name: "rays", count: Count::Image };

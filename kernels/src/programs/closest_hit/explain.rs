@@ -1,6 +1,6 @@
-//! Why a pass left a ray as it did. What the streams before and after the pass tell is taken from them; what they do
-//! not keep, such as the t of a missed triangle or of a leap, is worked out again by the kernels' own functions for
-//! the host. Where a device rounds otherwise than the host, what the device did is what is said.
+//! Explains why a pass left a ray as it did. Whatever the streams before and after the pass tell is taken from them;
+//! what they do not keep, such as the t of a missed triangle or of a skip, is computed again on the host by the
+//! kernels' own functions. Where the device rounds differently from the host, the explanation follows the device.
 
 mod grid;
 mod test;
@@ -15,10 +15,10 @@ use grid::{cell_at, explain_start, explain_step};
 pub(super) use test::explain_intersect as of_intersect;
 use tree::explain_node;
 
-/// What a pass did to a ray: the triangle that it tested, if it tested one, and why it left the ray as it did.
+/// The triangle that a pass tested, if any, and why the pass left the ray as it did.
 pub(super) type Why = (Option<u32>, String);
 
-/// Which triangle a pass tested, and why it left the ray as it did; nothing for a kernel of another program.
+/// The triangle that a pass tested, and why it left the ray as it did; empty for a kernel of another program.
 #[must_use]
 pub fn explain(kernel: Kernel, data: &SceneData, before: &RayState, after: &RayState) -> (Option<u32>, String) {
     super::own(kernel).map_or_else(Default::default, |own| (own.explain)(data, before, after))
@@ -113,12 +113,12 @@ fn explain_walk(data: &SceneData, before: &RayState, after: &RayState) -> String
     format!("{most}: {next}{found}")
 }
 
-/// Whether the pass accepted a hit. Another triangle at the same t counts too: the order of hits is (t, triangle).
+/// Whether the pass accepted a hit. A different triangle at the same t counts too: hits are ordered by (t, triangle).
 fn has_new_hit(before: &RayState, after: &RayState) -> bool {
     (before.triangle, before.t) != (after.triangle, after.t)
 }
 
-/// A list of so many triangles, after the name of what has it.
+/// Describes a list by its number of triangles, to follow the name of its cell or leaf.
 fn listing(count: usize) -> String {
     match count {
         0 => "which is empty".into(),

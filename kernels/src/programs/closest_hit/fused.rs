@@ -1,5 +1,5 @@
-//! Twin of `fused.wgsl`: takes each ray from its start to its nearest hit, in several dispatches where one has too few
-//! loop turns.
+//! Twin of `fused.wgsl`: traces each ray from its start to its nearest hit, in several dispatches if one allows too few
+//! loop iterations.
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
@@ -20,7 +20,7 @@ impl<R: Real> Trace<R> {
         let rules = features.walk_rules();
         let grid_ray = grid.ray(rules, self.origin, self.direction);
         let mut walk = wait.resumed(ray, &grid_ray, scene);
-        // robust leaves the grid long before; the paper's rules may run over a face again and again.
+        // robust leaves the grid long before; with the paper's rules a ray may wrap over a face again and again.
         let mut bound = 4 * grid.cells.iter().sum::<i32>() + 64;
         if features.in_cell && !features.keeps_no_tmax() && wait.before {
             bound = ray.load_u32(streams::PLACE, 3) as i32;
@@ -72,16 +72,16 @@ impl<R: Real> Trace<R> {
         let wide_ray = WideRay::new(self.origin, self.direction);
         let mut stack = [WideGroup::default(); WIDE_MAX_DEPTH as usize];
         let mut height = 0;
-        // The root, as the one hit of a group; its slot is the octant's, so that no inner child precedes it.
+        // The root as the only hit of a group; its slot is chosen by the octant, so that no inner child precedes it.
         let mut group = WideGroup { base: 0, bits: 0x8000_0000 };
-        // A restart trail (Laine, 2010): of each level's group, 4 bits for the child that was entered last, or
+        // A restart trail (Laine, 2010): for each level's group, 4 bits with the child that was entered last, or
         // NO_CHILD. A group's level is in bits 8-15 of its word.
         let mut path = [0; TRAIL_WORDS];
         if wait.before {
             for (word, bits) in path.iter_mut().enumerate() {
                 *bits = ray.load_u32(streams::TRAIL, word);
             }
-            // Down to where the ray waits: a sibling that would come later, and whose box is met, waits again.
+            // Down to where the ray waits: later siblings whose boxes are met wait on the stack again.
             for level in 0..wait.item {
                 let child = trail_child(path[level as usize / 8], level);
                 let node = wide_ray.child(group, 24 + child);
@@ -98,7 +98,7 @@ impl<R: Real> Trace<R> {
                 group.bits &= (1 << (24 + child)) - 1;
             }
             self.turns += wait.item;
-            // What was ahead may lie behind the nearest hit by now.
+            // The nodes ahead may be behind the nearest hit by now.
             if group.bits <= 0x00ff_ffff {
                 if height == 0 {
                     return;
@@ -166,14 +166,14 @@ impl<R: Real> Trace<R> {
     }
 }
 
-/// Where a ray waits between two dispatches.
+/// A ray's position between two dispatches.
 #[derive(Default)]
 struct Wait {
     /// Whether it waited before this dispatch.
     before: bool,
-    /// Whether it does after it.
+    /// Whether it waits after it.
     after: bool,
-    /// As in the stream `state`: the cell and the item of its list, or the node and its level, or the triangle.
+    /// As in the stream `state`: the cell and the item in its list, or the node and its level, or the triangle.
     cell: u32,
     item: u32,
 }
@@ -183,7 +183,7 @@ impl Wait {
         (self.after, self.cell, self.item) = (true, cell, item);
     }
 
-    /// The first cell, or the one where the ray waits.
+    /// The first cell, or the one at which the ray waits.
     fn resumed<R: Real>(&self, ray: &Texels<'_, R>, grid_ray: &GridRay<R>, scene: &SceneData) -> Walk<R> {
         let grid = &scene.grid;
         if !self.before {
@@ -199,8 +199,8 @@ impl Wait {
     }
 }
 
-/// What does not follow from the cell: its coordinates where the paper's rules have run over a face, tmax where it is
-/// accumulated, and how many cells are still allowed.
+/// Stores what cannot be computed from the cell's index: the coordinates if a ray wrapped over a face with the paper's
+/// rules, tmax if it is accumulated, and how many more cells are allowed.
 fn keep_place<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, walk: &Walk<R>, left: i32) {
     if scene.features.keeps_no_tmax() {
         return;
@@ -214,7 +214,7 @@ fn keep_place<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, walk: &Walk<R
     }
 }
 
-/// One ray's work.
+/// Processes one ray.
 pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let features = &scene.features;
     let mut wait = Wait::default();

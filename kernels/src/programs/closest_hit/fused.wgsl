@@ -1,7 +1,7 @@
-// Takes each ray from its start to its nearest hit: the steps of the other kernels in one loop.
+// Traces each ray from its start to its nearest hit: the steps of the other kernels in one loop.
 //
-// resumes: a ray whose walk takes more loop turns than one dispatch has waits for the next one: at an item of its
-// cell's list (ISECT_NO_HIT, ISECT_HIT), or between two nodes of the tree (TRAV).
+// resumes: a ray whose walk takes more loop iterations than one dispatch allows waits for the next one: at an item of
+// its cell's list (ISECT_NO_HIT, ISECT_HIT), or between two nodes of the BVH (TRAV).
 
 import package::constants::{INF, NO_TRIANGLE, WORKGROUP, WIDE_STACK};
 import package::state::{UNWRITTEN, TRAV_SETUP, TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
@@ -31,14 +31,14 @@ import package::scene::{scene};
 @if(grid && resumes && (!robust || drifting)) @group(0) @binding(6) var place: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh && resumes) @group(0) @binding(6) var trail: texture_storage_2d_array<r32uint, read_write>;
 
-// Where a ray waits between two dispatches.
+// A ray's position between two dispatches.
 @if(resumes)
 struct Wait {
     texel: vec2u,
-    // Whether it waited before this dispatch, and does after it.
+    // Whether it waited before this dispatch, and waits after it.
     before: bool,
     after: bool,
-    // As in the stream state: the cell and the item of its list, or the node, or the triangle.
+    // As in the stream state: the cell and the item in its list, or the node, or the triangle.
     cell: u32,
     item: u32,
 }
@@ -52,7 +52,7 @@ fn wait_at(cell: u32, item: u32) {
     wait.item = item;
 }
 
-// The first cell, or the one where the ray waits.
+// The first cell, or the one at which the ray waits.
 @if(grid && resumes)
 fn resumed(ray: GridRay) -> Walk {
     if (!wait.before) {
@@ -73,8 +73,8 @@ fn resumed(ray: GridRay) -> Walk {
     }
 }
 
-// What does not follow from the cell: its coordinates where the paper's rules have run over a face, tmax where it
-// is accumulated, and how many cells are still allowed.
+// Stores what cannot be computed from the cell's index: the coordinates if a ray wrapped over a face with the paper's
+// rules, tmax if it is accumulated, and how many more cells are allowed.
 @if(grid && resumes && (!robust || drifting))
 fn keep_place(walk: Walk, left: i32) {
     textureStore(place, wait.texel, 0, vec4u(u32(walk.cell.x)));
@@ -92,7 +92,7 @@ fn traced(start: Trace) -> Trace {
     let ray = grid_ray(trace.origin, trace.direction);
     @if(!resumes) var walk = enter_grid(ray);
     @if(resumes) var walk = resumed(ray);
-    // robust leaves the grid long before; the paper's rules may run over a face again and again.
+    // robust leaves the grid long before; with the paper's rules a ray may wrap over a face again and again.
     @if(in_cell) var bound = 4 * (grid.cells.x + grid.cells.y + grid.cells.z) + 64;
     @if(in_cell && resumes && (!robust || drifting)) if (wait.before) {
         bound = i32(textureLoad(place, wait.texel, 3).x);
@@ -152,19 +152,19 @@ fn traced(start: Trace) -> Trace {
         return trace;
     }
     let ray = wide_ray(trace.origin, finite_inverse(trace.direction));
-    // As high as this scene's tree needs: it is filled with zeros first, for every ray.
+    // Only as large as this scene's BVH needs: it is filled with zeros first, for every ray.
     var stack: array<vec2u, WIDE_STACK>;
     var height = 0u;
-    // The root, as the one hit of a group; its slot is the octant's, so that no inner child precedes it.
+    // The root as the only hit of a group; its slot is chosen by the octant, so that no inner child precedes it.
     var group = WideGroup(0u, 0x80000000u);
-    // A restart trail (Laine, 2010): of each level's group, 4 bits for the child that was entered last, or NO_CHILD.
+    // A restart trail (Laine, 2010): for each level's group, 4 bits with the child that was entered last, or NO_CHILD.
     // A group's level is in bits 8-15 of its word.
     @if(resumes) var path: array<u32, TRAIL_WORDS>;
     @if(resumes) if (wait.before) {
         for (var word = 0u; word < TRAIL_WORDS; word++) {
             path[word] = textureLoad(trail, wait.texel, word).x;
         }
-        // Down to where the ray waits: a sibling that would come later, and whose box is met, waits again.
+        // Down to where the ray waits: later siblings whose boxes are met wait on the stack again.
         for (var level = 0u; level < wait.item; level++) {
             let child = trail_child(path[level / 8u], level);
             let node = wide_child(group, 24u + child, ray);
@@ -181,7 +181,7 @@ fn traced(start: Trace) -> Trace {
             group.bits &= (1u << (24u + child)) - 1u;
         }
         trace.turns += wait.item;
-        // What was ahead may lie behind the nearest hit by now.
+        // The nodes ahead may be behind the nearest hit by now.
         if (group.bits <= 0x00ffffffu) {
             if (height == 0u) {
                 return trace;

@@ -1,4 +1,4 @@
-//! Twin of `generate.wgsl`: makes a ray for every pixel.
+//! Twin of `generate.wgsl`: generates a ray for every pixel.
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::states::{TRAV_SETUP, UNWRITTEN};
@@ -9,14 +9,14 @@ use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::shared::samples::jitter;
 use crate::tables::texels::Texels;
 
-/// One ray's work.
+/// Processes one ray.
 pub fn generate<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if ray.load_u32(STATE, 0) != UNWRITTEN {
         return;
     }
     let (camera, is_perspective) = (&scene.camera, scene.features.perspective);
     let (origin, direction) = if scene.features.samples {
-        // The next sample's number is how many there are.
+        // The next sample's index is the number of samples so far.
         let sample = ray.load(ACCUMULATED, ACCUMULATED_SAMPLES).to_i32() as u32;
         let place = jitter(scene.features.sampler(), [ray.x, ray.y], sample, scene.sampling.seed).map(R::from_f32);
         let place = [R::from_i32(ray.x as i32) + place[0], R::from_i32(ray.y as i32) + place[1]];

@@ -1,4 +1,4 @@
-// Makes a ray for every pixel.
+// Generates a ray for every pixel.
 
 import package::constants::{INF, NO_TRIANGLE, WORKGROUP};
 import package::state::{UNWRITTEN, TRAV_SETUP};
@@ -22,7 +22,7 @@ fn generate(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
 
-    // The next sample's number is how many there are.
+    // The next sample's index is the number of samples so far.
     @if(samples) let place = jitter(texel, u32(textureLoad(accumulated, texel, 4, 0).x));
     @if(samples) let ray = eye_ray_at(vec2f(texel) + place);
     @else let ray = eye_ray(texel);

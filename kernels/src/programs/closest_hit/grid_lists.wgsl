@@ -13,10 +13,10 @@ fn empty_distance(index: u32) -> i32 {
     return i32((grid_distances[index / 4u] >> (8u * (index % 4u))) & 0xffu);
 }
 
-// A cell's list has ended; exit is the t at which the ray leaves the cell.
+// The state after a cell's list has ended; exit is the t at which the ray leaves the cell.
 fn list_ended(tag: u32, nearest_t: f32, exit: f32) -> u32 {
     @if(!in_cell && !any_hit) return select(TRAV, SHADE, tag == ISECT_HIT && nearest_t <= exit);
-    // Nothing was hit, and nothing behind the ray's end counts.
+    // Nothing was hit, and hits behind the ray's end do not count.
     @if(!in_cell && any_hit) return select(TRAV, BACKGROUND, nearest_t <= exit);
     @if(in_cell) return select(TRAV, SHADE, tag == ISECT_HIT);
 }

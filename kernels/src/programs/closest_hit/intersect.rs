@@ -1,4 +1,4 @@
-//! Twin of `intersect.wgsl`: tests the ray against triangles of its list.
+//! Twin of `intersect.wgsl`: tests the ray against triangles in its list.
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::grid_lists::list_ended;
@@ -12,13 +12,13 @@ use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::shared::vector::smallest3;
 use crate::tables::texels::Texels;
 
-/// Whether a cell lists a triangle: lists ascend.
+/// Whether a cell lists a triangle; lists are in ascending order.
 fn is_listed(scene: &SceneData, triangle: u32, cell: u32) -> bool {
     let (first, end) = (scene.grid_cells[cell as usize], scene.grid_cells[cell as usize + 1]);
     scene.grid_items[first as usize..end as usize].binary_search(&triangle).is_ok()
 }
 
-/// Keeps where the search is for the next dispatch.
+/// Stores the position of the search for the next dispatch.
 fn keep_scan<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, cell: u32, tmax: Vec3<R>) {
     if scene.features.resumes_scan {
         ray.store_u32(SCAN, 0, cell);
@@ -28,7 +28,8 @@ fn keep_scan<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData, cell: u32, tma
     }
 }
 
-/// Whether a cell before this one held the triangle too: walks again from the start. `None` where it is not known yet.
+/// Whether an earlier cell listed the triangle too: walks again from the start. `None` if the search continues in the
+/// next dispatch.
 fn repetition<R: Real>(
     texels: &mut Texels<'_, R>,
     scene: &SceneData,
@@ -60,7 +61,7 @@ fn repetition<R: Real>(
             keep_scan(texels, scene, index, walk.tmax);
             return None;
         }
-        // No more turns than a list has entries, which are fewer than 2³².
+        // At most as many iterations as a list of fewer than 2³² entries needs.
         turns += 1 + 32 - scene.list(index).1.leading_zeros();
         if is_listed(scene, triangle, index) {
             keep_scan(texels, scene, NO_CELL, Vec3::splat(R::zero()));
@@ -73,7 +74,7 @@ fn repetition<R: Real>(
     Some(false)
 }
 
-/// One ray's work.
+/// Processes one ray.
 pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let mut tag = ray.load_u32(STATE, 0);
     if tag != ISECT_NO_HIT && tag != ISECT_HIT {

@@ -1,10 +1,10 @@
 // Tests the ray against one triangle of its list, and decides what is next when the list ends. The list is the cell's, the leaf's, or all triangles.
 //
-// robust keeps the nearest hit and accepts it once it lies within the cells walked; paper accepts a hit
-// only inside of its own cell, and pays one more step to notice the list's delimiter (Listing 2).
+// robust keeps the nearest hit and accepts it once it lies within the cells walked; paper accepts a hit only inside its
+// own cell, and needs one more step to notice the list's delimiter (Listing 2).
 //
-// counters: whether a cell before this one held the triangle too is searched for along the walk. resumes_scan: where
-// that may take more loop turns than a dispatch has, it goes on in the next, and the triangle is tested at its end.
+// counters: searches along the walk whether an earlier cell listed the triangle too. resumes_scan: if that may take
+// more loop iterations than a dispatch allows, it continues in the next, and the triangle is tested when it ends.
 
 import package::constants::{INF, NOBODY, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
@@ -28,7 +28,7 @@ import package::live::{send};
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh) @group(1) @binding(19) var<storage, read> bvh_items: array<u32>;
 
-// Whether a cell lists a triangle: lists ascend.
+// Whether a cell lists a triangle; lists are in ascending order.
 @if(grid && counters)
 fn is_listed(triangle: u32, cell: u32) -> bool {
     var low = grid_cells[cell];
@@ -58,7 +58,7 @@ const NOT_REPEATED: u32 = 0u;
 const REPEATED: u32 = 1u;
 const NOT_KNOWN_YET: u32 = 2u;
 
-// Whether a cell before this one held the triangle too: walks again from the start.
+// Whether an earlier cell listed the triangle too: walks again from the start.
 @if(grid && counters)
 fn repetition(texel: vec2u, triangle: u32, cell: u32, origin: vec3f, direction: vec3f) -> u32 {
     let ray = grid_ray(origin, direction);
@@ -81,7 +81,7 @@ fn repetition(texel: vec2u, triangle: u32, cell: u32, origin: vec3f, direction: 
             keep_scan(texel, index, walk.tmax);
             return NOT_KNOWN_YET;
         }
-        // No more turns than a list has entries, which are fewer than 2^32.
+        // At most as many iterations as a list of fewer than 2^32 entries needs.
         @if(resumes_scan) turns += 1u + 32u - countLeadingZeros(grid_cells[index + 1u] - grid_cells[index]);
         if (is_listed(triangle, index)) {
             @if(resumes_scan) keep_scan(texel, NO_CELL, vec3f(0.0));

@@ -1,10 +1,9 @@
-// Which rays a pass works on, and where it sends them. Twins need none of it: their executor counts tags itself, and
-// calls them for every ray.
+// Which rays a pass works on, and to which states it sends them. Twins need none of this: their executor counts tags
+// itself, and calls them for every ray.
 //
-// sent counts the rays that the pass sent into each state. With lists of live rays, only the rays of the
-// kernel's own list are launched, and each ray is appended to the list of the kernel that it waits for
-// next. A list's slot holds its indirect arguments (x groups, y groups, z), its number of rays, and
-// where in live_rays it begins; a ray is x | y << 16.
+// sent counts the rays that the pass sent to each state. With lists of live rays, only the rays in the kernel's own
+// list are launched, and each ray is appended to the list of the kernel that it waits for next. A list's slot holds its
+// indirect arguments (x groups, y groups, z), its number of rays, and its start in live_rays; a ray is x | y << 16.
 
 import package::constants::{LIST_SIDE, LIST_GROUPS, NOBODY};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT};
@@ -20,21 +19,21 @@ const TO_INTERSECT: u32 = 0u;
 const TO_TRAVERSE: u32 = 1u;
 const TO_NO_LIST: u32 = 2u;
 
-// Of each list: a bit for each thread of the workgroup that appends to it, and where in live_rays they begin.
+// For each list: a bit for each thread of the workgroup that appends to it, and where in live_rays they begin.
 @if(live_lists) var<workgroup> appending: array<array<atomic<u32>, LANE_WORDS>, 2>;
 @if(live_lists) var<workgroup> first_ray: array<u32, 2>;
 
 const LANES: u32 = LIST_SIDE * LIST_SIDE;
 const LANE_WORDS: u32 = LANES / 32u;
 
-// The texel of a thread where a pass launches them all: 32 threads side by side are a tile of 8 by 4.
+// The texel of a thread if a pass launches all rays: 32 threads side by side are a tile of 8 by 4.
 fn tiled_texel(group: vec3u, lane: u32) -> vec2u {
     let x = (lane & 7u) | ((lane >> 2u) & 8u);
     let y = ((lane >> 3u) & 3u) | ((lane >> 4u) & 12u);
     return LIST_SIDE * group.xy + vec2u(x, y);
 }
 
-// The texel of a thread's ray in the kernel's own list; beyond every image where the list has ended.
+// The texel of a thread's ray in the kernel's own list; outside of any image after the end of the list.
 @if(live_lists)
 fn listed_texel(group: vec3u, lane: u32) -> vec2u {
     let place = (group.y * LIST_GROUPS + group.x) * LANES + lane;
@@ -58,7 +57,7 @@ fn add_sent(state: u32) {
     }
 }
 
-// As send, of a kernel that no kernel with a list comes right after.
+// Counts like send, for kernels that are never followed directly by a kernel with a list.
 fn book(lane: u32, tag: u32) {
     note_sent(tag);
     workgroupBarrier();
@@ -67,7 +66,7 @@ fn book(lane: u32, tag: u32) {
     }
 }
 
-// Every thread of the workgroup calls this, with NOBODY for a tag where it had no ray to work on.
+// Every thread of the workgroup must call this, with tag NOBODY if it had no ray to work on.
 @if(!live_lists)
 fn send(lane: u32, texel: vec2u, tag: u32) {
     book(lane, tag);
@@ -78,7 +77,7 @@ fn rows_of(rays: u32) -> u32 {
     return (rays + LANES * LIST_GROUPS - 1u) / (LANES * LIST_GROUPS);
 }
 
-// How many threads append to a list: those of the first words, and of the next word those in the mask.
+// How many threads append to a list: those in the first words, and those in the mask of the next word.
 @if(live_lists)
 fn appended(list: u32, words: u32, mask: u32) -> u32 {
     var threads = 0u;
@@ -94,7 +93,7 @@ fn appended(list: u32, words: u32, mask: u32) -> u32 {
 @if(live_lists)
 fn send(lane: u32, texel: vec2u, tag: u32) {
     note_sent(tag);
-    // With several steps a pass there is one list for both kernels.
+    // With several steps per pass, both kernels share one list.
     @if(many_steps) let traverses_to = TO_INTERSECT;
     @else let traverses_to = TO_TRAVERSE;
     let intersects = tag == ISECT_NO_HIT || tag == ISECT_HIT;
@@ -105,7 +104,7 @@ fn send(lane: u32, texel: vec2u, tag: u32) {
         atomicOr(&appending[list][word], bit);
     }
     workgroupBarrier();
-    // One thread makes room in each list for the whole workgroup.
+    // One thread reserves room in each list for the whole workgroup.
     if (lane == 0u) {
         let rays = appended(TO_INTERSECT, LANE_WORDS, 0u);
         if (rays > 0u) {
@@ -131,7 +130,7 @@ fn send(lane: u32, texel: vec2u, tag: u32) {
     }
     workgroupBarrier();
     if (list != TO_NO_LIST) {
-        // Rays keep the order of their threads, pass after pass: what began side by side stays so.
+        // Rays keep the order of their threads in every pass, so that neighbouring rays stay together.
         let place = appended(list, word, bit - 1u);
         live_rays[first_ray[list] + place] = texel.x | (texel.y << 16u);
     }

@@ -4,13 +4,13 @@ use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::streams;
 use crate::tables::texels::Texels;
 
-/// Where the ray starts, traced units.
+/// Origin of the ray, traced units.
 #[must_use]
 pub fn load_origin<R: Real>(ray: &Texels<'_, R>) -> Vec3<R> {
     ray.load_vec3(streams::RAY_ORIGIN)
 }
 
-/// Where it goes, traced units per unit of t.
+/// Direction of the ray, traced units per unit of t.
 #[must_use]
 pub fn load_direction<R: Real>(ray: &Texels<'_, R>) -> Vec3<R> {
     ray.load_vec3(streams::RAY_DIRECTION)

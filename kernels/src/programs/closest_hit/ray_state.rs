@@ -14,9 +14,9 @@ use crate::tables::stream::{STATE_TAG, Stream};
 /// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RayState {
-    /// Where the ray starts.
+    /// Origin.
     pub origin: [f32; 3],
-    /// Where it goes.
+    /// Direction.
     pub direction: [f32; 3],
     /// The tag's name.
     pub state: &'static str,
@@ -25,30 +25,30 @@ pub struct RayState {
     pub tag: Tag,
     /// Nearest t so far.
     pub t: Option<f32>,
-    /// 1-D index of the cell, or index of the tree's node.
+    /// 1-D index of the cell, or index of the BVH's node.
     pub cell_index: u32,
-    /// The tree's node before this one; `None` without a tree.
+    /// The BVH's previous node; `None` without a BVH.
     pub previous: Option<u32>,
     /// Offset into the cell's list.
     pub item: u32,
-    /// t at which the ray leaves its cell, per axis; `None` for an axis that it never crosses.
+    /// t at which the ray leaves its cell, per axis; `None` for an axis along which it never does.
     pub tmax: [Option<f32>; 3],
-    /// Triangle hit so far.
+    /// Nearest triangle hit so far.
     pub triangle: Option<u32>,
     /// Weights of vertices 1 and 2 at the hit.
     pub barycentric: Option<[f32; 2]>,
     /// Linear colour.
     pub color: Option<[f32; 3]>,
-    /// Samples in the pixel's mean; absent where a pixel has one.
+    /// Samples in the pixel's mean; absent if a pixel has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<u32>,
 }
 
 impl RayState {
-    /// The streams that it is decoded from, as far as a run has them.
+    /// The streams it is decoded from, as far as a run has them.
     pub const STREAMS: [Stream; 8] = [STATE, HIT, RAY_ORIGIN, RAY_DIRECTION, TMAX, PREVIOUS, COLOR, ACCUMULATED];
 
-    /// From its texels, one word a layer; `None` for a stream that the run leaves out.
+    /// Decodes a ray's texels, one word per layer; `None` for a stream that the run leaves out.
     pub fn of<'a>(texel: impl Fn(Stream) -> Option<&'a [u32]>) -> Self {
         let word = |stream: Stream, layer: usize| {
             let absent = stream.info().unwritten[layer];

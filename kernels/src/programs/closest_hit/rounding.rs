@@ -1,8 +1,8 @@
-//! What rounding may change in one pass of each kernel, where a device contracts products and sums, or divides less
-//! exactly than its CPU reference.
+//! What rounding may change in one pass of each kernel, if a device contracts products and sums, or divides less
+//! exactly than the CPU reference.
 //!
-//! WGSL lets a division be off by 2.5 units in the last place, and lets a product that is added to be contracted or not.
-//! Software Vulkan does neither, and is equal bit for bit; an H200 does both.
+//! WGSL allows a division to be off by 2.5 units in the last place, and a product and a sum to be contracted or not.
+//! Software Vulkan does neither, and agrees bit for bit; an H200 does both.
 
 use super::streams::{ACCUMULATED, COLOR, HIT, PLACE, RAY_DIRECTION, RAY_ORIGIN, SCAN, STATE, STATE_T, TMAX};
 use crate::tables::stream::Stream;
@@ -10,10 +10,10 @@ use crate::tables::stream::Stream;
 /// What rounding may change in one pass of a kernel: nothing else may differ from its CPU reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Rounding {
-    /// The floats that the kernel computes: layers of a stream, and how far off they may be. What it only copies is not
-    /// among them.
+    /// The floats that the kernel computes: layers of a stream, and how far off they may be. Floats that it only copies
+    /// are not listed.
     pub floats: &'static [(Stream, &'static [usize], Off)],
-    /// Which of its comparisons rounding may turn, so that a ray goes another way.
+    /// The comparisons whose result rounding may change, so that a ray takes another branch.
     pub ties: Ties,
 }
 
@@ -22,42 +22,42 @@ pub struct Rounding {
 pub enum Off {
     /// Units in the last place, once or for each part of the pass.
     Ulps(u64, Each),
-    /// Multiples of 2⁻²³ of the larger number, or of 1 where both are smaller.
+    /// Multiples of 2⁻²³ of the larger number, or of 1 if both are smaller.
     Roundings(f32),
     /// The same, times the largest factor by which a light's cone scales a cosine.
     RoundingsOfLight(f32),
     /// Twice the triangle's own bound for t. That bound allows the 10 roundings of a sheared corner; a ray that the
-    /// kernel makes itself is off by 4 more, so its double covers both.
+    /// kernel generates itself is off by 4 more, and twice the bound covers both.
     DistanceToTriangle,
     /// Twice the triangle's own bound for a barycentric weight, likewise.
     WeightOfTriangle,
 }
 
-/// What an error of one computation is multiplied by.
+/// The factor by which the error of one computation is multiplied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Each {
-    /// It is made once.
+    /// It is computed once.
     Pass,
-    /// It is made in every step of the pass.
+    /// It is computed in every step of the pass.
     Step,
-    /// It is made in every loop iteration that a dispatch allows.
+    /// It is computed in every loop iteration that a dispatch allows.
     Iteration,
 }
 
-/// Which comparisons of a kernel rounding may turn.
+/// The comparisons of a kernel whose result rounding may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ties {
     /// None: it compares integers, or floats that it only reads.
     None,
     /// The point of entry with the planes between cells.
     FirstCell,
-    /// The end of a leap over empty cells with the planes between cells.
+    /// The end of a skip over empty cells with the planes between cells.
     Leap,
     /// The ray with the box of a node.
     Box,
     /// The ray with the edges of a triangle, and its t with the nearest so far and the exit of the cell.
     Triangle,
-    /// Many of these: only rays next to the ray tell.
+    /// Many of these: only a comparison with neighbouring rays tells.
     Many,
 }
 
@@ -73,7 +73,7 @@ pub const COLOUR: &[(Stream, &[usize], Off)] = &[(COLOR, ALL_3, SUM)];
 const OF_A_HIT: [(Stream, &[usize], Off); 2] =
     [(HIT, &[0, 1], Off::WeightOfTriangle), (STATE, &[STATE_T], Off::DistanceToTriangle)];
 
-/// What only copies floats.
+/// For kernels that only copy floats.
 pub const NONE: Rounding = Rounding { floats: &[], ties: Ties::None };
 
 pub(super) const OF_GENERATE: Rounding =
@@ -92,7 +92,7 @@ pub(super) const OF_INTERSECT: Rounding = Rounding {
     ties: Ties::Triangle,
 };
 
-/// By the paper's rules tmax grows by a rounded tDelta at every step, of which there are fewer than loop iterations.
+/// With the paper's rules tmax grows by a rounded tDelta at every step; there are fewer steps than loop iterations.
 pub(super) const OF_WALK: Rounding =
     Rounding { floats: &[OF_A_HIT[0], OF_A_HIT[1], (TMAX, ALL_3, Off::Ulps(DIVISION, Each::Step))], ties: Ties::Many };
 

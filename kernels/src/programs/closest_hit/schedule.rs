@@ -1,12 +1,12 @@
-//! Which kernels run, in what order, until what holds.
+//! Which kernels run, in what order and until which condition holds.
 
 use super::kernels::{ACCUMULATE, FUSED, GENERATE, INTERSECT, SETUP, SHADE, TRAVERSE_BVH, TRAVERSE_GRID, WALK};
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
 use crate::program::schedule::{Schedule, Step};
 
-/// The paper's §4.3, and ours. `rays_given`: there is nothing to generate; `shade`: the image is wanted;
-/// `eye_rays`: the fused kernel makes its rays itself; `many_steps`: a ray takes several steps a pass.
+/// The paper's schedules (§4.3), and ours. `rays_given`: rays are not generated; `shade`: the image is wanted;
+/// `eye_rays`: the fused kernel generates its rays; `many_steps`: a ray takes several steps per pass.
 #[must_use]
 pub fn new(
     kind: ScheduleKind,
@@ -35,7 +35,7 @@ pub fn new(
                 vec![INTERSECT, TRAVERSE_GRID],
                 vec![Step::Run(INTERSECT), Step::Run(TRAVERSE_GRID)],
             ),
-            // A tree's root has no triangles: its walk begins with a step.
+            // A BVH's root has no triangles, so its walk begins with a step.
             Accelerator::Bvh if is_first => Step::LoopWhileActive(
                 vec![INTERSECT, TRAVERSE_BVH],
                 vec![Step::Run(TRAVERSE_BVH), Step::RunUntilIdle(INTERSECT)],
@@ -54,7 +54,7 @@ pub fn new(
     Schedule { steps }
 }
 
-/// For a run with these options; `accelerator` is never [`Accelerator::Auto`].
+/// The schedule for a run with these options; `accelerator` is never [`Accelerator::Auto`].
 #[must_use]
 pub fn of(options: &Options, accelerator: Accelerator, features: &Features) -> Schedule {
     let given = matches!(options.rays, RaySource::Given(_));
@@ -70,7 +70,7 @@ pub fn of(options: &Options, accelerator: Accelerator, features: &Features) -> S
     if samples { for_samples(schedule) } else { schedule }
 }
 
-/// The same for several samples a pixel: all steps again and again, as long as a pixel asks for another sample.
+/// The same for several samples per pixel: repeats all steps as long as a pixel asks for another sample.
 #[must_use]
 pub fn for_samples(schedule: Schedule) -> Schedule {
     let mut body = schedule.steps;

@@ -8,7 +8,7 @@ use crate::scene_data::SceneData;
 use crate::shared::constants::NO_NODE;
 use crate::tables::texels::Texels;
 
-/// One ray's work.
+/// Processes one ray.
 pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if ray.load_u32(STATE, 0) != TRAV_SETUP {
         return;

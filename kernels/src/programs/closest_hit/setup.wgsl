@@ -1,5 +1,5 @@
-// Finds where the ray's walk begins: its first cell and the t at which it leaves it, or that it misses
-// the grid; the root of the tree; the first triangle where there is neither.
+// Finds where the ray's walk begins: its first cell and the t at which it leaves it, or that it misses the grid; the
+// root of the BVH; the first triangle if there is neither.
 
 import package::constants::{NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV_SETUP, TRAV, ISECT_NO_HIT, BACKGROUND};

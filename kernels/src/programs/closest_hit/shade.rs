@@ -11,7 +11,7 @@ use crate::shared::texture::sample_texture;
 use crate::shared::vector::{cross3, dot3, unit3};
 use crate::tables::texels::Texels;
 
-/// Three floats at each corner, weighted.
+/// Interpolates three floats given at each corner.
 fn interpolated<R: Real>(values: &[f32], triangle: u32, [w, u, v]: [R; 3]) -> Vec3<R> {
     let first = 9 * triangle as usize;
     let corner = |c: usize| Vec3::<R>::from_f32([values[first + c], values[first + c + 1], values[first + c + 2]]);
@@ -23,7 +23,7 @@ fn surface_normal<R: Real>(scene: &SceneData, triangle: u32, u: R, v: R) -> Vec3
         return unit3(interpolated(&scene.normals, triangle, [R::one() - u - v, u, v]));
     }
     let [a, b, c] = scene.corners::<R>(triangle);
-    // Each edge is scaled by itself: the product of two tiny ones would underflow.
+    // Each edge is normalised first: the product of two tiny ones would underflow.
     unit3(cross3(unit3(b - a), unit3(c - a)))
 }
 
@@ -45,7 +45,7 @@ fn received<R: Real>(light: &Light, position: Vec3<R>, normal: Vec3<R>) -> Vec3<
     color * amount
 }
 
-/// One ray's work.
+/// Processes one ray.
 pub fn shade<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let tag = ray.load_u32(STATE, 0);
     if tag != SHADE && tag != BACKGROUND {

@@ -1,8 +1,8 @@
 // Colours the ray: emitted light plus the paper's equation (1), C_diff <N, L>, summed over the lights,
 // or the background. No falloff with distance, no shadows.
 //
-// resumes_light: there are more lights than a dispatch has loop turns. The sum so far waits in color, and the number of
-// lights in it, marked by LIGHTS_SUMMED, in the state's item.
+// resumes_light: there are more lights than a dispatch has loop iterations. The sum so far waits in color, and the
+// number of lights in it, marked by LIGHTS_SUMMED, in the state's item.
 
 import package::constants::{WORKGROUP};
 @if(resumes_light) import package::constants::{TURNS, LIGHTS_SUMMED};
@@ -24,9 +24,9 @@ struct Light {
     position: vec3f,
     // 0 point, 1 directional, 2 spot.
     kind: u32,
-    // In which the light travels.
+    // Direction in which the light travels.
     direction: vec3f,
-    // Cosine of the half angle at which a spot ends.
+    // Cosine of the half angle of a spot's cone.
     cos_outer: f32,
     color: vec3f,
     // 1 / (cosine of the inner half angle - cos_outer).
@@ -53,7 +53,7 @@ struct Shading {
 @if(!normals)
 fn surface_normal(triangle: u32, u: f32, v: f32) -> vec3f {
     let a = vertex(triangle, 0u);
-    // Each edge is scaled by itself: the product of two tiny ones would underflow.
+    // Each edge is normalised first: the product of two tiny ones would underflow.
     return unit3(cross3(unit3(vertex(triangle, 1u) - a), unit3(vertex(triangle, 2u) - a)));
 }
 

@@ -1,4 +1,4 @@
-//! Where a ray is: the tags of the stream `state`.
+//! States of a ray: the tags in the stream `state`.
 
 use crate::tables::state::{StateInfo, StateRole, States, Tag};
 

@@ -1,4 +1,4 @@
-//! Twin of `tracing.wgsl`: what a kernel that takes several steps keeps of a ray, and its test of one triangle.
+//! Twin of `tracing.wgsl`: the variables of a ray in a kernel that takes several steps, and its test of one triangle.
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::states::{BACKGROUND, SHADE};
@@ -7,7 +7,7 @@ use crate::shared::constants::{NO_TRIANGLE, TURNS_A_TEST};
 use crate::shared::triangle::{Shear, hit_triangle, is_nearer};
 use crate::tables::state::Tag;
 
-/// The ray, what it has hit so far, and what that took.
+/// The ray, its nearest hit so far, and counters.
 pub(crate) struct Trace<R> {
     pub(crate) origin: Vec3<R>,
     pub(crate) direction: Vec3<R>,
@@ -18,14 +18,14 @@ pub(crate) struct Trace<R> {
     pub(crate) triangle: u32,
     pub(crate) cells: u32,
     pub(crate) tests: u32,
-    /// Any hit was asked for and found.
+    /// Any hit was requested, and one was found.
     pub(crate) ended: bool,
-    /// Loop turns of this dispatch so far.
+    /// Loop iterations in this dispatch so far.
     pub(crate) turns: u32,
 }
 
 impl<R: Real> Trace<R> {
-    /// Nothing hit so far; what lies at `t` or behind does not count.
+    /// No hit so far; hits at `t` or beyond do not count.
     pub(crate) fn new(origin: Vec3<R>, direction: Vec3<R>, t: R) -> Self {
         Self {
             origin,
@@ -52,7 +52,7 @@ impl<R: Real> Trace<R> {
         scene.features.resumes && self.turns >= scene.features.turns
     }
 
-    /// Tests one triangle; the cell is used where hits must lie in it.
+    /// Tests one triangle; `cell` matters only if hits must lie in it.
     #[inline]
     pub(crate) fn test(&mut self, scene: &SceneData, entry: u32, cell: [i32; 3]) {
         let features = &scene.features;

@@ -1,11 +1,11 @@
-// What a kernel that takes several steps keeps in registers of a ray, and its test of one triangle.
+// The variables of a ray in a kernel that takes several steps, kept in registers, and its test of one triangle.
 
 @if(resumes) import package::constants::{TURNS, TURNS_A_TEST};
 import package::triangle::{Shear, hit_triangle, is_nearer};
 import package::packed_triangles::{packed_triangle};
 @if(in_cell) import package::grid_walk::{is_in_cell};
 
-// The ray, what it has hit so far, and what that took.
+// The ray, its nearest hit so far, and counters.
 struct Trace {
     origin: vec3f,
     direction: vec3f,
@@ -16,20 +16,20 @@ struct Trace {
     triangle: u32,
     cells: u32,
     tests: u32,
-    // Any hit was asked for and found.
+    // Any hit was requested, and one was found.
     ended: bool,
-    // Loop turns of this dispatch so far.
+    // Loop iterations in this dispatch so far.
     @if(resumes) turns: u32,
 }
 
-// Whether the rest is left to the next dispatch: some adapters end loops after so many turns, or a dispatch after so
-// long. Asked between two steps, never before the first, so that every dispatch gets on.
+// Whether the rest is left to the next dispatch: some adapters end loops after a number of iterations, or dispatches
+// after some time. Tested between two steps, never before the first, so that every dispatch makes progress.
 @if(resumes)
 fn is_spent(trace: Trace) -> bool {
     return trace.turns >= TURNS;
 }
 
-// Tests one triangle; the cell is used where hits must lie in it.
+// Tests one triangle; cell matters only if hits must lie in it.
 fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     var trace = before;
     let triangle = packed_triangle(entry);

@@ -1,4 +1,4 @@
-//! Twin of `traverse_bvh.wgsl`: moves the ray to its next node of the tree.
+//! Twin of `traverse_bvh.wgsl`: moves the ray to its next node of the BVH.
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::ray::{load_direction, load_origin};
@@ -9,7 +9,7 @@ use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
 use crate::shared::constants::{INF, NO_NODE};
 use crate::tables::texels::Texels;
 
-/// One ray's work.
+/// Processes one ray.
 pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if ray.load_u32(STATE, 0) != TRAV {
         return;

@@ -1,4 +1,4 @@
-// Moves the ray to its next node of the tree, or into the leaf that it is at, or finds the tree done.
+// Moves the ray to its next node of the BVH, or into the leaf that it is at, or ends its walk.
 
 import package::constants::{INF, NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};

@@ -9,7 +9,7 @@ use crate::shared::constants::INF;
 use crate::shared::grid_walk::Walk;
 use crate::tables::texels::Texels;
 
-/// One ray's work.
+/// Processes one ray.
 pub fn traverse_grid<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if ray.load_u32(STATE, 0) != TRAV {
         return;

@@ -1,5 +1,5 @@
-// Moves the ray to its next cell, the one behind the face that it reaches first; over a cube of empty
-// cells at once where they are known.
+// Moves the ray to its next cell, the one behind the face that it reaches first, or past a cube of empty cells if their
+// distances are known.
 
 import package::constants::{INF, NOBODY, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};

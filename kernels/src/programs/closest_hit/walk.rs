@@ -1,4 +1,4 @@
-//! Twin of `walk.wgsl`: takes each ray up to K steps on.
+//! Twin of `walk.wgsl`: advances each ray by up to K steps.
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::grid_lists::list_ended;
@@ -14,7 +14,7 @@ use crate::shared::vector::smallest3;
 use crate::tables::state::Tag;
 use crate::tables::texels::Texels;
 
-/// A ray's place between two passes.
+/// A ray's position between two passes.
 struct Place<R: Real> {
     tag: Tag,
     cell: u32,
@@ -23,7 +23,7 @@ struct Place<R: Real> {
 }
 
 impl<R: Real> Place<R> {
-    /// The item of its list at which the ray waited; 0 where rays never do.
+    /// The item of its list at which the ray waited; 0 if rays never wait.
     fn waiting_item(&self, scene: &SceneData) -> u32 {
         if scene.features.resumes { self.item } else { 0 }
     }
@@ -33,7 +33,7 @@ impl<R: Real> Place<R> {
         let rules = features.walk_rules();
         let grid_ray = grid.ray(rules, self.trace.origin, self.trace.direction);
         let cell = grid.cell_of_index(self.cell);
-        // robust: from the cell each time, so there is nothing to keep.
+        // robust: computed from the cell each time, so there is nothing to keep.
         let tmax = if features.keeps_no_tmax() { grid.cell_exit(cell, &grid_ray) } else { ray.load_vec3(TMAX) };
         let mut walk = Walk { cell, tmax, inside: true };
         let mut waits = false;
@@ -97,7 +97,7 @@ impl<R: Real> Place<R> {
                 break;
             }
             self.trace.turns += 1;
-            // A ray that waits at an item is in its leaf already.
+            // A ray that waits at an item is already in its leaf.
             at.in_leaf = self.waiting_item(scene) > 0;
             if !at.in_leaf {
                 at = next_node(&scene.bvh_nodes, &scene.bvh_parents, at, origin, direction, inverse, self.trace.t);
@@ -151,7 +151,7 @@ impl<R: Real> Place<R> {
     }
 }
 
-/// One ray's work.
+/// Processes one ray.
 pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let tag = ray.load_u32(STATE, 0);
     if tag != TRAV && tag != ISECT_NO_HIT && tag != ISECT_HIT {

@@ -1,8 +1,8 @@
-// Takes each ray up to K steps on: a step is a cell, or eight nodes, with all of their triangles. What
-// traverse and intersect do one at a time, for rays that stay in registers meanwhile.
+// Advances each ray by up to K steps: a step is a cell, or eight nodes, with all of their triangles. Does what traverse
+// and intersect do one step at a time, with the ray kept in registers.
 //
-// resumes: with long lists, K steps may take more loop turns than a dispatch has. The ray then waits before a step, or
-// at an item of its list.
+// resumes: with long lists, K steps may take more loop iterations than a dispatch allows. The ray then waits before a
+// step, or at an item of its list.
 
 import package::constants::{NOBODY, NODES_A_STEP, NO_NODE, NO_TRIANGLE, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
@@ -26,7 +26,7 @@ import package::live::{listed_texel, send};
 @if(bvh) @group(0) @binding(4) var previous: texture_storage_2d_array<r32uint, read_write>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 
-// A ray's place between two passes.
+// A ray's position between two passes.
 struct Place {
     tag: u32,
     cell: u32,
@@ -41,7 +41,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
     var walk: Walk;
     walk.cell = cell_of_index(place.cell);
     walk.inside = true;
-    // robust: from the cell each time, so there is nothing to keep.
+    // robust: computed from the cell each time, so there is nothing to keep.
     @if(robust && !drifting) walk.tmax = cell_exit(walk.cell, ray);
     @else walk.tmax = vec3f(
         textureLoad(tmax, texel, 0).x,
@@ -119,7 +119,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
             break;
         }
         @if(resumes) place.trace.turns += 1u;
-        // A ray that waits at an item is in its leaf already.
+        // A ray that waits at an item is already in its leaf.
         @if(resumes) at.in_leaf = place.item > 0u;
         @if(resumes) if (!at.in_leaf) {
             at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);

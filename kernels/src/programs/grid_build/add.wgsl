@@ -6,7 +6,7 @@ import package::saturating::{saturating_add};
 @group(0) @binding(0) var values: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(1) var sums: texture_2d_array<u32>;
 
-// Values whose sum is one of `sums`: those of a workgroup of scan.
+// Number of values that share one of `sums`: those of a workgroup of scan.
 const SCAN_BLOCK: u32 = 16384u;
 
 @compute @workgroup_size(BLOCK)

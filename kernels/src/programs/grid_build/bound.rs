@@ -3,7 +3,7 @@
 use crate::shared::grid_walk::Grid;
 use crate::structures::grid::overlap::Overlap;
 
-/// First and last cell that a triangle's own box touches, per axis.
+/// First and last cell that a triangle's bounding box touches, per axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CellBox {
     /// First cell.
@@ -12,7 +12,7 @@ pub struct CellBox {
     pub high: [u32; 3],
 }
 
-/// The cells of a triangle's box, and how many spans they are: at most 4096 cells along an axis make 2³¹.
+/// The cells of a triangle's bounding box, and its number of spans: at most 2³¹, as an axis has at most 4096 cells.
 #[must_use]
 pub fn bound(triangle: &[f32], grid: &Grid, growth: f32) -> (CellBox, u32) {
     let overlap = Overlap::new(grid, f64::from(growth), triangle);

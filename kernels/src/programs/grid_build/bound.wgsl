@@ -1,4 +1,4 @@
-// Finds which cells each triangle's own box touches, and how many spans they are.
+// Finds the cells that each triangle's bounding box touches, and its number of spans.
 
 import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build, vertices};
@@ -7,7 +7,7 @@ import package::soft_f64::{F64, f64_add, f64_sub, f64_div, f64_min, f64_max, f64
 @group(0) @binding(0) var box: texture_storage_2d_array<r32uint, write>;
 @group(0) @binding(1) var first_span: texture_storage_2d_array<r32uint, write>;
 
-// The cell in which a coordinate lies; the nearest one where it lies outside.
+// The cell that contains a coordinate, or the nearest cell to it.
 fn cell_at(coordinate: F64, axis: u32) -> u32 {
     let distance = f64_sub(coordinate, f64_from_f32(build.corner[axis]));
     let cell = f64_to_i32(f64_div(distance, f64_from_f32(build.width[axis])));
@@ -27,7 +27,7 @@ fn bound(
     let growth = f64_from_f32(build.growth);
     let at = texel(i, textureDimensions(box).x);
     var cells = vec3u(0u);
-    // A loop, not six calls: compilers copy a division wherever it is called.
+    // A loop instead of six calls: compilers inline a division at every call.
     for (var a = 0u; a < 3u; a++) {
         let p0 = f64_from_f32(vertices[9u * i + a]);
         let p1 = f64_from_f32(vertices[9u * i + a + 3u]);

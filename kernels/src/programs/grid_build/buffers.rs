@@ -1,4 +1,4 @@
-//! What the build reads, in one table.
+//! The buffers that the build reads, in one table.
 
 use bytemuck::{bytes_of, cast_slice};
 

@@ -1,6 +1,6 @@
 // Writes a reference for each cell that a span overlaps, x ascending.
 //
-// Spans ascend by triangle, so references to one cell do, and a stable sort leaves them so.
+// Spans ascend by triangle, so the references to a cell do too, and a stable sort keeps that order.
 
 import package::launch::{BLOCK, launch, element, texel};
 import package::build::{build};
@@ -31,7 +31,7 @@ fn emit(
     var left = textureLoad(mask, at, 0, 0).x;
     var reference = textureLoad(first_reference, at, 0, 0).x;
     let width = textureDimensions(cell_out).x;
-    // At most 32 turns.
+    // At most 32 iterations.
     while (left != 0u) {
         let to = texel(reference, width);
         textureStore(cell_out, to, 0, vec4u(first + firstTrailingBit(left)));

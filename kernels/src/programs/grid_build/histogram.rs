@@ -3,7 +3,7 @@
 use super::radix::{DIGITS, digit_of, tally_index};
 use crate::shared::launch::BLOCK;
 
-/// Counts how often each digit of the cell occurs in each block of references.
+/// Counts how often each digit of the cell index occurs in each block of references.
 pub fn histogram(parameter: u32, cell_in: &[u32], tally: &mut [u32]) {
     let blocks = cell_in.len().div_ceil(BLOCK);
     for (block, cells) in cell_in.chunks(BLOCK).enumerate() {

@@ -1,4 +1,4 @@
-// Counts how often each digit of the cell occurs in a block of references.
+// Counts how often each digit of the cell index occurs in a block of references.
 
 import package::launch::{BLOCK, launch, block_index, texel};
 import package::radix::{DIGITS, digit_of, tally_index};
@@ -25,7 +25,7 @@ fn histogram(
         atomicAdd(&counts[digit_of(cell)], 1u);
     }
     workgroupBarrier();
-    // Workgroups past the last block fill up a dispatch.
+    // A dispatch may have workgroups past the last block.
     if (block < launch.blocks && lane < DIGITS) {
         let to = texel(tally_index(lane, block), textureDimensions(tally).x);
         textureStore(tally, to, 0, vec4u(atomicLoad(&counts[lane])));

@@ -1,4 +1,4 @@
-//! Every kernel of the build, and each place where one stands.
+//! The kernels of the build, and their instances in the program.
 
 use super::elements::{
     CELL_BLOCKS, CELLS, REFERENCES, SPAN_BLOCKS, SPANS, TALLIES, TALLY_BLOCKS, TRIANGLE_BLOCKS, TRIANGLES,
@@ -13,7 +13,7 @@ use crate::shared::launch::BLOCK;
 use crate::tables::elements::Elements;
 use crate::tables::kernel::{Counts, Launch, Role};
 
-/// The row of a kernel. All are alike but for what is here.
+/// The row of a kernel; all other fields are the same for every kernel.
 const fn row(
     (name, wgsl): (&'static str, &'static str),
     twin: PassTwin,
@@ -126,7 +126,7 @@ const MEASURE: KernelInfo = row(
     &[Break::new(as_it_is, "vec4u(length)", "vec4u(length + 1u)")],
 );
 
-/// The kernels, wherever they stand.
+/// The kernels, without their instances.
 #[cfg(test)]
 pub(super) const ROWS: [&KernelInfo; 9] = [&BOUND, &SCAN, &ADD, &SPAN, &EMIT, &HISTOGRAM, &SCATTER, &MARK, &MEASURE];
 
@@ -145,7 +145,7 @@ const fn place(
 
 macro_rules! places {
     ($($index:literal $name:literal: $row:ident over $over:ident $(by $parameter:literal)? $(binds $binds:ident)?;)*) => {
-        /// Every place, in the order of the build.
+        /// All instances, in the order of the build.
         pub static KERNELS: [Instance; [$($index),*].len()] =
             [$(place($index, $name, $row, &$over, 0 $(+ $parameter)?, places!(@binds $($binds)?))),*];
     };
@@ -220,11 +220,11 @@ const fn at(index: usize) -> Kernel {
     Kernel::of(&KERNELS[index])
 }
 
-/// Up to the references, in the order of their triangles.
+/// Instances up to the references, which are in the order of their triangles.
 pub(super) const COUNTED: [Kernel; 9] = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8)];
-/// The prefix sums of tallies.
+/// Instances that compute the prefix sums of tallies.
 pub(super) const TALLIED: [Kernel; 3] = [at(10), at(11), at(12)];
-/// What counts and moves, for each digit.
+/// Instances that count and move references, for each digit.
 pub(super) const SORTED: [[Kernel; 2]; 7] = [
     [at(9), at(13)],
     [at(14), at(15)],
@@ -234,7 +234,7 @@ pub(super) const SORTED: [[Kernel; 2]; 7] = [
     [at(22), at(23)],
     [at(24), at(25)],
 ];
-/// What finds the lists after an even and an odd number of digits.
+/// Instances that find the lists, after an even and after an odd number of digits.
 pub(super) const MARKED: [Kernel; 2] = [at(26), at(27)];
-/// From the lists to where they start.
+/// Instances that compute the lists' starts.
 pub(super) const STARTED: [Kernel; 4] = [at(28), at(29), at(30), at(31)];

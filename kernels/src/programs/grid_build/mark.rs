@@ -1,6 +1,6 @@
 //! CPU reference of `mark.wgsl`.
 
-/// Finds where the sorted references to each cell begin and end. Cells without any keep what they have: 0 and 0.
+/// Finds where the sorted references to each cell begin and end. Cells without references keep 0 and 0.
 pub fn mark(cell_in: &[u32], begin: &mut [u32], end: &mut [u32]) {
     for (i, &cell) in cell_in.iter().enumerate() {
         if i == 0 || cell_in[i - 1] != cell {
@@ -12,7 +12,7 @@ pub fn mark(cell_in: &[u32], begin: &mut [u32], end: &mut [u32]) {
     }
 }
 
-/// Not where somebody has edited a cell to be none.
+/// Ignores cells that do not exist: somebody may have edited the stream.
 fn write(values: &mut [u32], cell: u32, value: u32) {
     if let Some(of_cell) = values.get_mut(cell as usize) {
         *of_cell = value;

@@ -1,4 +1,4 @@
-// Finds where the references to each cell begin and end, once they are sorted. Cells without any keep 0 and 0.
+// Finds where the sorted references to each cell begin and end. Cells without references keep 0 and 0.
 
 import package::launch::{BLOCK, launch, element, texel};
 

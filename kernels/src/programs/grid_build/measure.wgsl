@@ -1,4 +1,4 @@
-// The length of each cell's list, of which a scan makes where it starts.
+// The length of each cell's list; a scan turns the lengths into starts.
 
 import package::launch::{BLOCK, launch, element, texel};
 

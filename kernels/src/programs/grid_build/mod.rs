@@ -1,20 +1,22 @@
-//! The uniform grid, built on a device: counted, scanned and filled, bit for bit as [`grid::build`] builds it.
+//! The uniform grid, built on a device: counted, scanned and filled, bit for bit equal to the result of
+//! [`grid::build`].
 //!
 //! | step | kernel | over | what it does |
 //! |---|---|---|---|
-//! | 1 | `bound` | triangles | the cells of each one's box, and how many spans they are |
+//! | 1 | `bound` | triangles | finds the cells of each bounding box, and its number of spans |
 //! | 2 | `scan`, `add` | any set | prefix sums, a level of 256 at a time |
 //! | 3 | `span` | spans | tests up to 32 cells of a row against their triangle |
-//! | 4 | `emit` | spans | a reference (cell, triangle) for each that overlaps |
-//! | 5 | `histogram`, `scan`, `add`, `scatter` | references | sorts them by a digit of the cell, as often as the cells have digits |
-//! | 6 | `mark` | references | where each cell's begin and end |
-//! | 7 | `measure`, `scan`, `add` | cells | where each list starts |
+//! | 4 | `emit` | spans | writes a reference (cell, triangle) for each cell that overlaps |
+//! | 5 | `histogram`, `scan`, `add`, `scatter` | references | sorts them by the cell index, digit by digit |
+//! | 6 | `mark` | references | finds where the references to each cell begin and end |
+//! | 7 | `measure`, `scan`, `add` | cells | finds where each list starts |
 //!
-//! No kernel computes with floats. A device may contract a product and a sum, flush subnormals, and need not have f64;
-//! so what the host decides in f64 is decided in u32 here (`soft_f64.wgsl`), and comes out the same on all of them.
+//! No kernel computes with floats: a device may contract a product and a sum, may flush subnormals, and may lack f64.
+//! What the host decides in f64 is therefore decided in u32 here (`soft_f64.wgsl`), with the same result on every
+//! device.
 //!
 //! Spans ascend by triangle, references of a span by x, and the sort is stable: each list is ascending. No workgroup
-//! waits for another, and atomics only count or set bits within one: nothing depends on the order in which they run.
+//! waits for another, and atomics only count or set bits within one, so nothing depends on the order in which they run.
 //!
 //! A kernel is `x.wgsl` and its CPU reference function, in `x.rs`.
 //!

@@ -1,10 +1,10 @@
-// Which cells of a row along x a triangle overlaps. Its CPU reference is structures/grid/overlap.rs, operation for
+// Which cells of a row along x a triangle overlaps. The CPU reference is structures/grid/overlap.rs, operation by
 // operation.
 
 import package::build::{build, vertices};
 import package::soft_f64::{F64, F64_HALF, f64_add, f64_sub, f64_mul, f64_neg, f64_abs, f64_ge, f64_from_f32, f64_from_i32};
 
-// Of each axis along which triangle and cells are projected: the inward normals of the three edges, and the distance
+// For each axis along which triangle and cells are projected: the inward normals of the three edges, and the distance
 // of a cell's farthest corner.
 struct Edge {
     ni: F64,
@@ -17,7 +17,7 @@ var<private> normal: array<vec2u, 3>;
 var<private> plane: F64;
 var<private> plane_reach: F64;
 
-// Of a row: what of the plane's and the edges' expressions is the same for all of its cells.
+// For a row: the parts of the plane's and the edges' expressions that are the same for all of its cells.
 struct Side {
     along: F64,
     row: F64,
@@ -31,7 +31,7 @@ fn dot2(ax: F64, bx: F64, ay: F64, by: F64) -> F64 {
     return f64_add(f64_mul(ax, bx), f64_mul(ay, by));
 }
 
-// Works out what does not depend on the cell.
+// Computes what does not depend on the cell.
 fn prepare(triangle: u32) {
     var p: array<array<vec2u, 3>, 3>;
     for (var c = 0u; c < 3u; c++) {
@@ -54,7 +54,8 @@ fn prepare(triangle: u32) {
         let i = (axis + 1u) % 3u;
         let j = (axis + 2u) % 3u;
         normal[axis] = f64_sub(f64_mul(edge[0][i], edge[1][j]), f64_mul(edge[1][i], edge[0][j]));
-        // Sums that begin at 0 are those that begin with their first term: no sign of a zero shows in what is compared.
+        // A sum that starts at 0 equals one that starts with its first term, except for the sign of a zero, which no
+        // comparison sees.
         distance = f64_add(distance, f64_mul(normal[axis], p[0][axis]));
         plane_reach = f64_add(plane_reach, f64_mul(f64_abs(normal[axis]), extent[axis]));
         let is_flipped = !f64_ge(normal[axis], vec2u(0u));
@@ -70,13 +71,13 @@ fn prepare(triangle: u32) {
     plane = f64_neg(distance);
 }
 
-// Middle of a cell.
+// Centre of a cell.
 fn center(axis: u32, cell: u32) -> F64 {
     let cells = f64_add(f64_from_i32(i32(cell)), F64_HALF);
     return f64_add(f64_from_f32(build.corner[axis]), f64_mul(cells, f64_from_f32(build.width[axis])));
 }
 
-// Whether any cell of a row may overlap: what is projected along x is the same for all of them.
+// Whether any cell of a row may overlap: the projection along x is the same for all of them.
 fn enter_row(y: u32, z: u32) -> bool {
     let cy = center(1u, y);
     let cz = center(2u, z);
@@ -96,7 +97,7 @@ fn enter_row(y: u32, z: u32) -> bool {
     return true;
 }
 
-// Whether a cell of the row overlaps. Touching counts.
+// Whether a cell of the row overlaps; touching counts.
 fn meets(x: u32) -> bool {
     let cx = center(0u, x);
     if (!f64_ge(plane_reach, f64_abs(f64_add(f64_mul(normal[0], cx), plane_row)))) {

@@ -1,4 +1,4 @@
-//! The twins of whole passes: the kernels' reference functions, over the streams that an executor keeps.
+//! Twins for whole passes: the kernels' CPU reference functions, applied to an executor's streams.
 
 use super::bound::CellBox;
 use super::span::Span;
@@ -7,7 +7,7 @@ use crate::scene_data::SceneData;
 use crate::tables::stream::Stream;
 use crate::tables::texels::Columns;
 
-/// The stream that is bound to a name of the kernel's WGSL.
+/// The stream bound to a name in the kernel's WGSL.
 fn stream(kernel: Kernel, name: &str) -> Option<Stream> {
     kernel.program().stream(kernel.bound(name))
 }

@@ -1,5 +1,6 @@
-// The digits of a radix sort, lowest first, and where a block's count of each is (Satish, Harris, Garland 2009): all counts
-// of one digit lie side by side, so that prefix sums of them are where each block's references with that digit go.
+// The digits of a radix sort, lowest first, and the index of a block's count of each (Satish, Harris, Garland 2009):
+// all counts of one digit are stored side by side, so their prefix sums are where each block's references with that
+// digit go.
 
 import package::launch::{launch};
 
@@ -11,7 +12,7 @@ fn digit_of(cell: u32) -> u32 {
     return (cell >> (DIGIT_BITS * launch.parameter)) & (DIGITS - 1u);
 }
 
-// Where the tally of a digit in a block is.
+// Index of the tally of a digit in a block.
 fn tally_index(digit: u32, block: u32) -> u32 {
     return digit * launch.blocks + block;
 }

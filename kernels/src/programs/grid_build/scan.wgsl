@@ -1,8 +1,8 @@
-// Turns the values of each block of 16,384 into the sums of those before them, and keeps the block's own sum.
+// Replaces the values in each block of 16,384 by the sums of those before them, and stores the block's own sum.
 //
-// Two levels of it and one of add make the sums of a whole set: reduce-then-scan in passes (Sengupta, Harris, Zhang,
-// Owens 2007). A block waits for no other one, so nothing is asked of how a device schedules workgroups, as the single
-// pass of Merrill and Garland (2016) does.
+// Two levels of scan and one of add give the sums of a whole set: reduce-then-scan in passes (Sengupta, Harris, Zhang,
+// Owens 2007). No block waits for another, so nothing is assumed about how a device schedules workgroups, unlike the
+// single pass of Merrill and Garland (2016).
 
 import package::launch::{BLOCK, launch, block_index, texel};
 import package::saturating::{saturating_add};
@@ -10,12 +10,12 @@ import package::saturating::{saturating_add};
 @group(0) @binding(0) var values: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(1) var sums: texture_storage_2d_array<r32uint, write>;
 
-// Values of a thread, one after the other.
+// Values per thread, side by side.
 const EACH: u32 = 64u;
 
 var<workgroup> partial: array<array<u32, BLOCK>, 2>;
 
-// A thread sums its own values, then, in each of eight steps, adds what lies 1, 2, 4 … threads before it (Hillis,
+// A thread sums its own values, then, in each of eight steps, adds the value 1, 2, 4 … threads before it (Hillis,
 // Steele 1986).
 @compute @workgroup_size(BLOCK)
 fn scan(
@@ -25,7 +25,7 @@ fn scan(
 ) {
     let block = block_index(group, groups);
     let width = textureDimensions(values).x;
-    // Blocks past the last one fill up a dispatch: of at most 2^26 elements none begins beyond 2^32.
+    // A dispatch may have blocks past the last one: with at most 2^26 elements, none begins beyond 2^32.
     let first = (block * BLOCK + lane) * EACH;
     let end = min(first + EACH, launch.elements);
     var own = 0u;

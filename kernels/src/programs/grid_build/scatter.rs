@@ -3,7 +3,7 @@
 use super::radix::{DIGITS, digit_of, tally_index};
 use crate::shared::launch::BLOCK;
 
-/// Moves each reference to its place by one digit of its cell. `tally` holds the prefix sums of all counts.
+/// Moves each reference to its place by one digit of its cell index. `tally` holds the prefix sums of all counts.
 pub fn scatter(
     parameter: u32,
     cell_in: &[u32],
@@ -20,7 +20,7 @@ pub fn scatter(
             let first = tally.get(tally_index(digit, block, blocks)).copied().unwrap_or(u32::MAX);
             let to = first as usize + rank[digit];
             rank[digit] += 1;
-            // Outside of the streams, where somebody has edited them, nothing is written, as on a device.
+            // If somebody has edited the streams, writes outside of them are ignored, as on a device.
             if let (Some(cell_to), Some(triangle_to)) = (cell_out.get_mut(to), triangle_out.get_mut(to)) {
                 (*cell_to, *triangle_to) = (cell, triangle);
             }

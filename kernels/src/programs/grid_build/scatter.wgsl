@@ -1,7 +1,7 @@
-// Moves each reference to its place by one digit of its cell; references with the same digit keep their order.
+// Moves each reference to its place by one digit of its cell index; references with the same digit keep their order.
 //
-// Its rank among those of its block is counted from a bit for each thread and digit, as warps' ballots are (Ashkiani,
-// Davidson, Meyer, Owens 2016). Bits are set in any order, and are the same.
+// A reference's rank in its block is counted from one bit per thread and digit, like the ballots of a warp (Ashkiani,
+// Davidson, Meyer, Owens 2016). The result does not depend on the order in which the bits are set.
 
 import package::launch::{BLOCK, launch, block_index, texel};
 import package::radix::{DIGITS, digit_of, tally_index};
@@ -14,7 +14,7 @@ import package::radix::{DIGITS, digit_of, tally_index};
 
 const LANE_WORDS: u32 = BLOCK / 32u;
 
-// Of each digit, a bit for each thread whose reference has it.
+// For each digit, a bit for each thread whose reference has it.
 var<workgroup> having: array<atomic<u32>, DIGITS * LANE_WORDS>;
 
 @compute @workgroup_size(BLOCK)

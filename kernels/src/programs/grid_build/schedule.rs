@@ -1,11 +1,11 @@
-//! In what order the build's kernels run: each once, but for those of the sort.
+//! The order of the build's kernels: each runs once, except those of the sort.
 
 use super::kernels::{COUNTED, MARKED, SORTED, STARTED, TALLIED};
 use super::radix::digits_of;
 use crate::program::Kernel;
 use crate::program::schedule::{Schedule, Step};
 
-/// The build of a grid of so many cells.
+/// The schedule for a grid with this many cells.
 #[must_use]
 pub fn of(cells: u32) -> Schedule {
     let digits = digits_of(cells) as usize;

@@ -1,15 +1,15 @@
-// IEEE 754 binary64 out of u32, rounded to nearest even: what its CPU reference, f64, gives, bit for bit, on devices that
+// IEEE 754 binary64 in u32, rounded to nearest even: bit for bit equal to f64, its CPU reference, even on devices that
 // contract a product and a sum, and on those without f64.
 //
-// A number is vec2u(hi, lo): sign, 11 bits of exponent and the upper 20 of the fraction in hi. The algorithms are those
-// of Hauser's SoftFloat: significands with ten bits to spare, of which the lowest is sticky.
+// A number is vec2u(hi, lo): sign, 11 bits of exponent and the upper 20 bits of the fraction are in hi. The algorithms
+// are those of Hauser's SoftFloat: significands have ten extra bits, of which the lowest is sticky.
 //
-// **No subnormals.** One that is given or would result is 0. The grid's build has none: it takes f32, whose lowest bit
-// is 2^-149 or more, adds them, and multiplies at most three of such sums (one with a half in it). Each result is thus
-// a multiple of 2^-448 and, rounded, still one; no quotient is below 2^-149 / 2^130. All are 0 or far above 2^-1022,
-// and far below 2^1024.
+// **No subnormals**: as inputs or results they are replaced by 0. The grid's build has none: its inputs are f32, whose
+// lowest bit is 2^-149 or more; it adds them, and multiplies at most three such sums (one of them halved). Each result
+// is thus a multiple of 2^-448, also after rounding; no quotient is below 2^-149 / 2^130. All are 0 or far above
+// 2^-1022, and far below 2^1024.
 //
-// NaN and infinities are handled as IEEE 754 has them; which NaN it is, is not.
+// NaN and infinities are handled as in IEEE 754, but not which NaN results.
 
 alias F64 = vec2u;
 
@@ -31,7 +31,7 @@ fn less64(a: vec2u, b: vec2u) -> bool {
     return a.x < b.x || (a.x == b.x && a.y < b.y);
 }
 
-// By less than 64.
+// Shifts left by less than 64.
 fn shl64(v: vec2u, by: u32) -> vec2u {
     if (by == 0u) {
         return v;
@@ -42,7 +42,7 @@ fn shl64(v: vec2u, by: u32) -> vec2u {
     return vec2u((v.x << by) | (v.y >> (32u - by)), v.y << by);
 }
 
-// By any amount; the lowest bit is set where one that is set is lost.
+// Shifts right by any amount; the lowest bit is set if a set bit is lost.
 fn shr64_sticky(v: vec2u, by: u32) -> vec2u {
     if (by == 0u) {
         return v;
@@ -58,7 +58,7 @@ fn shr64_sticky(v: vec2u, by: u32) -> vec2u {
     return vec2u(v.x >> by, (v.x << (32u - by)) | (v.y >> by) | u32(lost != 0u));
 }
 
-// All 64 bits of a product, from the four of its halves.
+// All 64 bits of a product, from the products of its halves.
 fn product64(a: u32, b: u32) -> vec2u {
     let low = (a & 0xffffu) * (b & 0xffffu);
     let middle = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
@@ -70,7 +70,7 @@ fn f64_exponent(a: F64) -> u32 {
     return (a.x >> 20u) & 0x7ffu;
 }
 
-// With the leading one, which is bit 52; 0 of zeros and subnormals.
+// The significand with its leading one, bit 52; 0 for zeros and subnormals.
 fn f64_significand(a: F64) -> vec2u {
     if (f64_exponent(a) == 0u) {
         return vec2u(0u);
@@ -94,7 +94,7 @@ fn f64_is_zero(a: F64) -> bool {
     return f64_exponent(a) == 0u;
 }
 
-// The number whose significand has its leading one in bit 62, for which the exponent stands.
+// The number with this exponent whose significand has its leading one in bit 62.
 fn f64_rounded(sign: u32, exponent: i32, significand: vec2u) -> F64 {
     let spare = significand.y & 0x3ffu;
     let up = add64(significand, vec2u(0u, 0x200u));
@@ -102,7 +102,7 @@ fn f64_rounded(sign: u32, exponent: i32, significand: vec2u) -> F64 {
     if (spare == 0x200u) {
         kept.y &= ~1u;
     }
-    // The leading one, and a carry beyond it, count the exponent up.
+    // The leading one, and a carry beyond it, increment the exponent.
     let biased = exponent - 1 + i32(kept.x >> 20u);
     if (biased <= 0) {
         return vec2u(sign, 0u);
@@ -113,7 +113,7 @@ fn f64_rounded(sign: u32, exponent: i32, significand: vec2u) -> F64 {
     return vec2u(sign | (u32(biased) << 20u) | (kept.x & 0xfffffu), kept.y);
 }
 
-// The same with the leading one anywhere below bit 63, or nowhere.
+// The same with the leading one anywhere below bit 63, or without one.
 fn f64_normalized(sign: u32, exponent: i32, significand: vec2u) -> F64 {
     if ((significand.x | significand.y) == 0u) {
         return vec2u(sign, 0u);
@@ -132,14 +132,14 @@ fn f64_add(a: F64, b: F64) -> F64 {
         let is_undefined = f64_is_nan(large) || (differ && f64_exponent(small) == 0x7ffu);
         return select(large, F64_NAN, is_undefined);
     }
-    // In bit 61, so that a sum has room.
+    // The leading one in bit 61, so that a sum has room.
     let kept = shl64(f64_significand(large), 9u);
     let shifted = shr64_sticky(shl64(f64_significand(small), 9u), exponent - f64_exponent(small));
     var sign = large.x & F64_SIGN;
     var sum = add64(kept, shifted);
     if (differ) {
         sum = sub64(kept, shifted);
-        // What cancels out is +0.
+        // A sum that cancels out is +0.
         sign = select(sign, 0u, (sum.x | sum.y) == 0u);
     }
     return f64_normalized(sign, i32(exponent) + 1, sum);
@@ -155,7 +155,7 @@ fn f64_mul(a: F64, b: F64) -> F64 {
         let is_undefined = f64_is_nan(a) || f64_is_nan(b) || f64_is_zero(a) || f64_is_zero(b);
         return select(vec2u(sign | F64_INFINITY, 0u), F64_NAN, is_undefined);
     }
-    // Bits 62 and 63: the upper half of the product has its leading one in bit 61 or 62.
+    // Leading ones in bits 62 and 63: the upper half of the product has its own in bit 61 or 62.
     let p = shl64(f64_significand(a), 10u);
     let q = shl64(f64_significand(b), 11u);
     let low = product64(p.y, q.y);
@@ -167,7 +167,7 @@ fn f64_mul(a: F64, b: F64) -> F64 {
     return f64_normalized(sign, i32(f64_exponent(a) + f64_exponent(b)) - 1022, high);
 }
 
-// A bit of the quotient a turn: 55, of which one is spare, and what remains is sticky.
+// One bit of the quotient per iteration: 55, of which one is spare; the remainder sets the sticky bit.
 fn f64_div(a: F64, b: F64) -> F64 {
     let sign = (a.x ^ b.x) & F64_SIGN;
     let a_is_last = f64_exponent(a) == 0x7ffu;
@@ -202,7 +202,7 @@ fn f64_div(a: F64, b: F64) -> F64 {
     return f64_rounded(sign, exponent, quotient);
 }
 
-// A word that is ordered as the numbers are, zeros of both signs alike.
+// An integer that is ordered like the numbers; zeros of both signs are equal.
 fn f64_order(a: F64) -> vec2u {
     if (f64_is_zero(a)) {
         return vec2u(F64_SIGN, 0u);
@@ -218,7 +218,7 @@ fn f64_ge(a: F64, b: F64) -> bool {
     return !f64_is_nan(a) && !f64_is_nan(b) && !less64(f64_order(a), f64_order(b));
 }
 
-// As Rust has it: of a number and a NaN it is the number. Of two zeros it is the first.
+// As in Rust: the minimum of a number and a NaN is the number; of two zeros, the first.
 fn f64_min(a: F64, b: F64) -> F64 {
     return select(a, b, f64_is_nan(a) || f64_lt(b, a));
 }
@@ -227,7 +227,7 @@ fn f64_max(a: F64, b: F64) -> F64 {
     return select(a, b, f64_is_nan(a) || f64_lt(a, b));
 }
 
-// Truncated, saturated, and 0 for NaN, as Rust's `as`.
+// Truncated and saturated, 0 for NaN, like Rust's `as`.
 fn f64_to_i32(a: F64) -> i32 {
     let exponent = f64_exponent(a);
     if (exponent < 1023u || f64_is_nan(a)) {

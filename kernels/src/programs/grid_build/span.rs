@@ -9,13 +9,13 @@ use crate::structures::grid::overlap::Overlap;
 pub struct Span {
     /// The triangle.
     pub triangle: u32,
-    /// The first cell.
+    /// Its first cell.
     pub cells_at: [u32; 3],
-    /// A bit for each cell that the triangle overlaps, the first one's lowest.
+    /// One bit per cell that the triangle overlaps; the lowest bit is the first cell.
     pub mask: u32,
 }
 
-/// The last triangle whose spans begin at this one or before it. Each has one at least.
+/// The triangle of a span: the last one whose spans begin at or before it. Each has at least one.
 fn triangle_of(span: u32, first_span: &[u32]) -> usize {
     let (mut low, mut high) = (0, first_span.len());
     while high - low > 1 {
@@ -29,11 +29,12 @@ fn triangle_of(span: u32, first_span: &[u32]) -> usize {
     low
 }
 
-/// Tests the cells of span `i`. `first_span` are the prefix sums of the numbers of spans, one a triangle as `boxes`.
+/// Tests the cells of span `i`. `first_span` holds the prefix sums of the numbers of spans, one per triangle, like
+/// `boxes`.
 #[must_use]
 pub fn span(i: u32, first_span: &[u32], boxes: &[CellBox], grid: &Grid, growth: f32, vertices: &[f32]) -> Span {
     let t = triangle_of(i, first_span);
-    // Of a box that somebody has edited anything may come, but no panic.
+    // If somebody has edited a box, the result may be anything, but there must be no panic.
     let Some(&CellBox { low, high }) = boxes.get(t) else { return Span::default() };
     let spans_a_row = (high[0].wrapping_sub(low[0]).wrapping_add(32) / 32).max(1);
     let within = i.wrapping_sub(first_span[t]);
@@ -43,7 +44,7 @@ pub fn span(i: u32, first_span: &[u32], boxes: &[CellBox], grid: &Grid, growth: 
     let first = [0, 1, 2].map(|a| low[a].wrapping_add(along[a]));
 
     let mask = if low == high {
-        // The only cell that it can be in.
+        // The only cell it can be in.
         1
     } else {
         let overlap = Overlap::new(grid, f64::from(growth), &vertices[9 * t..9 * t + 9]);

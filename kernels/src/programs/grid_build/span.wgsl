@@ -23,7 +23,7 @@ fn load_box(i: u32, layer: u32) -> vec3u {
     return vec3u(x, y, z);
 }
 
-// The last triangle whose spans begin at this one or before it. Each has one at least.
+// The triangle of a span: the last one whose spans begin at or before it. Each has at least one.
 fn triangle_of(span: u32) -> u32 {
     var low = 0u;
     var high = build.triangles;
@@ -38,7 +38,8 @@ fn triangle_of(span: u32) -> u32 {
     return low;
 }
 
-// Its loops, with those that it calls, take less than 400 turns; Mesa's software Vulkan ends a thread's at 65,535.
+// Its loops, with those of the functions it calls, take fewer than 400 iterations; Mesa's software Vulkan ends a
+// thread's loops after 65,535.
 @compute @workgroup_size(BLOCK)
 fn span(
     @builtin(workgroup_id) group: vec3u,
@@ -60,7 +61,7 @@ fn span(
 
     var overlapped = 0u;
     if (all(low == high)) {
-        // The only cell that it can be in.
+        // The only cell it can be in.
         overlapped = 1u;
     } else {
         prepare(t);

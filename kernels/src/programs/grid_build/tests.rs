@@ -1,4 +1,4 @@
-//! The CPU reference functions, chained, against the host's build; and the kernels' WGSL, composed and validated.
+//! Compares the chained CPU reference functions with the host's build; composes and validates the kernels' WGSL.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use raystep_scenes::generate;
@@ -25,10 +25,10 @@ fn scenes() -> Vec<(&'static str, Vec<f32>)> {
     let of = |scene: raystep_scenes::Scene| scene.triangles.as_flattened().as_flattened().to_vec();
     let soup = of(generate::soup(700, 1).expect("soup"));
     let mut random = fastrand::Rng::with_seed(3);
-    // Corners on planes and on each other, and triangles that are points and lines.
+    // Corners on planes and on each other, and triangles that are points or lines.
     let whole: Vec<f32> = (0..900).map(|_| random.i32(-4..5) as f32 * 0.25).collect();
     let points = whole.chunks_exact(9).flat_map(|v| [&v[..3], &v[..3], &v[3..6]].concat()).collect();
-    // Where all three corners are NaN, so is the box, and the first cell lists it.
+    // If all three corners are NaN, so is the box, and the first cell lists the triangle.
     let mut no_corners = soup.clone();
     no_corners[9..18].fill(f32::NAN);
     no_corners[30] = f32::NAN;
@@ -49,8 +49,8 @@ fn scenes() -> Vec<(&'static str, Vec<f32>)> {
     ]
 }
 
-/// Triangles with a corner just where that of a grown cell is, for [`TOUCHED`]: whether they overlap hangs on the last
-/// bit of every sum.
+/// Triangles with a corner exactly at the corner of a grown cell, for [`TOUCHED`]: whether they overlap depends on the
+/// last bit of every sum.
 fn touching() -> Vec<f32> {
     let mut random = fastrand::Rng::with_seed(5);
     let mut vertices = [[-2.0; 9], [2.0; 9]].concat();
@@ -88,7 +88,7 @@ pub(super) fn cases() -> Vec<(String, Vec<f32>, GridData)> {
         let counted = grid::count_lists(&vertices, GridSize::Cells([16; 3]), reach, false, u64::MAX);
         cases.push((format!("{name}, not grown"), vertices.clone(), counted.expect("a grid").fill(&vertices)));
     }
-    // Cells below what they are grown by list nearly everything.
+    // Cells smaller than their growth list nearly everything.
     cases.retain(|(_, _, built)| built.items.len() < 500_000);
     assert!(cases.len() > 80, "{} cases", cases.len());
     cases
@@ -106,7 +106,7 @@ fn prefix(values: &mut [u32]) -> u32 {
     total
 }
 
-/// The build as the kernels do it; returns starts and lists.
+/// The build as done by the kernels; returns starts and lists.
 fn lists(vertices: &[f32], wanted: &GridData) -> (Vec<u32>, Vec<u32>) {
     let (grid, growth) = (&wanted.grid, wanted.growth);
     let build = Build::new(grid, growth, (vertices.len() / 9) as u32);
@@ -151,7 +151,7 @@ fn the_reference_functions_build_the_grids_that_the_host_builds() {
 
 #[test]
 fn sums_that_are_too_large_stay_at_the_largest_number() {
-    // In one block, and in several.
+    // In a single block, and in several.
     let mut values = vec![1 << 30; 1000];
     assert_eq!(prefix(&mut vec![1 << 16; 5 * SCAN_BLOCK]), u32::MAX);
     assert_eq!(prefix(&mut values), u32::MAX);
@@ -197,7 +197,7 @@ fn every_kernel_is_valid_and_agrees_with_the_host_about_sizes() {
             }
             structs += 1;
         }
-        // No float is computed with, or even named.
+        // No float is used, or even named.
         let is_float = |ty: &naga::Type| ty.inner.scalar_kind() == Some(naga::ScalarKind::Float);
         assert!(!module.types.iter().any(|(_, ty)| is_float(ty)), "{name} has floats");
     }

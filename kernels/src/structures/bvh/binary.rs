@@ -1,4 +1,4 @@
-//! The binary tree as kernels read it.
+//! The binary BVH in the kernels' format.
 
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -9,31 +9,31 @@ use super::{BvhError, BvhOptions, down, fits, up};
 use crate::shared::bvh_walk::{BvhNode, EMPTY};
 use crate::shared::constants::NO_NODE;
 
-/// Most triangles of a leaf.
+/// Most triangles per leaf.
 pub const MAX_LEAF: u32 = 4;
 
-/// What a visit of an inner node costs, in tests of a triangle: each is one step of the walk.
+/// Cost of visiting an inner node, in units of a triangle test: each is one step of the walk.
 const NODE_COST: f64 = 1.0;
 
-/// A built binary tree.
+/// A binary BVH.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BvhData {
-    /// The root first, children side by side, one node at least.
+    /// The root first, siblings adjacent; at least one node.
     pub nodes: Vec<BvhNode>,
     /// The parent of each node; [`NO_NODE`] for the root.
     pub parents: Vec<u32>,
-    /// Triangle ids in the order of the leaves; one entry at least, which an empty tree does not use.
+    /// Triangle ids in the order of the leaves; at least one entry, which an empty BVH does not use.
     pub items: Vec<u32>,
-    /// Nodes on the longest way from the root to a leaf, both counted.
+    /// Nodes on the longest path from the root to a leaf, both included.
     pub depth: u32,
-    /// What boxes were grown by, traced units.
+    /// Growth of the boxes, in traced units.
     pub growth: f32,
-    /// Triangles and pieces of triangles; leaves list a triangle once however many of its pieces they hold.
+    /// Triangles and pieces of triangles; a leaf lists a triangle once, however many of its pieces it holds.
     pub references: u32,
-    /// Steps that a ray through the scene is expected to take if it hits nothing, by the surface area heuristic
-    /// on boxes that are not grown: one an inner node, one a triangle.
+    /// Expected number of steps of a ray that passes through the scene without a hit, by the surface area heuristic on
+    /// boxes that are not grown: one per inner node, one per triangle.
     pub cost: f64,
-    /// How the tree came to be.
+    /// How the tree was built.
     pub shape: TreeShape,
 }
 
@@ -69,7 +69,7 @@ fn empty(growth: f32) -> BvhData {
     }
 }
 
-/// Which nodes become leaves, and what the tree then costs.
+/// Decides which nodes become leaves; also returns the resulting cost of the tree.
 fn collapse(tree: &Bvh2) -> (Vec<bool>, f64) {
     let mut order = Vec::with_capacity(tree.nodes.len());
     tree::walk(&tree.nodes, |node, _| order.push(node));
@@ -92,7 +92,7 @@ fn collapse(tree: &Bvh2) -> (Vec<bool>, f64) {
     (leaves, if root > 0.0 { below[0].0 / root } else { 0.0 })
 }
 
-/// Nodes in the order in which a walk without a ray meets them.
+/// Lays out the nodes in the order in which a walk that enters every node meets them.
 fn layout(tree: &Bvh2, leaves: &[bool], references: &References, growth: f32, cost: f64, shape: TreeShape) -> BvhData {
     let mut data = BvhData {
         nodes: vec![boxed(&tree.nodes[0], growth)],
@@ -136,7 +136,7 @@ fn boxed(node: &Bvh2Node, growth: f32) -> BvhNode {
     BvhNode { min: min.map(down), max: max.map(up), ..BvhNode::default() }
 }
 
-/// The axis along which the centres of two boxes differ most, and whether the second's is the lower one.
+/// The axis along which the centres of two boxes differ most, and whether the second box is the lower one.
 pub(super) fn order(a: &BvhNode, b: &BvhNode) -> (usize, bool) {
     let twice = |n: &BvhNode, axis: usize| f64::from(n.min[axis]) + f64::from(n.max[axis]);
     let apart = [0, 1, 2].map(|axis| twice(b, axis) - twice(a, axis));

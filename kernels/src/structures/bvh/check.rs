@@ -1,4 +1,4 @@
-//! Holds a built tree against what it promises, from its buffers alone.
+//! Checks the guarantees of a built BVH from its buffers alone.
 
 use super::binary::{BvhData, order};
 use super::polygon::covered;
@@ -8,19 +8,19 @@ use crate::shared::bvh_walk::EMPTY;
 use crate::shared::constants::{NO_NODE, WIDE_MAX_DEPTH};
 use crate::shared::wide_node::WideContent;
 
-/// What a tree does not keep.
+/// A guarantee that a BVH violates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BvhFault {
-    /// A node names nodes or items that do not exist, or are another node's as well.
+    /// A node refers to nodes or items that do not exist, or that belong to another node as well.
     #[error("node {0} links to what is not there, or to what another node links to")]
     Link(u32),
-    /// A node's parent is another one.
+    /// A node has the wrong parent.
     #[error("node {0} names the wrong parent")]
     Parent(u32),
     /// The children of a node are not in order along its axis.
     #[error("the children of node {0} are not ordered along its axis")]
     Order(u32),
-    /// The depth is another one, or more than is allowed.
+    /// The depth is not the stated one, or exceeds the limit.
     #[error("the tree is {0} levels deep, not what it says or more than is allowed")]
     Depth(u32),
     /// Corners in a leaf are not those of the triangle it names.
@@ -34,7 +34,7 @@ pub enum BvhFault {
     Uncovered(u32),
 }
 
-/// A triangle in a leaf, and the intersection of the boxes on the way there.
+/// A triangle in a leaf, and the intersection of the boxes on the path to it.
 struct Listing {
     triangle: u32,
     bounds: [[f64; 3]; 2],
@@ -46,8 +46,8 @@ fn meet(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     [[0, 1, 2].map(|i| a[0][i].max(b[0][i])), [0, 1, 2].map(|i| a[1][i].min(b[1][i]))]
 }
 
-/// Every triangle must be listed; the box of one that is listed once, grown, must lie inside all boxes on the way
-/// to it, and one that is listed often must be covered by the boxes that lead to it, made smaller by the growth.
+/// Checks that every triangle is listed. The grown box of a triangle that is listed once must lie inside all boxes on
+/// the path to it; one that is listed several times must be covered by the boxes that lead to it, shrunk by the growth.
 fn contained(vertices: &[f32], growth: f32, mut listings: Vec<Listing>) -> Result<(), BvhFault> {
     let growth = f64::from(growth);
     listings.sort_by_key(|l| l.triangle);
@@ -66,7 +66,7 @@ fn contained(vertices: &[f32], growth: f32, mut listings: Vec<Listing>) -> Resul
         if same.iter().any(inside) {
             continue;
         }
-        // What f64 rounds off where planes cut it.
+        // The rounding error of f64 where planes cut the triangle.
         let largest = min.iter().chain(&max).fold(0.0f64, |m, v| m.max(v.abs()));
         let shrink = growth - largest * 2.0f64.powi(-40);
         let shrunk = same.iter().map(|l| [l.bounds[0].map(|v| v + shrink), l.bounds[1].map(|v| v - shrink)]);
@@ -79,10 +79,10 @@ fn contained(vertices: &[f32], growth: f32, mut listings: Vec<Listing>) -> Resul
 }
 
 impl BvhData {
-    /// Whether the tree over `vertices` keeps what it promises: links, order, depth, and boxes in f64.
+    /// Checks the BVH over `vertices`: links, order, depth, and boxes in f64.
     ///
     /// # Errors
-    /// The first thing that it does not keep.
+    /// The first violation.
     pub fn check(&self, vertices: &[f32]) -> Result<(), BvhFault> {
         let triangles = (vertices.len() / 9) as u32;
         let mut seen = vec![false; self.nodes.len()];
@@ -103,7 +103,7 @@ impl BvhData {
                 continue;
             }
             if node.is_inner() {
-                // The walk tells the first of two children by its odd number.
+                // The walk recognises the first of two siblings by its odd index.
                 let last =
                     node.first.checked_add(1).filter(|&last| last % 2 == 0 && (last as usize) < self.nodes.len());
                 let last = last.ok_or(BvhFault::Link(i))?;
@@ -128,7 +128,7 @@ impl BvhData {
         if let Some(unused) = seen.iter().position(|seen| !seen) {
             return Err(BvhFault::Link(unused as u32));
         }
-        // Listed twice as many as there are would be shared ranges.
+        // More entries than there are mean that leaves share ranges.
         if listed > self.items.len() {
             return Err(BvhFault::Link(0));
         }
@@ -137,10 +137,10 @@ impl BvhData {
 }
 
 impl WideBvhData {
-    /// Whether the tree over `vertices` keeps what it promises: links, depth, entries, and boxes in f64.
+    /// Checks the BVH over `vertices`: links, depth, entries, and boxes in f64.
     ///
     /// # Errors
-    /// The first thing that it does not keep.
+    /// The first violation.
     pub fn check(&self, vertices: &[f32]) -> Result<(), BvhFault> {
         let triangles = (vertices.len() / 9) as u32;
         let mut seen = vec![false; self.nodes.len()];

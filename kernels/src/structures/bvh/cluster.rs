@@ -1,9 +1,9 @@
-//! A tree from the leaves up: clusters in Morton order, each joined with the neighbour that it makes the
-//! smallest box with, as in *Parallel Locally-Ordered Clustering* (Meister and Bittner 2018).
+//! Builds a tree from the leaves up: clusters in Morton order, each joined with the neighbour with which it makes the
+//! smallest box, as in *Parallel Locally-Ordered Clustering* (Meister and Bittner 2018).
 //!
-//! Two clusters are joined where each is the other's best. With boxes inside one another that is one pair a
-//! round, which takes n rounds; a round that joins less than an eighth joins all neighbours instead, so the
-//! rounds, and with them the depth, go with log n.
+//! Two clusters are joined if each is the other's best partner. With nested boxes that is one pair per round, which
+//! takes n rounds; a round that joins less than an eighth joins all neighbours instead, so the number of rounds, and
+//! with it the depth, grows with log n.
 
 use glam::DVec3;
 use obvhs::aabb::Aabb;
@@ -14,10 +14,10 @@ use crate::numbers::parallel::{for_chunks, map_ranges};
 
 const CHUNK: usize = 1 << 12;
 
-/// So few clusters may go on one pair a round.
+/// This few clusters may continue with one pair per round.
 const FEW: usize = 32;
 
-/// Nodes of a tree over the boxes, the root first, children in pairs after their parents; a leaf names one box.
+/// Nodes of a tree over the boxes: the root first, children in pairs after their parents; a leaf refers to one box.
 pub(super) fn cluster(boxes: &[Aabb], search: usize) -> Vec<Bvh2Node> {
     let mut clusters: Vec<Bvh2Node> =
         morton_order(boxes).iter().map(|&i| Bvh2Node::new(boxes[i as usize], 1, i)).collect();
@@ -25,7 +25,7 @@ pub(super) fn cluster(boxes: &[Aabb], search: usize) -> Vec<Bvh2Node> {
         return clusters;
     }
     let mut nodes = vec![Bvh2Node::default(); 2 * clusters.len() - 1];
-    // Filled from the end: what is joined last, the large boxes, comes to lie first.
+    // Filled from the end, so that the nodes joined last, which have the largest boxes, come first.
     let mut free = nodes.len();
     let mut best = vec![0u32; clusters.len()];
     while clusters.len() > 1 {
@@ -49,7 +49,7 @@ pub(super) fn cluster(boxes: &[Aabb], search: usize) -> Vec<Bvh2Node> {
             } else if partner < i {
                 continue;
             } else {
-                // In the place of the first of the two, so that the order stays Morton's.
+                // In the place of the first of the two, which keeps the Morton order.
                 let (left, right) = (clusters[i], clusters[partner]);
                 free -= 2;
                 nodes[free] = left;
@@ -64,8 +64,8 @@ pub(super) fn cluster(boxes: &[Aabb], search: usize) -> Vec<Bvh2Node> {
     nodes
 }
 
-/// The cluster within `search` places with which `i` has the smallest box. Of equals, its neighbour in the
-/// pairs 0 1, 2 3, … and then the first: identical boxes halve in a round.
+/// The cluster within `search` places with which `i` has the smallest box. Among equals, its neighbour in the pairs 0
+/// 1, 2 3, … and then the first: so each round halves the number of identical boxes.
 fn best_partner(clusters: &[Bvh2Node], i: usize, search: usize) -> usize {
     let own = clusters[i].aabb();
     let area = |j: usize| own.union(clusters[j].aabb()).half_area();
@@ -81,7 +81,7 @@ fn best_partner(clusters: &[Bvh2Node], i: usize, search: usize) -> usize {
     best
 }
 
-/// Indices of the boxes by the Morton codes of their centres, in cubes, then by index.
+/// Indices of the boxes, sorted by the Morton code of their centres, in cubes, then by index.
 fn morton_order(boxes: &[Aabb]) -> Vec<u32> {
     let center = |b: &Aabb| b.min.as_dvec3() * 0.5 + b.max.as_dvec3() * 0.5;
     let parts = map_ranges(boxes.len(), 1 << 16, |range| {
@@ -94,7 +94,7 @@ fn morton_order(boxes: &[Aabb]) -> Vec<u32> {
         .into_iter()
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), part| (low.min(part.0), high.max(part.1)));
     let extent = (high - low).max_element();
-    // Just below 1: the code has no bit for 1 itself.
+    // Just below 1: the code cannot represent 1 itself.
     let scale = if extent > 0.0 { (1.0 - 1e-9) / extent } else { 0.0 };
     let mut keys = vec![(0u64, 0u32); boxes.len()];
     for_chunks(&mut keys, 1 << 14, |first, piece| {

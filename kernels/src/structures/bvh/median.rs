@@ -1,10 +1,10 @@
-//! The tree that always works: halved at the median centre along the longest axis, as deep as log2 of its leaves.
+//! The tree that always works: halved at the median centre along the longest axis, with a depth of log2 of its leaves.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
 
-/// Nodes of a tree over the boxes, the root first, children in pairs after their parents; a leaf names one box.
+/// Nodes of a tree over the boxes: the root first, children in pairs after their parents; a leaf refers to one box.
 pub(super) fn halve(boxes: &[Aabb]) -> Vec<Bvh2Node> {
     if boxes.is_empty() {
         return Vec::new();
@@ -13,7 +13,7 @@ pub(super) fn halve(boxes: &[Aabb]) -> Vec<Bvh2Node> {
     let mut nodes = vec![Bvh2Node::default(); 2 * boxes.len() - 1];
     let mut used = 1;
     let mut waiting = vec![(0, 0..boxes.len())];
-    // Twice the centre orders like the centre.
+    // Twice the centre has the same order as the centre.
     let center = |i: u32| boxes[i as usize].min + boxes[i as usize].max;
     while let Some((node, range)) = waiting.pop() {
         if range.len() == 1 {
@@ -54,7 +54,7 @@ mod tests {
     #[test]
     fn halves_are_as_shallow_as_can_be_and_name_every_box_once() {
         for count in [1usize, 2, 3, 64, 1000, 4097] {
-            // All inside one another, so that no axis tells them apart.
+            // Nested boxes, so that no axis separates them.
             let boxes: Vec<Aabb> =
                 (1..=count).map(|i| Aabb::new(Vec3A::splat(-(i as f32)), Vec3A::splat(i as f32))).collect();
             let nodes = halve(&boxes);

@@ -1,9 +1,9 @@
-//! Convex polygons cut by axis-aligned planes, in f64.
+//! Cuts convex polygons by axis-aligned planes, in f64.
 
 use glam::{DVec3, Vec3A};
 
-/// The part of `polygon` with `sign * point[axis] <= sign * at`; fewer than three corners where there is none.
-/// A polygon that only touches the plane from the other side leaves its edge or corner.
+/// The part of `polygon` with `sign * point[axis] <= sign * at`; fewer than three corners if there is none. A polygon
+/// that only touches the plane from the other side leaves its edge or corner.
 pub(super) fn cut(polygon: &[DVec3], axis: usize, at: f64, sign: f64) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     let Some(&last) = polygon.last() else { return kept };
@@ -37,7 +37,7 @@ pub(super) fn clip(corners: [Vec3A; 3], min: [f64; 3], max: [f64; 3]) -> Vec<DVe
     polygon
 }
 
-/// The sum of its projected areas along x, y and z: what the half areas of its boxes add up to where it is
+/// The sum of its projected areas along x, y and z: the limit of the sum of half areas of its pieces' boxes as it is
 /// cut ever finer.
 pub(super) fn projected_area(polygon: &[DVec3]) -> f64 {
     let Some(&first) = polygon.first() else { return 0.0 };
@@ -45,7 +45,7 @@ pub(super) fn projected_area(polygon: &[DVec3]) -> f64 {
     doubled.abs().element_sum() * 0.5
 }
 
-/// Whether the boxes cover the triangle: what each leaves of it is cut off and handed to the next.
+/// Whether the boxes cover the triangle: the part that each box leaves uncovered is passed on to the next.
 pub(super) fn covered(corners: [Vec3A; 3], boxes: impl Iterator<Item = [[f64; 3]; 2]>) -> bool {
     let mut rest: Vec<Vec<DVec3>> = vec![corners.iter().map(|c| c.as_dvec3()).collect()];
     for [min, max] in boxes {

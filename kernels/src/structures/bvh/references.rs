@@ -1,4 +1,4 @@
-//! What the leaves list: triangles, or pieces of them, each with its exact box.
+//! References: the triangles, or pieces of triangles, that leaves list, each with its exact box.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -6,10 +6,10 @@ use obvhs::aabb::Aabb;
 use super::{BvhError, MAX_COORDINATE, MAX_TRIANGLES};
 use crate::numbers::parallel::{for_chunks, map_ranges};
 
-/// Triangles a task works on.
+/// Triangles per task.
 const CHUNK: usize = 1 << 14;
 
-/// Boxes and the triangles they belong to, index by index.
+/// Boxes and the triangles they belong to, with the same indices.
 pub(super) struct References {
     /// Not grown. A piece's box contains its part of the triangle.
     pub(super) boxes: Vec<Aabb>,
@@ -17,7 +17,7 @@ pub(super) struct References {
 }
 
 impl References {
-    /// One a triangle.
+    /// One reference per triangle.
     pub(super) fn of(vertices: &[f32]) -> Result<Self, BvhError> {
         let count = vertices.len() / 9;
         if count as u64 > MAX_TRIANGLES {
@@ -42,13 +42,13 @@ impl References {
         Ok(Self { boxes, triangles: (0..count as u32).collect() })
     }
 
-    /// The box of a reference as corners.
+    /// Lower and upper corner of a reference's box.
     pub(super) fn bounds(&self, reference: u32) -> Bounds {
         Bounds::of(&self.boxes[reference as usize])
     }
 }
 
-/// The corners of a triangle. It must exist.
+/// The corners of a triangle, which must exist.
 pub(super) fn corners(vertices: &[f32], triangle: u32) -> [Vec3A; 3] {
     let first = 9 * triangle as usize;
     let v = &vertices[first..first + 9];
@@ -81,7 +81,7 @@ impl Bounds {
         x * y + y * z + z * x
     }
 
-    /// Lower and upper corner, grown.
+    /// Lower and upper corner of the grown box.
     pub(super) fn grown(&self, growth: f64) -> [[f64; 3]; 2] {
         [self.min.map(|v| f64::from(v) - growth), self.max.map(|v| f64::from(v) + growth)]
     }

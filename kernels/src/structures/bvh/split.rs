@@ -1,4 +1,4 @@
-//! Large oblique triangles are cut before the tree is built: a box around a long diagonal is mostly empty.
+//! Cuts large oblique triangles before the tree is built: a box around a long diagonal is mostly empty.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,17 +11,17 @@ use super::references::{References, corners};
 use super::{down, up};
 use crate::numbers::parallel::map_ranges;
 
-/// Boxes smaller than that many times the mean are left whole: there are enough of them already.
+/// Boxes smaller than this many times the mean are not cut: there are enough of them already.
 const LARGE: f64 = 3.0;
 
-/// A cut must leave the two boxes at most that share of the whole one's area.
+/// After a cut, the two boxes together must have at most this share of the original box's area.
 const WORTHWHILE: f64 = 0.7;
 
-/// Cuts one after the other: at most 64 pieces a triangle.
+/// Most successive cuts: at most 64 pieces per triangle.
 const LEVELS: u8 = 6;
 
-/// Cuts triangles in halves, those with the most empty space first, until there are `share` more references
-/// for each triangle or no cut is worthwhile.
+/// Cuts triangles in halves, those with the most empty space first, until there are `share` additional references per
+/// triangle or no cut is worthwhile.
 pub(super) fn split(vertices: &[f32], references: &mut References, share: f64) {
     let count = references.boxes.len();
     let most = count + (count as f64 * share.clamp(0.0, 1.0)) as usize;
@@ -32,7 +32,7 @@ pub(super) fn split(vertices: &[f32], references: &mut References, share: f64) {
         references.boxes[range].iter().map(|b| f64::from(b.half_area())).sum::<f64>()
     });
     let large = LARGE * sums.iter().sum::<f64>() / count as f64;
-    // The heap's order is that of the bits: waste is positive.
+    // The heap orders by bits, which works for positive floats.
     let key = |waste: f64| (waste as f32).max(0.0).to_bits();
     let mut heap: BinaryHeap<(u32, Reverse<u32>, u8)> = BinaryHeap::new();
     for (i, bounds) in references.boxes.iter().enumerate() {
@@ -61,14 +61,15 @@ pub(super) fn split(vertices: &[f32], references: &mut References, share: f64) {
     }
 }
 
-/// The boxes of the two halves of a piece, cut in the middle of its box's longest side, and how much of their
-/// half areas is empty. `None` where that is not worthwhile.
+/// The boxes of the two halves of a piece, cut in the middle of its box's longest side, and the empty part of their
+/// half areas. `None` if the cut is not worthwhile.
 fn halves(vertices: &[f32], triangle: u32, bounds: &Aabb) -> Option<[(Aabb, f64); 2]> {
     let corners = corners(vertices, triangle);
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let axis = bounds.largest_axis();
     let at = f64::from(((min[axis] + max[axis]) * 0.5) as f32);
-    // What f64 rounds off the crossings, many times over; the corners of the boxes are moved out by that much.
+    // Many times the rounding error of f64 in the intersections; the corners of the boxes are moved outwards by this
+    // much.
     let largest = corners.iter().fold(0.0f32, |m, c| m.max(c.abs().max_element()));
     let slack = f64::from(largest) * 2.0f64.powi(-46);
     let polygon = clip(corners, min.to_array(), max.to_array());
@@ -80,7 +81,7 @@ fn halves(vertices: &[f32], triangle: u32, bounds: &Aabb) -> Option<[(Aabb, f64)
         }
         let low = (low - slack).to_array().map(down);
         let high = (high + slack).to_array().map(up);
-        // The piece ends where its own box ends, and at the plane.
+        // A piece is bounded by its own box and by the plane.
         let mut bounds = Aabb::new(bounds.min.max(low.into()), bounds.max.min(high.into()));
         if sign > 0.0 {
             bounds.max[axis] = bounds.max[axis].min(at as f32);

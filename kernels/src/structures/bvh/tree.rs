@@ -1,4 +1,4 @@
-//! The tree of which both forms are made: one reference a leaf, exact boxes.
+//! The tree from which both forms are made: one reference per leaf, exact boxes.
 
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -7,24 +7,24 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 
 use super::{Effort, cluster, median};
 
-/// Most levels of the tree that collapsing starts from; `obvhs` recurses over them.
+/// Most levels of the tree that is collapsed; `obvhs` recurses over them.
 pub const MAX_DEPTH: u32 = 64;
 
-/// How a tree came to be.
+/// How a tree was built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TreeShape {
-    /// Clustered, and improved where the quality says so.
+    /// Clustered, and improved if the quality asks for it.
     Optimised,
-    /// Clustered only: improved, it would have been too deep.
+    /// Only clustered: the improved tree would have been too deep.
     Clustered,
-    /// Halved at medians: clustered, it would have been too deep.
+    /// Halved at medians: the clustered tree would have been too deep.
     Halved,
 }
 
-/// What the 16 rounds of the optimiser add up to, in first rounds: 1 + 1/3 + 1/5 + … + 1/31.
+/// Sum of the optimiser's 16 rounds, in units of the first: 1 + 1/3 + 1/5 + … + 1/31.
 const ROUNDS: f64 = 2.38;
 
-/// A tree over `boxes`, of which there is at least one.
+/// Builds a tree over `boxes`, at least one.
 pub(super) fn build(boxes: &[Aabb], effort: Effort) -> (Bvh2, TreeShape) {
     let clustered = cluster::cluster(boxes, effort.search);
     if depth(&clustered) > MAX_DEPTH {
@@ -42,7 +42,7 @@ pub(super) fn build(boxes: &[Aabb], effort: Effort) -> (Bvh2, TreeShape) {
     (tree, TreeShape::Optimised)
 }
 
-/// The tree of last resort.
+/// The fallback tree.
 pub(super) fn halved(boxes: &[Aabb]) -> (Bvh2, TreeShape) {
     (wrap(median::halve(boxes)), TreeShape::Halved)
 }
@@ -52,8 +52,8 @@ fn wrap(nodes: Vec<Bvh2Node>) -> Bvh2 {
     Bvh2 { nodes, primitive_indices: (0..references).collect(), max_depth: MAX_DEPTH as usize, ..Bvh2::default() }
 }
 
-/// The share of nodes to reinsert first. A node's search goes through all boxes that contain it, and their
-/// number is, on average, at most the sum of all areas over the root's.
+/// The share of nodes to reinsert in the first round. A node's search visits all boxes that contain it, and on average
+/// their number is at most the sum of all areas divided by the root's.
 fn bounded_ratio(nodes: &[Bvh2Node], effort: Effort) -> f32 {
     let area = |node: &Bvh2Node| f64::from(node.aabb().half_area());
     let root = nodes.first().map_or(0.0, area);
@@ -61,7 +61,7 @@ fn bounded_ratio(nodes: &[Bvh2Node], effort: Effort) -> f32 {
     effort.reinsertion.min((effort.budget / (ROUNDS * overlap.max(1.0))) as f32)
 }
 
-/// Calls `f` with every node before its children, and its level; the root's is 1.
+/// Calls `f` with every node, before its children, and the node's level; the root's is 1.
 pub(super) fn walk(nodes: &[Bvh2Node], mut f: impl FnMut(u32, u32)) {
     let mut waiting = vec![(0, 1)];
     while let Some((node, level)) = waiting.pop() {
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use glam::Vec3A;
 
-    /// Every search would go through all of 10,000 identical boxes, and through few that lie apart.
+    /// Every search would visit all of 10,000 identical boxes, but only few of those that lie apart.
     #[test]
     fn fewer_nodes_are_moved_where_all_boxes_overlap() {
         let effort = BvhQuality::High.effort();

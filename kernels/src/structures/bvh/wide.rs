@@ -1,4 +1,4 @@
-//! The wide tree: obvhs decides which nodes of the binary tree become children of which wide node; the boxes are
+//! The wide BVH: obvhs decides which nodes of the binary tree become children of which wide node; the boxes are
 //! quantised here.
 
 use obvhs::bvh2::Bvh2;
@@ -13,32 +13,32 @@ use crate::numbers::units::floor_log2;
 use crate::shared::constants::WIDE_MAX_DEPTH;
 use crate::shared::wide_node::{WideContent, WideNode, spacing};
 
-/// Most triangles of a leaf.
+/// Most triangles per leaf.
 pub const MAX_WIDE_LEAF: u32 = 3;
 
-/// What a triangle costs, in visits of a node: as obvhs has it when it chooses the children.
+/// Cost of a triangle test, in units of a node visit: the value obvhs uses to choose the children.
 const TRIANGLE_COST: f64 = 0.3;
 
-/// A built wide tree.
+/// A wide BVH.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WideBvhData {
-    /// The root first, children after their parents. A tree without triangles has a root with empty slots only.
+    /// The root first, children after their parents. Without triangles, the root has only empty slots.
     pub nodes: Vec<WideNode>,
-    /// In the order of the leaves, as bits: a corner (three f32) and the triangle's id, a corner and 0, a corner
-    /// and 0. One entry at least, which an empty tree does not use.
+    /// In the order of the leaves, as bits: a corner (three f32) and the triangle's id, a corner and 0, a corner and 0.
+    /// At least one entry, which an empty BVH does not use.
     pub triangles: Vec<[u32; 12]>,
-    /// Nodes on the longest way from the root, both ends counted; at most [`WIDE_MAX_DEPTH`].
+    /// Nodes on the longest path from the root, both ends included; at most [`WIDE_MAX_DEPTH`].
     pub depth: u32,
-    /// What boxes were grown by, traced units.
+    /// Growth of the boxes, in traced units.
     pub growth: f32,
-    /// Triangles and pieces of triangles: entries of `triangles` in use.
+    /// Triangles and pieces of triangles: the number of entries of `triangles` in use.
     pub references: u32,
-    /// What a ray through the scene is expected to cost if it hits nothing, by the surface area heuristic on
-    /// boxes that are not grown: 1 a node, 0.3 a triangle.
+    /// Expected cost of a ray that passes through the scene without a hit, by the surface area heuristic on boxes that
+    /// are not grown: 1 per node, 0.3 per triangle.
     pub cost: f64,
-    /// How the tree came to be.
+    /// How the tree was built.
     pub shape: TreeShape,
-    /// Planes that would have cut off part of a box, not grown, as obvhs had them.
+    /// Number of planes, as computed by obvhs, that would have cut off part of a box that is not grown.
     pub repaired: u64,
 }
 
@@ -93,7 +93,7 @@ fn empty(growth: f32) -> WideBvhData {
     }
 }
 
-/// The wide tree with obvhs' boxes, and its depth. It recurses as deep as the binary tree is.
+/// The wide tree with obvhs' boxes, and its depth. The recursion is as deep as the binary tree.
 fn widen(tree: Bvh2) -> (CwBvh, u32) {
     let wide = bvh2_to_cwbvh(&tree, MAX_WIDE_LEAF, true, false);
     let mut levels = vec![1u32; wide.nodes.len()];
@@ -123,7 +123,7 @@ struct Quantised {
     repaired: u64,
 }
 
-/// The nodes with planes that contain the exact boxes, grown: children first, since a node's box is theirs.
+/// Nodes with planes that contain the exact boxes, grown. Children first, since a node's box is the union of theirs.
 fn quantise(wide: &CwBvh, references: &References, growth: f32) -> Quantised {
     let mut nodes = vec![WideNode::default(); wide.nodes.len()];
     let mut boxes = vec![Bounds::EMPTY; wide.nodes.len()];
@@ -159,7 +159,7 @@ fn quantise(wide: &CwBvh, references: &References, growth: f32) -> Quantised {
     Quantised { nodes, cost: if root > 0.0 { area / root } else { 0.0 }, repaired }
 }
 
-/// What the slots hold. obvhs numbers the entries of a node's leaves by ascending slots, as we do.
+/// The content of the slots. obvhs numbers the entries of a node's leaves by ascending slots, as we do.
 fn contents(theirs: &CwBvhNode) -> u32 {
     let leaves = (0..8).filter(|slot| theirs.imask >> slot & 1 == 0);
     let entries = leaves.map(|slot| u32::from(theirs.child_meta[slot] >> 5) << (3 * slot));
@@ -173,7 +173,7 @@ fn place(node: &mut WideNode, bounds: &Bounds, children: &[Bounds; 8], growth: f
         let origin = down(min[axis]);
         node.origin[axis] = origin;
         let origin = f64::from(origin);
-        // Not more than it must be: 255 spacings are less than 2^8.
+        // No larger than necessary: 255 spacings are less than 2^8.
         let guess = floor_log2((max[axis] - origin).max(f64::MIN_POSITIVE)) - 8 + 127;
         let mut exponent = guess.clamp(1, 254) as u8;
         while exponent < 254 && !reaches(origin, 255.0 * spacing(exponent), max[axis]) {
@@ -189,7 +189,7 @@ fn place(node: &mut WideNode, bounds: &Bounds, children: &[Bounds; 8], growth: f
                 continue;
             }
             let [low, high] = child.grown(growth).map(|corner| corner[axis]);
-            // Rounded in f64, then moved until it is so exactly.
+            // Rounded in f64, then corrected until the inequality holds exactly.
             let mut q = ((low - origin) / spacing).floor().clamp(0.0, 255.0);
             while q > 0.0 && !below(origin, q * spacing, low) {
                 q -= 1.0;
@@ -204,7 +204,7 @@ fn place(node: &mut WideNode, bounds: &Bounds, children: &[Bounds; 8], growth: f
     }
 }
 
-/// `value - from`, and what it lacks: the two add up to the exact difference.
+/// `value - from` and its rounding error: the two add up to the exact difference.
 fn difference(value: f64, from: f64) -> (f64, f64) {
     let rounded = value - from;
     let back = value - rounded;
@@ -222,7 +222,7 @@ pub(super) fn below(origin: f64, offset: f64, value: f64) -> bool {
     reaches(-origin, -offset, -value)
 }
 
-/// How many of obvhs' planes lie inside the exact boxes.
+/// How many of obvhs' planes are inside the exact boxes.
 fn cut_off(theirs: &CwBvhNode, node: &WideNode, children: &[Bounds; 8]) -> u64 {
     let mins = [theirs.child_min_x, theirs.child_min_y, theirs.child_min_z];
     let maxs = [theirs.child_max_x, theirs.child_max_y, theirs.child_max_z];

@@ -1,15 +1,15 @@
-//! How far each empty cell is from the next cell with a list (proximity clouds, Cohen and Sheffer, 1994).
+//! Distance of each empty cell to the next cell with a list (proximity clouds, Cohen and Sheffer, 1994).
 
 use crate::shared::grid_walk::Grid;
 
-/// The farthest distance that is told apart: what a byte holds.
+/// Largest distance that is stored: the maximum of a byte.
 const FARTHEST: u8 = 255;
 
-/// Chessboard distance of every cell to the nearest one with a list, at most 255: 0 for a cell with a list.
-/// Four cells a word, the first in the lowest byte.
+/// Chessboard distance of every cell to the nearest one with a list, at most 255: 0 for a cell with a list. Four cells
+/// per word, the first in the lowest byte.
 ///
-/// Two passes over the cells, forth and back, in each of which a cell is at most one farther than any of its 13
-/// neighbours before it; for the chessboard distance that is exact (Rosenfeld and Pfaltz, 1968).
+/// Two passes over the cells, forwards and backwards; in each, a cell's distance is at most one more than that of any
+/// of the 13 neighbours before it. For the chessboard distance that is exact (Rosenfeld and Pfaltz, 1968).
 #[must_use]
 pub fn distances(grid: &Grid, cells: &[u32]) -> Vec<u32> {
     let [nx, ny, nz] = grid.cells.map(|n| n as usize);
@@ -44,7 +44,7 @@ pub fn distances(grid: &Grid, cells: &[u32]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
-/// No cell of `to` is more than one farther than the three cells of the neighbouring row `from` around it.
+/// Limits each cell of `to` to one more than the three nearest cells of the neighbouring row `from`.
 fn spread(from: &[u8], nearest: &mut [u8], to: &mut [u8]) {
     nearest.copy_from_slice(from);
     for (n, next) in nearest.iter_mut().zip(&from[1..]) {
@@ -58,7 +58,7 @@ fn spread(from: &[u8], nearest: &mut [u8], to: &mut [u8]) {
     }
 }
 
-/// No cell is more than one farther than the cell before it.
+/// Limits each cell to one more than the cell before it.
 fn along<'a>(row: impl Iterator<Item = &'a mut u8>) {
     let mut last = FARTHEST;
     for cell in row {

@@ -1,13 +1,13 @@
-//! Which cells a triangle overlaps: the separating axes of Schwarz and Seidel (2010), whose per-triangle
-//! part is worked out once. In f64, whose rounding is far below what the cells are grown by.
+//! Which cells a triangle overlaps: the separating axes of Schwarz and Seidel (2010), whose per-triangle part is
+//! computed once. In f64, whose rounding errors are far below the cells' growth.
 
 use glam::DVec3;
 
 use crate::shared::grid_walk::Grid;
 
-/// A triangle prepared against boxes of one size.
+/// A triangle prepared for tests against boxes of one size.
 pub(crate) struct Overlap {
-    /// First cell that the triangle's own box touches, per axis.
+    /// First cell that the triangle's bounding box touches, per axis.
     pub(crate) low: [i32; 3],
     /// Last cell that it touches.
     pub(crate) high: [i32; 3],
@@ -19,11 +19,11 @@ pub(crate) struct Overlap {
     edges: [[[f64; 3]; 3]; 3],
 }
 
-/// What the cells of a row along x share.
+/// Values shared by the cells of a row along x.
 struct Row {
     cy: f64,
     cz: f64,
-    /// The plane's expression without its x.
+    /// The plane's expression without its x term.
     plane: f64,
 }
 
@@ -31,7 +31,7 @@ struct Row {
 const OTHER: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
 impl Overlap {
-    /// Prepares `triangle` (traced units) against the cells of `grid`, each grown by `growth` on all sides.
+    /// Prepares `triangle` (traced units) for the cells of `grid`, each grown by `growth` on all sides.
     pub(crate) fn new(grid: &Grid, growth: f64, triangle: &[f32]) -> Self {
         let p = [0, 3, 6].map(|c| DVec3::from([0, 1, 2].map(|a| f64::from(triangle[c + a]))));
         let corner = grid.corner.map(f64::from);
@@ -40,8 +40,8 @@ impl Overlap {
         for a in 0..3 {
             let min = p[0][a].min(p[1][a]).min(p[2][a]) - growth;
             let max = p[0][a].max(p[1][a]).max(p[2][a]) + growth;
-            // `as` saturates, so a cell far outside is clamped, not wrapped; it truncates, which is floor where
-            // it matters, and no call on processors that have no instruction for that.
+            // `as` saturates, so a cell far outside is clamped instead of wrapping; it truncates, which equals floor
+            // where it matters, and needs no call on processors without a floor instruction.
             low[a] = (((min - corner[a]) / width[a]) as i32).clamp(0, grid.cells[a] - 1);
             high[a] = (((max - corner[a]) / width[a]) as i32).clamp(0, grid.cells[a] - 1);
         }
@@ -81,20 +81,20 @@ impl Overlap {
         }
     }
 
-    /// Which of up to 32 cells along x, from `first` on, the triangle overlaps: a bit for each. What
-    /// [`for_cells`](Self::for_cells) tests, also where the triangle's box is a single cell.
+    /// Which of up to 32 cells along x, from `first` on, the triangle overlaps: one bit each. The same test as in
+    /// [`for_cells`](Self::for_cells), even if the triangle's box is a single cell.
     pub(crate) fn span_mask(&self, first: [i32; 3], cells: u32) -> u32 {
         let Some(row) = self.row(self.center(1, first[1]), self.center(2, first[2])) else { return 0 };
         (0..cells.min(32)).fold(0, |mask, k| mask | u32::from(self.meets(&row, first[0].wrapping_add(k as i32))) << k)
     }
 
-    /// Middle of a cell.
+    /// Centre of a cell.
     #[inline]
     fn center(&self, axis: usize, cell: i32) -> f64 {
         self.corner[axis] + (f64::from(cell) + 0.5) * self.width[axis]
     }
 
-    /// `None` where no cell of the row overlaps: what is projected along x is the same for all of them.
+    /// `None` if no cell of the row overlaps: the projection along x is the same for all of them.
     #[inline]
     fn row(&self, cy: f64, cz: f64) -> Option<Row> {
         if !self.covers(0, cy, cz) {
@@ -103,7 +103,7 @@ impl Overlap {
         Some(Row { cy, cz, plane: self.normal.y * cy + self.normal.z * cz + self.plane })
     }
 
-    /// Whether the cell at x of a row overlaps.
+    /// Whether the cell at x in a row overlaps.
     #[inline]
     fn meets(&self, row: &Row, x: i32) -> bool {
         let cx = self.center(0, x);
@@ -111,7 +111,7 @@ impl Overlap {
         is_near && self.covers(1, row.cz, cx) && self.covers(2, cx, row.cy)
     }
 
-    /// Whether triangle and grown cell overlap when seen along an axis. Touching counts.
+    /// Whether triangle and grown cell overlap when projected along an axis; touching counts.
     fn covers(&self, axis: usize, ci: f64, cj: f64) -> bool {
         self.edges[axis].iter().all(|&[ni, nj, offset]| ni * ci + nj * cj + offset >= 0.0)
     }

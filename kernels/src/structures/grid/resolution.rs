@@ -1,9 +1,10 @@
-//! How many cells a grid gets along each axis where nobody says.
+//! The automatic resolution of a grid.
 
 use super::MAX_CELLS;
 
 /// Cells along each axis for `triangles` triangles in a box of these sides: nearly cubic cells, about
-/// [`CELLS_PER_TRIANGLE`] a triangle. An axis thinner than a cell gets one, and the other two share.
+/// [`CELLS_PER_TRIANGLE`] per triangle. An axis thinner than a cell gets one cell, and the other two axes share the
+/// rest.
 #[must_use]
 pub fn automatic_cells(triangles: u64, extent: [f64; 3]) -> [u32; 3] {
     cubes((triangles as f64 * CELLS_PER_TRIANGLE).clamp(1.0, MAX_CELLS as f64 / 4.0), extent)
@@ -30,17 +31,17 @@ pub(super) fn cubes(wanted: f64, extent: [f64; 3]) -> [u32; 3] {
     }
 }
 
-/// Cells a triangle at which the automatic resolution aims.
+/// Cells per triangle that the automatic resolution aims for.
 pub const CELLS_PER_TRIANGLE: f64 = 6.0;
 
-/// The same for walks that leap over empty cells. These cost them little, so that shorter lists pay: of 6, 24, 48
-/// and 96 on two scanned meshes, 48 took the least time or at most 10% more.
+/// The same with empty-space skipping, which makes empty cells cheap, so that shorter lists pay off: of 6, 24, 48 and
+/// 96 on two scanned meshes, 48 took the least time or at most 10% more.
 pub const LEAPING_CELLS_PER_TRIANGLE: f64 = 48.0;
 
-/// Most cells of the automatic resolution for walks that leap: 128 MiB of starts.
+/// Most cells of the automatic resolution with empty-space skipping: 128 MiB of starts.
 const MOST_LEAPING_CELLS: f64 = 33_000_000.0;
 
-/// Cells that a grid of so many triangles is to have for walks that leap.
+/// Number of cells to aim for, for this many triangles and empty-space skipping.
 pub(super) fn leaping(triangles: u64) -> f64 {
     (triangles as f64 * LEAPING_CELLS_PER_TRIANGLE).clamp(1.0, MOST_LEAPING_CELLS)
 }

@@ -1,24 +1,24 @@
-//! How a grid's lists are distributed.
+//! Statistics of a grid's lists.
 
 use super::{GridData, count};
 
-/// How a grid's lists are distributed.
+/// Statistics of a grid's lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridStats {
-    /// Cells in all.
+    /// Number of cells.
     pub cells: u64,
-    /// Cells with an empty list.
+    /// Number of cells with an empty list.
     pub empty: u64,
-    /// Entries of all lists.
+    /// Number of entries in all lists.
     pub references: u64,
-    /// Entries that are there only because cells are grown.
+    /// Number of entries that are there only because cells are grown.
     pub added_by_growth: u64,
-    /// Longest list.
+    /// Length of the longest list.
     pub longest: u32,
 }
 
 impl GridData {
-    /// Statistics; walks all triangles once more to tell what the growth added.
+    /// Computes the statistics; tests all triangles again to find what the growth added.
     #[must_use]
     pub fn stats(&self, vertices: &[f32]) -> GridStats {
         let lengths = || self.cells.windows(2).map(|w| w[1] - w[0]);

@@ -1,4 +1,4 @@
-//! Where only the host polls, nothing is counted.
+//! Without a thread only the host polls, so nothing is counted.
 
 #[derive(Default)]
 pub(crate) struct Poller {}

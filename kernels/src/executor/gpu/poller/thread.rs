@@ -1,14 +1,14 @@
-//! A thread that polls while read-backs are on their way.
+//! A thread that polls while read-backs are pending.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Read-backs of a device, who polls for them, and the thread that does where nobody else does.
+/// Counts a device's pending read-backs and polling hosts, and owns the thread that polls if no host does.
 #[derive(Default)]
 pub(crate) struct Poller(Arc<Shared>);
 
-/// What the device's owner and the thread share.
+/// State shared by the device's owner and the thread.
 #[derive(Default)]
 struct Shared {
     state: Mutex<State>,
@@ -18,13 +18,13 @@ struct Shared {
 #[derive(Default)]
 struct State {
     on_their_way: usize,
-    /// Hosts that poll.
+    /// Number of hosts that poll.
     hosts: usize,
     is_over: bool,
     thread: Option<JoinHandle<()>>,
 }
 
-/// A read-back on its way. It has arrived, or was forgotten, when this is dropped.
+/// A pending read-back. Dropped when it has arrived or was cancelled.
 pub(crate) struct Expected(Arc<Shared>);
 
 impl Shared {
@@ -34,14 +34,14 @@ impl Shared {
 }
 
 impl State {
-    /// Whether it is the thread that has to poll.
+    /// Whether the thread has to poll.
     fn needs_thread(&self) -> bool {
         self.on_their_way > 0 && self.hosts == 0
     }
 }
 
 impl Poller {
-    /// A read-back starts: somebody polls until it has arrived.
+    /// Registers a read-back: somebody polls until it has arrived.
     pub(crate) fn expect(&self, device: &wgpu::Device) -> Expected {
         let mut state = self.0.state();
         state.on_their_way += 1;
@@ -49,26 +49,26 @@ impl Poller {
         Expected(self.0.clone())
     }
 
-    /// One host more polls.
+    /// Registers a polling host.
     pub(crate) fn host_begins(&self) {
         self.0.state().hosts += 1;
     }
 
-    /// One host fewer polls: what it leaves on its way is the thread's.
+    /// Unregisters a polling host: the thread takes over pending read-backs.
     pub(crate) fn host_ends(&self, device: &wgpu::Device) {
         let mut state = self.0.state();
         state.hosts -= 1;
         self.wake(state, device);
     }
 
-    /// Has the thread poll, if it must.
+    /// Starts or wakes the thread if it has to poll.
     fn wake(&self, mut state: MutexGuard<'_, State>, device: &wgpu::Device) {
         if !state.needs_thread() {
             return;
         }
         if state.thread.is_none() {
             let (shared, device) = (self.0.clone(), device.clone());
-            // Where the system has no thread left, it is the host's to poll after all.
+            // If the system cannot start a thread, the host has to poll after all.
             let builder = std::thread::Builder::new().name("raystep poll".into());
             state.thread = builder.spawn(move || poll(&shared, &device)).ok();
         }
@@ -77,7 +77,7 @@ impl Poller {
 }
 
 fn poll(shared: &Shared, device: &wgpu::Device) {
-    // Long enough to sleep, short enough to notice that the host polls, or that the device is gone.
+    // Long enough to save CPU time, short enough to notice that the host polls, or that the device is gone.
     const WAIT: Duration = Duration::from_millis(20);
     loop {
         let mut state = shared.state();
@@ -103,10 +103,10 @@ impl Drop for Poller {
             state.thread.take()
         };
         self.0.changed.notify_one();
-        // It holds the device: were it the last to drop it, it might unload the driver while the process ends, which
-        // the driver's exit handlers do not survive. It looks up every few milliseconds.
+        // The thread holds the device: if it were the last to drop it, it might unload the driver while the process
+        // ends, which the driver's exit handlers do not survive. It checks every few milliseconds.
         if let Some(thread) = thread.filter(|thread| thread.thread().id() != std::thread::current().id()) {
-            // A panic of its own is no reason for another.
+            // If the thread panicked, do not panic again.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! The walk through the grid: where it starts, steps, leaps over empty cells, and the paper's way over a face.
+//! The walk through the grid: its start, steps, skips over empty cells, and the paper's wrap over a face.
 
 use super::super::ray_state::RayState;
 use super::super::states;
@@ -18,14 +18,14 @@ pub(super) fn explain_start(data: &SceneData, after: &RayState) -> String {
         let outside = "starts outside of the grid, which the paper's rules do not handle";
         return if robust { misses } else { outside }.into();
     }
-    // The paper's rules know where a ray starts by its cell's index alone.
+    // With the paper's rules, a ray's start is known only by its cell's 1-D index.
     let start = data.grid.enter(data.features.walk_rules(), &ray_of(data, after)).cell;
     let is_wrapped = !robust && !data.grid.is_in_grid(start) && data.grid.cell_index(start) == after.cell_index;
     let how = if is_wrapped { "starts outside of the grid, where the index is that of" } else { "starts in" };
     format!("{how} {}, {}", cell_name(data, after.cell_index), listing_of(data, after.cell_index))
 }
 
-/// A step to the next cell, or a leap.
+/// A step to the next cell, or a skip over empty cells.
 pub(super) fn explain_step(data: &SceneData, before: &RayState, after: &RayState) -> String {
     let distance = leap_from(data, before.cell_index);
     let how = if distance > 1 { leap(data, before, after, distance) } else { step(data, before, after) };
@@ -37,7 +37,7 @@ pub(super) fn explain_step(data: &SceneData, before: &RayState, after: &RayState
     }
 }
 
-/// How many cells a leap from this cell goes at most along an axis; 1 for a step.
+/// Most cells that a skip from this cell advances along an axis; 1 for a step.
 pub(super) fn leap_from(data: &SceneData, cell: u32) -> i32 {
     if data.features.skip { data.empty_distance(cell).max(1) } else { 1 }
 }
@@ -58,7 +58,7 @@ fn step(data: &SceneData, before: &RayState, after: &RayState) -> String {
         next
     };
     let is_out = has_left(after);
-    // Where two are the same but for rounding, the cell tells which of them the device took.
+    // If two are equal up to rounding, the cell tells which of them the device took.
     let axis = (0..3).find(|&axis| !is_out && forward[axis] != 0 && went(axis) == to).unwrap_or(smallest);
     let Some(t) = before.tmax[axis] else {
         let stays = if is_out { "out of it".into() } else { format!("stays in {}", cell_name(data, after.cell_index)) };
@@ -87,7 +87,7 @@ fn leap(data: &SceneData, before: &RayState, after: &RayState, distance: i32) ->
     let last = [0, 1, 2].map(|axis| from[axis] + forward[axis] * (distance - 1));
     let exit = data.grid.cell_exit::<f32>(last, &ray);
     let is_out = has_left(after);
-    // Along the axis by which the ray leaves the cube, and only there, it goes as far as the next list may be.
+    // Along the axis by which the ray leaves the cube, and only there, it moves by the full distance.
     let left = (0..3).find(|&axis| !is_out && moved[axis] == forward[axis] * distance);
     let axis = left.unwrap_or_else(|| first_of(smallest_axis(exit)));
     let t = exit.to_array()[axis];
@@ -115,7 +115,7 @@ fn ray_of(data: &SceneData, ray: &RayState) -> GridRay<f32> {
     data.grid.ray(data.features.walk_rules(), origin, direction)
 }
 
-/// Which way the ray's cells go, per axis.
+/// Direction of the ray through the cells, per axis.
 fn forward(data: &SceneData, ray: &GridRay<f32>) -> [i32; 3] {
     let direction = ray.direction.to_array();
     let robust = data.features.robust;

@@ -1,4 +1,4 @@
-//! The test of a triangle, and what follows where a list has ended.
+//! The test of a triangle, and what follows when a list ends.
 
 use super::super::ray_state::RayState;
 use super::super::states;
@@ -10,7 +10,7 @@ use crate::shared::constants::{INF, PAPER_EPSILON};
 use crate::shared::triangle::{Candidate, Shear, hit_triangle, plane_hit};
 use crate::shared::vector::{cross3, dot3};
 
-/// Which triangle was tested, what became of it, and where the ray goes from there.
+/// The triangle that was tested, its result, and where the ray continues.
 pub(in super::super) fn explain_intersect(
     data: &SceneData,
     before: &RayState,
@@ -27,7 +27,7 @@ pub(in super::super) fn explain_intersect(
     (tested, test.into_iter().chain(next).collect::<Vec<_>>().join("; "))
 }
 
-/// The list has ended, or the ray.
+/// What follows when the list or the ray ends.
 fn explain_end(data: &SceneData, before: &RayState, after: &RayState, tested: Option<u32>, count: u32) -> String {
     let features = &data.features;
     let exit = before.tmax.iter().flatten().fold(INF, |m, &t| m.min(t));
@@ -70,7 +70,7 @@ fn explain_test(data: &SceneData, before: &RayState, after: &RayState, triangle:
     format!("triangle {triangle}: {why}")
 }
 
-/// Why a hit, as the host sees it, does not count.
+/// Why a hit found by the host does not count.
 fn explain_refused(data: &SceneData, before: &RayState, triangle: u32, t: f32) -> String {
     match before.t {
         Some(nearest) if before.triangle == Some(triangle) => format!("tested again, the same hit at t {nearest}"),
@@ -82,7 +82,8 @@ fn explain_refused(data: &SceneData, before: &RayState, triangle: u32, t: f32) -
     }
 }
 
-/// Why it is no hit, by where the ray meets the triangle's plane; Möller and Trumbore's test has a determinant too.
+/// Why it is no hit, judged by where the ray meets the triangle's plane, and for Möller and Trumbore's test by the
+/// determinant.
 fn explain_missed(c: &Candidate<f32>, determinant: Option<f32>) -> String {
     if !(c.u.is_finite() && c.v.is_finite()) {
         return "seen edge-on".into();

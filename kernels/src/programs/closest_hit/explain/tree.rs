@@ -1,4 +1,4 @@
-//! The walk through the tree: a node's box, and where the ray goes from it.
+//! The walk through the BVH: a node's box, and where the ray continues.
 
 use super::super::ray_state::RayState;
 use super::super::states;
@@ -7,7 +7,7 @@ use crate::scene_data::SceneData;
 use crate::shared::bvh_walk::parent_of;
 use crate::shared::constants::NO_NODE;
 
-/// One step from node to node. Whether the ray meets the node's box is told by where it went.
+/// One step between nodes. Whether the ray meets the node's box is inferred from where it went.
 pub(super) fn explain_node(data: &SceneData, before: &RayState, after: &RayState) -> String {
     let (at, to) = (before.cell_index, after.cell_index);
     let parent = |node: u32| data.bvh_parents.get(node as usize).map_or(NO_NODE, |&above| parent_of(above));

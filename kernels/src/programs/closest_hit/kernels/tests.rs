@@ -1,4 +1,4 @@
-//! The rows against the WGSL.
+//! Checks the rows against the WGSL.
 
 use super::*;
 use crate::options::features::Features;

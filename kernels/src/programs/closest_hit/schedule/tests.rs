@@ -1,4 +1,4 @@
-//! Orders of kernels, without a GPU.
+//! Tests the order of kernels, without a GPU.
 
 use super::super::{kernels, states};
 use super::*;
@@ -146,7 +146,7 @@ fn a_guess_never_takes_a_step_that_another_kernel_may_come_before() {
     for _ in 0..2 {
         cursor.next(&schedule, &counts(0, 0, 0));
     }
-    // Rays that this step takes to a leaf are tested before the next one.
+    // Rays that this step takes to a leaf are tested before the next step.
     assert_eq!(cursor.guess(&schedule, &counts(0, 9, 0), 8), [kernels::TRAVERSE_BVH]);
     cursor.next(&schedule, &counts(0, 9, 0));
     assert_eq!(cursor.guess(&schedule, &counts(4, 5, 0), 3), [kernels::INTERSECT; 3]);

@@ -1,4 +1,4 @@
-//! The whole program, run by the executors, against the host's build.
+//! Compares the whole program, run by the executors, with the host's build.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::programs::grid_build::tests::cases;
 use crate::renderer::{Device, Lists, Renderer};
 use crate::structures::grid::GridData;
 
-/// A kernel and what it imports, as one text.
+/// A kernel and its imports, as one text.
 pub(crate) fn composed(root: &str, wgsl: &str) -> String {
     let modules = modules(&Features::default());
     let source = |name: &str| {
@@ -28,7 +28,7 @@ pub(crate) fn composed(root: &str, wgsl: &str) -> String {
     compose(root, root, &source, &|_| None).expect("a text")
 }
 
-/// An adapter, or a word that there is none.
+/// An adapter, or a message that there is none.
 pub(crate) fn gpu() -> Option<Arc<Gpu>> {
     match pollster::block_on(Gpu::new(&AdapterChoice::Best)) {
         Ok(gpu) => {
@@ -60,7 +60,7 @@ pub(crate) fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
     bytemuck::pod_collect_to_vec(&view)
 }
 
-/// A run of the build of these lists.
+/// A run that builds these lists.
 fn renderer(vertices: &[f32], wanted: &GridData, device: &Device) -> Renderer {
     let options = Options::new(RaySource::Given(Vec::new()));
     let limits = match device {
@@ -110,7 +110,7 @@ fn more_than_fits_is_refused_with_its_number() {
         });
         let said = error.expect_err("too many").to_string();
         assert!(said.starts_with("the run has found 4294967295 spans, at most"), "{said}");
-        // From its start on, nothing is known of that.
+        // After a restart, that number is unknown again.
         renderer.restart();
         pollster::block_on(renderer.run(|_| ControlFlow::Continue(()))).expect("a build");
         let lists = pollster::block_on(Lists::of(&renderer)).expect("lists");

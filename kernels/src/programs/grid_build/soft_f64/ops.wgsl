@@ -1,4 +1,4 @@
-// Every operation of soft_f64 on a pair of numbers, for the test.
+// Applies every operation of soft_f64 to a pair of numbers, for the test.
 
 import package::soft_f64::{f64_add, f64_sub, f64_mul, f64_div, f64_min, f64_max, f64_neg, f64_abs};
 import package::soft_f64::{f64_ge, f64_lt, f64_to_i32, f64_from_i32, f64_from_f32};

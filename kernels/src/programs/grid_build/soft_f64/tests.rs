@@ -1,10 +1,10 @@
-//! Soft f64 against the processor's, bit for bit.
+//! Compares soft f64 with the processor's f64, bit for bit.
 
 use wgpu::util::DeviceExt as _;
 
 use crate::programs::grid_build::device::tests::{composed, gpu, read};
 
-/// As the shader has it: a and b, low word second, the bits of an f32 and of an i32.
+/// Input of the shader: a and b, low word second, the bits of an f32 and of an i32.
 type Given = [u32; 6];
 
 const RESULTS: [&str; 10] = ["+", "-", "*", "/", "min", "max", "neg", "abs", "from f32", "from i32"];
@@ -14,14 +14,14 @@ fn number(sign: bool, exponent: i32, fraction: u64) -> f64 {
     f64::from_bits(u64::from(sign) << 63 | ((exponent + 1023) as u64) << 52 | (fraction & ((1 << 52) - 1)))
 }
 
-/// Two numbers whose sums, products and quotients are no subnormals, of a kind that one sort of mistake shows in.
+/// Two numbers whose sums, products and quotients are not subnormal; each `kind` exposes one sort of mistake.
 fn pair(random: &mut fastrand::Rng, kind: u32) -> (f64, f64) {
     let exponent = random.i32(-400..400);
     let a = number(random.bool(), exponent, random.u64(..));
     let signed = |random: &mut fastrand::Rng, value: f64| if random.bool() { value } else { -value };
     let b = match kind {
         0 => number(random.bool(), random.i32(-400..400), random.u64(..)),
-        // What is left once the upper bits cancel out.
+        // What remains after the upper bits cancel out.
         1 => f64::from_bits(a.to_bits() ^ (1 << random.u32(0..53)) ^ random.u64(..) >> random.u32(12..64)),
         2 => number(random.bool(), exponent + random.i32(-60..60), random.u64(..)),
         // Half of a's last place, and one bit more or less.
@@ -43,7 +43,7 @@ fn pair(random: &mut fastrand::Rng, kind: u32) -> (f64, f64) {
             let end = 2147483648.0 + f64::from(random.i32(-8..9)) * 0.25;
             return (if random.bool() { a } else { signed(random, end) }, f64::from(random.i32(-9..9)));
         }
-        // Quotients that are whole, or nearly so.
+        // Quotients that are integers, or nearly.
         8 => {
             let divisor = f64::from(random.f32() + 1.0);
             let a = divisor * f64::from(random.u32(1..5000));
@@ -54,7 +54,7 @@ fn pair(random: &mut fastrand::Rng, kind: u32) -> (f64, f64) {
             let b = special[random.usize(0..5)];
             return (if random.bool() { a } else { special[random.usize(0..5)] }, b);
         }
-        // Products that only their last bits tell from a tie.
+        // Products that differ from a tie only in their last bits.
         10 => {
             let odd = f64::from(2 * random.u32(0..64) + 1);
             let any = f64::from(random.u32(0..64));
@@ -70,7 +70,7 @@ fn words(value: f64) -> [u32; 2] {
     [(value.to_bits() >> 32) as u32, value.to_bits() as u32]
 }
 
-/// Equal bits; any NaN equals any other, and where `zeros` are alike, so do both zeros.
+/// Whether the bits are equal; any NaN equals any other, and if `zeros` is set, so do both zeros.
 fn same(got: f64, wanted: f64, zeros: bool) -> bool {
     got.to_bits() == wanted.to_bits() || (got.is_nan() && wanted.is_nan()) || (zeros && got == 0.0 && wanted == 0.0)
 }
@@ -148,7 +148,7 @@ fn every_operation_gives_the_bits_of_the_processors_f64() {
             ];
             for (k, (&wanted, operation)) in wanted.iter().zip(RESULTS).enumerate() {
                 let got = f64::from_bits(u64::from(results[2 * k]) << 32 | u64::from(results[2 * k + 1]));
-                // Which of two zeros is the smaller one is not said.
+                // Which of two zeros is smaller is unspecified.
                 let zeros = matches!(operation, "min" | "max");
                 assert!(same(got, wanted, zeros), "{a:e} {operation} {b:e} is {wanted:e}, not {got:e}: {given:x?}");
             }
