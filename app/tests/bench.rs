@@ -146,7 +146,7 @@ fn trees_and_passes_of_several_steps_are_described_as_they_are() {
         assert!(useful <= 1.0 && (schedule != "fused" || useful == 1.0), "{row:?}");
         let tuning = if schedule == "compact" { "grid=auto skip=auto steps_per_pass=8" } else { "grid=auto skip=auto" };
         assert_eq!(row["tuning"], tuning);
-        // Only the kernel that tests one triangle a pass looks back, and not in a tree.
+        // Only the kernel that tests one triangle per pass looks back, and not in a tree.
         let looks_back = schedule == "second" && matches!(accelerator, "grid" | "none");
         assert_eq!(row["repeated_per_ray"].is_empty(), !looks_back, "{row:?}");
         let plan = ["plan", &file, "--size", "16x12", "--device", "cpu", "--json", "--accelerator", accelerator];

@@ -58,7 +58,7 @@ fn a_pass_says_how_many_threads_it_launched() {
     let (width, height) = (100u64, 70u64);
     let covering = |side: u64| width.next_multiple_of(side) * height.next_multiple_of(side);
     for (device, schedule) in ["cpu", "gpu"].into_iter().flat_map(|d| SCHEDULES.map(|s| (d, s))) {
-        // With eight steps a pass there are too few passes for a chunk of 512 rays to be done in one and left out.
+        // With eight steps per pass there are too few passes for a chunk of 512 rays to be done in one and left out.
         let steps: &[&str] = if (device, schedule) == ("cpu", "compact") { &["--steps-per-pass", "2"] } else { &[] };
         let how = [&["--size", "100x70", "--device", device, "--schedule", schedule, "--quiet"], steps].concat();
         let files = ["-o", "a.png", "--passes-csv", "passes.csv", "--trace-json", "trace.json"];

@@ -53,7 +53,7 @@ pub enum WriteError {
 
 /// `scene` as the bytes of a GLB.
 ///
-/// Memory: the file itself, 4 bytes a triangle, and where vertices are shared about 35 bytes more a
+/// Memory: the file itself, 4 bytes per triangle, and where vertices are shared about 35 bytes more a
 /// triangle of the primitive in hand. Materials without triangles are kept; [`Scene::notes`] are not
 /// written, nor is a light's range, which [`Scene`] does not keep.
 ///

@@ -42,7 +42,7 @@ pub trait Resolver {
     /// folder that it may read. A file of more than `max_bytes` is to be refused without reading it.
     ///
     /// # Errors
-    /// Where the file may not be read, cannot be, or is larger than `max_bytes`.
+    /// If the file may not be read, cannot be, or is larger than `max_bytes`.
     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, FileError>;
 }
 

@@ -11,14 +11,14 @@ pub struct Scene {
     pub name: String,
     /// Corner positions. All are finite.
     pub triangles: Vec<[[f32; 3]; 3]>,
-    /// Unit vertex normals, one a corner; `None` where no mesh has any. Where only some meshes
+    /// Unit vertex normals, one a corner; `None` if no mesh has any. Where only some meshes
     /// have them, the others carry their flat normal.
     pub normals: Option<Vec<[[f32; 3]; 3]>>,
-    /// Base colour texture coordinates, one a corner; `None` where no material has a texture.
+    /// Base colour texture coordinates, one a corner; `None` if no material has a texture.
     pub texcoords: Option<Vec<[[f32; 2]; 3]>>,
-    /// Linear vertex colours, one a corner; `None` where no mesh has any (white where only some do).
+    /// Linear vertex colours, one a corner; `None` if no mesh has any (white where only some do).
     pub colors: Option<Vec<[[f32; 3]; 3]>>,
-    /// Index into [`materials`](Self::materials), one a triangle.
+    /// Index into [`materials`](Self::materials), one per triangle.
     pub triangle_materials: Vec<u32>,
     /// At least one, even where a file has none.
     pub materials: Vec<Material>,
@@ -200,7 +200,7 @@ impl Scene {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`. `None` where the two coincide or are not finite;
+    /// A camera at `eye` that looks at `target`. `None` if the two coincide or are not finite;
     /// an `up` parallel to the view is replaced by another axis.
     #[must_use]
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, projection: Projection) -> Option<Self> {

@@ -29,7 +29,7 @@ struct Row<'a> {
 /// Holds every row's words. The kinds of what they said; an error names the row.
 ///
 /// # Errors
-/// Where words cannot be read, or say what is not so.
+/// If words cannot be read, or say what is not so.
 pub fn check(trace: &Trace, data: &SceneData) -> Result<Vec<Kind>, String> {
     let mut kinds = Vec::new();
     // Before its first pass nothing is known of a ray but its state; a given ray has one, and waits for set-up.

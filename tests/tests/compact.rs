@@ -1,4 +1,4 @@
-//! The compact schedule with one step a pass is the paper's second strategy, but for what it launches.
+//! The compact schedule with one step per pass is the paper's second strategy, but for what it launches.
 
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, ScheduleKind};

@@ -53,7 +53,7 @@ fn begin(run: Executor) -> mpsc::Receiver<Result<u32, String>> {
     answer
 }
 
-/// The answer, which takes some milliseconds where things work; `None` where nobody polls, and it would take forever.
+/// The answer, which takes some milliseconds where things work; `None` if nobody polls, and it would take forever.
 fn in_time(answer: &mpsc::Receiver<Result<u32, String>>) -> Option<Result<u32, String>> {
     answer.recv_timeout(Duration::from_secs(60)).ok()
 }

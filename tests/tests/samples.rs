@@ -1,4 +1,4 @@
-//! Several samples a pixel: the picture is the mean of the pictures of its samples, in every way to trace it, and
+//! Several samples per pixel: the picture is the mean of the pictures of its samples, in every way to trace it, and
 //! one sample is what it always was.
 
 use std::ops::ControlFlow;

@@ -53,7 +53,7 @@ fn the_first_dozen_passes_are_those_of_the_schedule() {
         (room, None, Compact, 100, "gsw*"),
         (room, None, Fused, 1, "gf*"),
         (one, None, Second, 1, "gsi*"),
-        // Only the compact schedule takes several steps a pass.
+        // Only the compact schedule takes several steps per pass.
         (room, Grid, Second, 8, "gsicicicicic"),
         (one, Bvh, First, 8, "gsnin*"),
     ] {

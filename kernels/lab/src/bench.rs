@@ -50,7 +50,7 @@ pub struct Wanted {
 pub struct Measured {
     /// Tells this benchmark from others.
     pub run_id: String,
-    /// One a configuration, those of a group together.
+    /// One per configuration, those of a group together.
     pub rows: Vec<SummaryRow>,
     /// The passes and the kernels of each row's configuration.
     pub details: Vec<Details>,
@@ -72,7 +72,7 @@ pub struct Details {
 /// Measures all configurations of all scenes. One that cannot be built or run is a note, unless none can.
 ///
 /// # Errors
-/// Where the device fails, or there is nothing to measure.
+/// If the device fails, or there is nothing to measure.
 pub fn measure(
     wanted: &Wanted,
     subjects: &[Subject],

@@ -63,7 +63,7 @@ impl<'a> Comparison<'a> {
     /// Of two runs.
     ///
     /// # Errors
-    /// Where they are not the same stream of images of the same size.
+    /// If they are not the same stream of images of the same size.
     pub fn new(left: &'a StreamData, right: &'a StreamData) -> Result<Self, CompareError> {
         if left.stream != right.stream {
             return Err(CompareError::Stream([left.stream, right.stream]));

@@ -44,7 +44,7 @@ pub fn divergence_bytes(plan: &Plan) -> u64 {
 /// `progress` is called after every pass and may stop.
 ///
 /// # Errors
-/// Where the device fails, the system has not the memory (see [`divergence_bytes`]), or `progress` said so.
+/// If the device fails, the system has not the memory (see [`divergence_bytes`]), or `progress` said so.
 pub async fn divergence(
     renderer: &mut Renderer,
     mut progress: impl FnMut(&DivergenceProgress) -> ControlFlow<()>,

@@ -53,7 +53,7 @@ impl<'a> Traced<'a> {
     /// Reads a run's streams.
     ///
     /// # Errors
-    /// Where the plan left one of them out, or the device fails.
+    /// If the plan left one of them out, or the device fails.
     pub async fn read(renderer: &'a Renderer) -> Result<Self, RenderError> {
         let streams = [
             renderer.values(streams::RAY_ORIGIN).await?,

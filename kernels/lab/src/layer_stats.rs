@@ -65,7 +65,7 @@ pub enum Others {
     Integer {
         /// [`NONE`].
         none: u64,
-        /// Distinct ordinary values; `None` where there are more than [`MOST_DISTINCT`].
+        /// Distinct ordinary values; `None` if there are more than [`MOST_DISTINCT`].
         distinct: Option<usize>,
     },
 }

@@ -22,7 +22,7 @@ pub struct Meter {
 pub struct Time {
     /// By the host's clock, waiting for the device included.
     pub wall_ns: u64,
-    /// By the device's clock; `None` where it has none, or the time was not valid.
+    /// By the device's clock; `None` if it has none, or the time was not valid.
     pub device_ns: Option<u64>,
 }
 
@@ -146,7 +146,7 @@ impl Meter {
     /// One run from its start, until it ends or `watch` gives it up; it gets what the run took so far, too.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub fn run(
         &self,
         renderer: &mut Renderer,

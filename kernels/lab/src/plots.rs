@@ -49,7 +49,7 @@ pub struct Series {
     pub name: String,
     /// x and y.
     pub points: Vec<(f64, f64)>,
-    /// From and to along y, one a point, or none at all.
+    /// From and to along y, one per point, or none at all.
     pub whiskers: Vec<(f64, f64)>,
     /// Index into the palette.
     pub color: usize,
@@ -104,10 +104,10 @@ pub struct Bars {
 }
 
 impl Plot {
-    /// As an SVG element; `None` where there is nothing to show.
+    /// As an SVG element; `None` if there is nothing to show.
     ///
     /// # Errors
-    /// Where it cannot be drawn.
+    /// If it cannot be drawn.
     pub fn svg(&self) -> Result<Option<String>, Error> {
         let is_shown = |&(x, y): &(f64, f64)| self.x.scale.has(x) && self.y.scale.has(y);
         let shown = |s: &Series| s.points.iter().copied().filter(is_shown).collect::<Vec<_>>();
@@ -167,10 +167,10 @@ impl Plot {
 }
 
 impl Bars {
-    /// As an SVG element; `None` where there is nothing to show.
+    /// As an SVG element; `None` if there is nothing to show.
     ///
     /// # Errors
-    /// Where it cannot be drawn.
+    /// If it cannot be drawn.
     pub fn svg(&self) -> Result<Option<String>, Error> {
         let length = |parts: &[Part]| parts.iter().map(|p| p.0).sum::<f64>();
         let longest = self.bars.iter().map(|b| length(&b.1)).fold(0.0, f64::max);

@@ -36,7 +36,7 @@ pub use random::Random;
 /// How far origins are moved off a surface, as a share of the largest coordinate of the scene's box.
 pub const SURFACE_OFFSET: f64 = 1.0 / (1u32 << 16) as f64;
 
-/// Pixels a task.
+/// Pixels per task.
 const PIXELS_PER_TASK: usize = 1 << 15;
 
 /// What rays are for.
@@ -62,9 +62,9 @@ pub struct PrimaryHits<'a> {
     pub scene: &'a Scene,
     /// Who looks at it.
     pub camera: &'a Camera,
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
-    /// One a pixel, as [`Renderer::hits`](raystep_kernels::Renderer::hits) gives them.
+    /// One per pixel, as [`Renderer::hits`](raystep_kernels::Renderer::hits) gives them.
     pub hits: &'a [Option<RayHit>],
 }
 
@@ -192,7 +192,7 @@ pub fn random(bounds: &Bounds, count: usize, seed: u32) -> Vec<Ray> {
     map_ranges(count, PIXELS_PER_TASK, part).concat()
 }
 
-/// Rounded to f32; `None` where that leaves nothing that can be traced.
+/// Rounded to f32; `None` if that leaves nothing that can be traced.
 fn ray(origin: DVec3, direction: DVec3) -> Option<Ray> {
     let (origin, direction) = (origin.as_vec3(), direction.as_vec3());
     let is_traceable = origin.is_finite() && direction.is_finite() && direction != glam::Vec3::ZERO;

@@ -75,7 +75,7 @@ pub struct Possible {
     pub far: f64,
 }
 
-/// Tests one triangle (nine floats each in `vertices`) in f64. `None` where f32, too, must see a miss.
+/// Tests one triangle (nine floats each in `vertices`) in f64. `None` if f32, too, must see a miss.
 #[must_use]
 pub fn possible(vertices: &[f32], origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
     let triangles = BruteForce { vertices, spheres: Vec::new() };
@@ -224,7 +224,7 @@ impl<'a> BruteForce<'a> {
         ([edge(1, 2), edge(2, 0), edge(0, 1)], p.map(|c| c[2]))
     }
 
-    /// `None` where f32, too, must see that the ray misses the triangle.
+    /// `None` if f32, too, must see that the ray misses the triangle.
     fn test(&self, origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
         let corners = self.corners(triangle);
         let (edges, z) = self.edges(wide(origin), wide(direction), triangle);

@@ -59,7 +59,7 @@ pub struct Report {
 /// Measures all sections of all scenes. A section that fails is a note on the page, unless all of them do.
 ///
 /// # Errors
-/// Where the device fails, or no section could be measured.
+/// If the device fails, or no section could be measured.
 pub fn measure(wanted: &Wanted, subjects: &[Subject], meter: &Meter, reporter: &dyn Reporter) -> Result<Report, Error> {
     let Wanted { sections, size, grid, is_quick } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
@@ -108,7 +108,7 @@ impl Report {
     /// Its files, by name.
     ///
     /// # Errors
-    /// Where there is not the memory for one.
+    /// If there is not the memory for one.
     pub fn files(&self, about: &About) -> io::Result<Vec<(String, Vec<u8>)>> {
         let mut files = Vec::new();
         for (section, table) in &self.tables {

@@ -192,7 +192,7 @@ pub struct Run {
 /// Traces a case in one way and judges every ray.
 ///
 /// # Errors
-/// Where the device fails or the scene does not fit it.
+/// If the device fails or the scene does not fit it.
 pub async fn run(
     case: &Case,
     workload: &Workload,

@@ -12,7 +12,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Least squares. `None` where there are fewer than two different x.
+    /// Least squares. `None` if there are fewer than two different x.
     #[must_use]
     pub fn through(points: &[(f64, f64)]) -> Option<Self> {
         let n = points.len() as f64;
@@ -30,7 +30,7 @@ impl Line {
 }
 
 /// The exponent b of `y = a * x^b` through points, by least squares of their logarithms. What is not above 0 has
-/// none and is left out; `None` where fewer than two different x are left.
+/// none and is left out; `None` if fewer than two different x are left.
 #[must_use]
 pub fn power_law(points: &[(f64, f64)]) -> Option<f64> {
     let is_positive = |p: &&(f64, f64)| p.0 > 0.0 && p.1 > 0.0;

@@ -15,7 +15,7 @@ use crate::ways::Way;
 /// An icosphere of 1,280 triangles, its corners rounded at that scale.
 ///
 /// # Errors
-/// Where the mesh has no room in memory.
+/// If the mesh has no room in memory.
 pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
     let mut scene = generate::icosphere(3)?;
     for corner in scene.triangles.iter_mut().flatten() {
@@ -27,7 +27,7 @@ pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
 /// Rays from a few origins inside, at corners and edges; how many miss.
 ///
 /// # Errors
-/// Where the device fails or the mesh does not fit it.
+/// If the device fails or the mesh does not fit it.
 pub async fn misses(
     device: &Device,
     scene: &Scene,

@@ -72,7 +72,7 @@ impl fmt::Display for Way {
     }
 }
 
-/// Every accelerator, one step a pass by either launch, several steps a pass, and in one kernel. Robust.
+/// Every accelerator, one step per pass by either launch, several steps per pass, and in one kernel. Robust.
 pub const EVERY: [Way; 14] = {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, Fused, Second};

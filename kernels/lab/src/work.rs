@@ -16,7 +16,7 @@ pub enum Measure {
     Cells,
     /// Triangles that it was tested against.
     Triangles,
-    /// Both together: with one step a pass, the passes of the walk that worked on it.
+    /// Both together: with one step per pass, the passes of the walk that worked on it.
     #[default]
     Sum,
 }

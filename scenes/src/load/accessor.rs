@@ -57,7 +57,7 @@ pub(super) struct Elements<'a> {
     kind: Type,
     component: ComponentType,
     normalized: bool,
-    /// `None` where all elements start as zeros.
+    /// `None` if all elements start as zeros.
     dense: Option<Run<'a>>,
     sparse: Option<Sparse<'a>>,
     budget: &'a Budget,

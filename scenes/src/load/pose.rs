@@ -55,7 +55,7 @@ impl<'a> Poser<'a> {
         Self { root, accessors, graph, budget, joints: RefCell::default() }
     }
 
-    /// How `node` poses `primitive`; `None` where it does not.
+    /// How `node` poses `primitive`; `None` if it does not.
     pub(super) fn key(&self, node: usize, primitive: &Primitive, is_skinned: bool) -> Option<Key> {
         let json = self.root.nodes.get(node)?;
         let morphs = primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());

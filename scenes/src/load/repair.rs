@@ -83,7 +83,7 @@ fn whole(token: &str) -> Option<u64> {
 
 /// The same JSON with an empty list of nodes in every scene that has none, since a scene may be empty, and with
 /// nothing in its animations, since their channels need not have a node, and nothing in them is used. The rest stays
-/// as it is written. `None` where the JSON has another form.
+/// as it is written. `None` if the JSON has another form.
 pub(super) fn scenes_and_animations(text: &str) -> Option<String> {
     type Object = BTreeMap<String, Box<RawValue>>;
     let mut root: Object = serde_json::from_str(text).ok()?;

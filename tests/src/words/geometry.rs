@@ -72,7 +72,7 @@ pub(super) fn on_plane(data: &SceneData, (o, d): (V, V), triangle: u32) -> OnPla
     OnPlane { t, weights, det, bounds }
 }
 
-/// The t at which a ray is in a box that is made larger by `by` on all sides; `None` where it never is.
+/// The t at which a ray is in a box that is made larger by `by` on all sides; `None` if it never is.
 pub(super) fn interval((o, d): (V, V), min: V, max: V, by: f64) -> Option<[f64; 2]> {
     let mut t = [f64::NEG_INFINITY, f64::INFINITY];
     for axis in 0..3 {

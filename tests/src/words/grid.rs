@@ -23,7 +23,7 @@ fn is_in_grid(data: &SceneData, cell: [i32; 3]) -> bool {
     cell.iter().zip(data.grid.cells).all(|(&c, n)| (0..n).contains(&c))
 }
 
-/// How many triangles a cell lists.
+/// How many triangles per cell lists.
 pub(super) fn listed(data: &SceneData, index: u32) -> usize {
     let index = index as usize;
     (data.grid_cells[index + 1] - data.grid_cells[index]) as usize

@@ -30,7 +30,7 @@ fn along(scene: &Scene, side: u32) -> Options {
     options
 }
 
-/// Ways that take several steps a pass, or all of them.
+/// Ways that take several steps per pass, or all of them.
 fn several() -> Vec<Way> {
     let all_steps = [Accelerator::None, Accelerator::Bvh, Accelerator::Grid]
         .map(|accelerator| Way::new(accelerator, ScheduleKind::Compact, 4096));
@@ -51,7 +51,7 @@ fn lists_longer_than_any_loop_are_walked_to_their_end() {
     expect_no_errors("pile in one cell", &scene, &in_one_cell(&scene, side), &grids, 0.0);
 }
 
-/// One triangle a pass: as many passes as there are triangles.
+/// One triangle per pass: as many passes as there are triangles.
 #[test]
 #[ignore = "long: sh tests/full.sh"]
 fn lists_longer_than_any_loop_are_walked_step_by_step() {

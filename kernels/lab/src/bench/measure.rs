@@ -206,7 +206,7 @@ impl<'a> Bench<'a> {
         Ok((Details { context, passes: renderer.passes().to_vec(), shaders }, compile_s))
     }
 
-    /// What a run with counters counts; `None` where this way of tracing cannot count.
+    /// What a run with counters counts; `None` if this way of tracing cannot count.
     fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
         let (scene, machine) = (&group.subject.scene, self.machine());
         let (plan, data) = Plan::new(scene, options, &machine.limits()).ok()?;
@@ -304,7 +304,7 @@ fn bytes(batch: &[Ready]) -> u64 {
     batch.iter().map(|ready| ready.bytes).sum()
 }
 
-/// Bytes a triangle of the grid or tree, and of the triangles where they are packed for it.
+/// Bytes a triangle of the grid or BVH, and of the triangles where they are packed for it.
 fn bytes_per_triangle(plan: &Plan) -> Option<f64> {
     let packed = plan.buffers.iter().filter(|b| b.what == "packed_triangles").map(|b| b.bytes).sum::<u64>();
     (plan.triangles > 0).then(|| (structure_bytes(plan) + packed) as f64 / plan.triangles as f64)

@@ -25,7 +25,7 @@ impl<'a> Viewed<'a> {
         Self { subject, size, grid, hits: None }
     }
 
-    /// Rays of a kind; `None` where there is not a single one.
+    /// Rays of a kind; `None` if there is not a single one.
     pub(super) fn rays(&mut self, kind: RayKind, machine: &Machine) -> Result<Option<RaySource>, Error> {
         let (Subject { scene, camera, .. }, Size { width, height }) = (self.subject, self.size);
         let rays = match kind {

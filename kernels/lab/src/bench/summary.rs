@@ -1,4 +1,4 @@
-//! What a benchmark says: `summary.csv`, one row a configuration, RFC 4180, raw numbers with their unit in the
+//! What a benchmark says: `summary.csv`, one row per configuration, RFC 4180, raw numbers with their unit in the
 //! column's name. What is not known is empty, never 0.
 //!
 //! | column | holds |
@@ -20,7 +20,7 @@
 //! | `passes` | of a run |
 //! | `useful_steps_per_thread` | rays worked on by threads launched, over all passes |
 //! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells (or nodes of the tree) visited, triangles tested, tests of a triangle that the ray had met before; counted in a run of its own, as far as the schedule can count |
-//! | `bytes_per_triangle` | of the grid or tree, and of the triangles where kernels read them packed |
+//! | `bytes_per_triangle` | of the grid or BVH, and of the triangles where kernels read them packed |
 //! | `hits`, `hits_hash` | rays that hit something, and a [hash](crate::hash::Hash) of what each hit: equal hashes are equal bits |
 //! | `baseline_ratio` | median now by the baseline's: above 1 is slower |
 //!
@@ -90,7 +90,7 @@ pub enum ReadError {
 /// Writes `summary.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()> {
     let mut writer = raystep_kernels::export::csv::writer(out);
     for row in rows {
@@ -102,7 +102,7 @@ pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()
 /// Reads `summary.csv`.
 ///
 /// # Errors
-/// Where it is not one, or one of another version.
+/// If it is not one, or one of another version.
 pub fn read_summary(input: impl Read) -> Result<Vec<SummaryRow>, ReadError> {
     let rows: Vec<SummaryRow> = ::csv::Reader::from_reader(input).deserialize().collect::<Result<_, _>>()?;
     match rows.iter().find(|row| row.schema_version != SCHEMA_VERSION) {
@@ -138,7 +138,7 @@ impl SummaryRow {
         same().find(|row| row.scene_hash == self.scene_hash).or_else(|| same().next())
     }
 
-    /// This row's time by the other's; `None` where one is unknown or they are of different clocks.
+    /// This row's time by the other's; `None` if one is unknown or they are of different clocks.
     #[must_use]
     pub fn ratio_to(&self, then: &Self) -> Option<f64> {
         let ((now, clock), (then, clock_then)) = self.time_ns().zip(then.time_ns())?;
@@ -146,7 +146,7 @@ impl SummaryRow {
     }
 }
 
-/// Rays worked on by threads launched, over all passes; `None` where nothing was launched.
+/// Rays worked on by threads launched, over all passes; `None` if nothing was launched.
 #[must_use]
 pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
     let rays: u64 = passes.iter().map(|pass| u64::from(pass.rays_in)).sum();

@@ -1,4 +1,4 @@
-//! Which rays parted, where, and what that means: an array each, one entry a ray, to be drawn over the image.
+//! Which rays parted, where, and what that means: an array each, one entry per ray, to be drawn over the image.
 
 use raystep_kernels::executor::cpu::OutOfMemory;
 use raystep_kernels::numbers::real::ulps;
@@ -211,7 +211,7 @@ impl DivergenceMap {
         Class::ALL.map(|class| self.count(class))
     }
 
-    /// Each ray's first pass with such a parting, row by row, [`NEVER`] without one; `None` where no ray has one.
+    /// Each ray's first pass with such a parting, row by row, [`NEVER`] without one; `None` if no ray has one.
     #[must_use]
     pub fn passes(&self, class: Class) -> Option<&[u32]> {
         self.classes[class as usize].as_ref().map(|firsts| firsts.pass.as_slice())

@@ -31,7 +31,7 @@ pub struct WrongRay {
     pub ray: usize,
     /// What is wrong.
     pub verdict: Verdict,
-    /// After so many passes it was resolved; `None` where it was not when the run ended.
+    /// After so many passes it was resolved; `None` if it was not when the run ended.
     pub resolved_by: Option<usize>,
 }
 
@@ -69,7 +69,7 @@ impl Judgement {
     }
 }
 
-/// Why the rays of a run cannot be judged, in a line; `None` where they can.
+/// Why the rays of a run cannot be judged, in a line; `None` if they can.
 #[must_use]
 pub fn why_not(plan: &Plan) -> Option<&'static str> {
     let needed = [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::HIT];
@@ -93,7 +93,7 @@ pub fn why_not(plan: &Plan) -> Option<&'static str> {
 /// `progress` gets what is done and of how much, and may stop.
 ///
 /// # Errors
-/// Where the device fails, the plan left a stream out that is needed, or `progress` said so.
+/// If the device fails, the plan left a stream out that is needed, or `progress` said so.
 pub async fn judge_passes(
     renderer: &mut Renderer,
     mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,

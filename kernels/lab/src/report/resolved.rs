@@ -207,13 +207,13 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
 /// A run whose passes were timed.
 struct Timed {
     passes: Vec<Pass>,
-    /// When each pass was over, since the first began; `None` where that is not known.
+    /// When each pass was over, since the first began; `None` if that is not known.
     ends_ns: Vec<Option<f64>>,
     /// The middle one of all runs.
     run_ns: Option<f64>,
 }
 
-/// Of three runs the one whose last pass was over second; `None` where one was given up.
+/// Of three runs the one whose last pass was over second; `None` if one was given up.
 fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed>, Error> {
     let has_clock = work.machine().timer().times_passes();
     let mut runs: Vec<(Vec<Pass>, Vec<Option<f64>>)> = Vec::new();

@@ -1,4 +1,4 @@
-//! Several samples a pixel: the picture's error over time.
+//! Several samples per pixel: the picture's error over time.
 //!
 //! The reference is the mean of two pictures with more samples and other seeds than what is measured; half of the
 //! difference of the two is its own error, as both are independent. An error that is not ten times as large cannot be told
@@ -120,7 +120,7 @@ fn rays(work: &Work<'_>) -> RaySource {
     Work { size, ..*work }.camera_rays()
 }
 
-/// Runs until so many samples are complete; `false` where that takes too long.
+/// Runs until so many samples are complete; `false` if that takes too long.
 fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant) -> Result<bool, Error> {
     let watch = |progress: &raystep_kernels::Progress| {
         work.reporter.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));

@@ -91,7 +91,7 @@ impl Row {
         self.place(column).map_or("", |place| &self.fields[place])
     }
 
-    /// A field that is a number; `None` where it is not known.
+    /// A field that is a number; `None` if it is not known.
     pub(super) fn number(&self, column: &str) -> Option<f64> {
         self.get(column).parse().ok()
     }

@@ -64,7 +64,7 @@ pub(super) struct Built {
 /// Times of a way.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times {
-    /// Of each run that counts; `None` where the clock had no valid time.
+    /// Of each run that counts; `None` if the clock had no valid time.
     runs: Vec<Option<f64>>,
     /// A run was given up: there are no times, and its streams are as far as it came.
     pub(super) is_given_up: bool,
@@ -179,7 +179,7 @@ impl Work<'_> {
         Ok(self.meter.run(renderer, watch)?)
     }
 
-    /// The time of a run by the clock that [times passes](Self::clock); `None` where it had no valid time.
+    /// The time of a run by the clock that [times passes](Self::clock); `None` if it had no valid time.
     pub(super) fn ns(&self, time: Time) -> Option<f64> {
         match self.machine().timer().times_passes() {
             true => time.device_ns.map(|ns| ns as f64),

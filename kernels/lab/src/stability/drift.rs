@@ -59,7 +59,7 @@ pub struct Sample {
 /// Walks, and measures at every 50th cell.
 ///
 /// # Errors
-/// Where the device fails.
+/// If the device fails.
 pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Sample>, StabilityError> {
     let workload = make::long_walk(rays)?;
     let options = Options {
@@ -93,7 +93,7 @@ pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Samp
     }
 }
 
-/// `None` where no ray is walking.
+/// `None` if no ray is walking.
 async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
     let [origin, direction, state, tmax, counters] =
         [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::TMAX, streams::COUNTERS];
@@ -175,7 +175,7 @@ impl Walked {
 /// Writes `tmax.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_rows(out: impl std::io::Write, all: &[Walked]) -> std::io::Result<()> {
     let mut writer = csv::writer(out);
     writer.write_record(COLUMNS)?;

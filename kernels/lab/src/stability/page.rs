@@ -82,7 +82,7 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
     Ok(html::page("raystep: stability", &(STYLE.to_owned() + &plots::style()), &page))
 }
 
-/// A line a case, linked to its section.
+/// A line per case, linked to its section.
 fn overview(page: &mut String, outcomes: &[Outcome]) {
     *page +=
         "<table><tr><th class=\"l\">case</th><th class=\"l\">what</th><th>runs</th><th>not as expected</th></tr>\n";

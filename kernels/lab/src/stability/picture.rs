@@ -37,7 +37,7 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// `None` where every ray is right. A case without a camera has no size, and is shown by directions.
+    /// `None` if every ray is right. A case without a camera has no size, and is shown by directions.
     pub(super) fn of(
         verdicts: &[Verdict],
         size: Option<[u32; 2]>,

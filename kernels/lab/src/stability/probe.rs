@@ -50,7 +50,7 @@ pub struct Difference {
 /// The scene and rays of the probe, by [`Pipeline::is_camera`].
 ///
 /// # Errors
-/// Where the scene cannot be generated.
+/// If the scene cannot be generated.
 pub fn workloads(rays: usize) -> Result<[Workload; 2], StabilityError> {
     let side = rays.isqrt().max(1) as u32;
     Ok([make::given(make::sphere(3, |p| p)?, make::inside(0.5, rays)), make::picture(side, side, 60.0)?])
@@ -98,7 +98,7 @@ pub fn pipelines(workloads: &[Workload; 2]) -> Vec<Pipeline> {
 /// Traces the rays through one pipeline.
 ///
 /// # Errors
-/// Where the device fails.
+/// If the device fails.
 pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device) -> Result<Bits, StabilityError> {
     let scene = &workloads[usize::from(pipeline.is_camera)].scene;
     let mut renderer = Renderer::new(scene, &pipeline.options, device).await?;
@@ -206,7 +206,7 @@ impl Row {
 /// Writes `pipelines.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_rows(out: impl std::io::Write, rows: &[Row]) -> std::io::Result<()> {
     csv::write_file(out, &COLUMNS, rows.iter().map(|row| &row.fields[..]))
 }

@@ -29,7 +29,7 @@ pub struct Wanted {
 pub struct Outcome {
     /// The case.
     pub case: &'static Case,
-    /// One a way.
+    /// One per way.
     pub rows: Vec<Row>,
     /// Where its errors are.
     pub(super) pictures: Vec<Picture>,
@@ -39,7 +39,7 @@ pub struct Outcome {
 
 /// All that came of it.
 pub struct Report {
-    /// One a case.
+    /// One per case.
     pub outcomes: Vec<Outcome>,
     /// Of the long walk, where that case was asked for.
     pub walks: Vec<drift::Walked>,
@@ -62,7 +62,7 @@ pub const FILES: [&str; 4] = [CSV, DRIFT, PROBE, PAGE];
 /// Traces everything that is wanted.
 ///
 /// # Errors
-/// Where a device fails.
+/// If a device fails.
 pub fn measure(wanted: &Wanted, places: &[(Place, Machine)], reporter: &dyn Reporter) -> Result<Report, Error> {
     let Wanted { cases, accelerators, is_quick, pipelines } = wanted;
     let mut outcomes = Vec::new();
@@ -147,7 +147,7 @@ impl Report {
     /// Its files, by [name](FILES).
     ///
     /// # Errors
-    /// Where a plot or picture cannot be drawn, or there is not the memory for a file.
+    /// If a plot or picture cannot be drawn, or there is not the memory for a file.
     pub fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
         let mut files = [CSV, DRIFT, PROBE].map(|name| (name, Vec::new()));
         write_rows(&mut files[0].1, self.outcomes.iter().flat_map(|o| &o.rows))?;

@@ -189,7 +189,7 @@ impl Expected {
 /// Writes `stability.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_rows<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> std::io::Result<()> {
     csv::write_file(out, &COLUMNS, rows.into_iter().map(|row| &row.fields[..]))
 }

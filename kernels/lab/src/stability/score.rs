@@ -59,7 +59,7 @@ impl Score {
     /// Judges every ray of a run, given up or not. `judge` keeps what the rays may hit for the next run of the same.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub async fn of(judge: &mut Judge, truth: Truth, renderer: &Renderer) -> Result<Self, RenderError> {
         let traced = Traced::read(renderer).await?;
         judge.prepare(&traced, (0..traced.rays()).collect());

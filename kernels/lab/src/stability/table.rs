@@ -1,4 +1,4 @@
-//! The results for people: a line a case, and a line for everything that is not as expected.
+//! The results for people: a line per case, and a line for everything that is not as expected.
 
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
 
@@ -28,7 +28,7 @@ fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64
     rows.iter().filter(|row| is_one(row)).map(count).max().map_or("-".into(), |n| n.to_string())
 }
 
-/// A line a case.
+/// A line per case.
 #[must_use]
 pub fn text(outcomes: &[Outcome]) -> String {
     let header =

@@ -24,7 +24,7 @@ pub struct TreeStats {
     pub references: u64,
     /// Expected cost of a ray that hits the root's box, in triangle tests (the surface area heuristic of MacDonald
     /// and Booth, 1990): visits of a node, at the cost of one test each, and tests, each as likely as its box is
-    /// large. `None` where the root's box has no area.
+    /// large. `None` if the root's box has no area.
     pub sah_cost: Option<f64>,
 }
 

@@ -103,7 +103,7 @@ impl Lanes {
         (0..).zip(&self.histogram).map(|(lanes, groups)| lanes * groups).sum()
     }
 
-    /// Threads with work a group, on average; 0 without a group.
+    /// Threads with work per group, on average; 0 without a group.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.working() as f64 / self.groups().max(1) as f64
