@@ -2,8 +2,7 @@
 //!
 //! On a GPU, the paper's tables are replayed: a first run finds the passes one at a time, and later runs submit exactly
 //! those. A normal run submits passes before it knows whether they are needed; without lists of active rays each such
-//! pass
-//! launches every ray, and `first` has such passes in every iteration of its loop.
+//! pass launches every ray, and `first` has such passes in every iteration of its loop.
 
 use std::convert::Infallible;
 use std::sync::Arc;

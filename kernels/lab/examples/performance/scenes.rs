@@ -84,8 +84,7 @@ impl Viewed {
     }
 
     /// Rays of a kind, and a sixteenth of them for counting. `hits` are those of the primary rays of such an image.
-    /// `None` if
-    /// there are no rays of this kind.
+    /// `None` if there are no rays of this kind.
     pub(crate) fn rays(
         &self,
         kind: RayKind,

@@ -1,6 +1,5 @@
 //! Rays aimed at places where ray tracers make mistakes: edges of triangles, and points where surfaces cross the faces
-//! of
-//! a grid's cells.
+//! of a grid's cells.
 //!
 //! They start anywhere in the scene's box except near its sides, so that rules which require the origin to be inside
 //! the grid apply to them, too.
@@ -17,7 +16,7 @@ use super::{Random, ray};
 pub enum Aim<'a> {
     /// Middles of edges, corners, and points along edges.
     Edges,
-    /// Points of triangles that lie in the face of a cell, every other one on an edge of it if there is one.
+    /// Points of triangles in a cell's face, every other one on an edge of the cell if there is one.
     Faces(&'a Planes),
     /// Any direction.
     Anywhere,
