@@ -7,8 +7,7 @@
 //!
 //! `measure` writes `machine.json` and one CSV per section: see [`sections`]. Points are X,Y,Z; the vertical field of
 //! view is in degrees. It reads no files except the meshes, so that the binary can be copied to another machine.
-//! `page` reads such folders and rewrites the marked parts of `docs/performance.md` and the plots beside the
-//! tables.
+//! `page` reads such folders and rewrites the marked parts of `docs/performance.md` and the plots beside the tables.
 
 mod args;
 mod csvs;

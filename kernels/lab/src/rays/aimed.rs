@@ -37,7 +37,7 @@ impl Aim<'_> {
 /// Share of the scene's box, along each axis, in which origins lie.
 const INNER: f64 = 0.8;
 
-/// Triangles tried to find one that crosses a plane.
+/// How many triangles are tried to find one that crosses a plane.
 const TRIES: usize = 64;
 
 /// The planes between a grid's cells, in scene units.
