@@ -1,4 +1,4 @@
-//! Scenes of the repository, and runs of them.
+//! The repository's scenes, and options for them.
 
 use std::path::{Path, PathBuf};
 
