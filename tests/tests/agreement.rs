@@ -40,7 +40,7 @@ fn every_combination_ends_in_the_same_hits() {
                     (ScheduleKind::Fused, 1, Skip::On),
                 ] {
                     if accelerator != Accelerator::Grid && skip == Skip::On && schedule != ScheduleKind::Compact {
-                        continue; // nothing to leap over, or the same schedule
+                        continue; // nothing to skip, or the same schedule
                     }
                     let mut options = options(&scene, size, size);
                     (options.accelerator, options.schedule, options.shade) = (accelerator, schedule, false);

@@ -9,8 +9,8 @@
 //! * an edge function of vertices q and r is off by at most |q|₁·10u·r_r + |r|₁·10u·r_q + 3u·(|qx·ry| +
 //!   |qy·rx|) + 2·10u·r_q·10u·r_r, and what underflows; |·|₁ sums x and y;
 //! * t, a weighted mean of the vertices' depths z, moves by Σ bound_i·|z_i − t| / |det| when the weights
-//!   move (twice that covers the higher orders), and by 18u·max|z| in its own arithmetic. Where the   bounds reach half
-//! the determinant, t may be anywhere between the nearest and the farthest vertex.
+//!   move (twice that covers the higher orders), and by 18u·max|z| in its own arithmetic. Where the
+//!   bounds reach half the determinant, t may be anywhere between the nearest and the farthest vertex.
 //!
 //! A **tie** is a ray for which those bounds allow more than one result: an edge function within its bound, or two
 //! triangles whose |Δt| is within the sum of theirs. Every other ray has one correct result. If the surface continues

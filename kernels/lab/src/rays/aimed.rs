@@ -57,7 +57,7 @@ impl Planes {
         Self { corner: scaled(data.grid.corner), width: scaled(data.grid.width), cells: data.grid.cells }
     }
 
-    /// A random plane of the grid between two coordinates; `None` if there is none.
+    /// A random inner plane of the grid between two coordinates; `None` if there is none.
     fn between(&self, axis: usize, low: f64, high: f64, random: &mut Random) -> Option<f64> {
         // A grid without width has no planes to aim at.
         if self.width[axis].is_nan() || self.width[axis] <= 0.0 {
@@ -75,6 +75,7 @@ impl Planes {
 
 /// `count` rays; none if the scene has no triangle to aim at. If none of the triangles tried crosses a face, the ray
 /// aims at a point of a triangle.
+#[must_use]
 pub fn aimed(scene: &Scene, aim: Aim<'_>, count: usize, seed: u32) -> Vec<Ray> {
     let bounds = scene.bounds();
     if bounds.is_empty() {
@@ -166,7 +167,7 @@ mod tests {
         Planes::of(&Plan::new(scene, &options, &Limits::CPU).expect("a plan").1)
     }
 
-    /// How far a ray passes from a point, relative to their distance.
+    /// How far from a point a ray passes, relative to the distance of the point from the origin.
     fn misses_by(ray: &Ray, point: DVec3) -> f64 {
         let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
         (point - origin).cross(direction).length() / (direction.length() * (point - origin).length())
