@@ -83,7 +83,7 @@ pub async fn divergence(
         rules.judge(&pairs, is_decision, |judged| map.record(Against::F64, &judged))?;
         map.check_memory()?;
         for (values, twin, _) in after {
-            // Most streams are equal, which is a quick check.
+            // Most streams are equal, which is quick to find out.
             if values != twin {
                 single.write(&values);
             }
