@@ -1,5 +1,5 @@
 #!/bin/sh
-# Draws the pictures of docs/inspector.md: the real inspector on real scenes, without a display.
+# Makes the screenshots of docs/inspector.md: the real inspector with real scenes, without a display.
 set -eu
 cd "$(dirname "$0")/.."
 cargo build --release --locked

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Replaces rustdoc while `cargo test` runs the examples in a library's documentation: also makes the documentation, with
-# warnings as errors, from dependencies that are already compiled. `cargo doc` would check all of them again.
+# Replaces rustdoc while `cargo test` runs the examples in a library's documentation. It also builds the documentation,
+# with warnings as errors, from dependencies that are already compiled; `cargo doc` would check all of them again.
 set -eu
 
-# The same arguments without those for running examples.
+# Builds the documentation: the same arguments without those for running examples.
 document() {
     left=$#
     while [ "$left" -gt 0 ]; do

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Opens the real window under a window manager, on a display that nobody sees, with each device: it must open every
-# time, bear being resized and moved while it traces, trace to the end, and close without a word.
-# RAYSTEP_THOROUGH, as tests/full.sh sets it, opens it more often.
+# Opens the real window under a window manager, on a virtual display, with each device. It must open every time, survive
+# being resized and moved while it traces, trace to the end, and close without messages.
+# With RAYSTEP_THOROUGH, which tests/full.sh sets, it is opened more often.
 set -eu
 cd "$(dirname "$0")/.."
 binary=${1:-}
@@ -9,11 +9,11 @@ if [ -z "$binary" ]; then
     cargo build --locked --quiet
     binary=${CARGO_TARGET_DIR:-./target}/debug/raystep
 fi
-# A start that fails once in ten is found by run after run; what every start does wrong, by the first.
+# Repeated starts find intermittent failures; the first start finds the others.
 starts=3
 [ -z "${RAYSTEP_THOROUGH:-}" ] || starts=10
 
-# Does something up to so many times, until it succeeds, with 0.1 s between.
+# Repeats a command until it succeeds, up to this many times, every 0.1 s.
 until_it_does() {
     tries=$1
     shift
@@ -24,7 +24,7 @@ until_it_does() {
     done
 }
 
-# A display, a window manager and a home for one device, in a shell of its own.
+# Starts a display and a window manager and creates a home folder, for one device in a separate shell.
 begin() {
     folder=$(mktemp -d)
     window_manager=""
@@ -47,11 +47,11 @@ fail() {
     exit 1
 }
 
-# Starts it in a fresh home, with these options, and waits until it shows the scene.
+# Starts raystep in a fresh home folder with these options, and waits until it shows the scene.
 open() {
     rm -rf "$folder/.local" "$folder/said"
-    until_it_does 100 no_window || fail "$*: there is a window already"
-    # Its exit code is the last line of what it said.
+    until_it_does 100 no_window || fail "$*: a window is already open"
+    # The last line of its output is its exit code.
     ("$binary" scenes/cornell-box.gltf "$@" 2>&1; echo "exit code $?") >"$folder/said" &
     opened=$!
     until_it_does 300 shows_the_scene && [ ! -s "$folder/said" ] || fail "$*: the window did not show the scene"
@@ -62,11 +62,11 @@ no_window() {
 }
 
 shows_the_scene() {
-    # One that has ended never will.
+    # If it has ended, there is nothing to wait for.
     [ -s "$folder/said" ] || wmctrl -l | grep -q cornell-box
 }
 
-# Closes it as its user would.
+# Closes the window as a user would.
 close() {
     wmctrl -c cornell-box || fail "$*: the window is gone"
     until_it_does 300 test -s "$folder/said" || fail "$*: the window does not close"
@@ -74,7 +74,7 @@ close() {
     [ "$(cat "$folder/said")" = "exit code 0" ] || fail "$*: the window did not stay open and silent"
 }
 
-# What it keeps every ten seconds says what it showed.
+# Every ten seconds it saves its state, which contains the current pass.
 is_traced() {
     find "$folder/.local" -name inspector.json -exec cat {} + >"$folder/kept"
     [ -s "$folder/said" ] || grep -q 'cornell-box.gltf.*pass=73' "$folder/kept"
@@ -86,7 +86,7 @@ test_with() {
     start=1
     while [ "$start" -le "$starts" ]; do
         open --device "$device"
-        # The first passes, while window manager and window agree about the size.
+        # Wait for the first passes, while window manager and window settle on a size.
         sleep 1
         close "--device $device, start $start"
         start=$((start + 1))
@@ -102,7 +102,7 @@ test_with() {
     close "--device $device, after twenty resizes"
 }
 
-# What auto takes is one of these. They mostly wait, so both at once.
+# `--device auto` selects one of these. They mostly wait, so run both at once.
 (test_with gpu) &
 gpu=$!
 (test_with cpu) &

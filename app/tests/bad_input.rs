@@ -1,4 +1,4 @@
-//! Bad input: the right exit code, one line that says what is wrong, and nothing left behind.
+//! Bad input: the right exit code, a one-line error, and no files left behind.
 
 use std::ffi::OsStr;
 use std::fs;

@@ -1,4 +1,4 @@
-//! `raystep bench`, from the built binary: its files read back by strict readers.
+//! `raystep bench`, from the built binary; its files are read by strict readers.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,12 +11,12 @@ fn cornell_box() -> String {
     scene("cornell-box.gltf").display().to_string()
 }
 
-/// A small benchmark on the CPU, and more arguments.
+/// A small benchmark on the CPU, with further arguments.
 fn bench<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["bench", scene, "--sizes", "16x12", "--device", "cpu", "--repeats", "3", "--warmups", "1"], more].concat()
 }
 
-/// Rows by column, every row with as many fields as there are columns.
+/// Rows by column; every row has as many fields as there are columns.
 fn rows(file: &[u8]) -> (Vec<String>, Vec<Row>) {
     let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(file);
     let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
@@ -66,19 +66,19 @@ fn every_configuration_has_its_row_and_the_files_agree() {
             assert_eq!((row["timer_source"].as_str(), row["baseline_ratio"].as_str()), ("cpu_clock", ""));
             let [p05, median, p95] = ["p05", "median", "p95"].map(|p| number(row, &format!("{p}_device_ns")));
             assert!(0.0 < p05 && p05 <= median && median <= p95, "{row:?}");
-            assert!(median <= number(row, "median_wall_ns"), "passes take no longer than the run: {row:?}");
+            assert!(median <= number(row, "median_wall_ns"), "passes take longer than the run: {row:?}");
             assert!(is_near(number(row, "rays_per_s"), number(row, "rays") / median * 1e9), "{row:?}");
             assert!(number(row, "build_s") > 0.0 && number(row, "compile_s") > 0.0);
             let bytes = number(row, "bytes_per_triangle");
             assert_eq!(bytes == 0.0, way.0 == "none", "{row:?}");
-            // The same rays, and of them the same hits, whatever traced them.
+            // The same rays, and the same hits, in every configuration.
             for name in ["rays", "hits", "hits_hash", "scene_hash", "triangles"] {
                 assert_eq!(row[name], group[0][name], "{name}");
             }
         }
         let none = &group[2];
         if kind != "shadow" {
-            // Without an accelerator every ray tests every triangle, and visits nothing.
+            // Without an accelerator every ray tests every triangle, and visits no cells.
             assert_eq!(
                 (number(none, "tests_per_ray"), &none["cells_per_ray"]),
                 (number(none, "triangles"), &"0.0".into())
@@ -87,18 +87,18 @@ fn every_configuration_has_its_row_and_the_files_agree() {
         assert!(number(&group[0], "cells_per_ray") > 1.0);
         assert!(number(&group[0], "repeated_per_ray") < number(&group[0], "tests_per_ray"));
         if kind == "primary" || kind == "random" {
-            assert_eq!(none["rays"], "192", "a ray a pixel");
+            assert_eq!(none["rays"], "192", "one ray per pixel");
         }
     }
     for first in [0, 4] {
-        assert_eq!(groups[first + 1][0]["rays"], groups[first][0]["hits"], "a bounce for every primary hit");
+        assert_eq!(groups[first + 1][0]["rays"], groups[first][0]["hits"], "one bounce ray per primary hit");
     }
     assert!(
         number(&groups[6][0], "rays") < number(&groups[5][0], "rays"),
         "some of the teapot faces away from its light"
     );
     let hashes: BTreeSet<_> = groups.iter().map(|group| &group[0]["hits_hash"]).collect();
-    assert_eq!(hashes.len(), groups.len(), "every kind of rays hits something else");
+    assert_eq!(hashes.len(), groups.len(), "every kind of ray has different hits");
     assert!(number(&groups[4][0], "hits") < 192.0, "the teapot does not fill the image");
 
     passes_agree(&place, &summary);
@@ -113,7 +113,7 @@ fn every_configuration_has_its_row_and_the_files_agree() {
     assert_eq!(ids, summary.iter().map(|row| row["run_id"].as_str()).collect::<Vec<_>>());
     assert!(configurations[0]["shaders"]["intersect"].as_str().is_some_and(|hash| hash.len() == 16));
     assert_ne!(configurations[0]["shaders"]["intersect"], configurations[2]["shaders"]["intersect"]);
-    // FNV-1a, 64 bits, of cornell-box.gltf, worked out by another program: another one where that file changes.
+    // FNV-1a, 64 bits, of cornell-box.gltf, computed by another program; update it if that file changes.
     const HASH: &str = "ae49c3b13b689522";
     assert_eq!((&run["scenes"][0]["hash"], summary[0]["scene_hash"].as_str()), (&HASH.into(), HASH));
 
@@ -124,7 +124,7 @@ fn every_configuration_has_its_row_and_the_files_agree() {
     }
     let lines: BTreeSet<usize> =
         outcome.stdout.lines().filter(|l| l.starts_with("  ")).map(|l| l.chars().count()).collect();
-    assert_eq!(lines.len(), 1, "every line ends below the others: {}", outcome.stdout);
+    assert_eq!(lines.len(), 1, "all lines have the same length: {}", outcome.stdout);
     assert_eq!(place.names(), ["out"]);
 }
 
@@ -146,7 +146,7 @@ fn trees_and_passes_of_several_steps_are_described_as_they_are() {
         assert!(useful <= 1.0 && (schedule != "fused" || useful == 1.0), "{row:?}");
         let tuning = if schedule == "compact" { "grid=auto skip=auto steps_per_pass=8" } else { "grid=auto skip=auto" };
         assert_eq!(row["tuning"], tuning);
-        // Only the kernel that tests one triangle a pass looks back, and not in a tree.
+        // Only the kernel that tests one triangle per pass counts repeated tests, and not with a BVH.
         let looks_back = schedule == "second" && matches!(accelerator, "grid" | "none");
         assert_eq!(row["repeated_per_ray"].is_empty(), !looks_back, "{row:?}");
         let plan = ["plan", &file, "--size", "16x12", "--device", "cpu", "--json", "--accelerator", accelerator];
@@ -164,7 +164,7 @@ fn trees_and_passes_of_several_steps_are_described_as_they_are() {
     }
 }
 
-/// `passes.csv` has one run of each configuration, which `summary.csv` sums up.
+/// `passes.csv` has one run of each configuration, which must agree with `summary.csv`.
 fn passes_agree(place: &Place, summary: &[Row]) {
     let (_, passes) = rows(&place.read("out/passes.csv"));
     let mut of: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
@@ -182,7 +182,7 @@ fn passes_agree(place: &Place, summary: &[Row]) {
             assert_eq!((pass["repeat"].as_str(), pass["is_warmup"].as_str()), ("3", "false"));
             assert_eq!((&pass["accelerator"], &pass["schedule"]), (&row["accelerator"], &row["schedule"]));
         }
-        assert_eq!(passes[0]["gpu_begin_ns"], "0", "each run begins at 0");
+        assert_eq!(passes[0]["gpu_begin_ns"], "0", "each run starts at 0");
     }
 }
 
@@ -191,7 +191,7 @@ fn a_baseline_gives_ratios_and_says_what_has_none() {
     let place = Place::new();
     let file = cornell_box();
     place.ok(&bench(&file, &["--accelerators", "grid,none", "--schedules", "second", "-o", "before"]));
-    // As if it had been another time, machine and scene, and one thing more.
+    // Change time, device and scene, and remove one row.
     let text = String::from_utf8(place.read("before/summary.csv")).expect("UTF-8");
     let (names, before) = rows(text.as_bytes());
     let mut edited = csv::Writer::from_writer(Vec::new());
@@ -211,7 +211,7 @@ fn a_baseline_gives_ratios_and_says_what_has_none() {
         bench(&file, &["--accelerators", "grid", "--schedules", "second,first", "--baseline", "before", "-o", "now"]);
     let outcome = place.ok(&now);
     let (_, rows) = rows(&place.read("now/summary.csv"));
-    let [second, first] = &rows[..] else { panic!("two rows are wanted: {rows:?}") };
+    let [second, first] = &rows[..] else { panic!("expected two rows: {rows:?}") };
     assert!(is_near(number(second, "baseline_ratio"), number(second, "median_device_ns") / 1000.0), "{second:?}");
     assert_eq!(first["baseline_ratio"], "");
     for note in [
@@ -241,7 +241,7 @@ fn a_folder_is_replaced_only_where_a_benchmark_wrote_it() {
     place.fails(1, "out is not empty", &bench);
     std::fs::write(place.path("out/mine.txt"), "mine").expect("a file");
     let again = place.ok(&[&bench[..], &["--force", "--baseline", "out"]].concat());
-    assert!(again.stdout.contains("to baseline"), "the old one is read before it is replaced: {again:?}");
+    assert!(again.stdout.contains("to baseline"), "the old summary is read before it is replaced: {again:?}");
     assert_ne!(place.read("out/summary.csv"), first);
     assert_eq!(place.read("out/mine.txt"), b"mine");
     let names = std::fs::read_dir(place.path("out")).expect("the folder").map(|e| e.expect("an entry").file_name());
@@ -265,7 +265,7 @@ fn what_cannot_be_measured_is_left_out_and_said() {
     let outcome = place.ok(&sizes);
     assert!(outcome.stderr.contains("note: omitted: cornell-box 32768x32768 primary, grid"), "{outcome:?}");
     let (_, measured) = rows(&place.read("out/summary.csv"));
-    assert_eq!(measured.len(), 1, "twice the same is once");
+    assert_eq!(measured.len(), 1, "duplicates are measured once");
     let empty = scene("empty.gltf").display().to_string();
     place.fails(1, "no pixel has a ray", &bench(&empty, &["--rays", "bounce,shadow", "-o", "none"]));
     let outcome = place.ok(&bench(&empty, &["--rays", "bounce,random", "-o", "empty"]));
@@ -301,7 +301,7 @@ fn a_gpu_is_timed_by_its_own_clock_and_hits_the_same() {
         let ns = number(gpu, if has_clock { "median_device_ns" } else { "median_wall_ns" });
         assert!(is_near(number(gpu, "rays_per_s"), number(gpu, "rays") / ns * 1e9), "{gpu:?}");
         assert_eq!((gpu["n"].as_str(), run["adapter"]["name"] == gpu["device"].as_str()), ("2", true));
-        // Which pixels have a bounce is decided by hits alone.
+        // Only hits determine which pixels have a bounce ray.
         assert_eq!((&gpu["rays"], &gpu["hits"]), (&cpu["rays"], &cpu["hits"]));
     }
     assert_eq!(gpu[0]["hits_hash"], gpu[1]["hits_hash"]);

@@ -1,4 +1,4 @@
-//! Running the binary in a folder of its own.
+//! Runs the binary in a temporary folder.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -7,12 +7,12 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
-/// A scene of this repository.
+/// A scene file of this repository.
 pub(crate) fn scene(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name)
 }
 
-/// What a run came to.
+/// The result of a run.
 #[derive(Debug)]
 pub(crate) struct Outcome {
     pub(crate) code: Option<i32>,
@@ -38,7 +38,7 @@ impl Place {
         fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    /// Names in the folder, sorted: what a run left behind, hidden files included.
+    /// Sorted names of the files in the folder, including hidden ones.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).expect("the folder");
         let mut names: Vec<_> =
@@ -51,7 +51,7 @@ impl Place {
     pub(crate) fn command(&self, arguments: &[&OsStr]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_raystep"));
         command.current_dir(self.folder.path()).args(arguments).stdin(Stdio::null());
-        // As on a machine without a desktop, where its libraries would complain on stderr.
+        // As on a machine without a desktop, where libraries of the desktop would complain on stderr.
         for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
             command.env_remove(name);
         }
@@ -63,20 +63,19 @@ impl Place {
         outcome(&mut self.command(&arguments))
     }
 
-    /// Runs, and fails the test unless the exit code is 0.
+    /// Runs, and requires exit code 0.
     pub(crate) fn ok(&self, arguments: &[&str]) -> Outcome {
         let outcome = self.run(arguments);
         assert_eq!(outcome.code, Some(0), "{arguments:?}: {outcome:?}");
         outcome
     }
 
-    /// Runs, and fails the test unless it ends with this code and one line of error that has `wanted` in it,
-    /// and leaves nothing behind.
+    /// Runs, and requires this exit code, a one-line error that contains `wanted`, and no new files.
     pub(crate) fn fails(&self, code: i32, wanted: &str, arguments: &[&str]) {
         let before = self.names();
         let outcome = self.run(arguments);
         assert_error(&outcome, code, wanted, &format!("{arguments:?}"));
-        assert_eq!(self.names(), before, "{arguments:?} left something behind");
+        assert_eq!(self.names(), before, "{arguments:?} left files behind");
     }
 }
 
@@ -84,7 +83,7 @@ pub(crate) fn assert_error(outcome: &Outcome, code: i32, wanted: &str, what: &st
     assert_eq!(outcome.code, Some(code), "{what}: {outcome:?}");
     assert_eq!(outcome.stdout, "", "{what}");
     let errors: Vec<_> = outcome.stderr.lines().filter(|l| !l.starts_with("note: ")).collect();
-    assert_eq!(errors.len(), 1, "{what}: one line is wanted: {outcome:?}");
+    assert_eq!(errors.len(), 1, "{what}: expected one line: {outcome:?}");
     assert!(errors[0].starts_with("error: ") && errors[0].contains(wanted), "{what}: {:?} in {errors:?}", wanted);
 }
 

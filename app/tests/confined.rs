@@ -1,22 +1,22 @@
-//! What a scene may have read: files of its own folder, and no more memory than it is given.
+//! What a scene may read: files in its own folder, within a memory limit.
 
 use std::fs;
 
 use crate::common::{Outcome, Place, assert_error, outcome};
 
-/// A triangle whose positions are in the file that `uri` names.
+/// A triangle whose positions are in the file at `uri`.
 fn triangle(uri: &str) -> String {
     format!(
         r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36,"uri":"{uri}"}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"nodes":[{{"mesh":0}}]}}"#
     )
 }
 
-/// Its positions.
+/// The positions of that triangle.
 fn positions() -> Vec<u8> {
     [0f32, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-/// A folder with a scene in `scenes` and what lies around it.
+/// A folder with scenes in `scenes` and other files around it.
 fn surroundings() -> Place {
     let place = Place::new();
     for folder in ["scenes/sub", "other", "scenes beside"] {
@@ -49,7 +49,7 @@ fn files_are_read_from_the_scenes_folder_and_below() {
         place.ok(&["info", "scenes/s.gltf"]);
         place.ok(&["info", "scenes/s.gltf", "--allow-outside"]);
     }
-    // The folder's own name has no `..` and no link in it, whatever way the scene is named by.
+    // The folder in messages has no `..` and no link, however the scene's path was written.
     write_scene(&place, "x.bin");
     place.ok(&["info", "other/../scenes/sub/../s.gltf"]);
     for (uri, words) in [
@@ -57,9 +57,9 @@ fn files_are_read_from_the_scenes_folder_and_below() {
         ("%2e%2e/x.bin", "buffers[0].uri: \"%2e%2e/x.bin\" lies outside of"),
         ("%2E./other/x.bin", "\"%2E./other/x.bin\" lies outside of"),
         ("sub/../../x.bin", "\"sub/../../x.bin\" lies outside of"),
-        // A folder whose name begins like the scene's.
+        // A folder whose name starts with the scene folder's name.
         ("../scenes%20beside/x.bin", "\"../scenes%20beside/x.bin\" lies outside of"),
-        // What lies outside is not said to exist or not.
+        // Messages do not tell whether a file outside exists.
         ("../missing.bin", "\"../missing.bin\" lies outside of"),
         ("../missing/x.bin", "\"../missing/x.bin\" lies outside of"),
         ("../../../../../../../../../../etc/passwd", "etc/passwd\" lies outside of"),
@@ -118,7 +118,7 @@ fn links_are_followed_before_a_file_is_said_to_lie_in_the_folder() {
     }
     write_scene(&place, "broken.bin");
     place.fails(1, "No such file", &["info", "scenes/s.gltf"]);
-    // Beside a link to a scene lies what the link's folder has.
+    // If the scene is a link, files beside it are those in the link's folder.
     write_scene(&place, "x.bin");
     symlink("../scenes/s.gltf", place.path("other/linked.gltf")).expect("a link");
     place.ok(&["info", "other/linked.gltf"]);
@@ -126,7 +126,7 @@ fn links_are_followed_before_a_file_is_said_to_lie_in_the_folder() {
     place.fails(1, "cannot read \"x.bin\"", &["info", "other/linked.gltf"]);
 }
 
-/// Pictures of a triangle as a GLB.
+/// A textured triangle as a GLB.
 fn textured(picture: &[u8]) -> Vec<u8> {
     let mut bin = positions();
     bin.extend(picture);
@@ -153,7 +153,7 @@ fn textured(picture: &[u8]) -> Vec<u8> {
     glb
 }
 
-/// The head of a grey PNG of so many texels a side, and no picture behind it.
+/// The header of a grey PNG with sides of this many texels, without image data.
 fn png_head(side: u32) -> Vec<u8> {
     let mut body = b"IHDR".to_vec();
     body.extend(side.to_be_bytes());
@@ -165,7 +165,7 @@ fn png_head(side: u32) -> Vec<u8> {
     [b"\x89PNG\r\n\x1a\n\0\0\0\r", &body[..], &crc.to_be_bytes(), b"\0\0\0\x01IDATx"].concat()
 }
 
-/// Runs with at most so much address space.
+/// Runs with limited address space.
 #[cfg(unix)]
 fn limited(place: &Place, mib: u64, arguments: &[&str]) -> Outcome {
     let shell = format!("ulimit -v {}; exec \"$0\" \"$@\"", mib * 1024);
@@ -182,13 +182,13 @@ fn pictures_that_cannot_be_held_are_refused_by_their_headers() {
         fs::write(place.path(format!("{side}.glb")), textured(&png_head(side))).expect("a scene");
     }
     let render = |scene: &'static str| ["render", scene, "-o", "a.png", "--size", "8x8", "--device", "cpu"];
-    // More than any device binds, whatever memory there is.
+    // More than any device can bind, regardless of memory.
     let words = "images[0]: is 30000 x 30000 texels, and 900000000 texels";
     for mib in [4096, 8192] {
         assert_error(&limited(&place, mib, &render("30000.glb")), 1, words, "the limits of a shell");
     }
     place.fails(1, words, &[&render("30000.glb")[..], &["--max-memory", "64G"]].concat());
-    // More than is given, and then more than there is.
+    // Above --max-memory, and then above the available memory.
     place.fails(
         1,
         "--max-memory, currently 4.0 GiB, raises the limit",
@@ -197,7 +197,7 @@ fn pictures_that_cannot_be_held_are_refused_by_their_headers() {
     place.fails(1, "takes 1728000000 more bytes", &["info", "12000.glb", "--max-memory", "1G"]);
     for (mib, scene) in [(4096, "22000.glb"), (512, "12000.glb")] {
         let outcome = limited(&place, mib, &render(scene));
-        // The larger one finds its memory, and then no picture.
+        // The larger one fits in memory, but then has no image data.
         let words =
             if mib == 512 { "images[0]: not enough memory for the 576000000 bytes" } else { "cannot be decoded" };
         assert_error(&outcome, 1, words, scene);
@@ -218,7 +218,7 @@ fn a_large_picture_is_read_in_less_than_twice_its_texels() {
     grey.write_to(&mut jpeg, image::ImageFormat::Jpeg).expect("a picture");
     for (name, picture) in [("png.glb", png), ("jpeg.glb", jpeg)] {
         fs::write(place.path(name), textured(picture.get_ref())).expect("a scene");
-        // 137 MiB of texels once, and not twice; the program and what it links take some 70 MiB of addresses.
+        // 137 MiB of texels, once and not twice; the program and its libraries take some 70 MiB of address space.
         let outcome = limited(&place, 137 + 120, &["info", name]);
         assert_eq!(outcome.code, Some(0), "{name}: {outcome:?}");
     }
@@ -256,7 +256,7 @@ fn every_command_that_opens_a_scene_has_both_options() {
             place.ok(&[&allowed[..], &["--max-memory", "1m"]].concat());
         }
     }
-    // A link to a view does not decide what is read.
+    // A link to a view does not change what may be read.
     let link = format!("raystep:1?scene={scene}&pixel=4,4&size=8x8&device=cpu");
     place.fails(1, "--allow-outside", &["trace", "--link", &link]);
     place.ok(&["trace", "--link", &link, "--allow-outside"]);

@@ -1,4 +1,4 @@
-//! What `dump` writes.
+//! Files written by `dump`.
 
 use exr::prelude::FlatSamples;
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::common::Place;
 use crate::files::{channels, cornell_box, floats};
 
-/// Shape and values of a .npy, by the rules of its format.
+/// Shape and values of a .npy file, read according to its specification.
 fn npy(file: &[u8]) -> (String, Vec<usize>, Vec<u32>) {
     assert_eq!(&file[..8], b"\x93NUMPY\x01\x00");
     let length = usize::from(u16::from_le_bytes([file[8], file[9]]));
@@ -42,7 +42,7 @@ fn dump_writes_streams_and_an_index_that_names_them() {
         "--device",
         "cpu",
     ]);
-    assert!(outcome.stderr.contains("writing 4 files, "), "the size is said first: {outcome:?}");
+    assert!(outcome.stderr.contains("writing 4 files, "), "the size is announced first: {outcome:?}");
     let index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
     let passes = index["passes"].as_array().expect("passes");
     let last = passes.last().expect("a pass");
@@ -71,7 +71,7 @@ fn sorted<'a>(names: &[&'a str]) -> Vec<&'a str> {
     names
 }
 
-/// Passes of a run have the same numbers whichever streams are dumped, and those of `trace`.
+/// Passes have the same numbers whichever streams are dumped, and the same as in `trace`.
 #[test]
 fn passes_keep_their_numbers_whatever_is_dumped() {
     let place = Place::new();
@@ -118,7 +118,7 @@ fn passes_keep_their_numbers_whatever_is_dumped() {
                 hits.push(place.read(&format!("{folder}/{hit}")));
             }
             if is_stepped && streams == "hit" {
-                // By its number it is there as well, and the one after it is not.
+                // The last pass also exists by its number, and there is no pass after it.
                 let by = |number: usize, folder: &str| {
                     let number = number.to_string();
                     [&["dump", &cornell_box(), "--pass", &number, "--stream", "hit", "-o", folder][..], &common, way]
@@ -135,7 +135,7 @@ fn passes_keep_their_numbers_whatever_is_dumped() {
                 place.fails(2, &message, &beyond.iter().map(String::as_str).collect::<Vec<_>>());
             }
         }
-        assert!(hits.iter().all(|hit| *hit == hits[0]), "{way:?}: the hits of the last pass");
+        assert!(hits.iter().all(|hit| *hit == hits[0]), "{way:?}: the hits of the last pass differ");
     }
 }
 
@@ -155,7 +155,7 @@ fn dump_of_all_passes_ends_as_the_last_one_does() {
             let name = name.as_str().expect("a name");
             assert_eq!(place.read(&format!("{all}/{name}")), place.read(&format!("{last}/{name}")), "{name}");
         }
-        // What the index says of a pass is what its state stream holds.
+        // The index's counts of rays by state agree with the state stream.
         let states = ["UNWRITTEN", "TRAV_SETUP", "TRAV", "ISECT_NO_HIT", "ISECT_HIT", "SHADE", "BACKGROUND", "DONE"];
         let (_, _, state) = npy(&place.read(&format!("{all}/pass-000004.state.npy")));
         for (tag, name) in states.iter().enumerate() {
@@ -173,7 +173,7 @@ fn dump_leaves_a_folder_with_files_alone_unless_forced() {
     place.ok(&dump);
     std::fs::write(place.path("out/mine.txt"), "mine").expect("a file");
     place.fails(1, "out is not empty", &dump);
-    // What an index should not list is left alone.
+    // Files that an index should not list are not deleted.
     std::fs::write(place.path("pass-0.npy"), "mine").expect("a file");
     let mut index: Value = serde_json::from_slice(&place.read("out/index.json")).expect("JSON");
     let files = index["passes"][0]["files"].as_array_mut().expect("files");
@@ -184,5 +184,5 @@ fn dump_leaves_a_folder_with_files_alone_unless_forced() {
     let entries = std::fs::read_dir(place.path("out")).expect("the folder");
     let names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
     let names: Vec<_> = names.iter().map(String::as_str).collect();
-    assert_eq!(sorted(&names), ["index.json", "mine.txt", "pass-000003.hit.npy"], "the first dump's files are gone");
+    assert_eq!(sorted(&names), ["index.json", "mine.txt", "pass-000003.hit.npy"], "the first dump's files are deleted");
 }

@@ -1,16 +1,15 @@
-//! Characters that a terminal, a browser or a spreadsheet would obey: names have them, and nothing that is said or
-//! written has.
+//! Names with characters that a terminal, a browser or a spreadsheet would act on: no output contains them unescaped.
 
 use std::fs;
 
 use crate::common::{Place, scene};
 
-/// Sets a terminal's title, moves up and wipes; C1's CSI; turns the direction of what follows.
+/// Sets a terminal's title, moves up and clears; a C1 CSI; reverses the direction of the text that follows.
 const EVIL: &str = "\u{1b}]0;mine\u{7}\u{1b}[1A\u{9b}2K\u{202e}\u{7f}";
-/// The same as it is to be shown.
+/// How it must be shown.
 const SHOWN: &str = r"\u{1b}]0;mine\u{7}\u{1b}[1A\u{9b}2K\u{202e}\u{7f}";
 
-/// Fails where a text has a character that would be obeyed, but for ends of lines.
+/// Fails if a text has a character that would be acted on, apart from line ends.
 fn assert_tame(text: &str, what: &str) {
     let is_wild = |c: &char| {
         let turns =
@@ -21,7 +20,7 @@ fn assert_tame(text: &str, what: &str) {
     assert!(!text.replace("\r\n", "\n").contains('\r'), "{what}: a line begins again: {text:?}");
 }
 
-/// Runs, and expects that what is said shows the name.
+/// Runs, and expects the escaped name in the output.
 fn shows(place: &Place, code: i32, arguments: &[&str]) {
     let outcome = place.run(arguments);
     assert_eq!(outcome.code, Some(code), "{arguments:?}: {outcome:?}");
@@ -30,7 +29,7 @@ fn shows(place: &Place, code: i32, arguments: &[&str]) {
     assert!(said.contains(SHOWN), "{arguments:?}: {said}");
 }
 
-/// A scene with more in its JSON.
+/// Writes a scene with additional JSON.
 fn write_scene(place: &Place, name: &str, more: &serde_json::Value) {
     let text = fs::read_to_string(scene("single-triangle.gltf")).expect("a scene");
     let mut gltf: serde_json::Value = serde_json::from_str(&text).expect("JSON");
@@ -59,7 +58,7 @@ fn what_a_scene_holds_is_shown_and_not_obeyed() {
     shows(&place, 0, &[&["render", "used.gltf", "--summary-json", "run.json"], &render[..]].concat());
     shows(&place, 0, &["info", "used.gltf"]);
     shows(&place, 0, &["info", "camera.gltf"]);
-    // As JSON the name is what it was, and escaped by JSON's own rules.
+    // In JSON the name is unchanged, and escaped according to JSON's rules.
     for text in
         [place.ok(&["info", "used.gltf", "--json"]).stdout, String::from_utf8(place.read("run.json")).expect("UTF-8")]
     {
@@ -96,7 +95,7 @@ fn what_is_typed_is_shown_and_not_obeyed() {
     assert!(place.names().is_empty());
 }
 
-/// A file system may hold any name, but not every one does.
+/// Not every file system allows every name.
 #[test]
 #[cfg(unix)]
 fn the_name_of_a_file_is_shown_in_lines_tables_and_pages() {

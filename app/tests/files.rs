@@ -1,4 +1,4 @@
-//! Files that the binary writes, read back by other readers.
+//! Files written by the binary, read by other readers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
@@ -63,8 +63,8 @@ fn exr_carries_what_each_ray_hit() {
     assert_eq!(names[..9], expected);
     assert_eq!(names[9..], ["Normal.Z", "R", "Z"]);
     let FlatSamples::U32(ids) = &channels["Hit.TriId.V"] else { panic!("ids are not UINT") };
-    assert!(ids.iter().all(|&id| id < 26), "every pixel of the closed box sees one of its triangles");
-    // The back wall is seen at the centre of the top half and faces the viewer.
+    assert!(ids.iter().all(|&id| id < 26), "every pixel of the closed box hits one of its triangles");
+    // The centre of the top half shows the back wall, which faces the viewer.
     let centre = 12 * 32 + 20;
     let normal = ["Normal.X", "Normal.Y", "Normal.Z"].map(|n| floats(&channels, n)[centre].abs());
     assert_eq!(normal, [0.0, 0.0, 1.0]);
@@ -96,10 +96,10 @@ fn passes_csv_reads_strictly_and_adds_up() {
     for (i, row) in rows.iter().enumerate() {
         assert_eq!(row[column("pass_index")], i.to_string());
         assert_eq!((&row[column("timer_source")], &row[column("valid")]), ("cpu_clock", "true"));
-        assert_eq!(&row[column("cpu_encode_ns")], "", "unknown is empty");
+        assert_eq!(&row[column("cpu_encode_ns")], "", "unknown values are empty");
         assert!(["256", "512", "768"].contains(&&row[column("threads_launched")]), "chunks of 512 and 256: {row:?}");
     }
-    assert_eq!(&rows[0][column("gpu_begin_ns")], "0", "the first pass is the run's beginning");
+    assert_eq!(&rows[0][column("gpu_begin_ns")], "0", "the first pass is the start of the run");
     assert_eq!((&rows[0][column("rays_in")], &rows[0][column("rays_out")]), ("768", "768"));
     let run: Value = serde_json::from_slice(&json).expect("JSON");
     assert_eq!(run["passes"], rows.len());
@@ -132,7 +132,7 @@ fn trace_json_loads_as_trace_events_and_adds_up() {
         let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(bytes.as_slice());
         let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
         if trace["otherData"]["timer_source"] == "host" {
-            // The adapter's clock is none: the whole run has a time, and no pass.
+            // The adapter's clock is unreliable: the run as a whole has a time, but no pass.
             assert_eq!((device, slices("pass").len(), slices("run").len()), ("gpu", 0, 1));
             assert_eq!(about("passes_without_times") as usize, rows.len());
             assert!((sum(&slices("run")) * 1000.0 - about("host_run_ns")).abs() < 1.0 && about("host_run_ns") > 0.0);
@@ -149,13 +149,13 @@ fn trace_json_loads_as_trace_events_and_adds_up() {
         }
         let whole = sum(&slices("pass")) + sum(&slices("gap")) - about("overlaps_us");
         assert!((whole - about("whole_us")).abs() < 1e-3 && whole > 0.0, "{device}: {whole} {}", about("whole_us"));
-        // Every ray ends DONE, and the last word of its counter says so.
+        // Every ray ends in DONE, and the last value of that counter shows it.
         let done = events.iter().rfind(|e| e["ph"] == "C" && e["name"] == "rays in DONE").expect("a counter");
         assert_eq!(done["args"]["rays"], 24 * 16);
     }
 }
 
-/// One rule for every file: what the adapter's clock says where it is true, and else the host's of the whole run.
+/// The same rule for all files: the adapter's clock if it is reliable, otherwise the host's time of the whole run.
 #[test]
 fn a_gpus_times_are_true_or_the_hosts() {
     let place = Place::new();
@@ -183,7 +183,7 @@ fn a_gpus_times_are_true_or_the_hosts() {
         } else {
             assert_eq!((times, valid, source), ([false, false, true], "false", "host"), "{row:?}");
             let host_ns: f64 = row[column("host_run_ns")].parse().expect("a time");
-            // All of the run's submissions, and nothing else.
+            // All of the run's submissions, and little else.
             assert!(host_ns <= trace_ns && host_ns > 0.1 * trace_ns, "{host_ns} of {trace_ns} ns");
             assert_eq!(run["host_run_ns"], row[column("host_run_ns")].parse::<u64>().expect("a time"));
         }
@@ -195,7 +195,7 @@ fn a_gpus_times_are_true_or_the_hosts() {
     assert_eq!(outcome.stderr.contains("passes have no times, a run has the host's"), !is_true, "{outcome:?}");
     assert_eq!(run["timer_source"], if is_true { "gpu_timestamp" } else { "host" });
     assert!(clock["host_ns"].as_u64() >= Some(1_000_000), "{clock}");
-    // Two looks at one clock: what is true once is not untrue the next time.
+    // The clock is checked again in this run, and the result must be the same.
     assert_eq!(clock["agrees"], is_true, "{clock}");
 }
 
@@ -227,7 +227,7 @@ fn the_gpu_and_the_twins_draw_the_same_image() {
         let render = ["render", &cornell_box(), "-o", &name, "--device", device, "--size", "40x30"];
         place.ok(&[&render[..], &["--summary-json", &summary]].concat());
         let run: Value = serde_json::from_slice(&place.read(&summary)).expect("JSON");
-        assert_eq!(run["device"], device, "it ran where it was asked to");
+        assert_eq!(run["device"], device, "it ran on another device");
         let image = image::load_from_memory(&place.read(&name)).expect("a PNG").to_rgb8();
         assert_eq!(image.dimensions(), (40, 30), "{device}");
         let colours: BTreeSet<_> = image.pixels().map(|p| p.0).collect();
@@ -237,8 +237,8 @@ fn the_gpu_and_the_twins_draw_the_same_image() {
     let ((cpu, on_cpu), (gpu, on_gpu)) = (draw("cpu"), draw("gpu"));
     println!("{}", on_gpu["adapter"]);
     assert!(on_cpu["adapter"].is_null() && on_gpu["adapter"]["name"].is_string(), "{on_gpu}");
-    // Mesa's software Vulkan rounds as the twins do. Elsewhere a shaded value may round the other way, and is then one
-    // step of 8 bits off.
+    // Mesa's software Vulkan rounds as the twins do. Elsewhere a shaded value may round the other way, and is then off
+    // by one step of 8 bits.
     let may_round = on_gpu["adapter"]["kind"] != "software";
     let furthest = cpu.as_raw().iter().zip(gpu.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(furthest.is_some_and(|furthest| furthest <= u8::from(may_round)), "{furthest:?}");

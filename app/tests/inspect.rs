@@ -1,4 +1,4 @@
-//! The inspector from the command line: drawn without a display, or refused in one line.
+//! The inspector from the command line: drawn without a display, or rejected with a one-line error.
 
 use image::RgbaImage;
 
@@ -12,7 +12,7 @@ fn picture(place: &Place, name: &str) -> RgbaImage {
     image::open(place.path(name)).expect("a picture").into_rgba8()
 }
 
-/// How many pixels two pictures of one size do not share.
+/// How many pixels differ between two images of the same size.
 fn differing(a: &RgbaImage, b: &RgbaImage) -> usize {
     assert_eq!(a.dimensions(), b.dimensions());
     a.pixels().zip(b.pixels()).filter(|(a, b)| a != b).count()
@@ -30,25 +30,25 @@ fn the_window_is_drawn_without_a_display_and_shows_what_it_is_asked_to() {
     };
     let end = shot("end.png", &[]);
     assert_eq!(end.dimensions(), (640, 400));
-    // The red and the green wall of the finished picture.
+    // The red and the green wall of the finished image.
     let is_red = |p: &&image::Rgba<u8>| p[0] > 120 && p[1] < 90 && p[2] < 90;
     let is_green = |p: &&image::Rgba<u8>| p[1] > 120 && p[0] < 120 && p[2] < 120;
     assert!(end.pixels().filter(is_red).count() > 500 && end.pixels().filter(is_green).count() > 500);
-    // Another pass, another ray, another theme, twice the pixels.
+    // Another pass, another ray, another theme, twice the resolution.
     assert!(differing(&end, &shot("pass.png", &["--pass", "20"])) > 5_000);
     assert!(differing(&end, &shot("ray.png", &["--pixel", "3,4"])) > 100);
     assert!(differing(&end, &shot("light.png", &["--do", "Toggle light/dark theme"])) > 100_000);
     assert_eq!(shot("large.png", &["--scale", "2"]).dimensions(), (1280, 800));
 }
 
-/// Columns in which the times of passes begin, which no two runs have in common.
+/// Columns with start times of passes, which differ from run to run.
 const TIMES: std::ops::RangeInclusive<u32> = 133..=135;
-/// The panel of the stream, with its tab.
+/// The stream panel, with its tab.
 const STREAM: [std::ops::Range<u32>; 2] = [138..368, 48..374];
-/// In it, the picture of 32 x 32 texels: its corner, and its side, in pixels.
+/// In it, the image of 32 x 32 texels: its corner and side length, in pixels.
 const TEXELS: ([f32; 2], f32) = ([157.0, 180.0], 189.0);
 
-/// Where two pictures differ, but for times.
+/// Where two images differ, apart from times.
 fn differences(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {
     assert_eq!(a.dimensions(), b.dimensions());
     let pairs = a.enumerate_pixels().zip(b.pixels());
@@ -66,17 +66,17 @@ fn a_link_says_where_to_go() {
     let link = |more: &str| format!("raystep:1?scene={file}&size=32x32&{more}");
     let options = shot("options.png", &[&file, "--size", "32x32", "--pixel", "12,20", "--pass", "20"]);
     let linked = shot("link.png", &["--link", &link("pixel=12,20&pass=20")]);
-    assert_eq!(differences(&options, &linked), Vec::<[u32; 2]>::new(), "the pixel and the pass that options name");
+    assert_eq!(differences(&options, &linked), Vec::<[u32; 2]>::new(), "the link and the options show different views");
     for elsewhere in ["pixel=12,20&pass=22", "pixel=20,12&pass=20"] {
         assert!(differences(&linked, &shot("other.png", &["--link", &link(elsewhere)])).len() > 100, "{elsewhere}");
     }
 
-    // A stream beside: the panel of streams is another, and the rest is not.
+    // With another stream, only the stream panel changes.
     let tmax = shot("tmax.png", &["--link", &link("pixel=12,20&pass=20&stream=tmax.z")]);
     let is_inside = |[x, y]: &[u32; 2]| STREAM[0].contains(x) && STREAM[1].contains(y);
     let changed = differences(&linked, &tmax);
     assert!(changed.len() > 10_000 && changed.iter().all(is_inside), "{:?}", changed.iter().find(|p| !is_inside(p)));
-    // It shows that stream and layer: the higher a value after that pass, the brighter its texel.
+    // It shows that stream and layer: larger values after that pass have brighter texels.
     let dump = ["dump", &file, "--size", "32x32", "--stream", "tmax", "--pass", "19", "--device", "gpu", "-o", "dump"];
     place.ok(&dump);
     let values = place.read("dump/pass-000019.tmax.npy");
@@ -84,7 +84,7 @@ fn a_link_says_where_to_go() {
     let mut texels = Vec::new();
     for (i, bytes) in z.chunks_exact(4).enumerate() {
         let (x, y) = (i % 32, i / 32);
-        // The mark of the selected ray covers its neighbours.
+        // The marker of the selected ray covers adjacent texels.
         if x.abs_diff(12) <= 2 && y.abs_diff(20) <= 2 {
             continue;
         }

@@ -1,4 +1,4 @@
-//! Links: what a trace prints is what traces the same again, and beside what it sets nothing else is taken.
+//! Links: the link printed by a trace traces the same again; options that a link sets cannot be given beside it.
 
 use crate::common::{Place, scene};
 
@@ -6,7 +6,7 @@ fn cornell_box() -> String {
     scene("cornell-box.gltf").display().to_string()
 }
 
-/// The link that a trace prints, as it stands between the quotes.
+/// The link that a trace prints, between the quotes.
 fn printed(stderr: &str) -> &str {
     let line = stderr.lines().find_map(|l| l.strip_prefix("open in the inspector: raystep inspect --link \""));
     line.and_then(|l| l.strip_suffix('"')).unwrap_or_else(|| panic!("no link: {stderr}"))

@@ -1,4 +1,4 @@
-//! The built binary, as a user runs it: `common` runs it, the tests are by subject.
+//! Tests of the built binary, as a user runs it. `common` runs it; the tests are grouped by subject.
 
 mod bad_input;
 mod bench;

@@ -1,4 +1,4 @@
-//! What is said where something is wrong: all of the line, so that it is read before it is changed.
+//! Error messages, word for word, so that changes to them are reviewed.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ fn cornell_box() -> String {
     scene("cornell-box.gltf").display().to_string()
 }
 
-/// Expects these errors, word for word. None may have a tip that does not work, or be too long to read.
+/// Expects these errors, word for word. None may contain clap's tips or be too long.
 fn expect(place: &Place, cases: &[(i32, &str, &[&str])]) {
     for (code, message, arguments) in cases {
         let outcome = place.run(arguments);
@@ -223,7 +223,7 @@ fn options_that_need_others_or_do_not_fit_say_which() {
         expect(&place, &[(2, message, arguments)]);
     }
     assert!(place.names().is_empty());
-    // Each tip is true.
+    // Every suggestion works.
     for (i, more) in [
         &["--stream", "previous", "--accelerator", "bvh"][..],
         &["--stream", "tmax", "--accelerator", "grid"],

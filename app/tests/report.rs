@@ -1,5 +1,5 @@
-//! `raystep report`, from the built binary: its CSVs read back by a strict reader, its page held against them, and its
-//! exit codes.
+//! `raystep report`, from the built binary: its CSV files are read by a strict reader and its page is compared with
+//! them; exit codes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use crate::common::{Outcome, Place, scene};
 
 type Row = BTreeMap<String, String>;
 
-/// Each file with its documented columns: see docs/measurements.md.
+/// Each file with its columns, as documented in docs/measurements.md.
 const FILES: [(&str, &str); 7] = [
     (
         "resolved.csv",
@@ -54,7 +54,7 @@ fn cornell_box() -> String {
     scene("cornell-box.gltf").display().to_string()
 }
 
-/// The rows of a file, which must have these columns and end its lines as RFC 4180 says.
+/// The rows of a file, which must have these columns and end its lines as RFC 4180 requires.
 fn rows(place: &Place, folder: &str, name: &str, columns: &str) -> Vec<Row> {
     let file = place.read(&format!("{folder}/{name}"));
     let lines = file.iter().filter(|&&b| b == b'\n').count();
@@ -74,7 +74,7 @@ fn number(row: &Row, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} is no number: {row:?}"))
 }
 
-/// Whether what a column holds depends on how fast the machine was.
+/// Whether a column depends on the machine's speed.
 fn is_of_time(column: &str) -> bool {
     column.ends_with("_ns")
         || column.ends_with("_s")
@@ -85,13 +85,13 @@ fn is_of_time(column: &str) -> bool {
         || column.starts_with("time_ratio_")
 }
 
-/// What stands between two pieces of markup, wherever they follow each other.
+/// The texts between two pieces of markup, at every occurrence.
 fn between<'a>(page: &'a str, begin: &str, end: &str) -> Vec<&'a str> {
     page.split(begin).skip(1).filter_map(|rest| rest.split(end).next()).collect()
 }
 
-/// A section's tables are rows of its CSV, in their order, its prose and its legends have fields of it. How many rows
-/// are shown.
+/// A section's tables must be rows of its CSV, in order, and the numbers in its prose and legends must be fields of it.
+/// Returns the number of rows shown.
 fn check_section(section: &str, file: &str, rows: &[&Row]) -> usize {
     let mut shown = 0;
     for table in between(section, "<table>", "</table>") {
@@ -106,7 +106,7 @@ fn check_section(section: &str, file: &str, rows: &[&Row]) -> usize {
         let columns: Vec<&str> = header.iter().filter(|c| !c.is_empty()).map(String::as_str).collect();
         for line in lines {
             let fields = cells(line, "td");
-            // Skips rows that the table leaves out.
+            // Skips rows that the table does not show.
             let is_this = |row: &&&Row| columns.iter().zip(&fields).all(|(column, field)| row[*column] == *field);
             assert!(fields.len() >= columns.len() && rows.any(|row| is_this(&row)), "{file} has no {fields:?}");
             shown += 1;
@@ -120,7 +120,7 @@ fn check_section(section: &str, file: &str, rows: &[&Row]) -> usize {
     shown
 }
 
-/// The page needs nothing, and what it says is in the CSVs.
+/// The page needs no other files, and its numbers are in the CSV files.
 fn check_page(place: &Place, folder: &str, tables: &BTreeMap<&'static str, Vec<Row>>) {
     let page = String::from_utf8(place.read(&format!("{folder}/index.html"))).expect("UTF-8");
     for foreign in ["http:", "https:", "<script", "<link", "src=", "@import", "url("] {
@@ -132,7 +132,7 @@ fn check_page(place: &Place, folder: &str, tables: &BTreeMap<&'static str, Vec<R
     for (i, of_scene) in page.split("<h2 class=\"s\"").skip(1).enumerate() {
         let name = between(of_scene, &format!("id=\"scene-{i}\">"), "</h2>")[0];
         let mut sections = of_scene.split("<h3 id=");
-        let head = sections.next().expect("what the scene is");
+        let head = sections.next().expect("a description of the scene");
         let known: Vec<&str> = about.iter().filter(|r| r["scene"] == name).map(|r| r["value"].as_str()).collect();
         assert_eq!(between(head, "<b class=\"n\">", "</b>"), known, "{name}: triangles, width, height");
         for section in sections {
@@ -145,10 +145,10 @@ fn check_page(place: &Place, folder: &str, tables: &BTreeMap<&'static str, Vec<R
     let plots = page.matches("<svg").count();
     let files = std::fs::read_dir(place.path(folder)).expect("the folder");
     let svgs = files.filter(|f| f.as_ref().is_ok_and(|f| f.path().extension().is_some_and(|e| e == "svg"))).count();
-    assert_eq!(plots, svgs, "every plot is in the page and in a file");
+    assert_eq!(plots, svgs, "plots in the page and in files differ");
 }
 
-/// A quick report by the twins.
+/// A quick report on the CPU.
 fn quick(place: &Place, more: &[&str]) -> Outcome {
     place.ok(&[&["report", &cornell_box(), "--quick", "--device", "cpu", "-o", "out"], more].concat())
 }
@@ -205,7 +205,7 @@ fn a_quick_report_is_complete() {
             ["wrong_per_million_low", "wrong_per_million", "wrong_per_million_high"].map(|c| number(row, c));
         assert!(low <= wrong && wrong <= high && high > 0.0, "{row:?}");
         let is_cracked = matches!(row["factor"].as_str(), "without triangle-test" | "paper") && row["aim"] == "edges";
-        assert!(!is_cracked || wrong > 0.0, "Möller and Trumbore's test loses rays at edges: {row:?}");
+        assert!(!is_cracked || wrong > 0.0, "Möller and Trumbore's test must lose rays at edges: {row:?}");
         assert!(row["factor"] != "robust" || wrong == 0.0, "{row:?}");
     }
     for name in ["moved.csv", "scaled.csv"] {
@@ -221,7 +221,7 @@ fn a_quick_report_is_complete() {
     for sampler in ["sobol", "random"] {
         let errors: Vec<f64> =
             tables["samples.csv"].iter().filter(|r| r["sampler"] == sampler).map(|r| number(r, "rmse")).collect();
-        assert_eq!(tables["samples.csv"][0]["samples"], "2", "one sample is in no pixel's middle");
+        assert_eq!(tables["samples.csv"][0]["samples"], "2", "measurements start at two samples");
         assert!(errors.len() > 4 && errors.first() > errors.last(), "{sampler}: {errors:?}");
     }
 
@@ -303,13 +303,13 @@ fn times_of_other_rays_are_not_compared() {
         assert!(rows.iter().all(|r| r["at_bound"] == "0" && r["wrong_rays"] == "0" && !r["median_ns"].is_empty()));
         (rows.iter().find(|r| r["accelerator"] == "none").expect("a row").clone(), rows)
     };
-    // 994 triangles for each of 4,096 rays are affordable.
+    // Testing 994 triangles for each of 4,096 rays is affordable.
     place.ok(&[&report[..], &["-o", "small"]].concat());
     let (row, rows) = none("small");
     assert_eq!(row["rays"], "4096");
     assert!(number(&row, "trace_ratio") > 1.0 && number(&row, "view_s") > 0.0, "{row:?}");
     assert!(rows.iter().any(|r| !r["paid_off_rays"].is_empty()));
-    // For 20,000 they are not.
+    // For 20,000 rays it is not.
     let outcome = place.ok(&[&report[..], &["--size", "200x100", "-o", "large"]].concat());
     assert!(outcome.stderr.contains("the number of rays after which a structure pays off is unknown"), "{outcome:?}");
     let (row, rows) = none("large");

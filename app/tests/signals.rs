@@ -1,4 +1,4 @@
-//! Signals: the exit code tells which, nothing half-written stays, and one that was ignored stays ignored.
+//! Signals: the exit code identifies them, no incomplete file remains, and an ignored signal stays ignored.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 
 use crate::common::{Place, scene};
 
-/// Signals that end the program, and what shells make of each: 128 and its number.
+/// Signals that end the program, and the shell's exit codes for them: 128 plus the signal's number.
 const SIGNALS: [(&str, i32); 3] = [("HUP", 129), ("INT", 130), ("TERM", 143)];
 
-/// The binary, with `ignored` signals ignored. Without any, none is: whoever starts the tests may ignore some.
+/// Starts the binary with the `ignored` signals ignored and all others reset, since the test runner may ignore some.
 fn start(place: &Place, arguments: &[&str], ignored: Option<&str>) -> Child {
     let binary = place.command(&arguments.iter().map(OsStr::new).collect::<Vec<_>>());
     let mut command = if cfg!(target_os = "linux") {
@@ -31,25 +31,25 @@ fn send(signal: &str, child: &Child) {
     assert!(sent.is_ok_and(|status| status.success()), "SIG{signal}");
 }
 
-/// Names of what is being written, under which nobody may find it later.
+/// Names of temporary files, which must not remain.
 fn temporary(place: &Place) -> Vec<String> {
     place.names().into_iter().filter(|name| name.starts_with(".raystep-")).collect()
 }
 
-/// Waits until the program is in the middle of writing.
+/// Waits until the program is writing.
 fn wait_until_begun(place: &Place, child: &mut Child, has_begun: impl Fn() -> bool) {
     let begin = Instant::now();
     while !has_begun() {
         let end = child.try_wait().expect("a process");
-        assert_eq!(end, None, "it ended before it was seen to write: {:?}", place.names());
-        assert!(begin.elapsed() < Duration::from_secs(60), "nothing is written: {:?}", place.names());
+        assert_eq!(end, None, "it ended before it started writing: {:?}", place.names());
+        assert!(begin.elapsed() < Duration::from_secs(60), "no temporary file appeared: {:?}", place.names());
         sleep(Duration::from_millis(2));
     }
     assert_eq!(temporary(place).len(), 1, "{:?}", place.names());
-    assert_eq!(child.try_wait().expect("a process"), None, "it is still at work");
+    assert_eq!(child.try_wait().expect("a process"), None, "it ended early");
 }
 
-/// Sends each signal to a run of its own that has begun to write, and expects its code and nothing left.
+/// Sends each signal to a separate run that is writing, and expects its exit code and no remaining files.
 fn each_signal_ends(arguments: &[&str], has_begun: impl Fn(&Place) -> bool) {
     for (signal, code) in SIGNALS {
         let place = Place::new();
@@ -61,12 +61,12 @@ fn each_signal_ends(arguments: &[&str], has_begun: impl Fn(&Place) -> bool) {
     }
 }
 
-/// Files in the temporary folder.
+/// The number of files in the temporary folder.
 fn files(place: &Place) -> usize {
     temporary(place).first().map_or(0, |name| fs::read_dir(place.path(name)).map_or(0, Iterator::count))
 }
 
-/// Whether the temporary folder has been there for a while: these write their files at the end.
+/// Whether the temporary folder has existed for a while: these commands write their files at the end.
 fn is_at_work(place: &Place) -> bool {
     let is_there = !temporary(place).is_empty();
     if is_there {
@@ -75,13 +75,13 @@ fn is_at_work(place: &Place) -> bool {
     is_there
 }
 
-/// A render whose last file is a pipe that nobody reads yet, so that its picture waits under its temporary name.
+/// A render whose last file is a pipe without a reader, so that its image stays under its temporary name.
 fn render_into_pipe(place: &Place, ignored: Option<&str>) -> Child {
     assert!(Command::new("mkfifo").arg(place.path("pipe")).status().is_ok_and(|status| status.success()));
     let file = scene("cornell-box.gltf").display().to_string();
     let render = ["render", &file, "-o", "a.png", "--size", "8x8", "--device", "cpu", "--passes-csv", "pipe"];
     let mut child = start(place, &render, ignored);
-    // At the start it only tries whether it can write there; that file is empty.
+    // At the start it only checks whether it can write there; that file is empty.
     let has_bytes = |name: &String| fs::metadata(place.path(name)).is_ok_and(|found| found.len() > 0);
     wait_until_begun(place, &mut child, || temporary(place).iter().any(has_bytes));
     child
@@ -116,7 +116,7 @@ fn a_signal_ends_a_stability_run() {
     each_signal_ends(&["stability", "--device", "cpu", "-o", "out"], is_at_work);
 }
 
-/// Small files come so fast that one could appear while the folder is being removed.
+/// Small files are created so quickly that one could appear while the folder is being removed.
 #[test]
 fn a_signal_ends_a_dump_of_many_files() {
     let file = scene("terrain.glb").display().to_string();
@@ -133,7 +133,7 @@ fn a_signal_ends_a_dump_of_large_files() {
     each_signal_ends(&dump, |place| files(place) > 0);
 }
 
-/// As under `nohup`, or after `trap '' INT`. Elsewhere there is no safe way to know.
+/// As under `nohup`, or after `trap '' INT`. Other systems have no safe way to find this out.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_signal_that_was_ignored_at_the_start_stays_ignored() {
@@ -142,20 +142,20 @@ fn a_signal_that_was_ignored_at_the_start_stays_ignored() {
     for (signal, _) in SIGNALS {
         send(signal, &child);
     }
-    // Longer than an end takes.
+    // Longer than it takes to exit.
     sleep(Duration::from_millis(300));
-    assert_eq!(child.try_wait().expect("a process"), None, "it goes on");
+    assert_eq!(child.try_wait().expect("a process"), None, "the ignored signal ended it");
     let passes = fs::read_to_string(place.path("pipe")).expect("text");
     assert!(passes.starts_with("schema_version,"), "{passes}");
     assert_eq!(child.wait().expect("an end").code(), Some(0));
     assert_eq!(place.names(), ["a.png", "pipe"]);
 
-    // The others end it as ever.
+    // The other signals still end it.
     let place = Place::new();
     let mut child = render_into_pipe(&place, Some("HUP"));
     send("HUP", &child);
     sleep(Duration::from_millis(300));
-    assert_eq!(child.try_wait().expect("a process"), None, "it goes on");
+    assert_eq!(child.try_wait().expect("a process"), None, "the ignored signal ended it");
     send("TERM", &child);
     assert_eq!(child.wait().expect("an end").code(), Some(143));
     assert_eq!(place.names(), ["pipe"]);

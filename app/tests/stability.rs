@@ -1,4 +1,4 @@
-//! `raystep stability`, from the built binary: its CSV read back by a strict reader, and its exit codes.
+//! `raystep stability`, from the built binary: its CSV is read by a strict reader; exit codes.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use crate::common::{Place, scene};
 
 type Row = BTreeMap<String, String>;
 
-/// Rows by column, every row with as many fields as there are columns.
+/// Rows by column; every row has as many fields as there are columns.
 fn rows(file: &[u8]) -> Vec<Row> {
     let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(file);
     let names: Vec<String> = reader.headers().expect("a header").iter().map(str::to_owned).collect();
@@ -14,7 +14,7 @@ fn rows(file: &[u8]) -> Vec<Row> {
     reader.records().map(|r| row(r.expect("as many fields as names"))).collect()
 }
 
-/// Two cases that the paper's rules fail: one through the grid, one wherever triangles are tested.
+/// Two cases in which the paper's numerics fail: one only with the grid, one with every accelerator.
 const TWO: [&str; 8] = ["stability", "--case", "axis-below", "--case", "tiny-detail", "--quick", "--device", "cpu"];
 
 #[test]
@@ -26,7 +26,7 @@ fn robust_rules_pass_and_the_papers_fail_where_they_must() {
     let lines = file.iter().filter(|&&b| b == b'\n').count();
     assert_eq!(file.windows(2).filter(|w| w == b"\r\n").count(), lines, "lines end as RFC 4180 says");
     let rows = rows(&file);
-    // In f32 each accelerator by both rules, fused and contracted, in f64 by both rules.
+    // In f32, each accelerator with both numerics, fused and contracted; in f64 with both numerics.
     assert_eq!(rows.len(), 2 * (12 + 6));
     let page = String::from_utf8(place.read("out/stability.html")).expect("UTF-8");
     for row in &rows {
@@ -53,11 +53,11 @@ fn robust_rules_pass_and_the_papers_fail_where_they_must() {
         }
     }
     assert!(page.contains("data:image/png;base64,") && page.matches("<h2 id=").count() == 2);
-    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page needs nothing beside it");
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page refers to other files");
 
     let again = place.ok(&[&TWO[..], &["-o", "out", "--force", "--quiet"]].concat());
     assert_eq!((again.stdout.as_str(), again.stderr.as_str()), ("", ""));
-    assert_eq!(place.read("out/stability.csv"), file, "the same errors again");
+    assert_eq!(place.read("out/stability.csv"), file, "the errors differ in the second run");
     assert_eq!(place.names(), ["out"]);
 }
 
@@ -70,14 +70,14 @@ fn tmax_is_measured_along_the_long_walk() {
     let errors = |rules: &str| -> Vec<f64> {
         rows.iter().filter(|r| r["rules"] == rules).map(|r| r["error_units"].parse().expect("a number")).collect()
     };
-    // 8 units of 2^-24 whatever the cell; accumulated, hundreds.
+    // Robust: at most 8 units of 2^-24 in every cell; accumulated: hundreds.
     assert!(errors("robust").len() > 50 && errors("robust").iter().all(|&e| e <= 8.0), "{:?}", errors("robust"));
     for rules in ["robust, tMax accumulated", "paper"] {
         let [first, .., last] = errors(rules)[..] else { panic!("{rules}: few samples") };
         assert!(last > 100.0 && last > 10.0 * first, "{rules}: {first} to {last}");
     }
     let page = String::from_utf8(place.read("out/stability.html")).expect("UTF-8");
-    assert!(page.contains("tMax along a walk") && !page.contains("id=\"pipelines\""), "of all cases only");
+    assert!(page.contains("tMax along a walk") && !page.contains("id=\"pipelines\""), "pipelines only with all cases");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the binary prints: help, plans, traces, adapters.
+//! Output of the binary: help, plans, traces, adapters.
 
 use serde_json::Value;
 
@@ -72,7 +72,7 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert!(table.starts_with("pass ") && table.contains("TRAV_SETUP"), "{table}");
     assert!(table.contains("\nlast  shade ") && table.contains("\nonly this ray was traced: "), "{table}");
 
-    // The others are traced where that is asked for: the same rows, and the numbers that depend on them.
+    // Other rays are traced on request: the same rows, plus the numbers that depend on them.
     let json = place.ok(&[&trace[..], &common[..], &["--format", "json", "--all-rays"]].concat()).stdout;
     let mut whole: Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!((&life["rays"], &life["passes"], &whole["rays"]), (&1.into(), &Value::Null, &1024.into()));
@@ -93,7 +93,7 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert!(first.stdout.contains(" passes, in ") && !first.stdout.contains("last "), "{first:?}");
     let typed = ["trace", &cornell_box(), "--ray", "0,0,5,0,0,-1"];
     let whole = place.ok(&[&typed[..], &common[2..]].concat()).stdout;
-    // One ray is the whole run: its passes are known, and it waits while a kernel runs that is not its own.
+    // If the scene has a single ray, its passes are known, including those in which it waits for its kernel.
     assert!(whole.contains(" passes, in ") && !whole.contains("only this ray was traced"), "{whole}");
     place.fails(2, "--ray is a single ray: omit one of them", &[&typed[..], &["--all-rays"]].concat());
 }
@@ -126,7 +126,7 @@ fn a_view_along_up_says_which_up_is_taken() {
     assert_eq!(said(&[&down[..], &["--up", "0,0,5"]].concat()), "");
 }
 
-/// `13` or `1,036` at the end of a text.
+/// The number, such as `13` or `1,036`, at the end of a text.
 fn last_number(text: &str) -> u64 {
     let digits = text.rsplit(|c: char| !(c.is_ascii_digit() || c == ',')).next().unwrap_or_default();
     digits.replace(',', "").parse().unwrap_or_else(|_| panic!("no number ends {text:?}"))
@@ -149,7 +149,7 @@ fn the_readme_says_how_many_rays_check_counts_as_lost() {
     assert_eq!(all - between_triangles, said(" at voxel faces"));
 }
 
-/// An example with less to do, that it may be run in a test: small images, few repeats, one section or case.
+/// A smaller version of an example for tests: small images, few repeats, one section or case.
 fn small(example: &str) -> String {
     let command = example.strip_prefix("raystep ").and_then(|rest| rest.split(' ').next()).unwrap_or_default();
     let has = |option: &str| example.split(' ').any(|word| word == option);
@@ -174,7 +174,7 @@ fn small(example: &str) -> String {
     ];
     let quick =
         if matches!(command, "report" | "stability") && !has("--quick") && !has("--list") { " --quick" } else { "" };
-    // What stands behind a pipe or an arrow is not raystep's.
+    // What follows a pipe or a redirection is not part of the raystep command.
     let end = [" | ", " > "].iter().filter_map(|mark| example.find(mark)).min().unwrap_or(example.len());
     let (mut line, rest) = (example[..end].to_owned() + quick, &example[end..]);
     for (before, option, value) in changes.into_iter().flatten() {
@@ -187,7 +187,7 @@ fn small(example: &str) -> String {
     line + rest
 }
 
-/// Each example of each help, in order and in one folder a command, with the repository's scenes.
+/// Every example in every help text, in order, in one folder per command, with the repository's scenes.
 #[test]
 #[cfg(unix)]
 fn help_examples_run() {
@@ -204,11 +204,11 @@ fn help_examples_run() {
         let (mut of_help, mut folder) = (0, None);
         for line in examples.lines() {
             let Some(line) = line.strip_prefix("  ") else { continue };
-            // What a line does may be said behind it.
+            // A line may end with a description.
             let line = line.split("   ").next().unwrap_or(line);
             let line = if has_jq { line } else { line.split(" | jq").next().unwrap_or(line) };
             let line = small(line);
-            // An example that stands for itself writes the folder that the one before has written.
+            // An independent example may write the same folder as the one before it: remove that folder first.
             let output = line.split_once(" -o ").map(|(_, rest)| rest.split(' ').next().unwrap_or(rest).to_owned());
             if output.is_some() && output == folder && place.path(output.as_deref().unwrap_or_default()).is_dir() {
                 std::fs::remove_dir_all(place.path(output.as_deref().unwrap_or_default())).expect("a folder");
@@ -222,7 +222,7 @@ fn help_examples_run() {
             let home = place.path("");
             let result = outcome(shell.args(["-c", &script]).env("HOME", &home).current_dir(&home));
             if line == "raystep scenes/cornell-box.gltf" && cfg!(not(target_os = "macos")) {
-                // It opens a window, and a test has none to look at: tests/window.sh does.
+                // It opens a window, which this test cannot see: tests/window.sh tests it.
                 assert!(result.stderr.starts_with("error: no display"), "{line}: {result:?}");
             } else {
                 assert_eq!(result.code, Some(0), "{line}: {result:?}");

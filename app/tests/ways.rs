@@ -1,4 +1,4 @@
-//! Accelerators and schedules: the same image by every way, what is said of each, and what makes no sense.
+//! Accelerators and schedules: the same image in every configuration, messages about them, and invalid combinations.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ fn passes(place: &Place, name: &str) -> Vec<BTreeMap<String, String>> {
     reader.deserialize().map(|row| row.expect("as many fields as names")).collect()
 }
 
-/// The largest difference of a colour of two images.
+/// The largest difference in a colour channel between two images.
 fn furthest(a: &[u8], b: &[u8]) -> u8 {
     let colours = |file| image::load_from_memory(file).expect("a PNG").to_rgb8().into_raw();
     colours(a).iter().zip(colours(b)).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
@@ -45,7 +45,7 @@ fn every_accelerator_with_every_schedule_draws_the_same_image() {
             assert_eq!((&run["hits"], &run["unfinished"]), (&384.into(), &0.into()), "{how:?}");
             let image = place.read("a.png");
             let first = first.get_or_insert_with(|| image.clone());
-            // A GPU's compiler may round one kernel otherwise than another: then one step of 8 bits.
+            // A GPU's compiler may round differently from kernel to kernel: at most one step of 8 bits.
             let may_round = !run["adapter"].is_null() && run["adapter"]["kind"] != "software";
             assert!(image == *first || may_round && furthest(&image, first) <= 1, "{how:?} draws another image");
         }
@@ -58,7 +58,8 @@ fn a_pass_says_how_many_threads_it_launched() {
     let (width, height) = (100u64, 70u64);
     let covering = |side: u64| width.next_multiple_of(side) * height.next_multiple_of(side);
     for (device, schedule) in ["cpu", "gpu"].into_iter().flat_map(|d| SCHEDULES.map(|s| (d, s))) {
-        // With eight steps a pass there are too few passes for a chunk of 512 rays to be done in one and left out.
+        // With eight steps per pass there would be too few passes for a whole chunk of 512 rays to finish early and be
+        // skipped.
         let steps: &[&str] = if (device, schedule) == ("cpu", "compact") { &["--steps-per-pass", "2"] } else { &[] };
         let how = [&["--size", "100x70", "--device", device, "--schedule", schedule, "--quiet"], steps].concat();
         let files = ["-o", "a.png", "--passes-csv", "passes.csv", "--trace-json", "trace.json"];
@@ -70,25 +71,25 @@ fn a_pass_says_how_many_threads_it_launched() {
             let (rays, threads) = (number(row, "rays_in"), number(row, "threads_launched"));
             let kernel = row["kernel"].as_str();
             match (device, kernel) {
-                // Chunks of 512 rays; the last one has 7000 - 13 * 512 = 344.
+                // Chunks of 512 rays; the last one has 7000 - 13 * 512 = 344 rays.
                 ("cpu", _) => {
                     assert!(threads >= rays && [0, 344].contains(&(threads % 512)) && threads <= 7000, "{row:?}");
                 }
                 ("gpu", "generate" | "fused" | "shade") => assert_eq!(threads, covering(8), "{row:?}"),
-                // Rows of eight workgroups of 16 x 16, as many as hold the list.
+                // Rows of eight workgroups of 16 x 16, enough for the list.
                 ("gpu", "walk") => assert_eq!(threads, rays.next_multiple_of(8 * 256), "{row:?}"),
                 _ => assert_eq!(threads, covering(16), "{row:?}"),
             }
             fewest = fewest.min(threads);
         }
         match (device, schedule) {
-            // What is launched follows the rays: their list on a GPU, the chunks that hold one on the CPU.
+            // The launch size follows the rays: their list on a GPU, the chunks with any of them on the CPU.
             (_, "compact") | ("cpu", "first" | "second") => {
                 assert!(fewest < 7000, "the last rays need fewer threads: {device} {schedule}: {fewest}");
             }
-            // Every pass is over the whole image.
+            // Every pass launches the whole image.
             (_, "fused") | ("gpu", "first" | "second") => assert!(fewest >= 7000, "{device} {schedule}: {fewest}"),
-            _ => panic!("{device} {schedule} is looked at by nobody"),
+            _ => panic!("{device} {schedule} is not tested"),
         }
         let trace = json(&place, "trace.json");
         let slices = trace["traceEvents"].as_array().expect("events").iter().filter(|e| e["cat"] == "pass");
@@ -142,7 +143,7 @@ fn summaries_in_json_have_the_grid_or_the_tree() {
     assert_eq!((&grid["grid"]["leaps"], &grid["options"]["skip"]), (&true.into(), &"on".into()));
     assert_eq!(grid["grid"]["bytes"], sum(&grid, &["grid_cells", "grid_items", "grid_distances"]));
     assert!(grid["bvh"].is_null() && grid["grid"]["empty_cells"].is_u64());
-    // What a pass of several steps does not count is unknown.
+    // Counters that a pass of several steps cannot update are unknown.
     assert!(grid["counters"]["repeated_tests"].is_null() && grid["options"]["steps_per_pass"] == 8);
     assert!(grid["seconds"]["plan_and_grid"].is_number());
 
@@ -150,7 +151,7 @@ fn summaries_in_json_have_the_grid_or_the_tree() {
     assert_eq!((&binary["bvh"]["width"], &binary["bvh"]["references"]), (&2.into(), &26.into()));
     assert_eq!(binary["bvh"]["bytes"], sum(&binary, &["bvh_nodes", "bvh_parents", "bvh_items"]));
     assert!(binary["grid"].is_null() && binary["bvh"]["depth"].as_u64() > Some(3));
-    // Not looked for in a tree, but in a grid that is stepped through.
+    // Repeated tests are not counted with a BVH, but with the grid if it takes single steps.
     assert!(binary["counters"]["repeated_tests"].is_null() && binary["options"]["steps_per_pass"] == 1);
     assert!(summary(&["--schedule", "second"])["counters"]["repeated_tests"].is_u64());
 
@@ -218,7 +219,7 @@ fn several_samples_make_another_picture_and_the_same_one_twice() {
     assert_eq!(summary["kernels"]["accumulate"]["passes"], 16);
     assert_eq!(summary["kernels"]["generate"]["rays_in"], 16 * 24 * 20);
     assert!(summary["stream_bytes"]["accumulated"] == 5 * 4 * 24 * 20 && summary["check"]["wrong"] == 0);
-    // The middle of the back wall is as flat as before; at an edge there are colours between.
+    // The middle of the back wall is unchanged; edges have intermediate colours.
     let far = |a: &image::Rgb<u8>, b: &image::Rgb<u8>| (0..3).any(|c| a.0[c].abs_diff(b.0[c]) > 40);
     let apart = centre.pixels().zip(many.pixels()).filter(|(a, b)| far(a, b)).count();
     assert!((1..200).contains(&apart), "{apart} of 480 pixels");
@@ -249,14 +250,14 @@ fn samples_that_cannot_be_are_refused_in_a_line() {
     let ray = ["trace", &file, "--ray", "0,0,5,0,0,-1", "--size", "8x8", "--device", "cpu"];
     place.fails(2, "--ray is a single ray", &[&ray[..], &["--spp", "2"]].concat());
     place.ok(&[&ray[..], &["--spp", "1"]].concat());
-    // A ray's life goes on with the next sample, and the link says how many.
+    // The history of a ray continues with the next sample, and the link contains the number of samples.
     let traced =
         place.ok(&["trace", &file, "--pixel", "3,4", "--size", "8x8", "--device", "cpu", "--spp", "3", "--print-link"]);
     for words in ["sample 1: a ray", "sample 3: a ray", "mean of 2 of 3 samples: on to the next", "mean of 3 of 3"] {
         assert!(traced.stdout.contains(words), "{words}: {traced:?}");
     }
     assert!(traced.stderr.contains("spp=3"), "{traced:?}");
-    // Hits are those of a sample, so a dump of them is of a run that shades.
+    // Hits belong to one sample, so a dump of them comes from a run that shades.
     let dump = ["dump", &file, "-o", "d", "--stream", "hit", "--pass", "last", "--size", "8x8", "--device", "cpu"];
     place.ok(&[&dump[..], &["--spp", "2"]].concat());
     assert!(place.ok(&["plan", &file, "--spp", "2", "--device", "cpu"]).stdout.contains("accumulate"));

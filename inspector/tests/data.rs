@@ -1,4 +1,4 @@
-//! What the inspector knows without a window: links, data flow, sources, exports.
+//! The inspector without a window: links, data flow, sources, exports.
 
 mod common;
 mod dataflow;

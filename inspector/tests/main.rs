@@ -1,4 +1,4 @@
-//! The inspector's data and its window.
+//! Tests of the inspector's data and of its window.
 
 mod data;
 mod ui;

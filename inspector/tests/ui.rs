@@ -1,5 +1,5 @@
-//! The window as people use it: every command, a first session, names for who cannot see it, pictures of every panel,
-//! and what may go wrong. Drawn on software Vulkan, the best adapter there is; without one these tests fail.
+//! The window as people use it: every command, a first session, accessible names, snapshots of every panel, and error
+//! handling. Drawn on software Vulkan or a better adapter; without an adapter these tests fail.
 
 mod adapter;
 mod commands;

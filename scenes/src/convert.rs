@@ -1,8 +1,8 @@
-//! Wavefront OBJ and Stanford PLY as a [`Scene`], from bytes.
+//! Converts Wavefront OBJ and Stanford PLY to a [`Scene`], from bytes.
 //!
-//! Both formats say little about surfaces, so the result has one light grey material, double-sided as
-//! windings in such files cannot be trusted, and neither lights nor cameras. Normals, texture
-//! coordinates and vertex colours are taken where they are present. Polygons become fans of triangles.
+//! Both formats say little about surfaces, so the result has one light grey material, double-sided because windings in
+//! such files are unreliable, and neither lights nor cameras. Normals, texture coordinates and vertex colours are used
+//! if present. Polygons become fans of triangles.
 
 mod obj;
 mod ply;
@@ -13,17 +13,17 @@ pub use ply::ply;
 use crate::{Material, Note, Scene};
 use glam::Vec3;
 
-/// Why a file was not converted. One line each: what, where, and what would be right.
+/// Why a file was not converted. One line each: what, where, and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConvertError {
-    /// A line of text does not hold what its first word promises.
+    /// A line of text does not have the form that its first word requires.
     #[error("{file}, line {line}: {problem}")]
     Line {
         /// The file's name.
         file: String,
-        /// Counted from 1.
+        /// Counting from 1.
         line: usize,
-        /// What is wrong, and what would be right.
+        /// What is wrong, and what was expected.
         problem: String,
     },
     /// The file's structure is wrong.
@@ -31,24 +31,24 @@ pub enum ConvertError {
     File {
         /// The file's name.
         file: String,
-        /// What is wrong, and what would be right.
+        /// What is wrong, and what was expected.
         problem: String,
     },
-    /// An element, counted from 0, is wrong.
+    /// An element is wrong.
     #[error("{file}: {element} {index} {problem}")]
     Element {
         /// The file's name.
         file: String,
         /// `vertex` or `face`.
         element: &'static str,
-        /// Which, counted from 0.
+        /// Its index, counting from 0.
         index: usize,
-        /// What is wrong, and what would be right.
+        /// What is wrong, and what was expected.
         problem: String,
     },
 }
 
-/// One corner of a face; the position is finite.
+/// A vertex of a face; its position is finite.
 #[derive(Clone, Copy, Default)]
 struct Corner {
     position: [f32; 3],
@@ -57,7 +57,7 @@ struct Corner {
     color: Option<[f32; 3]>,
 }
 
-/// A scene that grows by corners which need not all have the same attributes.
+/// A scene under construction; its vertices may differ in which attributes they have.
 struct Assembly {
     scene: Scene,
 }
@@ -79,7 +79,7 @@ impl Assembly {
         self.scene.notes.push(Note(note));
     }
 
-    /// A convex polygon of at least three corners, as a fan.
+    /// A convex polygon of at least three vertices, as a fan.
     fn polygon(&mut self, corners: &[Corner]) {
         if let Some((&first, rest)) = corners.split_first() {
             for pair in rest.windows(2) {
@@ -91,7 +91,7 @@ impl Assembly {
     fn triangle(&mut self, corners: [Corner; 3]) {
         let Scene { triangles, normals, texcoords, colors, triangle_materials, .. } = &mut self.scene;
         let triangle = corners.map(|c| c.position);
-        // An attribute appears with the first corner that has it; the triangles before get its neutral value.
+        // An attribute is added with the first vertex that has it; earlier triangles get its neutral value.
         if normals.is_none() && corners.iter().any(|c| c.normal.is_some()) {
             *normals = Some(triangles.iter().map(|t| [flat(t); 3]).collect());
         }
@@ -115,9 +115,9 @@ impl Assembly {
     }
 }
 
-/// The unit vector along `v`; `None` for 0 and for what is not finite.
+/// The unit vector along `v`; `None` if `v` is 0 or not finite.
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
-    // Through f64, in which no square of an f32 over- or underflows.
+    // In f64, where the square of an f32 neither overflows nor underflows.
     Vec3::from(v).as_dvec3().try_normalize().map(|n| n.as_vec3().to_array())
 }
 
@@ -127,7 +127,7 @@ fn flat(t: &[[f32; 3]; 3]) -> [f32; 3] {
     (b - a).cross(c - a).try_normalize().map_or([0.0, 1.0, 0.0], |n| n.as_vec3().to_array())
 }
 
-/// sRGB in [0, 1] to linear (IEC 61966-2-1). Both formats' colours come from 8-bit tools.
+/// sRGB in [0, 1] to linear (IEC 61966-2-1). Both formats' colours usually come from 8-bit tools.
 fn linear(encoded: f32) -> f32 {
     let c = if encoded.is_nan() { 1.0 } else { encoded.clamp(0.0, 1.0) };
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }

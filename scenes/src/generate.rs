@@ -1,15 +1,14 @@
-//! Scenes made from a few numbers.
+//! Generates scenes from a few numbers.
 //!
-//! [`GENERATORS`] is the table that `raystep scene NAME` and its help are driven by: a generator's
-//! parameters, their defaults and their ranges stand there and nowhere else. The functions beside it
-//! are what a program calls.
+//! [`GENERATORS`] drives `raystep scene NAME` and its help: it is the only place with each generator's parameters,
+//! defaults and ranges. Programs call the functions beside it.
 //!
-//! The same numbers give the same scene everywhere: randomness comes from a seeded SplitMix64, and
-//! coordinates of [`soup`], [`terrain`] and [`icosphere`] need only operations that IEEE 754 rounds
-//! in one way (+ − × ÷ √), so their bits do not depend on the machine. [`sphere_flake`], [`hair`] and
-//! [`tiny_in_room`] also take sines and cosines, whose last bit may differ from one system to the next.
+//! The same numbers give the same scene everywhere: random numbers come from a seeded SplitMix64, and the coordinates
+//! of [`soup`], [`terrain`] and [`icosphere`] use only operations that IEEE 754 rounds exactly (+ − × ÷ √), so they
+//! have the same bits on every machine. [`sphere_flake`], [`hair`] and [`tiny_in_room`] also use sines and cosines,
+//! whose last bit may differ between systems.
 //!
-//! No generator takes memory for more than [`MAX_TRIANGLES`].
+//! No generator allocates memory for more than [`MAX_TRIANGLES`].
 
 mod cornell;
 mod draft;
@@ -32,7 +31,7 @@ pub use tiny::tiny_in_room;
 use crate::Scene;
 use std::ops::RangeInclusive;
 
-/// The most triangles a generator makes: about 7 GiB of positions, beyond what any adapter binds.
+/// Maximum number of triangles: about 7 GiB of positions, more than any adapter can bind.
 pub const MAX_TRIANGLES: u64 = 200_000_000;
 
 /// Why a scene was not generated.
@@ -41,7 +40,7 @@ pub enum GenerateError {
     /// No generator has this name.
     #[error("there is no generator '{name}'; there are {known}")]
     UnknownGenerator {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// The names in [`GENERATORS`].
         known: String,
@@ -51,7 +50,7 @@ pub enum GenerateError {
     UnknownParameter {
         /// The generator's name.
         generator: &'static str,
-        /// What was given.
+        /// The given name.
         name: String,
         /// The names it takes.
         known: String,
@@ -63,7 +62,7 @@ pub enum GenerateError {
         generator: &'static str,
         /// The parameter's name.
         parameter: &'static str,
-        /// What was given.
+        /// The given value.
         value: u64,
         /// Smallest allowed value.
         min: u64,
@@ -75,7 +74,7 @@ pub enum GenerateError {
     TooManyTriangles {
         /// The generator's name.
         generator: &'static str,
-        /// How many there would be.
+        /// The number of triangles requested.
         triangles: u64,
     },
     /// The system refused the memory.
@@ -83,21 +82,21 @@ pub enum GenerateError {
     OutOfMemory {
         /// The generator's name.
         generator: &'static str,
-        /// How many there would be.
+        /// The number of triangles requested.
         triangles: u64,
-        /// What their corners and attributes take.
+        /// Bytes of their vertices and attributes.
         bytes: u64,
     },
 }
 
-/// A whole number that a generator takes.
+/// An integer parameter of a generator.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
     /// The option's name without dashes, e.g. `triangles`.
     pub name: &'static str,
     /// Help text, one line.
     pub summary: &'static str,
-    /// Taken where none is given.
+    /// Used if none is given.
     pub default: u64,
     /// Allowed values.
     pub range: RangeInclusive<u64>,
@@ -110,17 +109,17 @@ pub struct Generator {
     pub name: &'static str,
     /// Help text, one line.
     pub summary: &'static str,
-    /// What it takes, in the order in which `make` expects the values.
+    /// Its parameters, in the order in which `make` expects the values.
     pub parameters: &'static [Parameter],
     make: fn(&[u64]) -> Result<Scene, GenerateError>,
 }
 
 impl Generator {
-    /// Makes the scene. Parameters that are not in `given` take their defaults; where one is given
-    /// twice, the last counts.
+    /// Makes the scene. Parameters that are not in `given` have their defaults; if one is given twice, the last value
+    /// counts.
     ///
     /// # Errors
-    /// A parameter that the generator does not take or that is out of range, and too many triangles.
+    /// An unknown parameter, one out of range, or too many triangles.
     pub fn make(&self, given: &[(&str, u64)]) -> Result<Scene, GenerateError> {
         let mut values: Vec<u64> = self.parameters.iter().map(|p| p.default).collect();
         for &(name, value) in given {
@@ -137,10 +136,10 @@ impl Generator {
     }
 }
 
-/// The generator called `name`.
+/// The generator with this name.
 ///
 /// # Errors
-/// There is none; the message lists those there are.
+/// An unknown name; the message lists all names.
 pub fn find(name: &str) -> Result<&'static Generator, GenerateError> {
     GENERATORS.iter().find(|g| g.name == name).ok_or_else(|| GenerateError::UnknownGenerator {
         name: name.to_owned(),

@@ -1,9 +1,9 @@
-//! Any [`Scene`] as a GLB, the binary form of glTF 2.0 (Khronos Group 2021, §4.4): a header, a chunk
-//! of JSON, a chunk of bytes.
+//! Writes any [`Scene`] as a GLB, the binary form of glTF 2.0 (Khronos Group 2021, §4.4): a header, a chunk of JSON, a
+//! chunk of bytes.
 //!
-//! One mesh, one primitive a material, in the order of the materials; within a material, triangles
-//! keep their order. Coordinates are written as the f32 they are. Vertices whose attributes are equal
-//! bit for bit are shared where indices then cost less than they save.
+//! One mesh with one primitive per material, in the order of the materials; within a material, triangles keep their
+//! order. Coordinates are written as f32, unchanged. Vertices with bit-identical attributes are shared if the indices
+//! take less space than they save.
 
 mod document;
 mod vertices;
@@ -15,20 +15,20 @@ use vertices::Primitive;
 /// Why a scene cannot be written as GLB.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WriteError {
-    /// A GLB's size stands in 32 bits.
+    /// A GLB's size is a 32-bit number.
     #[error("the scene needs {bytes} bytes as GLB, and a GLB has at most {limit}", limit = u32::MAX)]
     TooLarge {
-        /// The file's size, or, where even a lower bound is too much, that bound.
+        /// The file's size, or a lower bound if that is already too large.
         bytes: u64,
     },
-    /// A list of the scene is not as long as it must be.
+    /// A list of the scene has the wrong length.
     #[error("the scene's {list} has {actual} entries for {expected} triangles or texels")]
     WrongLength {
         /// The field of [`Scene`] or [`Texture`](crate::Texture).
         list: &'static str,
         /// Its length.
         actual: usize,
-        /// What its length must be.
+        /// The correct length.
         expected: usize,
     },
     /// An entry of the scene has no glTF form.
@@ -38,7 +38,7 @@ pub enum WriteError {
         list: &'static str,
         /// The entry.
         index: usize,
-        /// What is wrong with it, and what would be right.
+        /// What is wrong with it, and what was expected.
         problem: &'static str,
     },
     /// A texture was not encoded as PNG.
@@ -46,22 +46,22 @@ pub enum WriteError {
     Png {
         /// The texture.
         index: usize,
-        /// The encoder's words.
+        /// The encoder's message.
         reason: String,
     },
 }
 
 /// `scene` as the bytes of a GLB.
 ///
-/// Memory: the file itself, 4 bytes a triangle, and where vertices are shared about 35 bytes more a
-/// triangle of the primitive in hand. Materials without triangles are kept; [`Scene::notes`] are not
-/// written, nor is a light's range, which [`Scene`] does not keep.
+/// Memory: the file itself, 4 bytes per triangle, and, while vertices are shared, about 35 bytes per triangle of the
+/// current primitive. Materials without triangles are kept; [`Scene::notes`] are not written, nor is a light's range,
+/// which [`Scene`] does not store.
 ///
 /// # Errors
 /// More than 4 GiB; positions that are not finite; colours outside \[0, 1\]; lists of the wrong length.
 pub fn write_glb(scene: &Scene) -> Result<Vec<u8>, WriteError> {
     check(scene)?;
-    // Shared or not, a triangle takes at least three 2-byte indices, and ids of corners must fit 32 bits.
+    // Shared or not, a triangle takes at least three 2-byte indices, and vertex ids must fit into 32 bits.
     let least = scene.triangles.len() as u64 * 6;
     if least > u64::from(u32::MAX) {
         return Err(WriteError::TooLarge { bytes: least });
@@ -109,7 +109,7 @@ pub fn write_glb(scene: &Scene) -> Result<Vec<u8>, WriteError> {
 /// The ids of all triangles, sorted by material, stable.
 struct Order {
     ids: Vec<u32>,
-    /// How many each material has.
+    /// Number of triangles per material.
     counts: Vec<usize>,
 }
 
@@ -127,7 +127,7 @@ fn by_material(scene: &Scene) -> Order {
     Order { ids, counts }
 }
 
-/// Whatever the writer relies on.
+/// Checks everything that the writer relies on.
 fn check(scene: &Scene) -> Result<(), WriteError> {
     let expected = scene.triangles.len();
     let lengths = [

@@ -1,8 +1,8 @@
-//! Bytes in, a [`Scene`] out: triangles, materials, lights and cameras, ready to be traced.
+//! Loads and generates a [`Scene`]: triangles, materials, lights and cameras, ready to be traced.
 //!
-//! * [`load`] reads glTF 2.0 (`.gltf` JSON and `.glb`) from bytes, with a [`Resolver`] for the
-//!   files beside it. It never touches the file system and never panics on bad input.
-//! * [`generate`] makes scenes from a few numbers.
+//! * [`load`] reads glTF 2.0 (`.gltf` JSON and `.glb`) from bytes, with a [`Resolver`] for external
+//!   files. It never accesses the file system and never panics on bad input.
+//! * [`generate`] generates scenes from a few numbers.
 //! * [`convert`] reads Wavefront OBJ and Stanford PLY.
 //! * [`write_glb`] turns any [`Scene`] into a GLB that `load` reads back.
 

@@ -1,18 +1,18 @@
-//! glTF 2.0 in, a [`Scene`] out.
+//! Loads glTF 2.0 into a [`Scene`].
 //!
-//! A file is read in the order of the modules below:
+//! The modules below are in the order in which a file is read:
 //!
-//! * `container` splits a GLB and parses the JSON, with `repair` for what the parser is too strict about.
-//! * `buffers` brings the bytes together as they are used: the BIN chunk, data URIs and external files.
-//! * `graph` checks the nodes (cycles, two parents) and works out their world matrices.
-//! * `materials` and `images` turn the materials in use into ours.
-//! * `geometry` counts the triangles, then decodes each primitive once and places it where its
-//!   nodes say; `pose` applies morph targets and skins.
+//! * `container` splits a GLB and parses the JSON; `repair` rewrites what the parser wrongly rejects.
+//! * `buffers` reads bytes on demand: the BIN chunk, data URIs and external files.
+//! * `graph` checks the nodes (cycles, two parents) and computes their world matrices.
+//! * `materials` and `images` convert the materials in use.
+//! * `geometry` counts the triangles, then decodes each primitive once and places it for each
+//!   of its nodes; `pose` applies morph targets and skins.
 //! * `lights_cameras` reads the rest.
 //!
-//! Nothing in a file is believed. No `gltf::Document` is ever built, since its iterators index
-//! without checks: every index goes through `check`, every accessor through the bounded reader in
-//! `accessor`, and every allocation through a [`Budget`](budget::Budget) before it is made.
+//! A file's contents are never trusted. No `gltf::Document` is built, since its iterators index without checks: every
+//! index goes through `check`, every accessor through the bounded reader in `accessor`, and every allocation is first
+//! charged to a [`Budget`](budget::Budget).
 
 mod accessor;
 mod budget;
@@ -35,27 +35,27 @@ use check::{Notes, at};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
-/// Reads the files that a glTF file names beside itself.
+/// Reads the external files of a glTF file.
 pub trait Resolver {
-    /// The bytes of `path`: the percent-decoded relative path of the file's URI, `/` between its
-    /// parts. `..` may occur in it, and so may links on the way: it is for the resolver to keep to the
-    /// folder that it may read. A file of more than `max_bytes` is to be refused without reading it.
+    /// The bytes of `path`: the percent-decoded relative path of the file's URI, with `/` as separator. It may contain
+    /// `..`, and the file system may have links: the resolver must ensure that only permitted folders are read. A file
+    /// of more than `max_bytes` must be rejected without reading it.
     ///
     /// # Errors
-    /// Where the file may not be read, cannot be, or is larger than `max_bytes`.
+    /// If the file is not permitted, cannot be read, or is larger than `max_bytes`.
     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, FileError>;
 }
 
 /// Why a [`Resolver`] did not read a file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FileError {
-    /// It lies outside of the folder that files are read from.
+    /// It is outside the folder from which files may be read.
     #[error("it lies outside of {folder}, the scene's folder")]
     Outside {
         /// That folder.
         folder: String,
     },
-    /// It is larger than what may be read.
+    /// It is larger than the limit.
     #[error("its {bytes} bytes are more than can be read here")]
     TooLarge {
         /// Its size.
@@ -78,7 +78,7 @@ impl From<&str> for FileError {
     }
 }
 
-/// A [`Resolver`] that refuses every file, for scenes that hold everything themselves.
+/// A [`Resolver`] that rejects every file, for self-contained scenes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
@@ -91,71 +91,71 @@ impl Resolver for NoFiles {
 /// How [`load`] reads a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadOptions {
-    /// Which scene of the file, counted from 0; `None` is the file's default scene, else its first.
+    /// Index of the scene, counting from 0; `None` for the file's default scene, or else its first.
     pub scene: Option<usize>,
-    /// The most bytes that a scene may take: the input, the files beside it and all that is decoded, temporary
-    /// bytes included, and for texels also the copy that kernels will read. All but what the decoder of an image
-    /// needs is counted for good, so this bounds the time as well.
+    /// Maximum number of bytes for a scene: the input, external files and everything decoded, including temporary bytes
+    /// and the copy of texels for kernels. Charged bytes are never given back, except those for an image decoder, so
+    /// this limits the time as well.
     pub max_bytes: u64,
-    /// The most texels of all textures together.
+    /// Maximum number of texels in all textures together.
     pub max_texels: u64,
 }
 
 impl Default for LoadOptions {
-    /// The file's own scene, 8 GiB, and as many texels as one buffer of 4 GiB holds in eight bytes each: that is
-    /// how kernels read them, and no more can be bound on Vulkan, on Direct3D 12 or on the CPU.
+    /// The file's default scene, 8 GiB, and as many texels as fit into one buffer of 4 GiB at the eight bytes per texel
+    /// that kernels read: no more can be bound on Vulkan, on Direct3D 12 or on the CPU.
     fn default() -> Self {
         Self { scene: None, max_bytes: 8 << 30, max_texels: 1 << 29 }
     }
 }
 
-/// Why a file could not be read. One line: where, what, and what would be right.
+/// Why a file could not be read. One line: where, what, and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// The bytes are neither a GLB nor glTF JSON, or a GLB's chunks do not add up.
+    /// The bytes are neither a GLB nor glTF JSON, or a GLB's chunk lengths are inconsistent.
     #[error("{0}")]
     Container(String),
     /// The JSON is malformed, or a property has the wrong type.
     #[error("the glTF JSON is invalid: {0}")]
     Json(String),
-    /// The file needs an extension that raystep does not know.
+    /// The file requires an extension that raystep does not support.
     #[error("the file requires the extension {0}, which is not supported (supported: {1})")]
     RequiredExtension(String, String),
-    /// [`LoadOptions::scene`] names a scene that is not there.
+    /// [`LoadOptions::scene`] does not exist.
     #[error("scene {asked} does not exist; the file has {count} (counted from 0)")]
     NoSuchScene {
-        /// What was asked for.
+        /// The requested index.
         asked: usize,
-        /// How many there are.
+        /// The number of scenes.
         count: usize,
     },
-    /// Something at one place of the JSON, or in what that place refers to, is wrong.
+    /// Something in the JSON, or in data that it refers to, is wrong.
     #[error("{path}: {problem}")]
     Invalid {
         /// The place, e.g. `meshes[0].primitives[1].attributes.POSITION`.
         path: String,
-        /// What is wrong there, and what would be right.
+        /// What is wrong there, and what was expected.
         problem: String,
     },
-    /// A file beside this one could not be read.
+    /// An external file could not be read.
     #[error("{path}: cannot read \"{file}\": {problem}")]
     External {
         /// The place that names the file, e.g. `buffers[0].uri`.
         path: String,
         /// The file's relative path.
         file: String,
-        /// The resolver's words.
+        /// The resolver's message.
         problem: String,
     },
-    /// A file beside this one lies where it must not be read.
+    /// An external file is outside the permitted folder.
     #[error("{path}: \"{uri}\" lies outside of {folder}, the scene's folder")]
     Outside {
         /// The place that names the file, e.g. `buffers[0].uri`.
         path: String,
         /// The file's URI as it is written there.
         uri: String,
-        /// The folder that files are read from.
+        /// The folder from which files may be read.
         folder: String,
     },
     /// More texels than [`LoadOptions::max_texels`].
@@ -165,16 +165,16 @@ pub enum LoadError {
     TooManyTexels {
         /// The image.
         path: String,
-        /// Its texels a row.
+        /// Its width.
         width: u32,
-        /// Its rows.
+        /// Its height.
         height: u32,
-        /// With all before it.
+        /// Texels of all images so far.
         all: u64,
         /// [`LoadOptions::max_texels`].
         limit: u64,
     },
-    /// This machine's memory does not hold it.
+    /// There is not enough memory.
     #[error("{path}: not enough memory for the {bytes} bytes that this takes")]
     OutOfMemory {
         /// The place.
@@ -198,11 +198,11 @@ pub enum LoadError {
 
 /// Reads a glTF 2.0 file, JSON or GLB, into a [`Scene`].
 ///
-/// `name` becomes [`Scene::name`], without a `.gltf` or `.glb` at its end. What was left out or
-/// assumed is said in [`Scene::notes`].
+/// `name` becomes [`Scene::name`], without a trailing `.gltf` or `.glb`. [`Scene::notes`] lists what was ignored or
+/// assumed.
 ///
 /// # Errors
-/// A [`LoadError`] where the file is broken, needs what is not supported, or is too large.
+/// If the file is invalid, requires an unsupported extension, or is too large.
 pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOptions) -> Result<Scene, LoadError> {
     let budget = Budget::new(options.max_bytes);
     budget.take(bytes.len() as u64, "the file")?;
@@ -219,7 +219,7 @@ pub fn load(name: &str, bytes: &[u8], resolver: &dyn Resolver, options: &LoadOpt
     let groups = geometry::groups(&root, &nodes)?;
     let primitives = geometry::survey(&root, &accessors, &groups, &notes)?;
 
-    // Sorted: the default material, then the file's order, and each once.
+    // Sorted without duplicates: the default material, then file order.
     let used: BTreeSet<Option<usize>> = primitives.iter().map(geometry::Primitive::material).collect();
     let images = images::Images {
         buffers: &buffers,

@@ -1,4 +1,4 @@
-//! What a tracer needs to know of a scene, flattened: world space, one entry per triangle.
+//! A scene prepared for tracing: flattened to world space, one entry per triangle.
 
 use glam::{DVec3, Vec3};
 
@@ -9,26 +9,26 @@ use glam::{DVec3, Vec3};
 pub struct Scene {
     /// A short name for reports: the file's stem, or the generator's name.
     pub name: String,
-    /// Corner positions. All are finite.
+    /// Vertex positions. All are finite.
     pub triangles: Vec<[[f32; 3]; 3]>,
-    /// Unit vertex normals, one a corner; `None` where no mesh has any. Where only some meshes
-    /// have them, the others carry their flat normal.
+    /// Unit vertex normals, three per triangle; `None` if no mesh has any. If only some meshes have them, the others
+    /// have flat normals.
     pub normals: Option<Vec<[[f32; 3]; 3]>>,
-    /// Base colour texture coordinates, one a corner; `None` where no material has a texture.
+    /// Base colour texture coordinates, three per triangle; `None` if no material has a texture.
     pub texcoords: Option<Vec<[[f32; 2]; 3]>>,
-    /// Linear vertex colours, one a corner; `None` where no mesh has any (white where only some do).
+    /// Linear vertex colours, three per triangle; `None` if no mesh has any (white if only some do).
     pub colors: Option<Vec<[[f32; 3]; 3]>>,
-    /// Index into [`materials`](Self::materials), one a triangle.
+    /// Index into [`materials`](Self::materials), one per triangle.
     pub triangle_materials: Vec<u32>,
-    /// At least one, even where a file has none.
+    /// At least one, even if a file has none.
     pub materials: Vec<Material>,
     /// Textures that materials refer to.
     pub textures: Vec<Texture>,
-    /// Empty where the file has none; the renderer then puts a headlight at the eye.
+    /// Empty if the file has none; the renderer then places a headlight at the eye.
     pub lights: Vec<Light>,
-    /// Empty where the file has none; [`Camera::framing`] then frames the scene.
+    /// Empty if the file has none; [`Camera::framing`] then frames the scene.
     pub cameras: Vec<Camera>,
-    /// What the reader of the file should know: features ignored, defaults taken.
+    /// Notes for the user: ignored features, assumed defaults.
     pub notes: Vec<Note>,
 }
 
@@ -47,7 +47,7 @@ pub struct Material {
     pub emissive: [f32; 3],
     /// Index into [`Scene::textures`]; its colour multiplies `base_color`.
     pub texture: Option<u32>,
-    /// Shade the back with the normal turned to the viewer. Rays stop at both sides either way.
+    /// Shade the back with the normal turned to the viewer. Rays stop at both sides regardless.
     pub double_sided: bool,
 }
 
@@ -60,28 +60,28 @@ impl Default for Material {
 /// A base colour texture: 8-bit sRGB texels, row 0 at the top, as glTF's v = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Texels a row; at least 1.
+    /// Width in texels; at least 1.
     pub width: u32,
-    /// Rows; at least 1.
+    /// Height in texels; at least 1.
     pub height: u32,
     /// `width * height` texels, R G B sRGB-encoded, A linear (unused).
     pub texels: Vec<[u8; 4]>,
-    /// How u continues outside [0, 1].
+    /// What u does outside [0, 1].
     pub wrap_u: Wrap,
-    /// How v continues outside [0, 1].
+    /// What v does outside [0, 1].
     pub wrap_v: Wrap,
     /// Bilinear when true, nearest when false.
     pub linear: bool,
 }
 
-/// How a texture continues outside [0, 1].
+/// How a texture is extended outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
     /// The texture repeats.
     Repeat,
     /// Every other copy is mirrored.
     Mirror,
-    /// The edge texel continues.
+    /// The edge texel is repeated.
     Clamp,
 }
 
@@ -131,27 +131,27 @@ pub struct Camera {
     pub name: String,
     /// World position.
     pub eye: DVec3,
-    /// Unit vector to the right of the picture.
+    /// Unit vector to the right of the image.
     pub right: DVec3,
-    /// Unit vector to the top of the picture.
+    /// Unit vector to the top of the image.
     pub up: DVec3,
-    /// Unit vector into the picture.
+    /// Unit vector into the image.
     pub forward: DVec3,
-    /// How pixels spread.
+    /// Directions of rays across pixels.
     pub projection: Projection,
 }
 
 /// Perspective or orthographic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Rays fan out from the eye.
+    /// Rays start at the eye and diverge.
     Perspective {
         /// Full vertical angle of view, radians, in (0, pi).
         vertical_fov: f64,
     },
     /// Parallel rays.
     Orthographic {
-        /// Half the picture's height in scene units, above 0. The width follows from the image's aspect.
+        /// Half the image's height in scene units, above 0. The width follows from the image's aspect.
         half_height: f64,
     },
 }
@@ -166,10 +166,10 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box of nothing.
+    /// The empty box.
     pub const EMPTY: Self = Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
 
-    /// Whether the box holds no point.
+    /// Whether the box contains no point.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
@@ -177,7 +177,7 @@ impl Bounds {
 }
 
 impl Scene {
-    /// Triangles that are all there is, in scene units: grey, matt, and lit from the eye.
+    /// A scene of triangles only, in scene units: grey, matt, and lit from the eye.
     ///
     /// ```
     /// let scene = raystep_scenes::Scene::from_triangles(vec![[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]]);
@@ -189,7 +189,7 @@ impl Scene {
         Self { triangles, triangle_materials, materials: vec![Material::default()], ..Self::default() }
     }
 
-    /// The box of all corners; [`Bounds::EMPTY`] without triangles.
+    /// The box of all vertices; [`Bounds::EMPTY`] without triangles.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.triangles.iter().flatten().fold(Bounds::EMPTY, |b, &p| {
@@ -200,7 +200,7 @@ impl Scene {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`. `None` where the two coincide or are not finite;
+    /// A camera at `eye` that looks at `target`. `None` if the two coincide or are not finite;
     /// an `up` parallel to the view is replaced by another axis.
     #[must_use]
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, projection: Projection) -> Option<Self> {
@@ -214,8 +214,8 @@ impl Camera {
         Some(Self { name: String::new(), eye, right, up: right.cross(forward), forward, projection })
     }
 
-    /// A camera that frames `bounds` from the front, a little above and to the right: what a scene
-    /// without cameras is seen from. Works for empty, flat and single-point bounds too.
+    /// A camera that frames `bounds` from the front, slightly above and to the right, for scenes without cameras. Also
+    /// works for empty, flat and single-point bounds.
     #[must_use]
     pub fn framing(bounds: &Bounds) -> Self {
         const FOV_DEG: f64 = 40.0;
@@ -225,7 +225,7 @@ impl Camera {
             let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
             let radius = (max - min).length() * 0.5;
             let center = (min + max) * 0.5;
-            // A single point has no size of its own; its distance from the origin is the only scale.
+            // A single point has no size; its distance from the origin is the only scale.
             (center, if radius > 0.0 { radius } else { center.length().max(1.0) * 1e-3 })
         };
         let vertical_fov = FOV_DEG.to_radians();

@@ -1,4 +1,4 @@
-//! OBJ and PLY: what is read, and what is said of files that are wrong.
+//! OBJ and PLY: what is read, and the errors for invalid files.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
@@ -80,7 +80,7 @@ fn bad_obj_says_what_where_and_what_would_be_right() {
             "bad.obj, line 2: '1/1/1/1' has too many slashes; a corner is v, v/vt, v//vn or v/vt/vn",
         ),
     ] {
-        // The slashes are counted before what they separate is looked up.
+        // Slashes are counted before indices are looked up.
         assert_eq!(obj("bad.obj", text.as_bytes()).unwrap_err().to_string(), wanted);
     }
 }
@@ -91,7 +91,7 @@ fn ascii(body: &str) -> Vec<u8> {
     format!("ply\nformat ascii 1.0\ncomment a test\n{HEADER}{body}").into_bytes()
 }
 
-/// The square as a binary file; `order` turns a little-endian number around where it must be.
+/// The square as a binary file; `order` reverses a little-endian number if necessary.
 fn binary(format: &str, order: fn(&mut [u8])) -> Vec<u8> {
     let mut bytes = format!("ply\nformat {format} 1.0\n{HEADER}").into_bytes();
     for value in [0f32, 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.] {

@@ -1,5 +1,5 @@
-//! The scene files of this folder: each loads, has the triangles that README.md says, and the Cornell
-//! box is the generator's.
+//! The scene files in this folder: each loads and has the number of triangles given in README.md, and the Cornell box
+//! equals the generated one.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
@@ -43,7 +43,7 @@ fn every_file_has_the_triangles_that_the_readme_says() {
     assert_eq!(
         files,
         readme.lines().filter(|l| l.starts_with("| `") && l.contains(".gl")).count(),
-        "a row has no file"
+        "a row of README.md has no file"
     );
 }
 

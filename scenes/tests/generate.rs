@@ -1,4 +1,4 @@
-//! Generated scenes: counts, closedness, windings, the same bits every time, refusals.
+//! Generated scenes: counts, closed surfaces, windings, reproducible bits, errors.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
@@ -33,12 +33,12 @@ fn cornell_box_has_26_triangles_that_face_the_room() {
     assert_eq!((walls.len(), blocks.len()), (10, 16));
     let middle = (bounds.min + bounds.max) * 0.5;
     for t in walls {
-        assert!((t[1] - t[0]).cross(t[2] - t[0]).dot(middle - t[0]) > 0.0, "a wall turns its back: {t:?}");
+        assert!((t[1] - t[0]).cross(t[2] - t[0]).dot(middle - t[0]) > 0.0, "a wall faces outward: {t:?}");
     }
     for block in blocks.chunks(8) {
         let inside = block.iter().flatten().sum::<Vec3>() / 24.0 - Vec3::Y * 0.1;
         for t in block {
-            assert!((t[1] - t[0]).cross(t[2] - t[0]).dot(inside - t[0]) < 0.0, "a side is inside out: {t:?}");
+            assert!((t[1] - t[0]).cross(t[2] - t[0]).dot(inside - t[0]) < 0.0, "a side faces inward: {t:?}");
         }
     }
 }
@@ -55,12 +55,12 @@ fn every_edge_of_an_icosphere_has_two_triangles_in_opposite_directions() {
                 *edges.entry((t[k], t[(k + 1) % 3])).or_insert(0) += 1;
             }
             let [a, b, c] = t.map(|p| Vec3::from(p.map(f32::from_bits)));
-            assert!((b - a).cross(c - a).dot(a) > 0.0, "inside out at {subdivisions}");
+            assert!((b - a).cross(c - a).dot(a) > 0.0, "a face points inward at {subdivisions}");
         }
         for (&(a, b), &count) in &edges {
             assert_eq!((count, edges.get(&(b, a))), (1, Some(&1)), "an edge is open at {subdivisions}");
         }
-        // Euler: corners − edges + faces = 2.
+        // Euler: vertices − edges + faces = 2.
         let corners: std::collections::HashSet<_> = edges.keys().map(|e| e.0).collect();
         assert_eq!(corners.len() + scene.triangles.len(), edges.len() / 2 + 2);
     }
@@ -84,7 +84,7 @@ fn the_knot_is_closed_and_faces_outward() {
 
 #[test]
 fn the_same_numbers_give_the_same_bits() {
-    // These need only operations that IEEE 754 rounds in one way, so the hashes hold on every machine.
+    // These need only operations that IEEE 754 rounds exactly, so the hashes hold on every machine.
     assert_eq!(hash(&generate::cornell_box()), CORNELL_BOX);
     assert_eq!(hash(&generate::soup(1_000, 1).unwrap()), SOUP);
     assert_eq!(hash(&generate::terrain(2_000, 1).unwrap()), TERRAIN);
@@ -110,7 +110,7 @@ fn every_generator_makes_a_whole_scene_with_its_defaults() {
         assert_eq!(scene.name, name);
         assert!(count > 0 && scene.triangle_materials.len() == count, "{name}");
         assert!(scene.triangle_materials.iter().all(|&m| (m as usize) < scene.materials.len()), "{name}");
-        assert!(scene.triangle_materials.is_sorted(), "{name} would change its ids when written");
+        assert!(scene.triangle_materials.is_sorted(), "{name} would be reordered when written");
         assert!(scene.triangles.as_flattened().as_flattened().iter().all(|v| v.is_finite()), "{name}");
         assert!(!scene.lights.is_empty() && !scene.cameras.is_empty(), "{name}");
         if let Some(normals) = &scene.normals {

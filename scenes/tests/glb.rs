@@ -1,4 +1,4 @@
-//! What `write_glb` writes, and that `load` brings the same bits back.
+//! What `write_glb` writes, and that `load` reads the same bits back.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
@@ -93,14 +93,14 @@ fn everything_comes_back_grouped_by_material() {
     let again = reload(&scene);
     let order: Vec<usize> = (0..3).flat_map(|m| (0..9).filter(move |i| i % 3 == m)).collect();
     let picked: Vec<_> = order.iter().map(|&i| scene.triangles[i]).collect();
-    // Even the identity's sums turn −0 into 0 on the way in; the file has the −0 (below).
+    // Loading turns −0 into 0, even with the identity transform; the file contains the −0 (see below).
     let zero = |v: u32| if v == 1 << 31 { 0 } else { v };
     assert!(bits(&again.triangles).into_iter().eq(bits(&picked).into_iter().map(zero)));
     assert_eq!(again.triangle_materials, [0, 0, 0, 1, 1, 1, 2, 2, 2]);
     let pick = |list: &Option<Vec<[[f32; 3]; 3]>>| order.iter().map(|&i| list.as_ref().unwrap()[i]).collect::<Vec<_>>();
     assert_eq!(again.normals.as_ref().unwrap(), &pick(&scene.normals));
     assert_eq!(again.colors.as_ref().unwrap(), &pick(&scene.colors));
-    // Where no material has a texture, the reader is free to leave coordinates out; b has one.
+    // If no material has a texture, the loader may omit coordinates; b has one.
     let coordinates = again.texcoords.as_ref().unwrap();
     assert_eq!(
         coordinates[3..6],
@@ -109,7 +109,7 @@ fn everything_comes_back_grouped_by_material() {
     assert_eq!(again.materials, scene.materials);
     assert_eq!(again.textures, scene.textures);
     for (a, b) in again.cameras.iter().zip(&scene.cameras) {
-        // glTF's matrices are f32, so an axis may turn by an ulp of 1.
+        // glTF's matrices are f32, so an axis may change by an ulp of 1.
         for (a, b) in [(a.eye, b.eye), (a.right, b.right), (a.up, b.up), (a.forward, b.forward)] {
             assert!((a - b).length() < 1e-6, "{a} {b}");
         }
@@ -171,7 +171,7 @@ fn vertices_are_shared_where_that_saves_space() {
     assert_eq!(sphere["accessors"][0]["count"], 10 * 1024 + 2);
     let soup = json(&write_glb(&generate::soup(1_000, 1).unwrap()).unwrap());
     assert!(soup["meshes"][0]["primitives"][0].get("indices").is_none());
-    // 65,536 vertices would need the index that 16 bits reserve; one more level has 163,842.
+    // 65,536 vertices would need the index that 16 bits reserve; one more subdivision has 163,842.
     let index =
         |s: &Value| s["accessors"][s["meshes"][0]["primitives"][0]["indices"].as_u64().unwrap() as usize].clone();
     assert_eq!(index(&sphere)["componentType"], 5123);

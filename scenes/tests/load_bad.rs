@@ -1,4 +1,4 @@
-//! Values that are wrong or do not fit together: an error of one line that says where.
+//! Invalid or inconsistent values: a one-line error that says where.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
@@ -6,7 +6,7 @@ use crate::load_common::*;
 use raystep_scenes::{NoFiles, load};
 use serde_json::{Value, json};
 
-/// Applies a JSON merge at a pointer of the triangle's document, and expects these words.
+/// Merges `value` into the triangle's document at a JSON pointer, and expects an error with these words.
 fn broken(pointer: &str, value: Value, words: &[&str]) {
     let mut doc = Doc::triangle();
     *doc.json.pointer_mut(pointer).unwrap_or_else(|| panic!("no {pointer}")) = value;
@@ -116,7 +116,7 @@ fn positions_that_are_no_numbers() {
         let error = doc.error();
         assert!(error.contains("attributes.POSITION (accessors[0]): element 1 is"), "{error}");
     }
-    // Finite numbers that a transform makes infinite, or that overflow as they are read.
+    // Finite numbers that become infinite by a transform or when read.
     let mut doc = Doc::triangle();
     doc.json["nodes"] = json!([{"scale": [1e30, 1, 1], "children": [1]}, {"mesh": 0, "scale": [1e30, 1, 1]}]);
     assert!(doc.error().contains("nodes[1]"));
@@ -204,7 +204,7 @@ fn cameras_and_lights_out_of_range() {
         let error = doc.error();
         assert!(error.contains("KHR_lights_punctual.lights[0]") && error.contains(word), "{error:?}: {word:?}");
     }
-    // Neither can look anywhere from a node of no size.
+    // Neither can have a direction if its node has zero scale.
     let mut doc = Doc::triangle();
     doc.push("cameras", perspective(1., 1.));
     doc.push("nodes", json!({"camera": 0, "scale": [0, 0, 0]}));
@@ -247,7 +247,7 @@ fn uris_that_are_not_read() {
 #[test]
 fn images_that_are_none_or_too_large() {
     let picture = png(2, 2, TEXELS.as_flattened());
-    // A bomb: the header claims 60,000 x 60,000 texels, its checksum made to fit.
+    // A decompression bomb: the header declares 60,000 x 60,000 texels, with a matching checksum.
     let sized = |side: u32| {
         let mut bomb = picture.clone();
         bomb[16..20].copy_from_slice(&side.to_be_bytes());

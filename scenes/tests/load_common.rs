@@ -1,4 +1,4 @@
-//! Tiny glTF documents, made in the tests.
+//! Tiny glTF documents, built in the tests.
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
 use raystep_scenes::{FileError, LoadError, LoadOptions, NoFiles, Resolver, Scene, load};
@@ -12,7 +12,7 @@ pub(crate) const U16: u32 = 5123;
 pub(crate) const U32: u32 = 5125;
 pub(crate) const F32: u32 = 5126;
 
-/// A document in the making: JSON beside the bytes of its one buffer.
+/// A document under construction: JSON and the bytes of its only buffer.
 #[derive(Clone)]
 pub(crate) struct Doc {
     pub(crate) json: Value,
@@ -20,7 +20,7 @@ pub(crate) struct Doc {
 }
 
 impl Doc {
-    /// Nothing but the version and one buffer.
+    /// A document with only the version and one buffer.
     pub(crate) fn new() -> Self {
         let json = json!({"asset": {"version": "2.0"}, "buffers": [], "bufferViews": [], "accessors": [],
             "meshes": [], "nodes": []});
@@ -36,7 +36,7 @@ impl Doc {
         doc
     }
 
-    /// Appends to one of the lists; its index.
+    /// Appends to one of the lists; returns the index.
     pub(crate) fn push(&mut self, list: &str, value: Value) -> usize {
         if self.json.get(list).is_none() {
             self.json[list] = json!([]);
@@ -98,7 +98,7 @@ impl Doc {
         self.load().unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// The message of the error that loading must end in.
+    /// The message of the error that loading must return.
     #[track_caller]
     pub(crate) fn error(&self) -> String {
         match self.load() {
@@ -176,13 +176,13 @@ pub(crate) fn notes(scene: &Scene) -> Vec<&str> {
     scene.notes.iter().map(|note| note.0.as_str()).collect()
 }
 
-/// Whether all numbers are within 1e-6 of each other: some ten f32 steps at 1.
+/// Whether all numbers are within 1e-6 of each other: about ten f32 steps at 1.
 #[track_caller]
 pub(crate) fn close(a: &[f32], b: &[f32]) {
     assert!(a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6), "{a:?} and {b:?}");
 }
 
-/// A 2 x 2 picture: red, green / blue, white.
+/// A 2 x 2 image: red, green / blue, white.
 pub(crate) const TEXELS: [[u8; 4]; 4] = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 255]];
 
 pub(crate) fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
@@ -192,7 +192,7 @@ pub(crate) fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Options that allow little memory.
+/// Options with a small memory limit.
 pub(crate) fn small() -> LoadOptions {
     LoadOptions { max_bytes: 16 << 20, ..Default::default() }
 }

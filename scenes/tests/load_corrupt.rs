@@ -65,7 +65,7 @@ fn every_single_bit_flipped() {
                 refused += 1;
             }
         }
-        // A load of these 3 kB takes microseconds; a second is a hang on any machine.
+        // Loading these 3 kB takes microseconds; a second is a hang on any machine.
         assert!(start.elapsed() < Duration::from_secs(1), "bit {bit}");
         bytes[bit / 8] ^= 1 << (bit % 8);
     }
@@ -74,7 +74,7 @@ fn every_single_bit_flipped() {
 
 #[test]
 fn claims_beyond_the_file_are_refused_before_memory_is_taken() {
-    // 4 GiB of vertices, of zeros, of buffer, and of instances: all within a few hundred bytes.
+    // 4 GiB of vertices, of zeros, of buffer, and of instances, each declared by a few hundred bytes.
     let mut doc = Doc::triangle();
     doc.json["accessors"][0]["count"] = json!(357_913_941);
     assert!(doc.error().contains("do not fit"));
@@ -90,7 +90,7 @@ fn claims_beyond_the_file_are_refused_before_memory_is_taken() {
     assert!(one_line(&error).contains("buffers[0]: has 3 bytes, fewer than its byteLength of 4294967296"), "{error}");
     assert!(text("").len() < 500);
 
-    // Nodes of three bytes each, which take hundreds once they are parsed.
+    // Nodes of three bytes each, which take hundreds when parsed.
     let nodes = json!({"asset": {"version": "2.0"}, "nodes": vec![json!({}); 100_000]}).to_string();
     let error = one_line(&load("x", nodes.as_bytes(), &NoFiles, &small()).unwrap_err());
     assert!(error.starts_with("the file's JSON: this takes") && nodes.len() < 400_000, "{error}");
@@ -101,7 +101,7 @@ fn claims_beyond_the_file_are_refused_before_memory_is_taken() {
     doc.primitive()["indices"] = json!(indices);
     doc.json["nodes"] = json!(vec![json!({"mesh": 0}); 300_000]);
     assert!(doc.error().contains("6000000000 triangles"));
-    // And one that numbers can hold but max_bytes cannot.
+    // A number of triangles that fits a u64 but not max_bytes.
     doc.json["nodes"] = json!(vec![json!({"mesh": 0}); 100]);
     let error = doc.load_with(&NoFiles, &small()).unwrap_err();
     assert!(matches!(error, LoadError::TooLarge { needed: 72_000_000, limit: 16_777_216, .. }), "{error}");
@@ -120,14 +120,14 @@ fn chains_of_a_hundred_thousand_nodes_load() {
     nodes.push(json!({"mesh": 0}));
     doc.json["nodes"] = json!(nodes);
     assert_eq!(doc.scene().triangles[0][0], [last as f32, 0., 0.]);
-    // Bent into a ring, with no root at all.
+    // Closed to a ring, without any root.
     doc.json["nodes"][last] = json!({"children": [0]});
     assert!(doc.error().contains("cycle"));
 }
 
 #[test]
 fn text_that_is_no_gltf() {
-    // What is nested too deep for the stack is refused; applications' own data is not even looked at.
+    // JSON nested too deeply for the stack is rejected; application data is skipped.
     let deep = |key: &str| {
         let (open, close) = ("[".repeat(200_000), "]".repeat(200_000));
         format!("{{\"asset\":{{\"version\":\"2.0\"}},\"{key}\":{open}{close}}}").into_bytes()

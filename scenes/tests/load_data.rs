@@ -1,4 +1,4 @@
-//! Where a file's bytes may lie and how they may be encoded: accessors, buffers, URIs, images.
+//! Where a file's bytes may be and how they may be encoded: accessors, buffers, URIs, images.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
@@ -36,7 +36,7 @@ fn sparse_accessors_change_what_lies_below() {
 
 #[test]
 fn strides_and_offsets_are_followed() {
-    // Position and normal interleaved, 4 bytes between them, behind 8 bytes of something else.
+    // Position and normal interleaved, with a gap of 4 bytes, after 8 unrelated bytes.
     let mut bytes = vec![0xff; 8];
     for p in [[1f32, 2., 3.], [4., 5., 6.], [7., 8., 10.]] {
         bytes.extend(f32s(&p));
@@ -146,12 +146,12 @@ fn jpegs_and_deep_or_gray_pngs() {
     let gray = image::DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(3, 2, image::Luma([0x8080])));
     for format in [image::ImageFormat::Png, image::ImageFormat::Jpeg] {
         let mut bytes = std::io::Cursor::new(Vec::new());
-        // JPEG has no 16 bits.
+        // JPEG has no 16-bit format.
         let picture = if format == image::ImageFormat::Jpeg { gray.to_luma8().into() } else { gray.clone() };
         picture.write_to(&mut bytes, format).unwrap();
         let mut doc = textured(json!({}));
         let view = doc.view(bytes.get_ref());
-        // A wrong mimeType is common and does not matter.
+        // A wrong mimeType is common and harmless.
         doc.json["images"][0] = json!({"bufferView": view, "mimeType": "image/webp"});
         let texture = doc.scene().textures.remove(0);
         assert_eq!((texture.width, texture.height), (3, 2));
@@ -196,7 +196,7 @@ fn textures_are_shared_and_only_those_in_use_are_read() {
     let scene = doc.scene();
     assert_eq!((scene.textures.len(), scene.materials.len()), (1, 2));
     assert_eq!(scene.materials[1].texture, Some(0));
-    // A texture whose image only an extension has is left out.
+    // A texture whose image is only in an extension is ignored.
     doc.json["textures"][1] = json!({"extensions": {"EXT_texture_webp": {"source": 1}}});
     let scene = doc.scene();
     assert_eq!(scene.materials[1].texture, None);
@@ -212,7 +212,7 @@ fn texture_coordinates_by_set_and_transform() {
         (json!({"index": 0, "texCoord": 1}), [[0., 1.], [0.2, 0.], [0., 0.]]),
         (transform(json!({"texCoord": 1})), [[0., 1.], [0.2, 0.], [0., 0.]]),
         (transform(json!({"offset": [0.5, 0.25], "scale": [2, 3]})), [[0.5, 0.25], [2.5, 0.25], [0.5, 3.25]]),
-        // Counter-clockwise where v points down: u goes up to -v.
+        // Counter-clockwise with v pointing down: u turns to -v.
         (transform(json!({"rotation": FRAC_PI_2})), [[0., 0.], [0., -1.], [1., 0.]]),
         (transform(json!({"rotation": FRAC_PI_2, "scale": [2, 3]})), [[0., 0.], [0., -2.], [3., 0.]]),
     ];
@@ -223,7 +223,7 @@ fn texture_coordinates_by_set_and_transform() {
         println!("{info}");
         close(uv.as_flattened(), expected.as_flattened());
     }
-    // A mesh that lacks the set gets one texel, and a note.
+    // A mesh without the texture coordinate set gets one texel, and a note.
     let mut doc = textured(json!({"uri": picture}));
     doc.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = json!(7);
     let scene = doc.scene();
@@ -238,14 +238,14 @@ fn buffers_beside_and_in_uris() {
     doc.bin.clear();
     let uri = format!("data:;base64,{}", STANDARD.encode(&bytes));
     for uri in [uri.as_str(), "gr%C3%BC%C3%9Fe.bin"] {
-        // A buffer may be longer than its byteLength says.
+        // A buffer may be longer than its byteLength.
         doc.json["buffers"] = json!([{"byteLength": 36, "uri": uri}]);
         let mut longer = bytes.clone();
         longer.extend([1, 2, 3]);
         let files = Files::one("grüße.bin", &longer);
         let scene = load("x", doc.json.to_string().as_bytes(), &files, &LoadOptions::default()).unwrap();
         assert_eq!(scene.triangles.len(), 1);
-        // But what lies beyond that length is not the buffer's.
+        // But bytes beyond that length are not part of the buffer.
         let shorter = doc.json.to_string().replace("\"byteLength\":36,\"uri\"", "\"byteLength\":35,\"uri\"");
         let error = load("x", shorter.as_bytes(), &files, &LoadOptions::default()).unwrap_err();
         assert!(one_line(&error).contains("35 bytes of buffers[0]"), "{error}");

@@ -1,4 +1,4 @@
-//! Every feature of glTF that the loader reads, one tiny document each.
+//! Every glTF feature that the loader reads, in one tiny document each.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
@@ -18,7 +18,7 @@ const D: [f32; 3] = [1., 1., 0.];
 
 #[test]
 fn lists_strips_and_fans_with_every_index_type() {
-    // Two triangles that share an edge, all facing +Z, from six, four and four corners.
+    // Two triangles that share an edge, both facing +Z, from six, four and four vertices.
     let cases = [
         (4, vec![A, B, C, C, B, D], vec![[A, B, C], [C, B, D]]),
         (5, vec![A, B, C, D], vec![[A, B, C], [B, D, C]]),
@@ -27,7 +27,7 @@ fn lists_strips_and_fans_with_every_index_type() {
     for (mode, corners, expected) in cases {
         for index_type in [0, U8, U16, U32] {
             let mut doc = Doc::new();
-            // Indexed: the vertices the other way round.
+            // Indexed, with the vertices reversed.
             let mut vertices = corners.clone();
             if index_type != 0 {
                 vertices.reverse();
@@ -112,7 +112,7 @@ fn mirrored_meshes_keep_their_front_where_their_normals_point() {
         let normal = DVec3::from_array(scene.normals.unwrap()[0][0].map(f64::from));
         assert!(front.dot(normal) > 0.999, "{scale:?}: front {front}, normal {normal}");
         assert!((normal - DVec3::Z * f64::signum(scale[2])).length() < 1e-6, "{scale:?}: {normal}");
-        // The colours move with their corners: green is at +X of the mesh.
+        // Colours stay with their vertices: green is at +X of the mesh.
         let green = scene.colors.unwrap()[0].iter().position(|c| *c == [0., 1., 0.]).unwrap();
         assert_eq!(scene.triangles[0][green], [scale[0] as f32, 0., 0.], "{scale:?}");
     }
@@ -339,11 +339,11 @@ fn skins_take_their_joints_rest_pose() {
         {"translation": [1, 4, 0]},
     ]);
     let scene = doc.scene();
-    // Joint 0 lifts by 3 in z; joint 1 by 4 in y as well; the last corner is halfway.
+    // Joint 0 moves by 3 in z, joint 1 also by 4 in y; the last vertex is halfway.
     assert_eq!(scene.triangles, [[[0., 0., 3.], [1., 4., 3.], [0., 3., 3.]]]);
     assert_eq!(notes(&scene).iter().filter(|n| n.contains("skin")).count(), 1);
 
-    // Joints below a mirror turn the skin inside out, were its corners not swapped.
+    // Mirrored joints would turn the skin inside out if its vertices were not swapped.
     doc.json["nodes"][1]["scale"] = json!([-1, 1, 1]);
     let scene = doc.scene();
     let [a, b, c] = scene.triangles[0].map(|p| DVec3::from_array(p.map(f64::from)));
@@ -355,7 +355,7 @@ fn skins_take_their_joints_rest_pose() {
 fn names_and_json_files() {
     let mut doc = Doc::triangle();
     doc.json["buffers"] = json!([{"byteLength": doc.bin.len(), "uri": "data:application/gltf-buffer;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]);
-    // A byte order mark and padding by zeros are not allowed, but met.
+    // A byte order mark and zero padding are not allowed, but occur.
     let text = format!("\u{feff}{}\0\0", doc.json);
     let scene = load("Zimmer ü.gltf", text.as_bytes(), &NoFiles, &LoadOptions::default()).unwrap();
     assert_eq!((scene.name.as_str(), &scene.triangles[..]), ("Zimmer ü", &[[A, B, C]][..]));

@@ -1,4 +1,4 @@
-//! Files in, scenes out: what is loaded, what is refused and how, what is generated and converted.
+//! Scenes: loading, errors, generation and conversion.
 
 mod convert;
 mod files;

@@ -1,12 +1,12 @@
-//! `cargo run --release -p raystep-tests --example bvh_build -- [TRIANGLES]`: what each quality of the bounding
-//! volume hierarchy costs to build, and what its trees cost to trace, over generated scenes.
+//! `cargo run --release -p raystep-tests --example bvh_build -- [TRIANGLES]`: time to build the BVH at each quality,
+//! and the cost to trace it, for generated scenes.
 
 use std::time::Instant;
 
 use raystep_kernels::structures::bvh::{self, BvhOptions, BvhQuality};
 use raystep_scenes::{Scene, generate};
 
-/// The fastest of so many is what a quiet machine takes.
+/// The fastest of this many builds is reported.
 const BUILDS: usize = 3;
 
 fn main() {

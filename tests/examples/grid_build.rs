@@ -1,5 +1,5 @@
-//! `cargo run --release -p raystep-tests --example grid_build -- [TRIANGLES …]`: time and memory of the grid's
-//! build over soups.
+//! `cargo run --release -p raystep-tests --example grid_build -- [TRIANGLES …]`: time and memory to build the grid for
+//! soups.
 
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
-//! `cargo run --release -p raystep-tests --example grid_sweep -- [gpu|cpu] [SIZE] [REPEATS]`: time to trace
-//! over grid resolution, from a quarter to four times the automatic one in steps of 1.26, for scenes of
-//! different kinds, by `second` without leaps. The runs of one scene are interleaved; the median counts.
+//! `cargo run --release -p raystep-tests --example grid_sweep -- [gpu|cpu] [SIZE] [REPEATS]`: time to trace at grid
+//! resolutions from a quarter to four times the automatic one, in steps of 1.26, for several kinds of scenes, with
+//! `second` and no empty-space skipping. The runs of one scene are interleaved; their median is reported.
 
 use std::ops::ControlFlow;
 
@@ -45,7 +45,7 @@ fn sweep(meter: &Meter, name: &str, scene: &Scene, size: u32, repeats: usize) {
     let mut runs: Vec<(f64, GridSize, Renderer)> = Vec::new();
     for step in -6..=6 {
         let factor = 1.26f64.powi(step);
-        // Step 0 is what a user gets without asking.
+        // Step 0 is the automatic resolution.
         let cells =
             automatic.map(|n| if n == 1 { 1 } else { (f64::from(n) * factor).round().clamp(1.0, 4096.0) as u32 });
         let grid = if step == 0 { GridSize::Auto } else { GridSize::Cells(cells) };

@@ -1,5 +1,5 @@
-//! Whether memory stays flat: over steps forward and back in a session, and over the samples of a run that keeps no
-//! records. It ends with 1 where memory grew by more than [`MOST_GROWTH`].
+//! Checks that memory use stays constant: while stepping forwards and back in a session, and over the samples of a run
+//! that keeps no records. The exit code is 1 if it grew by more than [`MOST_GROWTH`].
 //!
 //! `cargo run --release -p raystep-tests --example soak -- [cpu|gpu] [STEPS] [SAMPLES]`
 
@@ -12,17 +12,17 @@ use raystep_kernels::plan::Bytes;
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, Renderer, Samples};
 use raystep_tests::{block_on, options, scene};
 
-/// What may be added after the first tenth, in bytes: what an allocator rounds and scatters, and far less than one
-/// record of a pass (some 100 bytes) for each of 100,000 steps.
+/// Permitted growth after the first tenth, in bytes: allows for an allocator's rounding and fragmentation, but is far
+/// below one record of a pass (some 100 bytes) for each of 100,000 steps.
 const MOST_GROWTH: u64 = 4 << 20;
 
-/// What checkpoints may take, in bytes: that of some of them.
+/// Memory for checkpoints, in bytes: enough for some of them.
 const MOST_KEPT: u64 = 256 << 10;
 
-/// Reports a part.
+/// Number of reports per part.
 const REPORTS: usize = 10;
 
-/// Memory of this process that is resident, in bytes.
+/// Resident memory of this process, in bytes.
 fn resident() -> Result<u64, String> {
     let status = std::fs::read_to_string("/proc/self/status").map_err(|e| format!("/proc/self/status: {e}"))?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
@@ -30,11 +30,11 @@ fn resident() -> Result<u64, String> {
     kib.map(|kib| kib * 1024).ok_or_else(|| "/proc/self/status: no VmRSS".into())
 }
 
-/// Memory after each tenth of some work.
+/// Memory after each tenth of the work.
 struct Watched {
     what: &'static str,
     start: Instant,
-    /// After the first tenth: by then, what is made once has been made.
+    /// After the first tenth, when everything that is allocated once has been allocated.
     first: Option<u64>,
     most: u64,
 }
@@ -62,12 +62,12 @@ impl Watched {
     }
 }
 
-/// Forward pass by pass to the end, back pass by pass to the start, and again.
+/// Steps forwards to the end, back to the start, and so on.
 async fn steps(device: &Device, steps: usize) -> Result<(), String> {
     let scene = scene("cornell-box.gltf");
     let options = Options { steps_per_pass: 1, ..options(&scene, 16, 16) };
     let mut session = Session::new(&scene, &options, device).await.map_err(|e| e.to_string())?;
-    // Checkpoints every few passes, and room for some of them only: they come and go all the time.
+    // A checkpoint every few passes, and room for only some of them: they are made and dropped all the time.
     session.set_span(1024);
     session.set_budget(MOST_KEPT);
     let (mut is_back, mut farthest) = (false, 0);
@@ -77,7 +77,7 @@ async fn steps(device: &Device, steps: usize) -> Result<(), String> {
         let target = if is_back { Target::Previous } else { Target::Next };
         let place = session.step(target, &mut go_on).await.map_err(|e| e.to_string())?;
         farthest = farthest.max(place);
-        // At either end the way turns.
+        // Turn around at either end.
         if place == before || place == 0 {
             is_back = !is_back;
         }
@@ -88,7 +88,7 @@ async fn steps(device: &Device, steps: usize) -> Result<(), String> {
     watched.judge()
 }
 
-/// One run of many samples, whose passes nobody asked for.
+/// One run of many samples that keeps no records of passes.
 async fn samples(device: &Device, count: u32) -> Result<(), String> {
     let scene = scene("cornell-box.gltf");
     let samples = Samples { count, ..Samples::default() };

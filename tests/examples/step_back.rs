@@ -1,4 +1,4 @@
-//! How long the inspector takes to go back one pass: at 1920×1080, after 500 passes, from several places.
+//! Time to go back one pass in the inspector: at 1920×1080, after 500 passes, from several places.
 //!
 //! `cargo run --release -p raystep-tests --example step_back -- [gpu|cpu] [WxH] [PASSES]`
 
@@ -28,7 +28,7 @@ fn main() {
     println!("on {}", gpu.as_ref().map_or("the twins", |gpu| &gpu.info.name));
     let scene = raystep_tests::scene("sphere-flake.glb");
     for schedule in [ScheduleKind::Compact, ScheduleKind::Second] {
-        // Without leaps there are more passes.
+        // Without empty-space skipping there are more passes.
         let settings = Settings { schedule, size, skip: Skip::Off, device: DeviceKind::Gpu, ..Settings::default() };
         block_on(gpu.as_deref(), async {
             let options = settings.options(&scene);

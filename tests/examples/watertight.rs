@@ -1,5 +1,6 @@
-//! `cargo run --release -p raystep-tests --example watertight -- [RAYS]`: rays from inside of a closed mesh
-//! at its corners and edges, at scales from 1e-6 to 1e6, through the grid and the tree, on the GPU and on the twins; prints the misses.
+//! `cargo run --release -p raystep-tests --example watertight -- [RAYS]`: rays from inside a closed mesh at its
+//! vertices and edges, at scales from 1e-6 to 1e6, through grid and BVH, on the GPU and on the CPU; prints the number
+//! of misses.
 
 use raystep_kernels::GridSize;
 use raystep_tests::ways::FAST;

@@ -1,4 +1,4 @@
-//! What the tests that cross crates share: the scenes of the repository, a GPU, and comparisons.
+//! Shared by tests across crates: the repository's scenes, a GPU, and comparisons.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -22,22 +22,21 @@ pub mod watertight;
 pub mod ways;
 pub mod words;
 
-/// Whether tests take their long form, as `sh tests/full.sh` asks by the variable `RAYSTEP_THOROUGH`: more scenes, more
-/// rays, more ways. The short form finds what breaks a whole kernel or rule; the long one, what goes wrong rarely.
+/// Whether to run long tests, as `sh tests/full.sh` requests with the variable `RAYSTEP_THOROUGH`: more scenes, rays
+/// and configurations. Short tests find what breaks a whole kernel or rule, long ones find rare errors.
 #[must_use]
 pub fn thorough() -> bool {
     std::env::var_os("RAYSTEP_THOROUGH").is_some_and(|value| !value.is_empty())
 }
 
-/// The folder of scene files: beside this crate, or under the current folder where a test's binary was
-/// carried elsewhere.
+/// The folder of scene files: beside this crate, or in the current folder if a test binary was copied elsewhere.
 #[must_use]
 pub fn scenes_dir() -> PathBuf {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     if beside.is_dir() { beside } else { PathBuf::from("scenes") }
 }
 
-/// The files of a folder, for a scene that lies there.
+/// Resolves external files in a folder.
 pub struct Beside(pub PathBuf);
 
 impl Resolver for Beside {
@@ -73,13 +72,13 @@ pub fn camera(scene: &Scene) -> Camera {
     scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()))
 }
 
-/// Default options for a picture of the scene.
+/// Default options for an image of the scene.
 #[must_use]
 pub fn options(scene: &Scene, width: u32, height: u32) -> Options {
     Options::new(RaySource::Camera { camera: camera(scene), width, height })
 }
 
-/// The best adapter here. A test that needs one fails where there is none; it never passes by skipping.
+/// The best adapter. A test that needs one fails if there is none; it never passes by skipping.
 #[must_use]
 pub fn gpu() -> Arc<Gpu> {
     static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
@@ -101,19 +100,19 @@ pub fn differences<'a>(
     pairs.filter(|(_, (a, b))| a != b).map(move |(i, (&a, &b))| (i / rays, i % rays, a, b))
 }
 
-/// All streams that a run has.
+/// All streams of a run.
 #[must_use]
 pub fn streams_of(plan: &raystep_kernels::Plan) -> Vec<Stream> {
     plan.streams.iter().map(|s| s.what).collect()
 }
 
-/// Every device that results are compared across: the adapter, and the twins.
+/// The devices whose results are compared: the adapter, and the CPU.
 #[must_use]
 pub fn devices() -> Vec<(&'static str, Device)> {
     vec![("gpu", Device::Gpu(gpu())), ("cpu", Device::Cpu(None))]
 }
 
-/// The GPU of a device that is one.
+/// The GPU of a device, if it is one.
 #[must_use]
 pub fn gpu_of(device: &Device) -> Option<&Gpu> {
     match device {
@@ -138,7 +137,7 @@ pub fn values(renderer: &Renderer, stream: Stream) -> StreamData {
     block_on(renderer.gpu().map(|g| &**g.gpu()), renderer.values(stream)).expect("values")
 }
 
-/// What a run hit, in bits: t, u, v and triangle, each of every ray.
+/// The hits of all rays, as bits: t, u, v and triangle.
 #[must_use]
 pub fn hits(renderer: &Renderer) -> [Vec<u32>; 4] {
     let (state, hit) = (values(renderer, streams::STATE), values(renderer, streams::HIT));
@@ -155,7 +154,7 @@ fn read(renderer: &Renderer) -> Traced<'_> {
     block_on(renderer.gpu().map(|g| &**g.gpu()), Traced::read(renderer)).expect("streams")
 }
 
-/// What some of a run's rays got wrong, against f64 brute force; ties are not wrong.
+/// The mistakes of some of a run's rays, by f64 brute force; ties are not mistakes.
 #[must_use]
 pub fn mistakes_among(renderer: &Renderer, rays: &[usize]) -> Vec<Mistake> {
     let (traced, mut judge) = (read(renderer), Judge::default());
@@ -164,28 +163,28 @@ pub fn mistakes_among(renderer: &Renderer, rays: &[usize]) -> Vec<Mistake> {
     mistakes.all().map(|judged| judged.mistake).filter(|mistake| mistake.verdict.is_error()).collect()
 }
 
-/// What a way of tracing found.
+/// The results of a configuration.
 #[derive(Clone, Debug)]
 pub struct Checked {
-    /// The way.
+    /// The configuration.
     pub way: Way,
-    /// Against f64 brute force.
+    /// Comparison with f64 brute force.
     pub report: Report,
-    /// Every ray's triangle.
+    /// The triangle hit by each ray.
     pub triangles: Vec<u32>,
 }
 
-/// Traces the same rays in several ways and compares each with f64 brute force.
+/// Traces the same rays in several configurations and compares each with f64 brute force.
 #[must_use]
 pub fn check_ways(scene: &Scene, options: &Options, ways: &[Way], device: &Device) -> Vec<Checked> {
     let mut seen: Vec<([Vec<u32>; 3], Report)> = Vec::new();
     let check = |way: &Way| {
-        // A fused kernel that need not shade makes its rays itself, and brute force could not see them.
+        // A fused kernel that does not shade generates its rays itself, so brute force could not read them.
         let shade = way.schedule == ScheduleKind::Fused && matches!(options.rays, RaySource::Camera { .. });
         let renderer = traced(scene, &Options { shade, ..way.of(options) }, device);
         assert_eq!(renderer.unfinished(), 0, "{way}");
         let traced = read(&renderer);
-        // The same rays with the same hits need no second look: on one device most ways agree.
+        // The same rays with the same hits need no second check: on one device most configurations agree.
         let [origins, directions, state, hit] = &traced.streams;
         let same = [[&origins.bits[..], &directions.bits].concat(), state.layer(1).to_vec(), hit.bits.clone()];
         let report = match seen.iter().find(|(streams, _)| *streams == same) {

@@ -15,25 +15,25 @@ pub fn compare(gpu: &Arc<Gpu>, scene: &Scene, options: &Options) -> Parity {
     run(gpu, scene, options, &Limits::from(&**gpu), |_| {}, |_| false)
 }
 
-/// The same where a thread has so few loop turns a dispatch that walks, searches and sums of light wait for the next.
+/// The same with so few loop iterations per dispatch that walks, searches and sums of light continue in the next one.
 #[must_use]
 pub fn compare_in_turns(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, turns: u32) -> Parity {
     run(gpu, scene, options, &Limits { turns, ..Limits::from(&**gpu) }, |_| {}, |_| false)
 }
 
-/// The same after `change` had its way with the plan.
+/// The same after `change` has modified the plan.
 #[must_use]
 pub fn compare_changed(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
     run(gpu, scene, options, &Limits::from(&**gpu), change, |_| false)
 }
 
-/// The same, up to the first pass that differs: a comparison that cannot fail proves nothing.
+/// The same, up to the first pass that differs. A deliberately broken plan shows that the comparison can fail.
 #[must_use]
 pub fn compare_broken(gpu: &Arc<Gpu>, scene: &Scene, options: &Options, change: impl FnOnce(&mut Plan)) -> Parity {
     run(gpu, scene, options, &Limits::from(&**gpu), change, Parity::is_broken)
 }
 
-/// The same with few loop turns a dispatch.
+/// The same with few loop iterations per dispatch.
 #[must_use]
 pub fn compare_broken_in_turns(
     gpu: &Arc<Gpu>,

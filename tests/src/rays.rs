@@ -1,3 +1,3 @@
-//! Rays to test with; see [`raystep_lab::rays`].
+//! Rays for tests; see [`raystep_lab::rays`].
 
 pub use raystep_lab::rays::{Random, at_edges, mixed as random, segments};

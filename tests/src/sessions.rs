@@ -1,16 +1,16 @@
-//! The inspector's session, as tests drive it.
+//! Functions that drive the inspector's session.
 
 use raystep_inspector::{Session, Target, go_on};
 use raystep_kernels::StreamData;
 
 use crate::streams_of;
 
-/// Goes there; the place reached.
+/// Steps to a target; returns the place reached.
 pub async fn go(session: &mut Session, target: Target) -> usize {
     session.step(target, &mut go_on).await.expect("a step")
 }
 
-/// All streams as they are now.
+/// All streams in their current state.
 pub async fn streams(session: &Session) -> Vec<StreamData> {
     let mut all = Vec::new();
     for stream in streams_of(session.renderer().plan()) {

@@ -1,4 +1,4 @@
-//! The ways in which a scene can be traced; see [`raystep_lab::ways`].
+//! Configurations in which a scene can be traced; see [`raystep_lab::ways`].
 
 use raystep_kernels::Options;
 pub use raystep_lab::ways::{EVERY, FAST, STEPPED, Way};
@@ -6,7 +6,7 @@ use raystep_scenes::Scene;
 
 use crate::options;
 
-/// Options for a picture in the paper's order.
+/// Options for an image with the paper's schedule.
 #[must_use]
 pub fn stepped(scene: &Scene, width: u32, height: u32) -> Options {
     STEPPED.of(&options(scene, width, height))

@@ -1,5 +1,5 @@
-//! The words of a trace, read back and held against the ray's streams before and after the pass and against the
-//! scene's own data: by arithmetic of their own, in f64, and by nothing of what made the words.
+//! Checks the explanations in a trace against the ray's streams before and after the pass and against the scene's data,
+//! with separate arithmetic in f64, not with the code that wrote them.
 
 mod geometry;
 mod grid;
@@ -15,7 +15,7 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::tables::state::Tag;
 use scan::{Scan, same};
 
-/// What the words of a row said, in general.
+/// The kind of an explanation.
 pub type Kind = &'static str;
 
 /// A row of a trace.
@@ -26,13 +26,13 @@ struct Row<'a> {
     tested: Option<u32>,
 }
 
-/// Holds every row's words. The kinds of what they said; an error names the row.
+/// Checks the explanation of every row. Returns the kinds that occurred; an error names the row.
 ///
 /// # Errors
-/// Where words cannot be read, or say what is not so.
+/// If an explanation cannot be parsed or is wrong.
 pub fn check(trace: &Trace, data: &SceneData) -> Result<Vec<Kind>, String> {
     let mut kinds = Vec::new();
-    // Before its first pass nothing is known of a ray but its state; a given ray has one, and waits for set-up.
+    // Before its first pass only a ray's state is known; an input ray has one, and waits for setup.
     let mut before: Option<RayState> = None;
     for row in &trace.rows {
         let unmade = RayState { t: None, triangle: None, barycentric: None, ..row.after };
@@ -90,7 +90,7 @@ impl Row<'_> {
         }
         words.literal("sample ")?;
         let before = self.before.samples.ok_or("no number of samples")?;
-        // Of the first row, what is before the pass is not known but for there being none.
+        // In the first row, the only thing known about the time before the pass is that there was no sample.
         same("the sample", words.number::<u32>()?, if self.before.tag == UNWRITTEN { before + 1 } else { 1 })?;
         words.literal(": a ray through its place in the pixel")?;
         Ok(vec!["generated"])
@@ -117,7 +117,7 @@ impl Row<'_> {
             same("the triangle", Some(words.number()?), self.before.triangle)?;
             if self.after.tag == SHADE {
                 words.literal(": ")?;
-                // The item counts lights from the highest bit on.
+                // The item counts lights; the highest bit marks it as such.
                 same("lights summed", words.number::<u32>()?, self.after.item & 0x7fff_ffff)?;
                 words.literal(" of ")?;
                 same("lights", words.number::<u32>()?, self.data.shading.lights)?;
@@ -135,7 +135,7 @@ impl Row<'_> {
         for (name, value) in [": r ", " g ", " b "].into_iter().zip(color) {
             words.literal(name)?;
             let said = words.number::<f64>()?;
-            // Three digits.
+            // Printed with three digits.
             if (said - f64::from(value)).abs() > 0.000_501 {
                 return Err(format!("{name}{said}, and it is {value}"));
             }
@@ -175,7 +175,7 @@ impl Row<'_> {
         let (unit, expected) = match (features.grid, features.bvh) {
             (true, _) if features.skip => (" steps or leaps: ", steps),
             (true, _) => (" steps: ", steps),
-            // A step through a tree is eight nodes.
+            // A step through a BVH is up to eight nodes.
             (_, true) => (" nodes: ", 8 * steps),
             _ => (" triangles: ", steps),
         };

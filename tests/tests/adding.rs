@@ -1,4 +1,4 @@
-//! The example of `docs/adding-a-kernel.md` still fits the sources.
+//! The example in `docs/adding-a-kernel.md` still applies to the sources.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,7 +8,7 @@ use raystep_kernels::compose::compose;
 use raystep_kernels::options::features::Features;
 use raystep_kernels::programs::closest_hit::PROGRAM;
 
-/// What a hunk replaces, and what with.
+/// The text that a hunk replaces, and its replacement.
 struct Hunk {
     old: String,
     new: String,
@@ -25,7 +25,7 @@ fn hunks(diff: &str) -> BTreeMap<String, Vec<Hunk>> {
         } else if line.starts_with("@@") {
             files.entry(file.clone()).or_default().push(Hunk { old: String::new(), new: String::new() });
         } else if let Some(hunk) = files.get_mut(&file).and_then(|hunks| hunks.last_mut()) {
-            // An editor may have stripped the space of an empty line.
+            // An editor may have removed the space of an empty line.
             let (kind, text) = if line.is_empty() { (" ", "") } else { line.split_at(1) };
             for (text_of, kinds) in [(&mut hunk.old, " -"), (&mut hunk.new, " +")] {
                 if kinds.contains(kind) {
@@ -46,14 +46,14 @@ fn the_documented_diff_applies_and_its_kernel_is_valid() {
     let files = hunks(diff);
     let is_new = |hunks: &[Hunk]| matches!(hunks, [hunk] if hunk.old.is_empty());
     let new: Vec<&String> = files.iter().filter(|(_, hunks)| is_new(hunks)).map(|(name, _)| name).collect();
-    assert_eq!((files.len(), new.len()), (5, 2), "two files, and one place each in three");
+    assert_eq!((files.len(), new.len()), (5, 2), "two new files, and one change in each of three others");
     for (name, hunks) in files.iter().filter(|(name, _)| !new.contains(name)) {
         let source = fs::read_to_string(root.join(name)).expect("a source");
         for hunk in hunks {
             assert_eq!(
                 source.matches(&hunk.old).count(),
                 1,
-                "{name} has changed where the docs add to it:\n{}",
+                "{name} has changed where the docs insert code:\n{}",
                 hunk.old
             );
             assert_ne!(hunk.old, hunk.new);

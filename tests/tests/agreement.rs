@@ -1,4 +1,4 @@
-//! Accelerators, schedules and executors end in the same hits.
+//! Accelerators, schedules and executors find the same hits.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use raystep_lab::judge::sample;
 use raystep_tests::ways::EVERY;
 use raystep_tests::{devices, hits, mistakes_among, options, scene, scene_files, thorough, traced};
 
-/// Rays of a picture of more triangles than 2,000 that are judged whether devices agree on them or not.
+/// Number of rays to judge in an image of more than 2,000 triangles, whether or not devices agree on them.
 const JUDGED: usize = 2048;
 
 #[test]
@@ -21,7 +21,7 @@ fn every_combination_ends_in_the_same_hits() {
         for (name, device) in devices() {
             let mut first: Option<(String, [Vec<u32>; 4], Renderer)> = None;
             for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
-                // On two cores, brute force over more takes minutes; the rays are fewer for the same reason.
+                // On two cores, brute force over more rays takes minutes.
                 let size = match (scene.triangles.len() <= 60, thorough()) {
                     (true, true) => 256,
                     (false, false) => 48,
@@ -40,7 +40,7 @@ fn every_combination_ends_in_the_same_hits() {
                     (ScheduleKind::Fused, 1, Skip::On),
                 ] {
                     if accelerator != Accelerator::Grid && skip == Skip::On && schedule != ScheduleKind::Compact {
-                        continue; // nothing to leap over, or the same schedule
+                        continue; // nothing to skip, or the same schedule
                     }
                     let mut options = options(&scene, size, size);
                     (options.accelerator, options.schedule, options.shade) = (accelerator, schedule, false);
@@ -65,8 +65,8 @@ fn every_combination_ends_in_the_same_hits() {
             }
             by_device.extend(first);
         }
-        // Across executors: the same bits where the adapter rounds every operation as the host does, as Mesa's software
-        // Vulkan has it; else both right but for ties.
+        // Across executors: the same bits if the adapter rounds every operation as the host does, as Mesa's software
+        // Vulkan does; otherwise both are correct except for ties.
         let [(_, gpu, on_gpu), (_, cpu, on_cpu)] = &by_device[..] else { panic!("two devices") };
         let rays = gpu[0].len();
         let differ: Vec<usize> = (0..rays).filter(|&i| (0..4).any(|c| gpu[c][i] != cpu[c][i])).collect();
@@ -88,7 +88,7 @@ fn every_combination_ends_in_the_same_hits() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// The passes are the same for both executors.
+/// Both executors run the same passes.
 #[test]
 fn both_executors_take_the_same_passes() {
     for file in ["cornell-box.gltf", "sphere-flake.glb"] {
@@ -98,8 +98,8 @@ fn both_executors_take_the_same_passes() {
             let [on_gpu, on_cpu] = [0, 1].map(|i| traced(&scene, &options, &devices()[i].1));
             let passes = |r: &Renderer| r.passes().iter().map(|p| p.kernel).collect::<Vec<_>>();
             let (left, right) = (passes(&on_gpu), passes(&on_cpu));
-            // A ray on a rounding boundary may take another cell on a GPU whose division is not exact, and be
-            // a cell or two longer under way.
+            // A ray on a rounding boundary may enter another cell on a GPU with inexact division, and then visit one or
+            // two cells more.
             assert!(left.len().abs_diff(right.len()) <= 4, "{file} {way}: {} and {} passes", left.len(), right.len());
             let parted = left.iter().zip(&right).position(|(a, b)| a != b);
             let shorter = left.len().min(right.len());

@@ -1,4 +1,4 @@
-//! Rays with an end, as shadow rays are: whether anything lies before it, and nothing else, is what counts.
+//! Rays with an end, like shadow rays: the only result is whether anything lies before it.
 
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
@@ -9,18 +9,18 @@ use raystep_scenes::Scene;
 use raystep_tests::ways::EVERY;
 use raystep_tests::{block_on, camera, devices, options, rays, scene, traced, values};
 
-/// What f64 brute force says of a ray.
+/// The result of f64 brute force for a ray.
 #[derive(Clone, Debug, PartialEq)]
 struct Truth {
-    /// Where the ray ends, in its own t.
+    /// The ray's end, as its t.
     end: f64,
-    /// What it may hit before, as far as f32 can tell.
+    /// What it may hit before that, as far as f32 can tell.
     before: Vec<Possible>,
-    /// Something lies before its end for certain.
+    /// Whether something certainly lies before its end.
     is_hit: bool,
 }
 
-/// The truth of every ray of a run that has not begun: its end is the t that it starts with.
+/// The correct result for every ray of a run that has not started; its end is its initial t.
 fn truth(renderer: &Renderer) -> Vec<Truth> {
     let [origins, directions, state] =
         [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE].map(|s| values(renderer, s));
@@ -36,7 +36,7 @@ fn truth(renderer: &Renderer) -> Vec<Truth> {
     (0..renderer.plan().rays as usize).map(of).collect()
 }
 
-/// What is wrong with a ray that hit `triangle`, or nothing, at `t`.
+/// The mistake of a ray that hit `triangle`, or nothing, at `t`.
 fn mistake(truth: &Truth, triangle: u32, t: f32) -> Option<&'static str> {
     if triangle == NO_TRIANGLE {
         return truth.is_hit.then_some("missed what lies before its end");
@@ -48,7 +48,7 @@ fn mistake(truth: &Truth, triangle: u32, t: f32) -> Option<&'static str> {
     (t >= truth.end || (t - hit.t).abs() > hit.t_bound).then_some("hit at a wrong t")
 }
 
-/// Rays from what a camera sees to the lights.
+/// Rays from the camera's hits to the lights.
 fn shadow_rays(scene: &Scene, device: &Device) -> Vec<Ray> {
     let mut options = options(scene, 32, 32);
     options.shade = false;
@@ -70,11 +70,11 @@ fn what_lies_before_a_rays_end_is_found_and_what_lies_behind_is_not() {
         let (hits, free) = (truth.iter().filter(|t| t.is_hit), truth.iter().filter(|t| t.before.is_empty()));
         let (hits, free) = (hits.count(), free.count());
         assert!(hits > 20 && free > 20, "{file}: {hits} rays hit, {free} do not");
-        // Three quarters of the segments start or end on a surface: a tie with it, unless they hit another.
+        // Three quarters of the segments start or end on a surface, which is a tie unless they hit another triangle.
         assert!(10 * (hits + free) > 6 * truth.len(), "{file}: {hits} rays hit, {free} do not, of {}", truth.len());
         for (name, device) in devices() {
             for way in EVERY {
-                // As many passes as triangles.
+                // These need as many passes as there are triangles.
                 if way.accelerator == Accelerator::None && way.steps == 1 && scene.triangles.len() > 500 {
                     continue;
                 }

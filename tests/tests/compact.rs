@@ -1,4 +1,4 @@
-//! The compact schedule with one step a pass is the paper's second strategy, but for what it launches.
+//! The compact schedule with one step per pass is the paper's second strategy, except for what it launches.
 
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Device, ScheduleKind};
@@ -6,7 +6,7 @@ use raystep_scenes::Scene;
 use raystep_tests::ways::Way;
 use raystep_tests::{block_on, devices, hits, options, scene, values};
 
-/// Every state that each ray is in, one after the other: tag, t, cell or node, item; and what they hit.
+/// The sequence of each ray's states (tag, t, cell or node, item), and the final hits.
 fn lives(scene: &Scene, way: Way, device: &Device) -> (Vec<Vec<[u32; 4]>>, [Vec<u32>; 4]) {
     let mut options = way.of(&options(scene, 21, 19));
     options.shade = false;
@@ -47,7 +47,7 @@ fn one_step_a_pass_is_the_second_strategy_ray_by_ray() {
                     let [(expected, hits), (found, hits_too)] =
                         [second, compact].map(|way| lives(&scene, way, &device));
                     let parted = expected.iter().zip(&found).position(|(a, b)| a != b);
-                    assert_eq!(parted, None, "{label}: the first ray that lives otherwise");
+                    assert_eq!(parted, None, "{label}: the first ray with another history");
                     assert!(hits == hits_too, "{label}: other hits");
                     assert!(scene.triangles.is_empty() || expected.iter().any(|life| life.len() > 5), "{label}");
                 }

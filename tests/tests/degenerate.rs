@@ -1,5 +1,5 @@
-//! Scenes that break tracers: triangles on top of each other, triangles without an area, coordinates at
-//! f32's limits, nothing at all. Every way to trace them against f64 brute force: no errors but ties.
+//! Scenes that break ray tracers: overlapping triangles, triangles without area, coordinates at f32's limits, an empty
+//! scene. Every configuration is compared with f64 brute force: no errors except ties.
 
 mod long_lists;
 
@@ -18,14 +18,15 @@ fn made_of(triangles: Vec<[[f32; 3]; 3]>) -> Scene {
     Scene { triangles, triangle_materials, materials: vec![Material::default()], ..Scene::default() }
 }
 
-/// A picture of `side` by `side` rays that frames the scene.
+/// An image of `side` by `side` rays that frames the scene.
 fn picture(scene: &Scene, side: u32) -> Options {
     let camera = Camera::framing(&scene.bounds());
     let options = Options::new(RaySource::Camera { camera, width: side, height: side });
     Options { shade: false, ..options }
 }
 
-/// Traces in every way on every device; at most `ties` of all rays may be ties. Returns every ray's triangle.
+/// Traces every configuration on every device; at most the share `ties` of all rays may be ties. Returns every ray's
+/// triangle.
 fn expect_no_errors(name: &str, scene: &Scene, options: &Options, ways: &[Way], ties: f64) -> Vec<Vec<u32>> {
     let mut found = Vec::new();
     for (device_name, device) in devices() {
@@ -48,7 +49,7 @@ fn ten_thousand_identical_triangles_are_hit_as_the_first() {
     identical_triangles(1_000, &EVERY);
 }
 
-/// A step each: as many passes as there are triangles.
+/// One step per pass: as many passes as there are triangles.
 #[test]
 #[ignore = "long: sh tests/full.sh"]
 fn ten_thousand_identical_triangles_are_walked_step_by_step() {
@@ -63,12 +64,12 @@ fn identical_triangles(count: usize, ways: &[Way]) {
     }
 }
 
-/// Lines and points among which one triangle has an area.
+/// Degenerate triangles, lines and points, around one triangle with an area.
 #[test]
 fn ten_thousand_triangles_without_an_area_hide_no_other() {
     let mut random = Random::new(5);
     let mut whole = |n: usize| random.below(n) as f32 - (n / 2) as f32;
-    // Whole numbers, so that the corners lie on a line exactly.
+    // Integers, so that the vertices lie on a line exactly.
     let mut triangles: Vec<[[f32; 3]; 3]> = (0..10_000)
         .map(|i| {
             let start = [0; 3].map(|_| whole(512));
@@ -79,7 +80,7 @@ fn ten_thousand_triangles_without_an_area_hide_no_other() {
     triangles[4321] = [[-200.0, -180.0, 30.0], [220.0, -150.0, -40.0], [0.0, 230.0, 10.0]];
     let scene = made_of(triangles);
     expect_no_errors("without an area", &scene, &picture(&scene, 12), &EVERY, 0.01);
-    // A step each through all triangles was taken above.
+    // One step per pass through all triangles is tested above.
     let few: Vec<Way> = EVERY.into_iter().filter(|w| w.accelerator != Accelerator::None || w.steps > 1).collect();
     let given = Options::new(RaySource::Given(rays::random(&made_of(vec![scene.triangles[4321]]), 500, 2)));
     for triangles in expect_no_errors("without an area", &scene, &Options { shade: false, ..given }, &few, ON_SURFACE) {
@@ -98,7 +99,7 @@ fn coordinates_at_the_limits_of_f32_are_traced() {
         let scene = made_of(sphere.triangles.iter().map(|t| t.map(at_scale)).collect());
         let name = format!("scale {scale:e}");
         expect_no_errors(&name, &scene, &picture(&scene, 32), &EVERY, 0.01);
-        // From inside there is no way out.
+        // From inside, every ray hits the sphere.
         let inside = rays::random(&sphere, 1200, 9).into_iter().filter(|r| glam::Vec3::from(r.origin).length() < 0.8);
         let rays = inside.map(|r| Ray { origin: at_scale(r.origin), ..r }).collect();
         let given = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
@@ -122,7 +123,7 @@ fn nothing_and_next_to_nothing_are_traced() {
     expect_no_errors("a point", &point, &picture(&point, 32), &EVERY, 0.01);
 }
 
-/// A plane has no extent along an axis, and neither has its grid's only layer of cells or its tree's boxes.
+/// A plane has no extent along one axis; its grid has a single layer of cells there, and its BVH flat boxes.
 #[test]
 fn flat_scenes_are_traced() {
     let terrain = generate::terrain(200, 1).expect("a small mesh");
@@ -137,7 +138,7 @@ fn flat_scenes_are_traced() {
         expect_no_errors(&format!("flat along {axis}"), &scene, &picture(&scene, 32), &EVERY, 0.01);
         let given = Options::new(RaySource::Given(rays::random(&scene, 300, 4)));
         expect_no_errors(&format!("flat along {axis}"), &scene, &Options { shade: false, ..given }, &EVERY, ON_SURFACE);
-        // Rays in the plane see it edge-on, which is no hit; rays along an axis meet it in corners.
+        // Rays in the plane see it edge-on, which is not a hit; rays along an axis meet it at vertices.
         let mut rays = rays::random(&scene, 150, 6);
         for (i, ray) in rays.iter_mut().enumerate() {
             let corner = scene.triangles[i][i % 3];
@@ -152,7 +153,7 @@ fn flat_scenes_are_traced() {
         let given = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
         for triangles in expect_no_errors(&format!("edge-on to {axis}"), &scene, &given, &EVERY, 0.5) {
             let met = triangles.iter().skip(1).step_by(2).filter(|&&id| id != NO_TRIANGLE).count();
-            assert_eq!(met, 75, "rays onto a corner that meet one of its triangles");
+            assert_eq!(met, 75, "rays to a vertex that hit one of its triangles");
         }
     }
     let flat = scene("flat.gltf");

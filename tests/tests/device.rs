@@ -1,4 +1,4 @@
-//! Devices that are not as one would wish: no timers, lost, too small.
+//! Devices with problems: without timers, lost, or too small.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ fn an_adapter_without_timestamps_leaves_times_empty() {
     });
 }
 
-/// What a run of its own says of times: how many passes are timed, of how many, the device's time and the host's.
+/// Times of a separate run: the number of timed passes, the number of passes, the device's time and the host's.
 fn times(gpu: &Arc<Gpu>, options: &Options) -> (usize, usize, Option<u64>, Option<u64>) {
     let scene = scene("cornell-box.gltf");
     block_on(Some(gpu), async {
@@ -42,7 +42,7 @@ fn times(gpu: &Arc<Gpu>, options: &Options) -> (usize, usize, Option<u64>, Optio
     })
 }
 
-/// Passes have times where the adapter's clock is one, and only there; the host's time of the run stands beside.
+/// Passes have times only if the adapter's clock is reliable; the run has the host's time as well.
 #[test]
 fn passes_have_times_only_where_the_adapters_clock_agrees_with_the_hosts() {
     let gpu = a_device_of_its_own();
@@ -52,7 +52,7 @@ fn passes_have_times_only_where_the_adapters_clock_agrees_with_the_hosts() {
     for options in &ways {
         let options = Options { timings: true, ..options.clone() };
         let (timed, _, device_ns, host_ns) = times(&gpu, &options);
-        assert_eq!((timed, device_ns, host_ns), (0, None, None), "nobody has compared the clocks");
+        assert_eq!((timed, device_ns, host_ns), (0, None, None), "the clocks have not been compared");
     }
     block_on(Some(&gpu), gpu.check_clock(now_ns)).expect("a device");
     let check = gpu.clock_check().expect("a clock");
@@ -73,8 +73,8 @@ fn passes_have_times_only_where_the_adapters_clock_agrees_with_the_hosts() {
     }
 }
 
-/// A host's clock ten times faster, or slower, is to an adapter's true clock what a true one is to an untrue one:
-/// whatever this adapter's is, one of the three agrees at most.
+/// The adapter's clock is compared with the host's clock as it is, ten times faster, and ten times slower: at most one
+/// of the three can agree.
 #[test]
 fn a_clock_that_is_off_by_ten_is_not_taken_for_a_time() {
     type Clock = fn() -> u64;
@@ -99,12 +99,12 @@ fn a_clock_that_is_off_by_ten_is_not_taken_for_a_time() {
     assert!(agreed.len() <= 1, "{agreed:?} all agree");
 }
 
-/// A device of its own, so that the others are neither lost with it, nor know what it finds.
+/// A separate device: losing it does not affect other tests, nor do its clock checks.
 fn a_device_of_its_own() -> Arc<Gpu> {
     pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter")
 }
 
-/// What is on the GPU is called as in our tables, after its program: in debuggers, and where wgpu refuses something.
+/// GPU resources are labelled with program and name, for debuggers and wgpu's errors.
 #[test]
 fn what_is_refused_is_named_after_its_program() {
     let scene = scene("cornell-box.gltf");
@@ -129,7 +129,7 @@ fn what_is_refused_is_named_after_its_program() {
 fn a_lost_device_is_an_error_and_not_a_panic() {
     let scene = scene("cornell-box.gltf");
     let options = stepped(&scene, 64, 64);
-    // Lost before, between two passes, and while a read-back is awaited.
+    // Lost beforehand, between two passes, and during a read-back.
     let gpu = a_device_of_its_own();
     gpu.device.destroy();
     drop(gpu.device.poll(wgpu::PollType::Poll));
@@ -162,13 +162,13 @@ fn work_that_is_held_back_waits_until_all_have_let_go() {
         other.submit([]);
         done.send(())
     });
-    // Handing over nothing takes microseconds.
+    // Submitting nothing takes microseconds.
     let short = std::time::Duration::from_millis(200);
     assert!(is_done.recv_timeout(short).is_err(), "it did not wait");
     drop(first);
-    assert!(is_done.recv_timeout(short).is_err(), "it waited for one of two only");
+    assert!(is_done.recv_timeout(short).is_err(), "it waited for only one of the two");
     drop(second);
-    is_done.recv_timeout(std::time::Duration::from_secs(60)).expect("it goes on once nobody holds it back");
+    is_done.recv_timeout(std::time::Duration::from_secs(60)).expect("it continues once nothing holds it back");
     worker.join().expect("no panic").expect("a listener");
 }
 
@@ -189,7 +189,7 @@ fn a_buffer_larger_than_the_adapter_binds_is_refused_with_the_numbers() {
         error.to_string(),
         "vertices needs 3.4 MiB in one buffer, but this device binds at most 2.9 MiB: 585.9 KiB too many"
     );
-    // A kernel that takes several steps reads triangles in another form.
+    // A kernel that takes several steps reads triangles in packed form.
     let error = Plan::new(&scene, &options(&scene, 16, 16), &limits).expect_err("too large");
     assert!(matches!(error, PlanError::BufferSize { name: "packed_triangles", bytes: 4_800_000, .. }), "{error}");
     let mut options = stepped(&scene, 16, 16);
@@ -229,7 +229,7 @@ fn a_run_can_be_cancelled_and_taken_up_again() {
     });
 }
 
-/// A caller that loses interest while the GPU works must not leave the renderer unusable, or ahead of itself.
+/// Dropping a future while the GPU works must not leave the renderer unusable or ahead of its records.
 #[test]
 fn a_dropped_future_leaves_the_renderer_as_it_was() {
     let scene = scene("cornell-box.gltf");
@@ -258,7 +258,7 @@ fn a_dropped_future_leaves_the_renderer_as_it_was() {
     assert_eq!((passes, image), expected);
 }
 
-/// f32 cannot tell the points of such scenes apart; an infinite plane of the grid would lose every ray silently.
+/// f32 cannot distinguish points of such scenes; a grid with an infinite plane would silently lose every ray.
 #[test]
 fn a_scene_too_small_for_its_place_is_refused() {
     let mut scene = scene("single-triangle.gltf");

@@ -1,4 +1,4 @@
-//! The divergence map: a broken kernel is named with its pass, and an honest device never parts.
+//! The divergence map: it names a broken kernel and its pass, and a correct device never diverges.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use raystep_lab::divergence::{Against, Class, DivergenceMap, divergence};
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, gpu, options, scene};
 
-/// The room in cells, not so many that the eye lies on a plane.
+/// The room, with a grid resolution at which the eye does not lie on a plane.
 fn room(way: Way) -> Options {
     let options = way.of(&options(&scene("cornell-box.gltf"), 40, 40));
     Options { counters: true, grid: GridSize::Cells([7, 7, 9]), ..options }
@@ -27,7 +27,7 @@ fn compared(options: &Options, change: impl FnOnce(&mut Plan)) -> DivergenceMap 
     })
 }
 
-/// Changes a kernel's WGSL, and only that. The text must be on one line there.
+/// Changes only a kernel's WGSL. The text must be on a single line there.
 fn change(kernel: Kernel, from: &'static str, to: &'static str) -> impl FnOnce(&mut Plan) {
     move |plan| {
         let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
@@ -55,7 +55,7 @@ fn a_device_that_keeps_the_rules_parts_at_ties_only() {
             let first = map.rays(class).next().and_then(|ray| map.first(class, ray));
             assert_eq!(first, Option::None, "{way}");
         }
-        // Of 1,600 rays few are at edges; a device that rounds otherwise than its twin may part there as well.
+        // Few of the 1,600 rays are at edges; a device that rounds differently from its twin may diverge there as well.
         assert!(map.count(Class::Tie) < 40, "{way}: {} ties", map.count(Class::Tie));
         if gpu().info.device_type == wgpu::DeviceType::Cpu {
             assert_eq!(map.count(Class::Rounding), 0, "{way}: software Vulkan rounds as the twins do");
@@ -70,7 +70,7 @@ fn a_broken_kernel_is_named_with_its_pass() {
     let map = compared(&room(STEPPED), change(kernels::INTERSECT, "nearest_t <= exit", "nearest_t < 0.5 * exit"));
     assert!(map.count(Class::Decision) > 100, "{:?}", map.counts());
     for ray in map.rays(Class::Decision) {
-        let parting = map.first(Class::Decision, ray).expect("it parted");
+        let parting = map.first(Class::Decision, ray).expect("a divergence");
         assert_eq!((parting.kernel, map.kernels()[parting.pass]), (kernels::INTERSECT, kernels::INTERSECT));
         assert_eq!((parting.against, parting.stream, parting.layer), (Against::Device, streams::STATE, 0));
         assert_ne!(parting.theirs, parting.twin);
@@ -88,7 +88,7 @@ fn a_broken_kernel_is_named_with_its_pass() {
 
 #[test]
 fn another_rounding_is_told_from_a_defect() {
-    // As a GPU may divide that is off by a unit in the last place.
+    // As on a GPU whose division is off by one unit in the last place.
     let otherwise = change(kernels::INTERSECT, "nearest_t = candidate.t", "nearest_t = candidate.t * 1.0000001");
     let map = compared(&room(STEPPED), otherwise);
     let shown: Vec<_> = map.rays(Class::Rounding).filter_map(|ray| map.first(Class::Rounding, ray)).collect();

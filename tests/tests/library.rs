@@ -1,4 +1,4 @@
-//! The crates as somebody else's program uses them: no window, no command line, any executor.
+//! The crates as used by other programs: no window, no command line, any executor.
 
 use std::future::poll_fn;
 use std::pin::pin;
@@ -19,7 +19,7 @@ fn camera() -> Camera {
     Camera::framing(&triangle().bounds())
 }
 
-/// The triangle that the centre pixel sees, traced on the GPU: all that a program has to write.
+/// The triangle seen at the centre pixel, traced on the GPU: the complete code that a program needs.
 async fn seen_triangle() -> Result<u32, RenderError> {
     let (scene, camera) = (triangle(), camera());
     let options = Options::new(RaySource::Camera { camera, width: 32, height: 32 });
@@ -29,7 +29,7 @@ async fn seen_triangle() -> Result<u32, RenderError> {
     Ok(renderer.values(streams::HIT).await?.get(2, 16 * 32 + 16))
 }
 
-/// An executor that nobody polls a device for.
+/// An executor that does not poll the device.
 type Executor = fn() -> Result<u32, RenderError>;
 
 #[test]
@@ -46,19 +46,19 @@ fn futures_complete_under_any_executor() {
     assert_eq!(begun.map(|(name, answer)| (name, in_time(&answer))), executors.map(|(name, _)| (name, Some(Ok(0)))));
 }
 
-/// Runs on a thread of its own.
+/// Runs on a separate thread.
 fn begin(run: Executor) -> mpsc::Receiver<Result<u32, String>> {
     let (sender, answer) = mpsc::channel();
     std::thread::spawn(move || sender.send(run().map_err(|e| e.to_string())));
     answer
 }
 
-/// The answer, which takes some milliseconds where things work; `None` where nobody polls, and it would take forever.
+/// The answer, which normally takes some milliseconds; `None` if nothing polls the device and it would take forever.
 fn in_time(answer: &mpsc::Receiver<Result<u32, String>>) -> Option<Result<u32, String>> {
     answer.recv_timeout(Duration::from_secs(60)).ok()
 }
 
-/// A host that polls for a while does not keep the device's own thread from polling afterwards.
+/// After a host has polled for a while, the device's own thread polls again.
 #[test]
 fn a_host_polls_only_while_it_says_so() {
     let after_a_host = || {
@@ -66,7 +66,7 @@ fn a_host_polls_only_while_it_says_so() {
         let options = Options::new(RaySource::Camera { camera: camera(), width: 32, height: 32 });
         let device = Device::Gpu(gpu.clone());
         let mut renderer = block_on(Some(&gpu), Renderer::new(&triangle(), &options, &device))?;
-        // What a host has begun, and not seen the end of, is waited for without one; so is what follows.
+        // Work started while the host polls but not finished is completed without it, and so is later work.
         let was_ready = {
             let mut step = pin!(renderer.step());
             let was_ready = block_on(Some(&gpu), poll_fn(|cx| Poll::Ready(step.as_mut().poll(cx).is_ready())));
@@ -79,5 +79,5 @@ fn a_host_polls_only_while_it_says_so() {
         pollster::block_on(renderer.step())?;
         Ok(u32::from(was_ready))
     };
-    assert_eq!(in_time(&begin(after_a_host)), Some(Ok(0)), "1 where the read-back was there at once");
+    assert_eq!(in_time(&begin(after_a_host)), Some(Ok(0)), "1 if the read-back was complete at once");
 }

@@ -1,4 +1,4 @@
-//! What only shows when the crates work together.
+//! Tests that need several crates together.
 
 mod adding;
 mod agreement;

@@ -1,4 +1,4 @@
-//! What a scene does not need is neither compiled, bound, allocated nor uploaded.
+//! Whatever a scene does not need is neither compiled, bound, allocated nor uploaded.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +14,7 @@ fn renderer(file: &str, change: impl FnOnce(&mut raystep_kernels::Options)) -> R
     block_on(Some(&gpu()), Renderer::new(&scene, &options, &Device::Gpu(gpu()))).expect("a renderer")
 }
 
-/// Names that any variant binds, by reflection.
+/// Names that any variant binds, according to reflection.
 fn bound(plan: &Plan) -> BTreeSet<&str> {
     plan.variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect()
 }
@@ -35,7 +35,7 @@ fn bytes_of_the_plan_are_the_bytes_allocated() {
 
 #[test]
 fn three_scenes_leave_out_what_they_do_not_have() {
-    // (scene, must be bound and allocated, must be neither)
+    // (scene, names that must be bound and allocated, names that must be neither)
     let cases: [(&str, &[&str], &[&str]); 3] = [
         (
             "cornell-box.gltf",

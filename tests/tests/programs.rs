@@ -1,4 +1,4 @@
-//! A program whose elements are no rays: the same on every executor, forwards and back, edited and watched.
+//! A program whose elements are not rays: the same on every executor, forwards and back, edited and watched.
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -20,7 +20,7 @@ fn build(scene: &Scene, grid: GridSize) -> Options {
     Options { program: ProgramName::GridBuild, grid, ..options(scene, 8, 8) }
 }
 
-/// All streams whose elements are counted.
+/// All streams whose number of elements is known.
 async fn known_streams(renderer: &Renderer) -> Vec<StreamData> {
     let mut all = Vec::new();
     for stream in streams_of(renderer.plan()) {
@@ -107,8 +107,8 @@ fn a_build_goes_back_and_forth_as_it_went() {
                 after.push(known_streams(session.renderer()).await);
             }
             let last = after.len() - 1;
-            assert!(last > 20 && after[0].len() < after[last].len(), "streams come as their elements are counted");
-            // Over both places where elements are counted, and to the start.
+            assert!(last > 20 && after[0].len() < after[last].len(), "streams appear once their elements are counted");
+            // Across both passes that count elements, and to the start.
             for place in [last - 1, 3, 9, 4, 0, last, 8, 1] {
                 assert_eq!(go(&mut session, Target::Pass(place)).await, place);
                 assert!(known_streams(session.renderer()).await == after[place], "{place}");
@@ -116,13 +116,13 @@ fn a_build_goes_back_and_forth_as_it_went() {
             assert_eq!(go(&mut session, Target::Previous).await, 0);
             assert!(session.renderer().size(&SPANS).is_none());
 
-            // Twins first, then the device: as if the device had run all.
+            // Twins first, then the device: the same as if the device had run everything.
             session.twins_until(Some(6), &mut go_on).await?;
             go(&mut session, Target::End).await;
             assert!(known_streams(session.renderer()).await == after[last]);
             session.twins_until(None, &mut go_on).await?;
 
-            // An edit is part of what follows: a triangle's spans begin elsewhere.
+            // Edits affect what follows: a triangle's spans start elsewhere.
             go(&mut session, Target::Pass(1)).await;
             session.edit(FIRST_SPAN, 0, 2, 0, 7).await?;
             go(&mut session, Target::Pass(4)).await;

@@ -1,4 +1,4 @@
-//! A run can be stopped at any pass, looked at in part, shared with others, and brought back to where it was.
+//! A run can be stopped at any pass, read in part, moved between threads, and restored to an earlier pass.
 
 mod traces;
 
@@ -29,16 +29,16 @@ async fn all(renderer: &Renderer) -> Vec<StreamData> {
     all
 }
 
-/// What must be the same in two runs: all but the times.
+/// What must be equal in two runs: everything except times.
 fn books(renderer: &Renderer) -> Vec<(raystep_kernels::Kernel, u32, u32, StateCounts, u64)> {
     renderer.passes().iter().map(|p| (p.kernel, p.iteration, p.rays_in, p.counts, p.threads_launched)).collect()
 }
 
-/// Without records a run knows what it knows with them, but each single pass.
+/// A run without records has the same totals as one with them, but not the single passes.
 #[test]
 fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
     let scene = scene("cornell-box.gltf");
-    // Times differ from run to run, and sums of them with it.
+    // Times, and therefore their sums, differ from run to run.
     fn counts(totals: &PassTotals) -> (usize, u64, Vec<(&'static str, usize, u64)>) {
         let kernels = totals.kernels.iter().map(|(&name, kernel)| (name, kernel.passes, kernel.rays_in));
         (totals.passes, totals.threads_launched, kernels.collect())
@@ -67,7 +67,7 @@ fn a_run_that_keeps_no_passes_sums_them_up_all_the_same() {
                     with.passes().last().map(|p| (p.index, p.kernel, p.counts)),
                     "{name} {way}"
                 );
-                assert!(without.passes().is_empty(), "{name} {way}: nobody asked for them");
+                assert!(without.passes().is_empty(), "{name} {way}: records were not requested");
                 assert!(all(&without).await == all(&with).await, "{name} {way}");
                 without.restore(&early).expect("the same run");
                 assert_eq!((without.totals(), without.pass_count()), (&place, 5), "{name} {way}");
@@ -88,7 +88,7 @@ fn a_run_stops_where_it_is_told_to_and_never_later() {
                 let mut one_by_one = Renderer::new(&scene, &options, &device).await.expect("a renderer");
                 let (plan, data) = (one_by_one.shared_plan(), one_by_one.shared_data());
                 let mut at_once = Renderer::from_plan(plan, data, &options, &device).await.expect("a renderer");
-                assert!(std::ptr::eq(one_by_one.data(), at_once.data()), "the scene is there once");
+                assert!(std::ptr::eq(one_by_one.data(), at_once.data()), "the scene is shared");
                 for place in [1, 2, 3, 7, 8, 30] {
                     while one_by_one.pass_count() < place && one_by_one.step().await.expect("a pass").is_some() {}
                     let place = one_by_one.pass_count();
@@ -183,7 +183,7 @@ fn after_a_checkpoint_the_same_passes_follow() {
                     }
                 }
                 let passes = books(&renderer);
-                // In any order, forward and back.
+                // In any order, forwards and back.
                 for i in [5, 0, 3, 4, 1, 2, 2] {
                     let place = kept[i].place();
                     renderer.restore(&kept[i]).expect("the same run");
@@ -197,7 +197,7 @@ fn after_a_checkpoint_the_same_passes_follow() {
                     assert_eq!(books(&renderer), passes, "{name} {way} from {place}");
                     assert!(all(&renderer).await == seen[passes.len()].0, "{name} {way} from {place}");
                 }
-                // What a pass does not change is not kept again.
+                // What a pass does not change is not stored again.
                 let bytes: u64 = kept.iter().map(raystep_kernels::Checkpoint::bytes).sum();
                 let together = raystep_kernels::Checkpoint::bytes_of(&kept);
                 assert!(together <= bytes && together >= kept[0].bytes());

@@ -1,5 +1,5 @@
-//! Several samples a pixel: the picture is the mean of the pictures of its samples, in every way to trace it, and
-//! one sample is what it always was.
+//! Several samples per pixel: the image is the mean of the images of its samples, in every configuration, and the image
+//! with one sample is unchanged.
 
 use std::ops::ControlFlow;
 
@@ -35,7 +35,7 @@ fn one_sample_leaves_everything_out_and_says_why() {
     for way in EVERY {
         let one = way.of(&options);
         let (plain, _) = Plan::new(&scene, &one, &Limits::CPU).expect("a plan");
-        // Seed and sampler of one sample mean nothing.
+        // With one sample, seed and sampler have no effect.
         let (seeded, _) = Plan::new(&scene, &with(&one, 1, Sampler::Random), &Limits::CPU).expect("a plan");
         assert_eq!(plain.to_string(), seeded.to_string(), "{way}");
         for part in ["kernel accumulate", "stream accumulated", "buffer sampling"] {
@@ -54,7 +54,7 @@ fn one_sample_leaves_everything_out_and_says_why() {
     }
 }
 
-/// A camera whose pixel centres are where a sample of the given camera's pixel lies: it looks through one pixel.
+/// A camera whose single pixel has its centre at a sample of the given camera's pixel.
 fn through(camera: &Camera, [x, y]: [f64; 2]) -> Camera {
     let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
     let half = match camera.projection {
@@ -74,7 +74,7 @@ fn color(renderer: &Renderer, ray: usize) -> [f64; 3] {
     [0, 1, 2].map(|layer| f64::from(colors.get_f32(layer, ray)))
 }
 
-/// Some pixels, each of whose samples is traced as a picture of one pixel by the f64 twins.
+/// For some pixels, each sample is traced as an image of one pixel by the f64 twins.
 #[test]
 fn the_mean_of_four_is_that_of_four_pictures_of_one_sample() {
     let (scene, mut options) = room();
@@ -89,7 +89,7 @@ fn the_mean_of_four_is_that_of_four_pictures_of_one_sample() {
                 for sample in 0..4 {
                     let [jx, jy] = sampler.place([x, y], sample, 3).map(f64::from);
                     let camera = through(&camera, [f64::from(x) + jx, f64::from(y) + jy]);
-                    // The picture's centre is the pixel's: any aperture will do.
+                    // Only the pixel's centre matters: any angle of view will do.
                     let rays = RaySource::Camera { camera, width: 1, height: 1 };
                     let one = traced(&scene, &Options { rays, ..options.clone() }, &Device::CpuF64(None));
                     let of_one = color(&one, 0);
@@ -97,8 +97,8 @@ fn the_mean_of_four_is_that_of_four_pictures_of_one_sample() {
                 }
                 let found = color(&run, (y * SIZE[0] + x) as usize);
                 for (found, mean) in found.into_iter().zip(mean) {
-                    // The camera's f32 vectors differ by their rounding, some 2⁻²³ of the view plane, and shading
-                    // turns that into as much colour; the stream is rounded to f32.
+                    // The camera's f32 vectors differ by their rounding, some 2⁻²³ of the view plane, and shading turns
+                    // that into an error of colour of the same size; the stream is rounded to f32.
                     assert!((found - mean).abs() < 2e-6, "{sampler} pixel {x},{y}: {found} and {mean}");
                 }
             }
@@ -110,8 +110,8 @@ fn streams(renderer: &Renderer) -> [StreamData; 4] {
     [streams::COLOR, streams::ACCUMULATED, streams::HIT, streams::RAY_DIRECTION].map(|s| values(renderer, s))
 }
 
-/// t differs by its rounding between kernels that are compiled apart on some GPUs, and colours with it; not on the
-/// twins, and not on software Vulkan.
+/// On some GPUs t rounds differently in kernels that are compiled separately, and with it colours; not on the CPU, and
+/// not on software Vulkan.
 #[test]
 fn every_way_ends_in_the_same_bits_and_so_does_the_second_run() {
     let (scene, options) = room();
@@ -144,12 +144,12 @@ fn gpu_and_twins_make_the_same_picture() {
         let [on_gpu, on_cpu] = [Device::Gpu(gpu()), Device::Cpu(None)].map(picture);
         let pairs = || on_gpu.as_flattened().iter().zip(on_cpu.as_flattened());
         let apart = pairs().filter(|(a, b)| (*a - *b).abs() > 1e-5).count();
-        // A ray that f32 cannot decide moves its pixel by an eighth.
+        // A ray that f32 cannot decide changes its pixel by an eighth.
         assert!(apart * 1000 < on_gpu.len(), "{numerics}: {apart} of {}", on_gpu.len());
     }
 }
 
-/// One run of sixteen shows on its way what shorter runs end with.
+/// A run of sixteen samples passes through the results of shorter runs.
 #[test]
 fn a_run_can_be_read_after_every_sample_and_go_on() {
     let (scene, options) = room();
@@ -174,7 +174,7 @@ fn a_run_can_be_read_after_every_sample_and_go_on() {
                 assert!(image(&long) == image(&short), "{name} {way}: after {samples}");
             }
             assert_eq!(long.next_kernel(), None);
-            // By single passes it is the same, and a checkpoint in the middle of a sample comes back to it.
+            // Stepping pass by pass gives the same image, and a checkpoint in the middle of a sample can be restored.
             let end = image(&long);
             long.restart();
             block_on(gpu_of(&device), async {
@@ -213,7 +213,7 @@ fn more_samples_are_nearer_to_the_mean_of_many() {
     let [centre, few, many] = [1, 16, 256].map(|count| rmse(&picture(count, Sampler::Sobol)));
     let random = rmse(&picture(256, Sampler::Random));
     println!("RMSE: centre {centre:.2e}, 16 {few:.2e}, 256 {many:.2e}, 256 at random {random:.2e}");
-    // 16 times the samples: an eighth of the error at edges; at random, a quarter.
+    // 16 times the samples: an eighth of the error at edges; with random samples, a quarter.
     assert!(few < centre / 4.0 && many < few / 6.0 && many < random / 3.0);
 }
 

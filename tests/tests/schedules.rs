@@ -1,4 +1,4 @@
-//! Which kernels run, in what order, is data: the first passes of every schedule, and when a plan leaps.
+//! The order of kernels is data: the first passes of every schedule, and when a plan skips empty cells.
 
 use raystep_kernels::plan::Because;
 use raystep_kernels::tables::kernel::Role;
@@ -12,7 +12,7 @@ fn letter(kernel: Kernel) -> char {
         "generate" => 'g',
         "setup" => 's',
         "intersect" => 'i',
-        // To the next cell, to the next node.
+        // Step to the next cell or node.
         "traverse_grid" => 'c',
         "traverse_bvh" => 'n',
         "walk" => 'w',
@@ -23,9 +23,9 @@ fn letter(kernel: Kernel) -> char {
     }
 }
 
-/// The room has 26 triangles, and of its 7 × 7 × 9 cells a ray sees at most 16 before its hit is found. The tree
-/// of the one triangle is one leaf, whoever builds it. Kernels that take turns do so to the end of the turn: the
-/// last one may find nothing to do.
+/// The room has 26 triangles, and a ray visits at most 16 of its 7 × 7 × 9 cells before its hit. The BVH of a single
+/// triangle is one leaf, whatever the builder. Kernels of a loop run to the end of the iteration: the last one may have
+/// no rays.
 #[test]
 fn the_first_dozen_passes_are_those_of_the_schedule() {
     use Accelerator::{Bvh, Grid, None};
@@ -53,7 +53,7 @@ fn the_first_dozen_passes_are_those_of_the_schedule() {
         (room, None, Compact, 100, "gsw*"),
         (room, None, Fused, 1, "gf*"),
         (one, None, Second, 1, "gsi*"),
-        // Only the compact schedule takes several steps a pass.
+        // Only the compact schedule takes several steps per pass.
         (room, Grid, Second, 8, "gsicicicicic"),
         (one, Bvh, First, 8, "gsnin*"),
     ] {
@@ -63,8 +63,8 @@ fn the_first_dozen_passes_are_those_of_the_schedule() {
         let renderer = traced(&scene, &options, &Device::Cpu(Option::None));
         let passes: String = renderer.passes().iter().take(12).map(|p| letter(p.kernel)).collect();
         assert_eq!(passes, expected, "{file} {way}");
-        // What the executors ran is what the plan says, and nothing is planned for nothing. What counts runs within
-        // another kernel's pass.
+        // The executors ran what the plan has, and nothing is planned that never runs. Counting runs within another
+        // kernel's pass.
         let variants = renderer.plan().variants.iter().map(|v| v.kernel);
         let planned: Vec<Kernel> = variants.filter(|kernel| kernel.role() != Role::Count).collect();
         assert_eq!(renderer.plan().schedule.kernels(), planned, "{file} {way}");
@@ -73,7 +73,7 @@ fn the_first_dozen_passes_are_those_of_the_schedule() {
     }
 }
 
-/// Whether a plan leaps, and why not.
+/// Whether a plan skips empty cells, or why not.
 fn leaps(scene: &Scene, way: Way, skip: Skip, grid: GridSize) -> Result<(), (Because, &'static str)> {
     let mut options = way.of(&options(scene, 8, 8));
     (options.skip, options.grid) = (skip, grid);
@@ -96,7 +96,7 @@ fn rays_leap_where_most_cells_are_empty_and_the_plan_says_why_not() {
         assert_eq!(leaps(&sparse, way, Skip::Auto, GridSize::Auto), Ok(()), "{way}");
         assert_eq!(leaps(&dense, way, Skip::On, dense_grid), Ok(()), "{way}");
         for left_out in [leaps(&dense, way, Skip::Auto, dense_grid), leaps(&sparse, way, Skip::Off, GridSize::Auto)] {
-            let (because, reason) = left_out.expect_err("nothing to leap over");
+            let (because, reason) = left_out.expect_err("no empty-space skipping");
             assert!(because == Because::Options && reason.contains("no empty-space skipping"), "{way}: {reason}");
         }
     }

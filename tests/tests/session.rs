@@ -1,4 +1,4 @@
-//! Going back shows bit for bit what was there, however much of it is kept; a kernel and a turn are found.
+//! Going back restores every stream bit for bit, however few checkpoints are kept; kernels and iterations are found.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use raystep_tests::{block_on, devices, gpu_of, options, scene};
 
 const TREE: Way = Way::new(Accelerator::Bvh, ScheduleKind::Second, 1);
 
-/// Streams after every pass, from none to all.
+/// Streams after every pass, starting with none.
 async fn history(session: &mut Session) -> Vec<Vec<StreamData>> {
     let mut seen = vec![streams(session).await];
     while go(session, Target::Next).await == seen.len() {
@@ -30,7 +30,7 @@ fn every_pass_looks_the_same_when_it_is_reached_again() {
         ("flat.gltf", TREE),
         ("teapot.glb", STEPPED),
         ("teapot.glb", TREE),
-        // In lists of live rays, rays lie in another order each time; what becomes of them must not depend on it.
+        // Lists of active rays have another order each time; results must not depend on it.
         ("cornell-box.gltf", Way::new(Accelerator::Grid, ScheduleKind::Compact, 1)),
         ("cornell-box.gltf", Way::new(Accelerator::Bvh, ScheduleKind::Compact, 1)),
         ("cornell-box.gltf", Way::new(Accelerator::None, ScheduleKind::Compact, 2)),
@@ -41,7 +41,7 @@ fn every_pass_looks_the_same_when_it_is_reached_again() {
             let options = way.of(&options(&scene, 12, 10));
             block_on(gpu_of(&device), async {
                 let mut session = Session::new(&scene, &options, &device).await.expect("a session");
-                // As if these few rays were many: a checkpoint every few passes.
+                // Pretend that these few rays are many, for a checkpoint every few passes.
                 session.set_span(3 * 120);
                 let seen = history(&mut session).await;
                 let last = seen.len() - 1;
@@ -52,7 +52,7 @@ fn every_pass_looks_the_same_when_it_is_reached_again() {
                     session.set_budget(budget);
                     assert!(session.kept_bytes() <= budget);
                     assert_eq!(go(&mut session, Target::End).await, last);
-                    // One pass at a time as far as the start; with nothing kept that takes long, so not each.
+                    // One pass at a time down to the start; with nothing kept that takes long, so skip some.
                     let every = if budget == 0 { 1 + last / 12 } else { 1 };
                     for place in (0..last).rev().step_by(every) {
                         let target = if every == 1 { Target::Previous } else { Target::Pass(place) };
@@ -89,7 +89,7 @@ fn what_is_kept_lies_evenly() {
             let longest = gaps.iter().max().copied().unwrap_or(0);
             assert!(places.len() > 8, "{places:?}");
             assert!(longest < 4 * cost(last) / places.len() as u64, "{places:?}: {longest} of {}", cost(last));
-            // Once more from nothing, with this budget all the while.
+            // Again from the start, with this budget throughout.
             session = Session::new(&scene, &options, &Device::Cpu(None)).await.expect("a session");
             session.set_span(1);
             session.set_budget(session.renderer().plan().bytes() * 12);
@@ -109,7 +109,7 @@ fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
         let second = go(&mut session, traverse).await;
         assert!(first < second && session.passes()[second - 1].kernel == kernels::TRAVERSE_GRID);
         assert_eq!(go(&mut session, Target::PreviousOf(kernels::TRAVERSE_GRID)).await, first);
-        assert_eq!(go(&mut session, traverse).await, second, "from what is known");
+        assert_eq!(go(&mut session, traverse).await, second, "found among known passes");
 
         assert_eq!(session.select(16, 0), None, "outside");
         assert_eq!(session.ray().await.expect("a ray"), None);
@@ -122,7 +122,7 @@ fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
 
         go(&mut session, Target::Pass(5)).await;
         let life = session.follow(8, 8, &mut go_on).await.expect("a life");
-        assert_eq!((session.place(), life.passes), (5, Some(last)), "it comes back");
+        assert_eq!((session.place(), life.passes), (5, Some(last)), "it returns");
         let mut renderer =
             raystep_kernels::Renderer::new(&scene, session.options(), &device).await.expect("a renderer");
         let go_on = |_: &raystep_kernels::Pass| ControlFlow::Continue(());
@@ -148,7 +148,7 @@ fn turns_of_the_loop_begin_and_end() {
             }
             let passes = session.passes().to_vec();
             assert_eq!(ends.last(), Some(&passes.len()));
-            assert_eq!(ends[1], 2, "generate and setup are a turn of their own");
+            assert_eq!(ends[1], 2, "generate and setup are an iteration of their own");
             for w in ends[1..ends.len() - 1].windows(2) {
                 let turn = &passes[w[0]..w[1]];
                 assert!(turn.iter().all(|p| p.iteration == turn[0].iteration), "{turn:?}");
@@ -157,7 +157,7 @@ fn turns_of_the_loop_begin_and_end() {
             for &end in ends[..ends.len() - 1].iter().rev() {
                 assert_eq!(go(&mut session, Target::IterationStart).await, end, "{schedule}");
             }
-            // The same forward, now that it is known.
+            // The same forwards, now that the passes are known.
             for &end in &ends[1..] {
                 assert_eq!(go(&mut session, Target::IterationEnd).await, end, "{schedule}");
             }
@@ -188,7 +188,7 @@ fn a_step_that_is_stopped_ends_at_a_whole_pass() {
             go(&mut session, Target::Next).await;
             assert!(streams(&session).await == seen[place + 1], "{name}: {place}");
         });
-        // A caller that drops the future has stopped it too.
+        // Dropping the future stops it, too.
         let Some(gpu) = gpu else { continue };
         let options = STEPPED.of(&raystep_tests::options(&scene, 16, 16));
         let mut session = block_on(Some(gpu), Session::new(&scene, &options, &device)).expect("a session");

@@ -1,4 +1,4 @@
-//! Watches stop a run forward and back; what is changed by hand, or run by the twins, stays so wherever one goes.
+//! Watches stop a run forwards and back; edits, and passes run by twins, persist when moving through the run.
 
 use raystep_inspector::{Fired, Session, Target, Watch, Way as Direction, go_on};
 use raystep_kernels::programs::closest_hit::streams::STATE_CELL;
@@ -27,12 +27,12 @@ async fn new_session(way: Way, device: &Device) -> Session {
 async fn run_to(session: &mut Session, watch: Watch, way: Direction) -> Option<Fired> {
     let fired = session.run_to_watch(&[watch], way, &mut go_on).await.expect("a run");
     if let Some(fired) = &fired {
-        assert_eq!((fired.place, fired.watch), (session.place(), watch), "it stops where it fires");
+        assert_eq!((fired.place, fired.watch), (session.place(), watch), "it stops elsewhere");
     }
     fired
 }
 
-/// Every place at which a watch fires, forward from the start, and once more backward from the end.
+/// Every place at which a watch fires, forwards from the start, and then backwards from the end.
 async fn both_ways(session: &mut Session, watch: Watch) -> Vec<Fired> {
     go(session, Target::Start).await;
     let mut forward = Vec::new();
@@ -40,14 +40,14 @@ async fn both_ways(session: &mut Session, watch: Watch) -> Vec<Fired> {
         forward.push(fired);
     }
     let last = session.place();
-    assert_eq!(session.renderer().next_kernel(), None, "no more of them: at the end");
+    assert_eq!(session.renderer().next_kernel(), None, "no more matches: at the end");
     let mut back = Vec::new();
     while let Some(fired) = run_to(session, watch, Direction::Back).await {
         back.push(fired);
     }
-    assert_eq!(session.place(), 0, "no more of them: at the start");
+    assert_eq!(session.place(), 0, "no more matches: at the start");
     back.reverse();
-    // Back from the end, not from behind it.
+    // Going back starts from the end itself, where a watch does not fire.
     forward.retain(|fired| fired.place < last);
     assert_eq!(forward, back, "{watch:?}");
     forward
@@ -77,8 +77,8 @@ fn a_ray_is_watched_forward_and_back() {
                 let cells = both_ways(&mut session, Watch::RayCell).await;
                 let walked = life.rows.windows(2).filter(|w| w[0].after.cell_index != w[1].after.cell_index).count();
                 assert!(cells.len().abs_diff(walked) <= 1 && walked > 1, "{name} {way}: {} and {walked}", cells.len());
-                assert!(both_ways(&mut session, Watch::NonFinite).await.is_empty(), "{name} {way}: all is finite");
-                assert!(both_ways(&mut session, Watch::TMaxBackwards).await.is_empty(), "{name} {way}: all go on");
+                assert!(both_ways(&mut session, Watch::NonFinite).await.is_empty(), "{name} {way}: not finite");
+                assert!(both_ways(&mut session, Watch::TMaxBackwards).await.is_empty(), "{name} {way}: backwards");
             });
         }
     }
@@ -95,10 +95,10 @@ fn the_ray_that_takes_too_many_steps_is_found() {
                 go(&mut session, Target::Pass(place)).await;
                 let walks = |p: &raystep_kernels::Pass| p.kernel.role() == Role::Step;
                 let passes = session.passes().iter().filter(|p| walks(p)).count();
-                assert_eq!(passes, 4, "{name} {way}: the fourth step of a ray that never waited");
+                assert_eq!(passes, 4, "{name} {way}: not the fourth step of a ray");
                 assert_eq!(fired[0].value, "4 steps");
 
-                // What counters count is the same, but that they count the cell where the walk begins.
+                // Counters give the same, except that they include the cell where the walk starts.
                 let scene = scene("cornell-box.gltf");
                 let mut options = session.options().clone();
                 options.counters = true;
@@ -156,7 +156,7 @@ fn an_edit_is_made_again_wherever_one_goes() {
                 // A ray that waits for the walk is sent to the background; another is moved to the first cell.
                 let walking = |i: &usize| before.get(STATE_TAG, *i) == states::TRAV;
                 let rays: Vec<usize> = (0..192).filter(walking).take(2).collect();
-                let ([gone, moved], true) = ([rays[0], rays[1]], rays.len() == 2) else { panic!("nobody walks") };
+                let ([gone, moved], true) = ([rays[0], rays[1]], rays.len() == 2) else { panic!("no ray is walking") };
                 let pixel = |ray: usize| ((ray % 16) as u32, (ray / 16) as u32);
                 let (x, y) = pixel(gone);
                 session.edit(streams::STATE, STATE_TAG, x, y, states::BACKGROUND).await.expect("an edit");
@@ -168,7 +168,7 @@ fn an_edit_is_made_again_wherever_one_goes() {
                     session.renderer().live()[states::BACKGROUND as usize],
                     1 + before.layer(0).iter().filter(|&&t| t == states::BACKGROUND).count() as u32
                 );
-                assert_eq!(session.known().len(), place, "what was to come is not what will come");
+                assert_eq!(session.known().len(), place, "later passes are unknown after an edit");
 
                 let mut seen = vec![streams(&session).await];
                 while go(&mut session, Target::Next).await == place + seen.len() {
@@ -178,7 +178,7 @@ fn an_edit_is_made_again_wherever_one_goes() {
                 let hit = session.stream(streams::HIT).await.expect("hits");
                 assert_eq!(hit.get(2, gone), u32::MAX, "{name} {way}: it hit nothing");
                 for ray in (0..192).filter(|ray| ![gone, moved].contains(ray)) {
-                    assert_eq!(changed.get(0, ray), image.get(0, ray), "{name} {way}: only what was changed");
+                    assert_eq!(changed.get(0, ray), image.get(0, ray), "{name} {way}: another ray changed");
                 }
                 let end = session.place();
                 for (back, budget) in [(1, u64::MAX), (5, u64::MAX), (end - place + 1, 0), (end, 0)] {
@@ -230,20 +230,20 @@ fn the_first_passes_can_run_on_the_twins() {
             }
             let last = of_twin.len() - 1;
 
-            // All of them: as the twins alone, at every place, forward and back.
+            // Every pass on the CPU: as with twins alone, at every place, forwards and back.
             assert_eq!(session.twins_until(Some(last), &mut go_on).await.expect("twins"), 0);
             for place in (0..=last).chain((0..last).rev()) {
                 go(&mut session, Target::Pass(place)).await;
                 assert!(streams(&session).await == of_twin[place], "{way}: twins after {place}");
             }
-            // None of them: as the device alone.
+            // No pass on the CPU: as with the device alone.
             go(&mut session, Target::Pass(15)).await;
             session.twins_until(Some(0), &mut go_on).await.expect("a device");
             device_only.run_to(15, |_| std::ops::ControlFlow::Continue(())).await.expect("passes");
             for (data, &stream) in streams(&session).await.iter().zip(&streams_all) {
                 assert!(*data == device_only.values(stream).await.expect("values"), "{way}: {}", stream.name());
             }
-            // Some: the twins' streams go on on the device.
+            // Some passes on the CPU: the device continues with the twins' streams.
             let place = 11;
             assert_eq!(session.twins_until(Some(place), &mut go_on).await.expect("both"), 15, "it stays");
             assert_eq!(session.twin_passes(), Some(place));

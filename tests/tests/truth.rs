@@ -1,4 +1,4 @@
-//! Robust numerics against f64 brute force: no missed, false or wrong hit but ties, on any scene.
+//! Robust numerics against f64 brute force: no missed, false or wrong hits, in any scene; only ties.
 
 use raystep_kernels::programs::closest_hit::states::TRAV;
 use raystep_kernels::programs::closest_hit::streams;
@@ -15,10 +15,10 @@ use raystep_tests::{
     thorough, traced, values,
 };
 
-/// Share of ties that a view may have. Edges cover about two pixels' width times their length; a pixel
-/// centre lies within the bound of an edge, some 30 units in the last place of a view 512 pixels wide,
-/// with a chance of about 2⁻¹⁰. With half as many pixels a side, edges cover twice the share and the chance is half.
-/// Scenes whose geometry overlaps itself on purpose are listed with theirs.
+/// The share of ties that a view may have. Edges cover about two pixels times their length; a pixel's centre is within
+/// the error bound of an edge, some 30 units in the last place of a view 512 pixels wide, with a probability of about
+/// 2⁻¹⁰. With half as many pixels per side, edges cover twice the share and the probability is half. Scenes that
+/// overlap themselves on purpose have their own shares.
 fn ceiling(file: &str) -> f64 {
     match file {
         // Coplanar faces that touch: every ray through them has two equal candidates.
@@ -57,18 +57,18 @@ fn random_rays_have_no_errors_but_ties() {
         for Checked { way, report, .. } in check_ways(&scene, &options, &FAST, &Device::Gpu(gpu())) {
             let label = format!("{file} ({} triangles), random rays, {way}: {report}", scene.triangles.len());
             assert_eq!(report.errors(), 0, "{label}\n{:#?}", report.mistakes);
-            // A third starts on a surface, where t = 0 is a tie with every triangle around.
+            // A third of the rays start on a surface, where t = 0 is a tie with every adjacent triangle.
             assert!(report.counts.ties * 2 < report.counts.rays(), "{label}");
         }
     }
 }
 
-/// The paper's numerics are a measured baseline. Of the Cornell box they lose rays for two reasons, and no others.
+/// The paper's numerics are a measured baseline. In the Cornell box they lose rays for exactly two reasons.
 ///
-/// A direction's component below 0.001 is taken for none, so that the walk never leaves the start's layer of cells along
-/// that axis: where the ray does leave it, its hit is in no cell that is visited. The eye lies on a plane between two
-/// layers, so of the rays that lean to either side, one side is lost, and all of it. Every other loss is a hit that
-/// rounding takes over the face of its cell. Without a grid, rays are lost at edges of triangles.
+/// A direction component below 0.001 is treated as zero, so that the walk never leaves its layer of cells along that
+/// axis: if the ray does leave it, its hit is in no visited cell. The eye lies on a plane between two layers, so all
+/// slightly inclined rays on one side are lost, and none on the other. Every other loss is a hit that rounding moves
+/// across the face of its cell. Without a grid, rays are lost at edges of triangles.
 #[test]
 fn the_papers_numerics_lose_rays_where_theory_says_so() {
     let scene = scene("cornell-box.gltf");
@@ -86,12 +86,12 @@ fn the_papers_numerics_lose_rays_where_theory_says_so() {
     for mistake in &at_edges {
         let ([o, d], Some((triangle, _))) = (ray(mistake.ray), mistake.exact) else { panic!("{mistake:?}") };
         let p = possible(&with_grid.data().vertices, o, d, triangle).expect("it is hit");
-        // Möller and Trumbore's test rounds about as often as the one that the bound is of.
+        // The error bound is for the watertight test; Möller and Trumbore's has about as many roundings.
         assert!(p.u.min(p.v).min(1.0 - p.u - p.v) <= 4.0 * p.weight_bound, "{mistake:?} {p:?} is at no edge");
     }
 
-    // The scene fills its box, and 1 is half of the traced unit's largest coordinate: some 32 roundings of that size add
-    // up in a t that grows by tDelta over up to sixty cells, and in the hit's place.
+    // The scene fills its box, and 1 is half of the largest coordinate in traced units. Some 32 roundings of that size
+    // add up in the hit's position and in a t that grows by tDelta over up to sixty cells.
     let rounding = 32.0 * f64::from(f32::EPSILON);
     let grid = with_grid.data().grid;
     let from_plane = |axis: usize, place: f64| {
@@ -112,7 +112,7 @@ fn the_papers_numerics_lose_rays_where_theory_says_so() {
         }
     }
     println!("{parallel} leave their layer unseen, {rounded} at a face; {} at edges without a grid", at_edges.len());
-    // The rays that lean a little along one axis alone: of the two sides, one is lost.
+    // Rays slightly inclined along only one axis: all rays on one of the two sides are lost.
     for axis in [0, 1] {
         let of_side = |sign: f32| {
             let leans = |&i: &usize| {
@@ -130,7 +130,7 @@ fn the_papers_numerics_lose_rays_where_theory_says_so() {
     }
 }
 
-/// Each of the robust rules does something, and what theory says.
+/// Each of the robust rules has an effect, as predicted.
 #[test]
 fn each_rule_left_out_is_missed() {
     let scene = scene("cornell-box.gltf");
@@ -156,11 +156,11 @@ fn each_rule_left_out_is_missed() {
         })
     };
     let counts = [None, Some(Rule::Acceptance)].map(kept);
-    assert!(counts[0] > 1000 && counts[1] == 0, "{counts:?} hits are kept beyond the cell in which they are found");
-    // Edges are worked out anew in each of their triangles.
+    assert!(counts[0] > 1000 && counts[1] == 0, "{counts:?} hits kept beyond the cell in which they were found");
+    // Edges are computed separately in each of their triangles.
     let triangle_test = check(&run(Some(Rule::TriangleTest), Accelerator::Grid));
     assert!(triangle_test.counts.missed > 0, "{triangle_test}");
-    // Walls lie on planes: cells on one side of those list them only because they are grown.
+    // Walls lie on planes: the cells on one side list them only because cells are grown.
     let cells = |renderer: &Renderer| renderer.data().grid_items.len();
     let not_grown = run(Some(Rule::CellGrowth), Accelerator::Grid);
     assert!(cells(&not_grown) < cells(&robust), "{} and {} references", cells(&not_grown), cells(&robust));
@@ -168,8 +168,8 @@ fn each_rule_left_out_is_missed() {
     assert!(growth(None) > 0.0 && growth(Some(Rule::BoxPadding)) == 0.0);
 }
 
-/// Rays in the plane of a triangle and past triangles without an area: where the products of an edge function round to
-/// the same number, only integers tell on which side of the edge the ray is.
+/// Rays in the plane of a triangle and past triangles without area: if the products of an edge function round to the
+/// same number, only exact integers tell on which side of the edge the ray is.
 #[test]
 fn what_a_ray_passes_edge_on_it_does_not_hit() {
     for case in CASES.iter().filter(|c| ["in-tilted-plane", "line-aslant"].contains(&c.name)) {

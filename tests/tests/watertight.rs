@@ -1,4 +1,4 @@
-//! No ray gets between two triangles that share an edge, nor out at the last cell.
+//! No ray passes between two triangles that share an edge, or leaves through the last cell.
 
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
@@ -26,7 +26,7 @@ fn a_closed_mesh_loses_no_ray_at_any_scale() {
     }
 }
 
-/// Every wall is a face of the scene's box, so every hit on one lies at the exit of the last cell.
+/// Every wall is a face of the scene's box, so every hit on it is at the exit of the last cell.
 #[test]
 fn walls_that_are_the_bounds_lose_no_ray() {
     let scene = scene("cornell-box.gltf");
@@ -36,7 +36,7 @@ fn walls_that_are_the_bounds_lose_no_ray() {
                 let mut options = way.of(&options(&scene, 256, 256));
                 (options.shade, options.grid) = (false, GridSize::Cells(cells));
                 let hit = values(&traced(&scene, &options, &device), streams::HIT);
-                // The room is open behind the camera only; every ray meets a wall.
+                // The room is open only behind the camera; every ray hits a wall.
                 let lost = hit.layer(2).iter().filter(|&&t| t == NO_TRIANGLE).count();
                 assert_eq!(lost, 0, "{name} {cells:?} {way}");
             }

@@ -1,4 +1,4 @@
-//! Scenes of the repository, and runs of them.
+//! The repository's scenes, and options for them.
 
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,7 @@ pub(crate) fn scenes() -> Vec<(String, Scene)> {
     names.into_iter().map(read).collect()
 }
 
-/// One step a pass, from the scene's first camera.
+/// One step per pass, from the scene's first camera.
 pub(crate) fn options(
     scene: &Scene,
     accelerator: Accelerator,

@@ -1,4 +1,4 @@
-//! The data flow as it is drawn: what the paper's Table 1 says, and nothing over anything else.
+//! The data flow graph: it agrees with the paper's Table 1, and nothing overlaps.
 
 use raystep_inspector::dataflow::{Access, DataFlow, Edge, Node, NodeKind};
 use raystep_kernels::programs::closest_hit::{kernels, streams};
@@ -11,7 +11,7 @@ fn graph(options: &Options, scene: &raystep_scenes::Scene) -> DataFlow {
     DataFlow::new(&Plan::new(scene, options, &Limits::CPU).expect("a plan").0)
 }
 
-/// The paper's Table 1, with the deviations named.
+/// The paper's Table 1, with commented deviations.
 #[test]
 fn the_papers_schedule_is_drawn_as_table_1_says() {
     use Access::{Update, Write};
@@ -19,15 +19,15 @@ fn the_papers_schedule_is_drawn_as_table_1_says() {
     let scene = generate::cornell_box();
     let graph = graph(&options(&scene, Accelerator::Grid, ScheduleKind::Second, [8, 8]), &scene);
     let table: [(Kernel, &[(Stream, Access)]); 5] = [
-        // Hit is set to "no triangle" with the ray, and state read so that a ray is made once; the paper discards
-        // fragments instead.
+        // Hit is set to "no triangle" when the ray is generated, and state is read so that a ray is generated once; the
+        // paper discards fragments instead.
         (kernels::GENERATE, &[(RAY_ORIGIN, Write), (RAY_DIRECTION, Write), (STATE, Update), (HIT, Write)]),
-        // The paper's set-up copies the ray to a second pair of textures; in place there is nothing to copy.
+        // The paper's setup copies the ray to a second pair of textures; in-place streams need no copy.
         (kernels::SETUP, &[(STATE, Update), (TMAX, Write)]),
-        // In the paper hit is written whole by every pass; here only where a triangle is nearer.
+        // In the paper every pass writes hit; here only passes that find a nearer triangle.
         (kernels::INTERSECT, &[(STATE, Update), (HIT, Update)]),
         (kernels::TRAVERSE_GRID, &[(STATE, Update), (TMAX, Update)]),
-        // The state becomes DONE, so that the live counts tell when the image is complete.
+        // The state becomes DONE, so that the ray counts tell when the image is complete.
         (kernels::SHADE, &[(STATE, Update), (COLOR, Write)]),
     ];
     let kernels: Vec<_> =
@@ -47,7 +47,7 @@ fn the_papers_schedule_is_drawn_as_table_1_says() {
     let reads = |kernel, label: &str| graph.of(kernel).any(|(n, access)| n.label == label && access == Access::Read);
     assert!(reads(kernels::INTERSECT, "ray_origin") && reads(kernels::INTERSECT, "vertices"));
     assert!(reads(kernels::TRAVERSE_GRID, "grid") && !reads(kernels::TRAVERSE_GRID, "grid_items"));
-    assert!(!graph.nodes.iter().any(|n| n.label == "sent" || n.label == "fill"), "the executor's books are no data");
+    assert!(!graph.nodes.iter().any(|n| n.label == "sent" || n.label == "fill"), "the executor's buffers are shown");
 }
 
 fn is_inside([x, y]: [f32; 2], node: &Node) -> bool {
@@ -64,7 +64,7 @@ fn assert_is_readable(graph: &DataFlow, what: &str) {
             (0..2).all(|a| node.min[a] > 0.0 && node.max[a] < 1.0 && node.min[a] < node.max[a]),
             "{what}: {node:?}"
         );
-        assert!(!graph.nodes[..i].iter().any(|other| overlap(node, other)), "{what}: {} is over another", node.label);
+        assert!(!graph.nodes[..i].iter().any(|other| overlap(node, other)), "{what}: {} overlaps another", node.label);
         let is_drawn = graph.edges.iter().any(|e| e.kernel == i || e.data == i);
         assert!(is_drawn, "{what}: nothing leads to {}", node.label);
     }
@@ -94,7 +94,7 @@ fn nothing_lies_over_anything_for_any_scene_and_way() {
             let mut options = options(&scene, accelerator, schedule, [8, 8]);
             let all = graph(&options, &scene);
             assert_is_readable(&all, &what);
-            assert_eq!(graph(&options, &scene), all, "{what}: another layout the second time");
+            assert_eq!(graph(&options, &scene), all, "{what}: the layout is not reproducible");
             (options.counters, options.keep_all) = (true, true);
             if schedule == ScheduleKind::Compact {
                 options.steps_per_pass = 8;
@@ -104,14 +104,14 @@ fn nothing_lies_over_anything_for_any_scene_and_way() {
     }
 }
 
-/// Crossings of the edges to a row in this order.
+/// The number of crossings among edges to a row in this order.
 fn crossings(row: &[usize], edges: &[Edge]) -> usize {
     let rank = |e: &Edge| row.iter().position(|&node| node == e.data);
     let pairs = edges.iter().flat_map(|a| edges.iter().map(move |b| (a, b)));
     pairs.filter(|(a, b)| a.kernel < b.kernel && rank(b).is_some_and(|b| rank(a).is_some_and(|a| a > b))).count()
 }
 
-/// The fewest that any order has (Heap's algorithm).
+/// The minimum over all orders (Heap's algorithm).
 fn fewest(row: &mut Vec<usize>, permuted: usize, edges: &[Edge]) -> usize {
     if permuted <= 1 {
         return crossings(row, edges);
@@ -136,7 +136,7 @@ fn as_few_edges_cross_as_any_order_of_the_streams_allows() {
         let drawn = crossings(&streams, &graph.edges);
         assert_eq!(drawn, fewest(&mut streams.clone(), streams.len(), &graph.edges), "{accelerator} {schedule}");
         let buffers = crossings(&row(|kind| matches!(kind, NodeKind::Buffer(_))), &graph.edges);
-        assert_eq!(graph.crossings(), drawn + buffers, "the count is of what is drawn");
+        assert_eq!(graph.crossings(), drawn + buffers, "the count differs from the drawing");
     }
 }
 

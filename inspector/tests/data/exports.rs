@@ -1,4 +1,4 @@
-//! What is taken away has the formats of the command line, and names that every file system takes.
+//! Exports have the formats of the command line, and file names that every file system accepts.
 
 use std::ops::ControlFlow;
 

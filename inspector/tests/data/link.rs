@@ -1,4 +1,4 @@
-//! Links come back as what they were written from, and no text makes reading one panic.
+//! Links survive a round trip, and no text makes parsing panic.
 
 use raystep_inspector::link::{KEYS, Link, LinkCamera, LinkDevice, LinkRay, LinkStream};
 use raystep_kernels::options::ProgramName;
@@ -29,7 +29,7 @@ impl Random {
         (self.below(2) == 0).then(|| make(self))
     }
 
-    /// Any finite number, whatever its exponent.
+    /// Any finite number, with any exponent.
     fn f64(&mut self) -> f64 {
         let value = f64::from_bits(self.bits());
         if value.is_finite() { value } else { -0.0 }
@@ -98,7 +98,7 @@ impl Random {
     }
 }
 
-/// Every number as its bits, so that -0 is not 0.
+/// Every number by its bits, so that -0 differs from 0.
 fn exactly(link: &Link) -> String {
     format!("{link:?}")
 }
@@ -137,7 +137,7 @@ fn a_link_reads_as_the_options_do() {
     assert_eq!("raystep:1?grid=8".parse::<Link>().map(|l| l.grid), Ok(GridSize::Cells([8; 3])));
 }
 
-/// What a link of version 1 leaves out means the same for ever: a change here is a new version.
+/// Defaults of version 1 never change: other defaults require a new version.
 #[test]
 fn the_defaults_of_version_1_stay() {
     let all = "raystep:1?size=512x512&accelerator=grid&schedule=compact&numerics=robust&grid=auto&skip=auto\
@@ -202,7 +202,7 @@ fn no_text_panics() {
     let mut random = Random::new(2);
     let values = ["", "x", ",", ",,", "0x", "NaN", "1e999", "-", "%", "%f", "tmax.", ".x", "0,0,0", "深,深", "1x1"];
     for _ in 0..20_000 {
-        // A link with a piece taken out, put in or doubled, or pairs of a key and anything.
+        // A link with a piece removed, inserted or doubled, or pairs of a key and arbitrary text.
         let mut text: Vec<char> = random.link().to_string().chars().collect();
         for _ in 0..=random.below(4) {
             let at = random.below(text.len().max(1));

@@ -1,5 +1,5 @@
-//! The marks beside a kernel's lines: no condition without a meaning, and over whole traces they agree with what the
-//! ray did.
+//! The marks beside a kernel's source lines: every condition has an evaluation, and over whole traces the marks agree
+//! with what the ray did.
 
 use std::collections::BTreeSet;
 
@@ -23,7 +23,7 @@ fn every_condition_of_a_kernel_is_in_the_table_and_the_table_has_no_other() {
         let found: BTreeSet<String> = conditions_in(kernel).expect("understood").into_iter().collect();
         let rows = || conditions::of(kernel).iter().map(|c| c.text.to_owned());
         assert_eq!(rows().collect::<BTreeSet<_>>(), found, "{kernel}", kernel = kernel.name());
-        assert_eq!(rows().count(), found.len(), "{}: a row is there twice", kernel.name());
+        assert_eq!(rows().count(), found.len(), "{}: duplicate row", kernel.name());
     }
     for kernel in PROGRAM.kernels() {
         let found = conditions_in(kernel).expect("understood");
@@ -67,7 +67,7 @@ fn lines_are_the_text_and_spans_are_the_whole_line() {
     assert_eq!(classes, [Comment, Plain, Keyword, Plain, Number, Plain]);
 }
 
-/// Goes through a run and looks at every pass of some rays: features, kernel, before, after.
+/// Runs to the end and calls `look` for every pass of some rays, with renderer, kernel, and state before and after.
 fn follow(scene: &Scene, options: &Options, mut look: impl FnMut(&Renderer, Kernel, &RayState, &RayState)) {
     let mut renderer = pollster::block_on(Renderer::new(scene, options, &Device::Cpu(None))).expect("a small scene");
     let (width, height) = (renderer.plan().width, renderer.plan().height);
@@ -110,14 +110,14 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
                     let lines = kernel_file(kernel, features, Some((before, after)));
                     let what = || format!("{accelerator} {} {} > {}", kernel.name(), before.state, after.state);
                     if kernel == kernels::ACCUMULATE {
-                        // The last sample leaves the tag alone, and gives the mean to the picture.
+                        // The last sample keeps the tag, and writes the mean to the image.
                         let moved = |part: &str| !ran(&lines, part).is_empty();
                         assert_eq!(moved("textureStore(state, texel, 0, vec4u(UNWRITTEN))"), after.tag == 0);
                         assert_eq!(moved("textureStore(color, texel, 0,"), after.tag == 7);
                         ways += 1;
                         return;
                     }
-                    // Exactly one line stores the tag, and where the tag is written out it is the ray's.
+                    // Exactly one line stores the tag, and if it names a tag, that is the ray's.
                     let stores = ran(&lines, "textureStore(state, texel, 0,");
                     assert_eq!(stores.len(), 1, "{}: {stores:?}", what());
                     let store = &stores[0].text;
@@ -160,7 +160,7 @@ fn what_the_device_is_not_given_is_left_out_and_all_else_of_a_body_has_a_mark() 
             for (line, still) in lines.iter().zip(&still) {
                 assert_eq!(still.mark == Mark::LeftOut, line.mark == Mark::LeftOut, "{}", line.text);
                 assert!(matches!(still.mark, Mark::Plain | Mark::LeftOut), "{}", line.text);
-                // A statement of its own that an option chooses is given, or not, as it stands.
+                // A separate statement chosen by an option is in the plan's source, unchanged, or it is not.
                 let choice = line
                     .text
                     .trim()
@@ -198,7 +198,7 @@ fn what_the_streams_do_not_tell_is_unknown() {
         let lines = kernel_file(kernel, &renderer.plan().features, Some((before, after)));
         let mark = |part: &str| lines.iter().find(|l| l.text.contains(part)).map(|l| l.mark);
         assert_eq!(mark("normal = -normal;"), Some(Mark::Unknown));
-        assert_eq!(mark("rgb = rgb * diffuse;"), Some(Mark::Run), "what comes after is known again");
+        assert_eq!(mark("rgb = rgb * diffuse;"), Some(Mark::Run), "what follows is known again");
         seen += 1;
     });
     assert!(seen > 0);

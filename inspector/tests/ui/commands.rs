@@ -1,4 +1,4 @@
-//! Every command, once by each way that leads to it: its key, its menu, the palette.
+//! Every command, performed once in each available way: by key, by menu, by palette.
 
 mod files;
 mod table;
@@ -16,11 +16,11 @@ use raystep_kernels::Kernel;
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;
 
-/// Pixel and place from which every command starts.
+/// The pixel that is selected before every command.
 const PIXEL: [u32; 2] = [40, 44];
 const PLACE: usize = 12;
 
-/// What is known of a window before a command.
+/// State of the window before a command.
 struct Before {
     command: Command,
     place: usize,
@@ -29,7 +29,7 @@ struct Before {
     generation: u64,
     panes: Vec<PaneKind>,
     is_dark: bool,
-    /// A number of the view that the command changes, where it changes one.
+    /// A number shown in the view that the command changes, if it changes one.
     number: f64,
 }
 
@@ -52,7 +52,7 @@ fn settings() -> Settings {
     Settings { size: [64, 64], ..Settings::default() }
 }
 
-/// The window as it is before each command. What changed the scene or the run is undone by opening it anew.
+/// Restores the window before each command. If the scene or the run was changed, opens it anew.
 fn set(stage: &mut Stage) {
     let inspector = stage.harness.state();
     let model = inspector.model();
@@ -68,7 +68,7 @@ fn set(stage: &mut Stage) {
     assert_eq!((stage.place(), stage.harness.state().pixel()), (PLACE, Some(PIXEL)));
 }
 
-/// Closes whatever a command opened.
+/// Closes whatever a command has opened.
 fn clear(stage: &mut Stage) {
     for _ in 0..2 {
         stage.key(Modifiers::NONE, Key::Escape);
@@ -119,12 +119,12 @@ fn by_palette(stage: &mut Stage, info: &CommandInfo) -> bool {
     true
 }
 
-/// A way that leads to a command, where it has one.
+/// A way to perform a command; false if the command does not have it.
 type Leads = fn(&mut Stage, &CommandInfo) -> bool;
 
 const WAYS: [(&str, Leads); 3] = [("key", by_keys), ("menu", by_menu), ("palette", by_palette)];
 
-/// Does every command by the way that is chosen for it; how many could be done.
+/// Performs every command in the chosen way; returns how many could be performed.
 fn all(chosen: impl Fn(usize) -> (&'static str, Leads)) -> usize {
     let mut stage = Stage::with_scene(CORNELL, settings(), Arrival::default());
     let mut count = 0;
@@ -144,7 +144,7 @@ fn all(chosen: impl Fn(usize) -> (&'static str, Leads)) -> usize {
     count
 }
 
-/// By the three ways in turn; what has no key, by the other two.
+/// In the three ways in turn; commands without a key, in the other two.
 #[test]
 fn every_command_has_an_effect() {
     let way = |i: usize| if COMMANDS[i].keys.is_empty() { WAYS[1 + i % 2] } else { WAYS[i % 3] };

@@ -1,4 +1,4 @@
-//! A desktop for tests: threads, scenes by name, a dialog that answers at once, files kept in memory.
+//! A host for tests: threads, scenes by name, a dialog that answers at once, files kept in memory.
 
 use std::sync::{Arc, Mutex};
 
@@ -16,39 +16,39 @@ pub(crate) const CORNELL: &str = "cornell-box";
 pub(crate) const TRIANGLE: &str = "triangle.gltf";
 /// A glTF file without a mesh.
 pub(crate) const EMPTY: &str = "empty.gltf";
-/// A file that is no glTF.
+/// A file that is not glTF.
 pub(crate) const BROKEN: &str = "broken.glb";
 
-/// Why a path is asked for where there are no dialogs.
+/// The reason shown when a path is asked for because there are no dialogs.
 pub(crate) const NO_DIALOG: &str = "there is no dialog for files";
 
-/// What a desktop was asked for, and what it shall answer.
+/// Requests to the host, and its answers.
 #[derive(Default)]
 pub(crate) struct Desk {
-    /// Files that were saved.
+    /// Saved files.
     pub(crate) saved: Vec<FileToSave>,
-    /// What the dialog for scenes answers; nothing where the user closes it.
+    /// The answer of the dialog for scenes; `None` if the user cancels it.
     pub(crate) choice: Option<String>,
-    /// What dialogs do.
+    /// How dialogs behave.
     pub(crate) dialogs: Dialogs,
-    /// The names of files that are there, where there are no dialogs.
+    /// Names of existing files, if there are no dialogs.
     pub(crate) there: Vec<String>,
     events: Vec<HostEvent>,
 }
 
-/// What the dialogs of a desktop do.
+/// How the host's dialogs behave.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub(crate) enum Dialogs {
     /// They answer.
     #[default]
     Answer,
-    /// Their user closes them.
+    /// The user cancels them.
     Cancel,
     /// There are none.
     Missing,
 }
 
-/// The desktop, as the inspector sees it.
+/// The host, as the inspector sees it.
 pub(crate) struct TestHost {
     pub(crate) gpu: Arc<Gpu>,
     pub(crate) desk: Arc<Mutex<Desk>>,

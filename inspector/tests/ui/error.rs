@@ -1,4 +1,4 @@
-//! Error against run time: wrong rays are counted, one is found, and the curve leads to any place.
+//! Error against run time: wrong rays are counted, one can be found, and clicking the curve selects a pass.
 
 use egui::{Role, pos2};
 use egui_kittest::kittest::NodeT as _;
@@ -11,7 +11,7 @@ use raystep_kernels::{GridSize, Numerics, ScheduleKind};
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
 
-/// So many columns and rows that some rays of the paper's rules go wrong.
+/// Image size at which some rays are wrong with the paper's numerics.
 const LARGE: u32 = 256;
 
 fn settings(numerics: Numerics, side: u32) -> Settings {
@@ -73,13 +73,13 @@ fn judged_rays_are_counted_and_a_wrong_one_is_found() {
     let by_then = "judged rays resolved wrongly";
     let (_, name) = curve(&stage);
     assert!(name.ends_with(by_then) && !name.ends_with(&format!(" 0 {by_then}")), "{name}");
-    // The next one after it.
+    // The next wrong ray.
     stage.find(Role::Link, |name| name.ends_with("wrong")).expect("the count").click_accesskit();
     stage.frame();
     stage.settle();
     assert_ne!(stage.harness.state().pixel(), Some(pixel));
 
-    // What was changed by hand is no run of these options.
+    // A run with edits no longer belongs to these options.
     stage.perform(Command::EditTexel);
     stage.answer("2");
     assert!(stage.reads("not judged: the run contains edits"), "{}", stage.read_out());

@@ -1,4 +1,4 @@
-//! What is taken away: all of it unless less was chosen, and what came of it is always said.
+//! Exports: everything is exported unless less was chosen, and the outcome is always shown.
 
 use egui::{Key, Modifiers, Role};
 use raystep_inspector::settings::{DeviceKind, Settings};
@@ -21,7 +21,7 @@ fn dialogs(stage: &Stage, dialogs: Dialogs) {
     stage.desk.lock().expect("not poisoned").dialogs = dialogs;
 }
 
-/// Rows of the tables that were saved, one after the other.
+/// Number of rows of each saved table.
 fn rows(stage: &Stage) -> Vec<usize> {
     let desk = stage.desk.lock().expect("not poisoned");
     desk.saved.iter().map(|file| csv::Reader::from_reader(file.bytes.as_slice()).records().count()).collect()
@@ -43,7 +43,7 @@ fn passes_end_here_only_where_that_is_chosen() {
     stage.click(Role::Button, Command::ExportPasses.name());
     stage.settle();
     says(&stage, "12 rows written to cornell-box.passes.csv");
-    // The choice is that of one export.
+    // The choice applies to one export only.
     stage.perform(Command::ExportPasses);
     stage.perform(Command::End);
     assert_eq!(rows(&stage), [PLACE, stage.place()]);
@@ -53,7 +53,7 @@ fn passes_end_here_only_where_that_is_chosen() {
 #[test]
 fn what_is_cancelled_is_said() {
     let mut stage = stage();
-    // Before the run has come to its end.
+    // Before the run has ended.
     stage.inspector().perform(Command::ExportPasses);
     stage.inspector().perform(Command::Cancel);
     stage.settle();
@@ -80,7 +80,7 @@ fn where_there_are_no_dialogs_the_window_asks_for_a_path() {
     stage.key(Modifiers::NONE, Key::Enter);
     stage.settle();
     says(&stage, &format!("{all} rows written to /here/cornell-box.passes.csv"));
-    // The same name again: asked until it may be replaced.
+    // The same name again: asks before replacing the file.
     stage.perform(Command::ExportPasses);
     stage.key(Modifiers::NONE, Key::Enter);
     stage.settle();
@@ -91,13 +91,13 @@ fn where_there_are_no_dialogs_the_window_asks_for_a_path() {
     stage.click(Role::Button, "Save");
     stage.settle();
     assert_eq!(rows(&stage), [all, all]);
-    // Closed, nothing is written.
+    // If the dialog is cancelled, nothing is written.
     stage.perform(Command::ExportPasses);
     stage.key(Modifiers::NONE, Key::Escape);
     stage.settle();
     says(&stage, "cancelled: nothing written");
     assert_eq!(rows(&stage), [all, all]);
-    // A scene by its path.
+    // Open a scene by its path.
     let generation = stage.inspector().model().generation;
     stage.perform(Command::OpenScene);
     stage.key(Modifiers::COMMAND, Key::A);

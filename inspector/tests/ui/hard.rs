@@ -1,4 +1,4 @@
-//! What may go wrong, and windows and scenes of unusual sizes: a clear message, and no panic.
+//! Errors, and unusual sizes of windows and scenes: a clear message, and no panic.
 
 use egui::{Key, Modifiers, Rect, Vec2};
 use raystep_inspector::settings::Settings;
@@ -14,7 +14,7 @@ fn small() -> Settings {
     Settings { size: [32, 32], ..Settings::default() }
 }
 
-/// Everything that can be done by key, and every panel.
+/// Presses every key and shows every panel.
 fn tour(stage: &mut Stage) {
     for &kind in PaneKind::ALL {
         stage.perform(Command::Show(kind));
@@ -64,7 +64,7 @@ fn a_scene_of_one_triangle() {
     assert_eq!(hits(&mut stage, "0,0"), None);
 }
 
-/// The triangle that a pixel's ray hits.
+/// The triangle hit by a pixel's ray.
 fn hits(stage: &mut Stage, pixel: &str) -> Option<u32> {
     stage.perform(Command::GoToPixel);
     stage.answer(pixel);
@@ -93,12 +93,12 @@ fn a_broken_file_shows_its_error_and_keeps_the_scene() {
         let node = node.accesskit_node();
         node.value().or(node.label()).is_some_and(|text| text.starts_with("opening the scene: "))
     });
-    assert!(told.count() >= 1, "the log does not tell it\n{}", stage.read_out());
+    assert!(told.count() >= 1, "the error is not in the log\n{}", stage.read_out());
     assert_eq!((stage.inspector().title(), stage.inspector().model().generation), (title, generation));
     stage.perform(Command::NextPass);
-    assert_eq!(stage.place(), 10, "the old run goes on");
+    assert_eq!(stage.place(), 10, "the old run is still open");
     let link = stage.inspector().link().expect("a link");
-    assert_eq!(link.scene.as_deref(), Some(CORNELL), "a link names the scene that is shown");
+    assert_eq!(link.scene.as_deref(), Some(CORNELL), "the link has the wrong scene");
 }
 
 #[test]

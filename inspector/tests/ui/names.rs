@@ -1,4 +1,4 @@
-//! Every widget and every picture has a name for those who cannot see it.
+//! Every widget and every image has a name for screen readers.
 
 use std::collections::HashSet;
 
@@ -13,7 +13,7 @@ use raystep_inspector::ui::pane::PaneKind;
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::Stage;
 
-/// How many widgets there are in view, all of which have names.
+/// The number of visible widgets, all of which must have names.
 #[track_caller]
 fn named(stage: &Stage, place: &str) -> usize {
     assert_eq!(stage.harness.unnamed_widgets(), Vec::<String>::new(), "{place}");
@@ -22,7 +22,7 @@ fn named(stage: &Stage, place: &str) -> usize {
         let node = node.accesskit_node();
         let name = node.label().unwrap_or_default();
         widgets += usize::from(is_input(node.role()));
-        assert!(node.role() != Role::Image || !name.trim().is_empty(), "{place}: a picture without a name");
+        assert!(node.role() != Role::Image || !name.trim().is_empty(), "{place}: an image without a name");
         assert!(name != "?", "{place}: a {:?} is called \"?\"", node.role());
     }
     widgets

@@ -1,4 +1,4 @@
-//! A first session, as somebody new to it would go about it: by buttons, keys and clicks alone.
+//! A first session, as a new user would do it: only by buttons, keys and clicks.
 
 use std::ops::ControlFlow;
 
@@ -15,12 +15,12 @@ use crate::ui::adapter::{block_on, gpu};
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
 
-/// The pixel that is clicked of a picture of so many rows and columns.
+/// The pixel to click in an image of this many rows and columns.
 fn pixel(side: u32) -> [u32; 2] {
     [200, 360].map(|place| place * side / 512)
 }
 
-/// One ray's life in a run of its own.
+/// The history of one ray in a separate run.
 fn life(settings: &Settings) -> Trace {
     let (gpu, scene) = (gpu(), cornell_box());
     let device = Device::Gpu(gpu.clone());
@@ -49,13 +49,13 @@ fn a_first_session() {
     go_on(stage, Settings::default());
 }
 
-/// All that follows once the Cornell box is open.
+/// The rest of the session, once the Cornell box is open.
 fn go_on(mut stage: Stage, settings: Settings) {
     let [side, _] = settings.size;
     let pixel = pixel(side);
     assert!(stage.inspector().title().starts_with("cornell-box"), "{}", stage.inspector().title());
 
-    // It is traced to its end. Start over, step 20 passes, go back 7.
+    // It is traced to the end. Restart, step 20 passes, go back 7.
     assert_eq!(stage.inspector().model().next, None);
     stage.key(Modifiers::NONE, Key::Home);
     stage.settle();
@@ -71,7 +71,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
     assert_eq!(stage.place(), 13);
     assert!(stage.reads("after 13 of"), "{}", stage.read_out());
 
-    // Click a pixel: its life is that of a run of its own.
+    // Click a pixel: its history is the same as in a separate run.
     let picture = stage.find(Role::Image, |name| name.contains("after 13 passes")).expect("the stream");
     let rect = picture.rect();
     let scale = rect.width().min(rect.height()) / side as f32;
@@ -85,7 +85,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
     assert_eq!(shown.rows, expected.rows);
     assert_eq!(*shown, expected);
 
-    // Set a watch, and run to it: the ray's hit changes next in this pass.
+    // Set a watch, and run to it: the ray's hit next changes in this pass.
     stage.perform(Command::Show(PaneKind::Watches));
     stage.click(Role::CheckBox, "selected ray: its hit changes");
     let hit = |i: usize| (expected.rows[i].after.triangle, expected.rows[i].after.t);
@@ -95,7 +95,7 @@ fn go_on(mut stage: Stage, settings: Settings) {
     assert_eq!(Some(stage.place()), fires.and_then(|i| expected.rows[i].place()));
     assert!(stage.reads(&format!("pixel {},{}", pixel[0], pixel[1])));
 
-    // Compare with the tree: the same ray there, and the same picture.
+    // Compare with the BVH: the same ray there, and the same image.
     stage.key(Modifiers::COMMAND, Key::B);
     stage.settle();
     let tree = life(&Settings { accelerator: Accelerator::Bvh, ..settings });

@@ -1,7 +1,7 @@
-//! Pictures of every panel, and of the whole, held against those in the repository.
+//! Snapshots of every panel, and of the whole window, compared with those in the repository.
 //!
-//! `UPDATE_SNAPSHOTS=1` writes them anew: look at every one before it is kept. Runs are the twins' with a clock that
-//! only counts, so that neither durations nor the adapter's name are in them.
+//! `UPDATE_SNAPSHOTS=1` rewrites them: look at every one before committing it. Runs use the CPU and a clock that only
+//! counts, so that snapshots contain neither durations nor the adapter's name.
 
 use egui::Theme;
 use raystep_inspector::settings::{DeviceKind, Settings};

@@ -1,4 +1,4 @@
-//! An inspector on a stage: its window in egui's test harness, drawn with our own device.
+//! An inspector in egui's test harness, drawn with our own device.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -18,29 +18,29 @@ use raystep_kernels::{Gpu, Stream};
 use crate::ui::adapter::{block_on, gpu};
 use crate::ui::desk::{Desk, TestHost};
 
-/// How long anything may take on a slow machine that does other things too.
+/// Time limit for any wait, on a slow and busy machine.
 const PATIENCE: Duration = Duration::from_secs(240);
 
-/// What was said to whoever owns the window.
+/// Messages to the window's owner.
 #[derive(Default)]
 pub(crate) struct Heard {
-    /// What was copied to the clipboard.
+    /// Texts copied to the clipboard.
     pub(crate) copied: Vec<String>,
-    /// Whether the window was to be closed.
+    /// Whether closing the window was requested.
     pub(crate) is_closed: bool,
 }
 
-/// An inspector in a window, a desk beside it.
+/// An inspector in a window, with its host.
 pub(crate) struct Stage {
     pub(crate) harness: Harness<'static, Inspector>,
     pub(crate) desk: Arc<Mutex<Desk>>,
     pub(crate) heard: Heard,
 }
 
-/// A stage as it is to be built.
+/// How to build a stage.
 #[derive(Clone)]
 pub(crate) struct Plan {
-    /// Points.
+    /// In points.
     pub(crate) size: [f32; 2],
     pub(crate) scale: f32,
     pub(crate) theme: egui::Theme,
@@ -53,7 +53,7 @@ impl Default for Plan {
     }
 }
 
-/// Nanoseconds that depend on nothing but how often this thread asked: durations in pictures are always the same.
+/// Nanoseconds that depend only on how often this thread asked, so that durations in snapshots are reproducible.
 fn clock() -> u64 {
     thread_local! { static NOW: std::cell::Cell<(u64, u64)> = const { std::cell::Cell::new((0, 0)) }; }
     NOW.with(|now| {
@@ -70,11 +70,11 @@ impl Stage {
         let renderer = Arc::new(RwLock::new(Renderer::new(&plan.gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
         let desk = Arc::new(Mutex::new(Desk::default()));
         let host = TestHost { gpu: plan.gpu.clone(), desk: desk.clone() };
-        // Frames come one after the other here: nobody has to be woken.
+        // Frames are drawn one after another here: there is nothing to wake.
         let devices = Devices { gpu: plan.gpu.clone(), clock: Some(clock), wake: Arc::new(|| {}) };
         let inspector = Inspector::new(devices, renderer.clone(), Box::new(host));
         let harness = Harness::builder()
-            // The harness keeps a margin of 8 points around what it shows.
+            // The harness adds a margin of 8 points around its contents.
             .with_size(egui::Vec2::from(plan.size) + egui::Vec2::splat(16.0))
             .with_pixels_per_point(plan.scale)
             .with_theme(plan.theme)
@@ -85,7 +85,7 @@ impl Stage {
         Self { harness, desk, heard: Heard::default() }
     }
 
-    /// A stage of the usual size with a scene open, after so many passes.
+    /// A stage of the default size with a scene open, after some passes.
     pub(crate) fn with_scene(path: &str, settings: Settings, arrival: Arrival) -> Self {
         let mut stage = Self::new(Plan::default());
         stage.open(path, settings, arrival);
@@ -105,7 +105,7 @@ impl Stage {
         self.harness.state().model().place
     }
 
-    /// A frame for every event that waits, at least one.
+    /// Draws a frame for every waiting event, at least one.
     pub(crate) fn frame(&mut self) {
         self.harness.step();
         let output = self.harness.output();
@@ -122,7 +122,7 @@ impl Stage {
         (0..count).for_each(|_| self.frame());
     }
 
-    /// Frames until nothing goes on, and a few more for what needs several to find its size.
+    /// Draws frames until nothing is pending, plus a few for layouts that take several to settle.
     #[track_caller]
     pub(crate) fn settle(&mut self) {
         self.until("the work ends", |stage| !stage.harness.state().is_busy());
@@ -137,7 +137,7 @@ impl Stage {
         }
     }
 
-    /// Frames until something holds.
+    /// Draws frames until `holds` is true.
     #[track_caller]
     pub(crate) fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
         let begin = Instant::now();
@@ -156,7 +156,7 @@ impl Stage {
         self.settle();
     }
 
-    /// Presses and releases a key: an event a frame, as slow hands do.
+    /// Presses and releases a key, one event per frame.
     pub(crate) fn key(&mut self, modifiers: Modifiers, key: Key) {
         let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
         let held = [Event::ModifiersChanged(modifiers), event(true), event(false)];
@@ -174,7 +174,7 @@ impl Stage {
         self.event(Event::Text(text.into()));
     }
 
-    /// Types into the dialog that is open, and enters it.
+    /// Types into the open dialog and confirms it.
     pub(crate) fn answer(&mut self, text: &str) {
         self.frame();
         self.text(text);
@@ -191,13 +191,13 @@ impl Stage {
         self.event(Event::PointerGone);
     }
 
-    /// All nodes that a screen reader sees.
+    /// All accessibility nodes.
     pub(crate) fn nodes(&self) -> Vec<Node<'_>> {
         let root = self.harness.root();
         root.children_recursive().filter(|node| !node.accesskit_node().is_hidden()).collect()
     }
 
-    /// The first node with this role whose name is so.
+    /// The first node with this role and a matching name.
     pub(crate) fn find(&self, role: Role, is_so: impl Fn(&str) -> bool) -> Option<Node<'_>> {
         self.nodes().into_iter().find(|node| {
             let node = node.accesskit_node();
@@ -205,7 +205,7 @@ impl Stage {
         })
     }
 
-    /// The same, which has to be there.
+    /// The node with this role and name, which must exist.
     #[track_caller]
     pub(crate) fn get(&self, role: Role, name: &str) -> Node<'_> {
         self.find(role, |label| label == name).unwrap_or_else(|| panic!("no {role:?} {name:?} in\n{}", self.read_out()))
@@ -217,7 +217,7 @@ impl Stage {
         self.frame();
     }
 
-    /// Whether some text that is shown holds this.
+    /// Whether a visible text contains this.
     pub(crate) fn reads(&self, part: &str) -> bool {
         let text = |node: &Node<'_>| {
             let node = node.accesskit_node();
@@ -226,7 +226,7 @@ impl Stage {
         self.nodes().iter().any(text)
     }
 
-    /// Everything that has a name, for messages of failing tests.
+    /// Everything that has a name, for failure messages.
     pub(crate) fn read_out(&self) -> String {
         let line = |node: &Node<'_>| {
             let node = node.accesskit_node();
@@ -236,25 +236,25 @@ impl Stage {
         self.nodes().iter().filter_map(line).collect::<Vec<_>>().join("\n")
     }
 
-    /// Shows another stream, or only one of its components, as a user does.
+    /// Shows another stream, or only one of its components, as a user does it.
     pub(crate) fn show_stream(&mut self, stream: Stream, layer: &str) {
         self.click(Role::ComboBox, "stream");
         self.frames(2);
         self.click(Role::Button, stream.name());
-        // Only a pointer's click closes the list, a screen reader's leaves it open.
+        // A pointer click closes the list, but a screen reader's click leaves it open.
         self.key(Modifiers::NONE, Key::Escape);
         self.settle();
         self.click(Role::Button, layer);
         self.settle();
     }
 
-    /// A number that can be dragged, by its label.
+    /// The value of a number field, by its label.
     #[track_caller]
     pub(crate) fn number(&self, name: &str) -> f64 {
         self.get(Role::SpinButton, name).accesskit_node().numeric_value().expect("a number")
     }
 
-    /// The texts that are painted inside what clips them, in order.
+    /// The painted texts that are not clipped away, in order.
     pub(crate) fn painted(&self) -> Vec<String> {
         fn collect(shape: &egui::Shape, clip: egui::Rect, texts: &mut Vec<String>) {
             match shape {
@@ -272,19 +272,19 @@ impl Stage {
         texts
     }
 
-    /// Whether some text that is painted holds this.
+    /// Whether a painted text contains this.
     pub(crate) fn paints(&self, part: &str) -> bool {
         self.painted().iter().any(|text| text.contains(part))
     }
 
-    /// The window as it is, held against the picture and the text of this name.
+    /// Compares the window with the image and the text of this name.
     #[track_caller]
     pub(crate) fn snapshot(&mut self, name: &str) {
         self.harness.snapshot(name);
         self.snapshot_of_text(name);
     }
 
-    /// All that is painted as text, held against the file of this name: not a digit may differ.
+    /// Compares all painted text with the file of this name: not a digit may differ.
     #[track_caller]
     fn snapshot_of_text(&self, name: &str) {
         let path = std::path::Path::new(SNAPSHOTS).join(format!("{name}.txt"));
@@ -295,7 +295,7 @@ impl Stage {
         }
         let kept = std::fs::read_to_string(&path);
         let kept = kept.unwrap_or_else(|e| panic!("{}: {e}; UPDATE_SNAPSHOTS=1 writes it", path.display()));
-        // A checkout may end lines in its own way.
+        // A checkout may change line ends.
         let differs = kept.lines().zip(painted.lines()).find(|(kept, painted)| kept != painted);
         if let Some((kept, painted)) = differs {
             panic!("{name}: {painted} is painted, and {} has {kept}", path.display());
@@ -309,12 +309,12 @@ impl Stage {
     }
 }
 
-/// Where the pictures and texts are.
+/// Folder of the snapshots.
 const SNAPSHOTS: &str = "tests/ui/snapshots";
 
-/// What is drawn differs from one Mesa to the next by the rounding of blends and of texels at the edges of
-/// nearest-neighbour pictures. 0.6 is kittest's own bound for such rounding in a pixel, and of edges a few dozen pixels
-/// may fall to the other side. A digit is fewer pixels than that: texts are compared as texts.
+/// Images differ between versions of Mesa in the rounding of blends, and in texels at the edges of images with
+/// nearest-neighbour filtering. 0.6 is kittest's own bound for such rounding in a pixel; at edges, a few dozen pixels
+/// may change. A digit has fewer pixels than that, so texts are compared separately.
 fn snapshot_options() -> SnapshotOptions {
     SnapshotOptions::new().threshold(0.6).max_failed_pixels(40).output_path(SNAPSHOTS)
 }

@@ -1,7 +1,7 @@
-//! How fast rays are traced: every scene at every size with every kind of rays is a group, in which every accelerator
-//! with every schedule is measured in turn.
+//! How fast rays are traced. Every combination of scene, size and kind of ray is a group, in which all accelerators and
+//! schedules are measured in interleaved runs.
 //!
-//! Blocks while it waits for the device, and reads the host's clock: for a command line.
+//! Blocks while it waits for the device, and reads the host's clock: intended for a command line.
 
 mod baseline;
 mod measure;
@@ -26,39 +26,39 @@ pub use rays::SEED;
 pub use summary::{ReadError, SCHEMA_VERSION, SummaryRow, read_summary, useful_steps_per_thread, write_summary};
 pub use table::text;
 
-/// What is to be measured of each scene.
+/// What to measure for each scene.
 #[derive(Clone, Debug)]
 pub struct Wanted {
-    /// What keeps rays from testing every triangle.
+    /// Acceleration structures.
     pub accelerators: Vec<Accelerator>,
-    /// How a walk is cut into passes.
+    /// Schedules.
     pub schedules: Vec<ScheduleKind>,
-    /// Of the image that rays are of.
+    /// Image sizes; they determine the number of rays.
     pub sizes: Vec<Size>,
-    /// Which rays.
+    /// Kinds of rays.
     pub rays: Vec<RayKind>,
-    /// Runs that count.
+    /// Counted runs of each configuration.
     pub repeats: u32,
-    /// Runs before them that do not.
+    /// Warm-up runs before them.
     pub warmups: u32,
-    /// All other options. Its rays, accelerator and schedule do not matter.
+    /// All other options. The rays, accelerator and schedule in it are ignored.
     pub tuning: Options,
 }
 
-/// What was measured, with what is worth saying of it.
+/// The results, with notes.
 #[derive(Debug)]
 pub struct Measured {
-    /// Tells this benchmark from others.
+    /// Identifies this benchmark.
     pub run_id: String,
-    /// One a configuration, those of a group together.
+    /// One per configuration; those of a group are adjacent.
     pub rows: Vec<SummaryRow>,
-    /// The passes and the kernels of each row's configuration.
+    /// Passes and kernels of each row's configuration.
     pub details: Vec<Details>,
-    /// Everything that was said.
+    /// Everything worth noting.
     pub notes: Vec<String>,
 }
 
-/// What a row does not hold.
+/// Details of a configuration that its row does not contain.
 #[derive(Debug)]
 pub struct Details {
     /// The run whose passes these are.
@@ -69,10 +69,10 @@ pub struct Details {
     pub shaders: BTreeMap<&'static str, String>,
 }
 
-/// Measures all configurations of all scenes. One that cannot be built or run is a note, unless none can.
+/// Measures all configurations of all scenes. One that cannot be built or run becomes a note, unless all fail.
 ///
 /// # Errors
-/// Where the device fails, or there is nothing to measure.
+/// If the device fails, or there is nothing to measure.
 pub fn measure(
     wanted: &Wanted,
     subjects: &[Subject],
@@ -102,12 +102,12 @@ pub fn measure(
     bench.finish()
 }
 
-/// Accelerators with schedules; a note for each that would measure nothing new.
+/// Accelerators paired with schedules; a note for each pair that would measure nothing new.
 fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<(Accelerator, ScheduleKind)> {
     let mut ways = Vec::new();
     for &accelerator in &wanted.accelerators {
         for &schedule in &wanted.schedules {
-            // Without cells to walk through there are no turns to take.
+            // Without a grid or BVH, `second` is the same as `first`.
             let is_first_again = accelerator == Accelerator::None && schedule == ScheduleKind::Second;
             if is_first_again && wanted.schedules.contains(&ScheduleKind::First) {
                 bench.skip(format!(
@@ -121,7 +121,7 @@ fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<(Accelerator, ScheduleKin
     ways
 }
 
-/// What sets two runs with the same accelerator, schedule and numerics apart.
+/// The options that distinguish two runs with the same accelerator, schedule and numerics.
 #[must_use]
 pub fn tuning_text(tuning: &Options, has_steps: bool) -> String {
     let mut text = format!("grid={} skip={}", grid_text(tuning.grid), tuning.skip);
@@ -131,7 +131,7 @@ pub fn tuning_text(tuning: &Options, has_steps: bool) -> String {
     text + if tuning.keep_all { " keep_all" } else { "" }
 }
 
-/// As the command line reads it.
+/// In the command line's format.
 #[must_use]
 pub fn grid_text(size: GridSize) -> String {
     match size {

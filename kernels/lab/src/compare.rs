@@ -1,4 +1,4 @@
-//! Two runs' values of a stream, one against the other: in numbers, ray by ray, and as a signed picture.
+//! Compares a stream of two runs: in numbers, ray by ray, and as an image of signed differences.
 
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::shared::constants::INF;
@@ -18,23 +18,22 @@ pub enum CompareError {
 /// How one layer differs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LayerDifference {
-    /// Rays whose bits differ: 0 and -0 do, and not-a-numbers of different bits.
+    /// Rays whose bits differ. 0 and -0 differ, and so do NaNs with different bits.
     pub differing: u64,
-    /// Those of them of which only one side is an ordinary float: the other one is not a number, or infinite, or the
-    /// tracer's own [`INF`].
+    /// Those of them where only one side is an ordinary float: the other is NaN, infinite, or the tracer's own [`INF`].
     pub one_sided: u64,
     /// The first ray that differs, y * width + x.
     pub first: Option<usize>,
-    /// Of rays of which both sides are ordinary floats.
+    /// Of rays where both sides are ordinary floats.
     pub floats: Option<FloatDifference>,
 }
 
-/// How far ordinary floats that differ are apart.
+/// How far apart ordinary floats are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FloatDifference {
-    /// Most units in the last place.
+    /// Largest difference in units in the last place.
     pub max_ulps: u64,
-    /// The median; of an even number of rays the smaller of the two in the middle.
+    /// The median; for an even number of rays the smaller of the two middle values.
     pub median_ulps: u64,
     /// Largest |a - b|, in the stream's unit.
     pub largest: f64,
@@ -42,28 +41,28 @@ pub struct FloatDifference {
     pub largest_ray: usize,
 }
 
-/// Two runs' values of one stream.
+/// The values of one stream in two runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Comparison<'a> {
     left: &'a StreamData,
     right: &'a StreamData,
 }
 
-/// What a difference looks like.
+/// The difference in one layer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
-    /// left - right of a layer of floats; not a number where only one side is an ordinary float, 0 where neither is
-    /// and both are the same.
+    /// left - right in a layer of floats; NaN if only one side is an ordinary float, 0 if neither is and both are
+    /// equal.
     Signed(Vec<f32>),
-    /// Whether a layer of integers differs: ids have no distance.
+    /// Whether integers differ; ids have no distance.
     Differs(Vec<bool>),
 }
 
 impl<'a> Comparison<'a> {
-    /// Of two runs.
+    /// Compares two runs.
     ///
     /// # Errors
-    /// Where they are not the same stream of images of the same size.
+    /// If they are not the same stream, or differ in size.
     pub fn new(left: &'a StreamData, right: &'a StreamData) -> Result<Self, CompareError> {
         if left.stream != right.stream {
             return Err(CompareError::Stream([left.stream, right.stream]));
@@ -80,7 +79,7 @@ impl<'a> Comparison<'a> {
         left.iter().zip(right).enumerate().map(|(ray, (&a, &b))| (ray, a, b))
     }
 
-    /// How a layer differs. Takes 8 bytes of memory for each ray that does.
+    /// How a layer differs. Takes 8 bytes of memory per differing ray.
     #[must_use]
     pub fn layer(&self, layer: usize) -> LayerDifference {
         let mut found = LayerDifference::default();
@@ -115,7 +114,7 @@ impl<'a> Comparison<'a> {
         (0..self.left.stream.layers()).map(|layer| self.layer(layer)).collect()
     }
 
-    /// The rays of which any layer differs, in order.
+    /// Rays that differ in any layer, in order.
     pub fn rays(&self) -> impl Iterator<Item = usize> + use<'a> {
         let (left, right) = (self.left, self.right);
         let rays = left.width as usize * left.height as usize;
@@ -123,7 +122,7 @@ impl<'a> Comparison<'a> {
         (0..rays).filter(differs)
     }
 
-    /// A layer's difference, as a picture.
+    /// A layer's difference, as an image.
     #[must_use]
     pub fn difference(&self, layer: usize) -> Difference {
         if !self.left.stream.is_float_layer(layer) {

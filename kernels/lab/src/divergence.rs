@@ -1,8 +1,7 @@
-//! Where rays part: the first pass in which a device leaves its twin, or in which f32 and f64 decide otherwise.
+//! Where rays diverge: the first pass in which a device differs from its twin, or f32 and f64 disagree.
 //!
-//! Both questions are asked one pass at a time. The twins start from the device's own streams before the pass, so
-//! that a pass is not blamed for what an earlier one did, and what a ray did in a pass is judged by what f32 can
-//! decide, see [`crate::rounding`].
+//! Both comparisons are made one pass at a time. The twins start from the device's own streams before the pass, so that
+//! a pass is not blamed for an earlier one. A difference is judged by what f32 can decide, see [`crate::rounding`].
 
 mod map;
 
@@ -16,35 +15,36 @@ use raystep_kernels::{Pass, Plan, Progress, RenderError, Renderer, Stream, Strea
 use crate::rounding::{Rounding, judging_bytes};
 pub use map::{Against, Class, DivergenceMap, NEVER, Parting};
 
-/// How far the comparison is, after a pass.
+/// Progress of the comparison, after a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct DivergenceProgress {
     /// The pass.
     pub pass: Pass,
-    /// How far the run is.
+    /// Progress of the run.
     pub run: Progress,
-    /// Rays that have parted so far, by [`Class`].
+    /// Rays that have diverged so far, by [`Class`].
     pub parted: [u64; Class::ALL.len()],
 }
 
-/// Most bytes of main memory that a comparison takes: the streams before and after a pass, of the device and of both
-/// twins, the twins themselves, and the map. What a device holds is the plan's own.
+/// Maximum main memory, in bytes, for a comparison: the device's and both twins' streams before and after a pass, the
+/// twins themselves, and the map. The device's own memory is in the plan.
 #[must_use]
 pub fn divergence_bytes(plan: &Plan) -> u64 {
     let components: u64 = plan.streams.iter().map(|s| s.what.layers() as u64).sum();
-    // Words of four bytes: before, after, after in f32 and f64 as f32; then the twins, the second of two words.
+    // Words of four bytes: before, after, after in f32, after in f64 rounded to f32; then the twins (f64 takes two
+    // words).
     let words = (1 + 1 + 2 + 1 + 2) * components;
     let rays = u64::from(plan.width) * u64::from(plan.height);
     rays * (4 * words + map::MOST_BYTES_A_RAY) + judging_bytes(plan)
 }
 
-/// Runs `renderer` from its start to its end and compares every pass with both twins. It is best a run of its own:
-/// it is restarted, and left at its end. On the twins there is no device to compare, but f32 and f64 still are.
+/// Runs `renderer` from start to end and compares every pass with both twins. Use a separate renderer: it is restarted,
+/// and left at its end. On the CPU there is no device to compare, but f32 and f64 still are.
 ///
-/// `progress` is called after every pass and may stop.
+/// `progress` is called after every pass and may stop the comparison.
 ///
 /// # Errors
-/// Where the device fails, the system has not the memory (see [`divergence_bytes`]), or `progress` said so.
+/// If the device fails, memory runs out (see [`divergence_bytes`]), or `progress` stopped it.
 pub async fn divergence(
     renderer: &mut Renderer,
     mut progress: impl FnMut(&DivergenceProgress) -> ControlFlow<()>,
@@ -83,7 +83,7 @@ pub async fn divergence(
         rules.judge(&pairs, is_decision, |judged| map.record(Against::F64, &judged))?;
         map.check_memory()?;
         for (values, twin, _) in after {
-            // Most often they are the same, and that is quickly seen.
+            // Most streams are equal, which is quick to find out.
             if values != twin {
                 single.write(&values);
             }
@@ -104,7 +104,7 @@ fn written(plan: &Plan, pass: &Pass) -> Vec<Stream> {
     variant.flat_map(|v| v.streams()).filter(|(_, binding)| binding.writes).map(|(stream, _)| stream).collect()
 }
 
-/// Whether a component says which way a ray goes: its state, its cell or node, its place in a list, its triangle.
+/// Whether a component determines a ray's path: its state, its cell or node, its position in a list, its triangle.
 fn is_decision(stream: Stream, layer: usize) -> bool {
     (stream == streams::STATE && layer != STATE_T)
         || (stream == streams::HIT && layer == HIT_TRIANGLE)
@@ -158,7 +158,7 @@ mod tests {
             let parting = map.first(Class::Tie, ray).expect("a tie");
             assert_eq!((parting.against, parting.ulps), (Against::F64, None));
             assert_eq!(map.class(ray), Some(Class::Tie));
-            // Rays well inside of triangles are none.
+            // Rays well inside triangles have almost none.
             let inside = of_case("inside", variant, 400);
             assert!(inside.counts().iter().sum::<u64>() <= 4, "{accelerator}: {:?}", inside.counts());
         }
@@ -178,12 +178,12 @@ mod tests {
             });
             assert!(matches!(stopped.await, Err(RenderError::Cancelled { passes: 2 })));
             assert_eq!(passes, [0, 1]);
-            // Where it stopped does not matter to the next one.
+            // The next run does not depend on where this one stopped.
             let map = divergence(&mut renderer, |_| ControlFlow::Continue(())).await.expect("a run");
             assert_eq!(map.kernels().len(), renderer.pass_count());
             assert!(renderer.next_kernel().is_none());
             assert_eq!((map.width(), map.height()), (12, 9));
-            // origin, direction, state, hit, colour; and for each component seven words.
+            // origin, direction, state, hit, colour; seven words per component.
             let components = if renderer.plan().has_stream(streams::TMAX) { 19 } else { 16 };
             let bytes = divergence_bytes(renderer.plan()) / (12 * 9);
             assert_eq!(bytes, 4 * 7 * components + 65 + 8 + 4 * (3 * components + 3));

@@ -1,4 +1,4 @@
-//! What keeps something from being measured.
+//! Errors of measurements.
 
 use raystep_kernels::{GpuError, PlanError, RenderError};
 

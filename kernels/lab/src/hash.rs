@@ -1,10 +1,10 @@
-//! A hash that tells contents apart: files of scenes, sources of kernels, hits.
+//! A hash to compare contents: scene files, kernel sources, hits.
 
 use std::fmt;
 
 use raystep_kernels::RayHit;
 
-/// FNV-1a, 64 bits (Fowler, Noll and Vo; draft-eastlake-fnv): tells contents apart, and is no protection against malice.
+/// FNV-1a, 64 bits (Fowler, Noll and Vo; draft-eastlake-fnv): compares contents; it is not cryptographic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hash(u64);
 
@@ -15,7 +15,7 @@ impl Default for Hash {
 }
 
 impl Hash {
-    /// Of some bytes.
+    /// Hashes bytes.
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         let mut hash = Self::default();
@@ -30,7 +30,7 @@ impl Hash {
         }
     }
 
-    /// Of numbers, by their bits.
+    /// Hashes numbers by their bits.
     #[must_use]
     pub fn of_floats(values: &[f32]) -> Self {
         let mut hash = Self::default();
@@ -38,7 +38,7 @@ impl Hash {
         hash
     }
 
-    /// Of what every ray hit, by its bits. Where a ray may end at any hit, only whether it hit is compared.
+    /// Hashes the hits of all rays by their bits. If rays may stop at any hit, only whether they hit is hashed.
     #[must_use]
     pub fn of_hits(hits: &[Option<RayHit>], is_any_hit: bool) -> Self {
         let mut hash = Self::default();

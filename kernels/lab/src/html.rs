@@ -1,9 +1,9 @@
-//! What the pages have in common that commands write: they need nothing beside them, no script and no network, and can
-//! be read in the light and in the dark.
+//! The common parts of generated HTML pages. They need no other file, script or network, and follow the browser's light
+//! or dark theme.
 
 use crate::text::visible;
 
-/// Colours by what they are for, and the few elements that every page has.
+/// Named colours, and the elements that every page has.
 const STYLE: &str = "\
 :root{color-scheme:light dark;--ink:#222;--paper:#fff;--dim:#555;--rule:#e4e4e0;--head:#999;--bad:#b01525;--odd:#fde9e9}\
 @media(prefers-color-scheme:dark){:root{--ink:#ddd;--paper:#15181b;--dim:#a2a7ab;--rule:#33383c;--head:#778;--bad:#ff7d86;\
@@ -14,7 +14,7 @@ solid var(--rule);text-align:right;white-space:nowrap}th{font-weight:600;text-al
 var(--head)}.l{text-align:left}.fail{color:var(--bad)}.odd{background:var(--odd)}.note{color:var(--dim)}figcaption{font-size:\
 .78rem;color:var(--dim)}.wide{overflow-x:auto}";
 
-/// A page. `style` is what it has beside the common one; title and body are HTML.
+/// A page. `style` is added to the common style sheet; title and body are HTML.
 #[must_use]
 pub fn page(title: &str, style: &str, body: &str) -> String {
     format!(
@@ -23,8 +23,8 @@ pub fn page(title: &str, style: &str, body: &str) -> String {
     )
 }
 
-/// Text as HTML, in elements and in attributes. HTML has no way to write control characters, and those that turn the
-/// direction of text would turn what stands behind: they are shown as a terminal shows them.
+/// Escapes text for HTML elements and attributes. HTML cannot express control characters, and bidirectional controls
+/// would reorder the text that follows: both are shown as escapes, as in a terminal.
 #[must_use]
 pub fn escaped(text: &str) -> String {
     let text = visible(text);

@@ -1,13 +1,13 @@
-//! What became of the rays of a run: what they hit against what they should have hit, by f64 brute force with exact
-//! predicates ([`crate::reference`]).
+//! Judges the hits of a run: compares what its rays hit with f64 brute force and exact predicates
+//! ([`crate::reference`]).
 //!
-//! [`check_rays`] judges every ray and keeps nothing. Every triangle against every ray is too much for a large scene, or
-//! for many runs of the same rays: a [`Judge`] works truth out for a [`sample`] of them, and keeps it for the runs that
-//! follow.
+//! [`check_rays`] judges every ray and keeps nothing. Testing every triangle against every ray is too slow for a large
+//! scene, or for many runs of the same rays: a [`Judge`] computes the correct hits of a [`sample`] once and keeps them
+//! for later runs.
 //!
-//! Judged is what the executor computed. The f64 twins ([`Device::CpuF64`](raystep_kernels::Device::CpuF64)) are judged
-//! by their own t, not by what is left of it once a stream rounds it to f32: a hit that is right in f64 is not wrong for
-//! being stored.
+//! What is judged is what the executor computed. The f64 twins ([`Device::CpuF64`](raystep_kernels::Device::CpuF64))
+//! are judged by their own t, before a stream rounds it to f32: a correct f64 hit does not become wrong by being
+//! stored.
 
 mod passes;
 mod report;
@@ -26,22 +26,22 @@ use crate::reference::{BruteForce, Candidates, Mistake, candidates_of};
 pub use passes::{Judgement, WrongRay, judge_passes, why_not};
 pub use report::Report;
 
-/// Tests of a triangle against a ray from one look at progress to the next.
+/// Ray/triangle tests between two progress reports.
 const TESTS_A_BATCH: usize = 1 << 24;
 
-/// The rays of a run and what they hit so far.
+/// The rays of a run and their hits so far.
 pub struct Traced<'a> {
     renderer: &'a Renderer,
-    /// Origins, directions, states and hits as the run has them; texels beyond the rays are unused.
+    /// Origins, directions, states and hits from the run's streams; texels beyond the last ray are unused.
     pub streams: [StreamData; 4],
 }
 
-/// A hit, as precise as the executor has it.
+/// A hit, in the executor's precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The triangle's id.
     pub triangle: u32,
-    /// Along the ray, in traced units.
+    /// t along the ray, in traced units.
     pub t: f64,
     /// Weight of vertex 1.
     pub u: f64,
@@ -53,7 +53,7 @@ impl<'a> Traced<'a> {
     /// Reads a run's streams.
     ///
     /// # Errors
-    /// Where the plan left one of them out, or the device fails.
+    /// If the plan omits one of them, or the device fails.
     pub async fn read(renderer: &'a Renderer) -> Result<Self, RenderError> {
         let streams = [
             renderer.values(streams::RAY_ORIGIN).await?,
@@ -64,13 +64,13 @@ impl<'a> Traced<'a> {
         Ok(Self { renderer, streams })
     }
 
-    /// How many there are.
+    /// The number of rays.
     #[must_use]
     pub fn rays(&self) -> usize {
         self.renderer.plan().rays as usize
     }
 
-    /// The triangles that they were tested against, nine floats each.
+    /// The triangles they were traced against, nine floats each.
     #[must_use]
     pub fn vertices(&self) -> &'a [f32] {
         &self.renderer.data().vertices
@@ -86,7 +86,7 @@ impl<'a> Traced<'a> {
         [&self.streams[0], &self.streams[1]].map(|s| [0, 1, 2].map(|layer| s.get(layer, ray)))
     }
 
-    /// What a ray hit. The f64 twins' values are taken before they are rounded.
+    /// What a ray hit. Values of the f64 twins are taken before rounding.
     #[must_use]
     pub fn hit(&self, ray: usize) -> Option<Hit> {
         let [_, _, state, hit] = &self.streams;
@@ -103,14 +103,14 @@ impl<'a> Traced<'a> {
         })
     }
 
-    /// Whether a ray will hit nothing else any more.
+    /// Whether a ray's hit, or lack of one, is final.
     #[must_use]
     pub fn is_decided(&self, ray: usize) -> bool {
         self.renderer.plan().program.states.is_decided(self.streams[2].get(STATE_TAG, ray))
     }
 }
 
-/// Compares what every ray of a run hit with what it should. `progress` gets rays done and rays in all, and may stop.
+/// Judges every ray of a run. `progress` gets the rays done and their total, and may stop.
 pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> ControlFlow<()>) -> Report {
     let triangles = BruteForce::new(traced.vertices());
     let (rays, mut report) = (traced.rays(), Report::default());
@@ -134,21 +134,21 @@ pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> Con
     report
 }
 
-/// What became of a ray, and the error of its t as [`Candidates::judge`] has it.
+/// The verdict on a ray, and the error of its t, see [`Candidates::judge`].
 fn judge(triangles: &BruteForce<'_>, traced: &Traced<'_>, ray: usize) -> (Mistake, f64) {
     let [origin, direction] = traced.ray(ray);
     let found = traced.hit(ray).map(|hit| (hit.triangle, hit.t));
     triangles.judge(ray, origin, direction, &triangles.candidates(origin, direction), found)
 }
 
-/// How many rays to judge at once, so that each batch takes about as long as any other.
+/// How many rays to judge at a time, so that every batch takes about equally long.
 #[must_use]
 pub fn rays_a_batch(triangles: usize) -> usize {
     TESTS_A_BATCH.div_ceil(triangles.max(1)).clamp(64, 1 << 16)
 }
 
-/// Indices of `count` of `rays` rays, ascending: one at random of each of as many stretches of equal length. All of
-/// them where there are no more.
+/// Indices of `count` of `rays` rays, ascending: one random ray from each of `count` intervals of equal length. All
+/// rays if there are no more than `count`.
 #[must_use]
 pub fn sample(rays: usize, count: usize, seed: u32) -> Vec<usize> {
     if count >= rays {
@@ -159,21 +159,21 @@ pub fn sample(rays: usize, count: usize, seed: u32) -> Vec<usize> {
     (0..count).map(one).collect()
 }
 
-/// How a ray is judged that passes between two triangles where the surface goes on: f32 cannot tell which of them it
-/// hits, but it must hit one.
+/// How to judge a ray that passes between two triangles of a continuous surface: f32 cannot tell which of them it hits,
+/// but it must hit one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cracks {
-    /// It has passed through a crack, and missed.
+    /// It passed through a crack, and counts as missed.
     Missed,
-    /// Each triangle may be missed: a tie.
+    /// Missing either triangle is allowed: a tie.
     Tied,
 }
 
-/// What some rays of a run may hit: worked out for the first run, and kept for those that trace the same rays through
-/// the same triangles.
+/// The possible hits of a sample of rays: computed for the first run, and kept for runs that trace the same rays
+/// through the same triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Judge {
-    /// Of the triangles' corners.
+    /// Hash of the triangles' vertices.
     scene: Hash,
     sample: Vec<usize>,
     /// Origins and directions, as bits.
@@ -181,19 +181,19 @@ pub struct Judge {
     candidates: Vec<Candidates>,
 }
 
-/// What became of a ray.
+/// The verdict on one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged<'a> {
     /// What it hit.
     pub hit: Option<Hit>,
-    /// What it may hit.
+    /// The triangles it may hit.
     pub candidates: &'a Candidates,
-    /// The verdict, with what is exact.
+    /// The verdict, with the exact hit.
     pub mistake: Mistake,
 }
 
 impl Judge {
-    /// Works out what each ray of a sample may hit, unless these are the rays and triangles of before.
+    /// Computes what each ray of a sample may hit, unless rays and triangles are the same as before.
     pub fn prepare(&mut self, traced: &Traced<'_>, sample: Vec<usize>) {
         let rays: Vec<_> = sample.iter().map(|&ray| traced.bits(ray)).collect();
         let scene = Hash::of_floats(traced.vertices());
@@ -210,7 +210,7 @@ impl Judge {
         &self.sample
     }
 
-    /// What each of them may hit.
+    /// The possible hits of each of them.
     #[must_use]
     pub fn candidates(&self) -> &[Candidates] {
         &self.candidates
@@ -222,15 +222,14 @@ impl Judge {
         self.rays[place].map(|v| v.map(f32::from_bits))
     }
 
-    /// Judges the rays of the sample as a run has them, which must be those that this was [prepared](Self::prepare)
-    /// for.
+    /// Judges the sample in a run, which must trace the rays that this was [prepared](Self::prepare) for.
     #[must_use]
     pub fn of<'b>(&'b self, traced: &'b Traced<'_>, cracks: Cracks) -> Verdicts<'b> {
         Verdicts { judge: self, traced, triangles: BruteForce::new(traced.vertices()), cracks }
     }
 }
 
-/// A run before its judge.
+/// A run with its judge.
 pub struct Verdicts<'a> {
     judge: &'a Judge,
     traced: &'a Traced<'a>,
@@ -239,7 +238,7 @@ pub struct Verdicts<'a> {
 }
 
 impl<'a> Verdicts<'a> {
-    /// Judges a ray by its place in the sample, decided or not.
+    /// Judges a ray by its index in the sample, resolved or not.
     #[must_use]
     pub fn judge(&self, place: usize) -> Judged<'a> {
         let (ray, candidates) = (self.judge.sample[place], &self.judge.candidates[place]);
@@ -255,7 +254,7 @@ impl<'a> Verdicts<'a> {
         Judged { hit, candidates, mistake }
     }
 
-    /// Judges all of the sample, in order.
+    /// Judges the whole sample, in order.
     pub fn all(&self) -> impl Iterator<Item = Judged<'a>> {
         (0..self.judge.sample.len()).map(|place| self.judge(place))
     }
@@ -280,7 +279,7 @@ mod tests {
     fn truth_is_kept_for_the_same_rays_in_the_same_scene_only() {
         let scene = generate::cornell_box();
         let mut other = scene.clone();
-        // One triangle fewer; the box, and with it the units and the rays, stays.
+        // One triangle fewer; the bounding box, and with it units and rays, stays the same.
         let last = other.triangles.len() - 1;
         other.triangles[last] = other.triangles[0];
         let runs = [run(&scene), run(&other)];
@@ -292,7 +291,7 @@ mod tests {
         let of_one = kept.candidates().to_vec();
         kept.prepare(&two, all());
         own.prepare(&two, all());
-        assert_ne!(of_one, own.candidates(), "nobody sees the triangle");
+        assert_ne!(of_one, own.candidates(), "no ray hits the triangle");
         assert_eq!(kept.candidates(), own.candidates());
         assert_eq!(kept.of(&two, Cracks::Missed).all().filter(|j| j.mistake.verdict.is_error()).count(), 0);
     }

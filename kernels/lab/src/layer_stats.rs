@@ -1,4 +1,4 @@
-//! Statistics of one layer of a stream: what a picture's range, histogram and legend need.
+//! Statistics of one layer of a stream, for an image's range, histogram and legend.
 
 use std::collections::HashSet;
 
@@ -11,43 +11,43 @@ pub const BINS: usize = 256;
 /// Shares of the ordinary values that lie at or below each of [`Span::percentiles`].
 pub const PERCENTILES: [f64; 3] = [0.01, 0.5, 0.99];
 
-/// Distinct integers are counted up to this many.
+/// Distinct integers are counted up to this number.
 pub const MOST_DISTINCT: usize = 4096;
 
 /// What stands for "none" in a layer of integers: no triangle, no node.
 pub const NONE: u32 = u32::MAX;
 
-/// A layer in numbers. *Ordinary* values are what a colour map covers: finite floats below the tracer's own
+/// Statistics of a layer. *Ordinary* values are those a colour map covers: finite floats below the tracer's own
 /// [`INF`], and integers other than [`NONE`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerStats {
-    /// Values in all.
+    /// Number of values.
     pub texels: u64,
     /// Ordinary values.
     pub ordinary: u64,
-    /// Values with the bits that the layer has before any kernel has written it. Kernels may write these, too.
+    /// Values with the layer's initial bits, before any kernel writes it. Kernels may write the same bits, too.
     pub unwritten: u64,
-    /// How the ordinary values are distributed; `None` without any.
+    /// Distribution of the ordinary values; `None` if there are none.
     pub span: Option<Span>,
     /// All other values.
     pub others: Others,
 }
 
-/// How ordinary values are distributed. f64 holds every f32 and u32 exactly.
+/// Distribution of ordinary values. f64 represents every f32 and u32 exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Span {
     /// Smallest.
     pub min: f64,
     /// Largest.
     pub max: f64,
-    /// The values at [`PERCENTILES`]: exact, each is a value of the layer.
+    /// The values at [`PERCENTILES`], exactly: each is a value of the layer.
     pub percentiles: [f64; 3],
-    /// How many values lie in each of [`BINS`] equally wide bins from `min` to `max`; all in the first one where
-    /// these are the same.
+    /// How many values lie in each of [`BINS`] equally wide bins from `min` to `max`; if those are equal, all are in
+    /// the first bin.
     pub histogram: Vec<u64>,
 }
 
-/// Values that are outside of every range.
+/// Values that are not ordinary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Others {
     /// Of a layer of floats.
@@ -65,14 +65,14 @@ pub enum Others {
     Integer {
         /// [`NONE`].
         none: u64,
-        /// Distinct ordinary values; `None` where there are more than [`MOST_DISTINCT`].
+        /// Distinct ordinary values; `None` if there are more than [`MOST_DISTINCT`].
         distinct: Option<usize>,
     },
 }
 
 impl LayerStats {
-    /// Of `values`, which are those of layer `layer` of `stream`, all or some of them. Takes time linear in their
-    /// number, and 4 bytes of memory for each.
+    /// Statistics of `values`, all or some of layer `layer` of `stream`. Takes linear time, and 4 bytes of memory per
+    /// value.
     #[must_use]
     pub fn of(stream: Stream, layer: usize, values: &[u32]) -> Self {
         let unwritten = stream.info().unwritten.get(layer);
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn percentiles_are_those_of_the_sorted_values() {
-        // 0 to 999 in a mixed order: 7 has no divisor in common with 1000.
+        // 0 to 999, shuffled: 7 and 1000 have no common divisor.
         let values: Vec<u32> = (0..1000u32).map(|i| (7 * i % 1000) as f32).map(f32::to_bits).collect();
         let span = LayerStats::of(streams::TMAX, 0, &values).span.expect("values");
         assert_eq!(span.percentiles, [9.0, 499.0, 989.0]);

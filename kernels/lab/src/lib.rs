@@ -1,19 +1,19 @@
-//! What is measured and judged of kernels: truth in f64 and what f32 may get wrong of it, agreement of executors pass
-//! by pass, kinds of rays, extreme cases, statistics, benchmarks and reports. Written once; the command line, the
-//! inspector, the docs' measurements and the tests use the same functions.
+//! Measures and checks kernels: correct hits in f64 and the limits of f32, agreement of executors pass by pass, kinds
+//! of rays, extreme cases, statistics, benchmarks and reports. The command line, the inspector, the performance page
+//! and the tests share these functions.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | [`mod@reference`] | f64 brute force with exact predicates, and the bound on what f32 may get wrong |
-//! | [`judge`] | what became of a run's rays against that, all of them, a sample, or over the passes |
-//! | [`rounding`], [`parity`], [`divergence`] | what rounding may change in one pass; device and CPU reference kernels, pass by pass |
-//! | [`compare`], [`layer_stats`] | two runs' values of a stream; one stream's values |
-//! | [`rays`], [`ways`], [`watertight`] | which rays to trace, how to trace them, and a closed mesh that none may leave |
-//! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, runs timed in turn, medians and intervals |
-//! | [`work`], [`structure_stats`] | what rays cost and launched threads do; lists of a grid, nodes of a BVH |
-//! | [`mod@bench`], [`report`], [`stability`] | the three measurements of the command line |
-//! | [`subject`], [`reporter`] | what these are given: a scene with a view, and somebody to tell how far they are |
-//! | [`plots`], [`html`], [`text`], [`hash`] | what their files are made of |
+//! | [`mod@reference`] | f64 brute force with exact predicates, and the error bound of f32 |
+//! | [`judge`] | comparing a run's hits with that: all rays, a sample, or after each pass |
+//! | [`rounding`], [`parity`], [`divergence`] | what rounding may change in one pass; device against CPU reference kernels, pass by pass |
+//! | [`compare`], [`layer_stats`] | a stream of two runs compared; statistics of one stream |
+//! | [`rays`], [`ways`], [`watertight`] | rays to trace, configurations to trace them with, and a closed mesh that no ray may leave |
+//! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
+//! | [`work`], [`structure_stats`] | the cost of rays and use of launched threads; lists of a grid, nodes of a BVH |
+//! | [`mod@bench`], [`report`], [`stability`] | the measuring commands of the command line |
+//! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver for progress |
+//! | [`plots`], [`html`], [`text`], [`hash`] | the parts of their output files |
 
 pub mod bench;
 pub mod compare;

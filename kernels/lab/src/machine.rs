@@ -1,4 +1,4 @@
-//! What measurements run on: a device with its clocks.
+//! The device that measurements run on, with its clocks.
 
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -11,17 +11,17 @@ use raystep_scenes::Scene;
 
 use crate::block_on;
 
-/// A device, and why that one. The methods that wait block this thread.
+/// A device, and why it was chosen. Methods that wait block this thread.
 #[derive(Clone)]
 pub struct Machine {
-    /// A GPU, or the twins.
+    /// A GPU, or the CPU.
     pub device: Device,
-    /// Why that one, in a phrase.
+    /// Why it was chosen, in a phrase.
     pub reason: String,
 }
 
 impl Machine {
-    /// The GPU, where there is one.
+    /// The GPU, if it is one.
     #[must_use]
     pub fn gpu(&self) -> Option<&Gpu> {
         match &self.device {
@@ -42,13 +42,13 @@ impl Machine {
         self.gpu().map_or_else(|| "cpu".into(), |gpu| gpu.info.name.clone())
     }
 
-    /// What it can hold.
+    /// Its limits.
     #[must_use]
     pub fn limits(&self) -> Limits {
         self.gpu().map_or(Limits::CPU, Limits::from)
     }
 
-    /// What times its passes, or, where they have no times, its runs.
+    /// The clock for its passes, or for its runs if passes cannot be timed.
     #[must_use]
     pub fn timer(&self) -> Timer {
         match self.gpu().map(Gpu::clock_period_ns) {
@@ -58,15 +58,15 @@ impl Machine {
         }
     }
 
-    /// What to know where passes have no times.
+    /// An explanation if passes cannot be timed.
     #[must_use]
     pub fn note_on_times(&self) -> Option<String> {
         let why = self.gpu()?.why_no_times()?;
         Some(format!("{why}: passes have no times, and a run is timed by the host, including waits for the adapter"))
     }
 
-    /// Forgets the kernels that were composed and compiled before, so that what is timed next is a first plan and a first
-    /// start. A driver may have kept what it compiled, on disk too.
+    /// Forgets composed and compiled kernels, so that the next plan and start are timed as the first. The driver may
+    /// keep its compiled kernels, even on disk.
     pub fn forget_kernels(&self) {
         forget_variants();
         if let Some(gpu) = self.gpu() {
@@ -74,21 +74,21 @@ impl Machine {
         }
     }
 
-    /// Waits for a future of this device.
+    /// Waits for one of this device's futures.
     pub fn wait<T>(&self, future: impl Future<Output = T>) -> T {
         block_on(self.gpu(), future)
     }
 
-    /// Waits until the device has done everything that it was given, uploads included.
+    /// Waits until the device has finished everything submitted, uploads included.
     pub fn settle(&self) {
         if let Some(gpu) = self.gpu() {
             gpu.submit([]);
-            // A lost device is said by whatever uses it next.
+            // A lost device is reported by its next use.
             let _ = gpu.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None });
         }
     }
 
-    /// What all rows of a run in `passes.csv` have in common, but what it took.
+    /// The columns that all rows of a run in `passes.csv` share.
     #[must_use]
     pub fn run_context(&self, run_id: String, scene: &Scene, options: &Options, plan: &Plan) -> RunContext {
         RunContext {
@@ -108,14 +108,14 @@ impl Machine {
     }
 }
 
-/// Nanoseconds since the first call: a host's clock, for the twins and for comparing a GPU's with.
+/// Nanoseconds since the first call, by the host's clock: times CPU runs and checks the GPU's clock.
 #[must_use]
 pub fn now_ns() -> u64 {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed().as_nanos() as u64
 }
 
-/// The smallest step that the clock was seen to make.
+/// The smallest observed step of the clock.
 fn clock_step_ns() -> Option<f64> {
     let times: Vec<u64> = (0..1000).map(|_| now_ns()).collect();
     times.windows(2).map(|w| w[1] - w[0]).filter(|&step| step > 0).min().map(|step| step as f64)

@@ -1,5 +1,5 @@
-//! Timing runs. What is compared runs in turn, run 1 of each, run 2 of each, and so on, so that what slows the machine
-//! for a while slows all of it; what comes first of each warms up, and does not count.
+//! Times runs. Runs to be compared are interleaved (run 1 of each, run 2 of each, and so on), so that a temporary
+//! slowdown of the machine affects all of them; the first runs warm up and do not count.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -9,96 +9,96 @@ use raystep_kernels::{Device, Load, Progress, RenderError, Renderer};
 use crate::machine::Machine;
 use crate::statistics::{Spread, median};
 
-/// A machine that is ready to time runs.
+/// A machine that can time runs.
 pub struct Meter {
     /// The machine.
     pub machine: Machine,
-    /// What a GPU does between runs, which keeps its clocks up.
+    /// Keeps a GPU busy between runs, so that its clocks stay up.
     load: Option<Load>,
 }
 
-/// What one run took.
+/// The time of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Time {
-    /// By the host's clock, waiting for the device included.
+    /// By the host's clock, including waiting for the device.
     pub wall_ns: u64,
-    /// By the device's clock; `None` where it has none, or the time was not valid.
+    /// By the device's clock; `None` if it has none, or the time is not valid.
     pub device_ns: Option<u64>,
 }
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// All of it is done.
+    /// It completed.
     Done(Time),
-    /// It was too slow, or had no end.
+    /// It was stopped: too slow, or endless.
     GivenUp,
 }
 
-/// How often what is compared runs.
+/// How many runs to make of each subject.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Turns {
-    /// Runs of each that do not count.
+    /// Uncounted runs of each.
     pub warmups: usize,
-    /// Runs of each that count, at most.
+    /// Maximum number of counted runs of each.
     pub repeats: usize,
-    /// Of these, those that are made however long they take.
+    /// Minimum number of counted runs, however long they take.
     pub fewest: usize,
-    /// What all runs together may take, from the first on; `None` for as long as it takes.
+    /// Time limit for all runs together; `None` for no limit.
     pub all: Option<Duration>,
-    /// What the counting runs of each may take.
+    /// Time limit for the counted runs of each.
     pub each: Option<Duration>,
 }
 
 impl Turns {
-    /// So many runs of each, however long they take.
+    /// A fixed number of runs of each, without time limits.
     #[must_use]
     pub fn of(warmups: usize, repeats: usize) -> Self {
         Self { warmups, repeats, fewest: repeats, all: None, each: None }
     }
 }
 
-/// Times of the runs of one of several.
+/// The times of one subject's runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Times {
-    /// Of each run that counts.
+    /// The counted runs.
     pub runs: Vec<Time>,
-    /// A run was given up, and no other was made after it.
+    /// Whether a run was stopped; no more were made after it.
     pub is_given_up: bool,
 }
 
 impl Times {
-    /// Nanoseconds of each run by the device's clock; `None` for one without a valid time.
+    /// Nanoseconds of each run by the device's clock; `None` for a run without a valid time.
     #[must_use]
     pub fn device_ns(&self) -> Vec<Option<u64>> {
         self.runs.iter().map(|run| run.device_ns).collect()
     }
 
-    /// The same by the host's clock.
+    /// Nanoseconds of each run by the host's clock.
     #[must_use]
     pub fn wall_ns(&self) -> Vec<f64> {
         self.runs.iter().map(|run| run.wall_ns as f64).collect()
     }
 }
 
-/// Valid times, and how many there are without one.
+/// Valid times, and the number of runs without one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Valid {
     /// In nanoseconds.
     pub ns: Vec<f64>,
-    /// Runs that have none.
+    /// Number of runs without a valid time.
     pub invalid: usize,
 }
 
 impl Valid {
-    /// Of runs, some of which may have no time.
+    /// Separates runs with and without a time.
     #[must_use]
     pub fn of(runs: &[Option<u64>]) -> Self {
         let ns: Vec<f64> = runs.iter().flatten().map(|&ns| ns as f64).collect();
         Self { invalid: runs.len() - ns.len(), ns }
     }
 
-    /// The middle one.
+    /// The median.
     #[must_use]
     pub fn median(&self) -> Option<f64> {
         median(&self.ns)
@@ -111,14 +111,14 @@ impl Valid {
     }
 }
 
-/// Times by the times next to them: each run by the other's run of the same turn.
+/// Each run's time divided by the time of the other's run in the same round.
 #[must_use]
 pub fn ratios(of: &[Option<f64>], to: &[Option<f64>]) -> Vec<f64> {
     of.iter().zip(to).filter_map(|(a, b)| Some((*a)? / (*b)?)).collect()
 }
 
 impl Meter {
-    /// Of a machine.
+    /// A meter for a machine.
     #[must_use]
     pub fn new(machine: Machine) -> Self {
         let load = match &machine.device {
@@ -128,14 +128,14 @@ impl Meter {
         Self { machine, load }
     }
 
-    /// A little work for the device, over when this returns, as all that was submitted before it: neither is in the
-    /// time, or in the wall clock, of what comes next.
+    /// Gives the device a little work, and waits for it and everything submitted before: none of it affects the next
+    /// time or its wall clock.
     pub fn keep_clocks(&self) {
         self.load.iter().for_each(Load::submit);
         self.machine.settle();
     }
 
-    /// Gives the device work for some time, until its clocks are up; what runs next is to keep them there.
+    /// Keeps the device busy for this long, until its clocks are up; what runs next should keep them there.
     pub fn raise_clocks(&self, time: Duration) {
         let start = Instant::now();
         while start.elapsed() < time {
@@ -143,10 +143,10 @@ impl Meter {
         }
     }
 
-    /// One run from its start, until it ends or `watch` gives it up; it gets what the run took so far, too.
+    /// One run from its start, until it ends or `watch` stops it; `watch` also gets the time so far.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub fn run(
         &self,
         renderer: &mut Renderer,
@@ -165,10 +165,10 @@ impl Meter {
     }
 }
 
-/// Runs all of `subjects` in turn. One that was given up runs no more.
+/// Runs all of `subjects`, interleaved. One that was stopped is not run again.
 ///
 /// # Errors
-/// The first of `run`.
+/// The first error of `run`.
 pub fn in_turn<T, E>(
     subjects: &mut [T],
     turns: Turns,

@@ -1,8 +1,8 @@
 //! Plots as SVG.
 //!
-//! Axes, ticks and legend are ours and plotters draws them: its own logarithmic axes label too much or too little, and
-//! know no place for 0, which a count of wrong rays often is. Everything is drawn in a few colours that the page's
-//! style sheet exchanges where the page is dark.
+//! We compute axes, ticks and the legend, and plotters draws them: its logarithmic axes have too many or too few labels
+//! and cannot show 0, a frequent count of wrong rays. Everything uses a few colours that the page's style sheet
+//! replaces in dark mode.
 
 mod axis;
 mod draw;
@@ -19,37 +19,37 @@ use crate::Error;
 /// How points of a series are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// Not at all.
+    /// No mark.
     None,
-    /// As discs.
+    /// Discs.
     Dot,
-    /// As triangles.
+    /// Triangles.
     Triangle,
-    /// As squares.
+    /// Squares.
     Square,
 }
 
-/// How they are connected.
+/// How points are connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
-    /// Not at all.
+    /// No line.
     None,
-    /// By a line.
+    /// A solid line.
     Solid,
-    /// By a dashed line.
+    /// A dashed line.
     Dashed,
-    /// Each value holds until the next.
+    /// A step line: each value holds until the next.
     Steps,
 }
 
-/// Data with a name.
+/// A data series.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// In the legend; series of the same name share an entry, and one without has none.
+    /// Label in the legend. Series with the same name share an entry; an empty name has none.
     pub name: String,
-    /// x and y.
+    /// x and y of each point.
     pub points: Vec<(f64, f64)>,
-    /// From and to along y, one a point, or none at all.
+    /// Lower and upper end along y, one per point; or empty.
     pub whiskers: Vec<(f64, f64)>,
     /// Index into the palette.
     pub color: usize,
@@ -66,7 +66,7 @@ impl Series {
         Self { name, points, whiskers: Vec::new(), color, mark: Mark::Dot, stroke: Stroke::Solid }
     }
 
-    /// The same by theory: dashed, without dots.
+    /// A theoretical line: dashed, without dots.
     pub fn dashed(name: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
         Self { mark: Mark::None, stroke: Stroke::Dashed, ..Self::line(name, color, points) }
     }
@@ -75,39 +75,39 @@ impl Series {
 /// A plot.
 #[derive(Clone, Debug)]
 pub struct Plot {
-    /// Above it.
+    /// Heading.
     pub title: String,
-    /// From left to right.
+    /// Horizontal axis.
     pub x: Axis,
-    /// From bottom to top.
+    /// Vertical axis.
     pub y: Axis,
-    /// In the order in which they are drawn.
+    /// In drawing order.
     pub series: Vec<Series>,
-    /// Places along x with a name, as vertical lines.
+    /// Named positions along x, drawn as vertical lines.
     pub places: Vec<(f64, String)>,
 }
 
-/// A part of a bar: how long, and in which colour of the palette.
+/// A segment of a bar: length, and index into the palette.
 pub type Part = (f64, usize);
 
-/// Bars from left to right, each a name and its parts one after the other.
+/// A bar chart; each bar has a name and consecutive segments.
 #[derive(Clone, Debug)]
 pub struct Bars {
-    /// Above them.
+    /// Heading.
     pub title: String,
-    /// What lengths are.
+    /// Label of the length axis.
     pub x: String,
-    /// Names of the palette's first colours.
+    /// Names of the first colours of the palette.
     pub legend: Vec<String>,
     /// From top to bottom.
     pub bars: Vec<(String, Vec<Part>)>,
 }
 
 impl Plot {
-    /// As an SVG element; `None` where there is nothing to show.
+    /// As an SVG element; `None` if there is nothing to show.
     ///
     /// # Errors
-    /// Where it cannot be drawn.
+    /// If it cannot be drawn.
     pub fn svg(&self) -> Result<Option<String>, Error> {
         let is_shown = |&(x, y): &(f64, f64)| self.x.scale.has(x) && self.y.scale.has(y);
         let shown = |s: &Series| s.points.iter().copied().filter(is_shown).collect::<Vec<_>>();
@@ -140,7 +140,7 @@ impl Plot {
             for (value, name) in &self.places {
                 let (at, _) = place((*value, 0.0));
                 dashes(area, &[(at, FRAME.top), (at, FRAME.bottom)], BLACK.stroke_width(1))?;
-                // Beside the line, on the side with more room.
+                // Beside the line, on the side with more space.
                 let is_right = at > (FRAME.left + FRAME.right) / 2;
                 let (x, side) = if is_right { (at - 5, HPos::Right) } else { (at + 5, HPos::Left) };
                 text_at(area, name, (x, FRAME.top + 5), 13, (side, VPos::Top))?;
@@ -167,10 +167,10 @@ impl Plot {
 }
 
 impl Bars {
-    /// As an SVG element; `None` where there is nothing to show.
+    /// As an SVG element; `None` if there is nothing to show.
     ///
     /// # Errors
-    /// Where it cannot be drawn.
+    /// If it cannot be drawn.
     pub fn svg(&self) -> Result<Option<String>, Error> {
         let length = |parts: &[Part]| parts.iter().map(|p| p.0).sum::<f64>();
         let longest = self.bars.iter().map(|b| length(&b.1)).fold(0.0, f64::max);
@@ -210,14 +210,14 @@ impl Bars {
     }
 }
 
-/// An SVG file as an element of a page: without the name of its namespace, and as one image to a screen reader.
+/// Turns an SVG file into an element of an HTML page: no namespace, one image to screen readers.
 #[must_use]
 pub fn inline(svg: &str) -> String {
     svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1)
 }
 
-/// The style of a page with plots in it. They are drawn for the light; in the dark their colours are exchanged, those
-/// of lines for lighter ones of the same hue.
+/// The style sheet of a page with plots. Plots are drawn for light mode; in dark mode their colours are replaced, those
+/// of lines by lighter ones of the same hue.
 #[must_use]
 pub fn style() -> String {
     const DARK: [&str; 7] = ["#4aa8e0", "#ff8a3d", "#2fc79a", "#e59cc4", "#8fd0f5", "#d0b84a", "#dddddd"];
@@ -251,7 +251,7 @@ mod tests {
         let svg = plot(vec![(1.0, 2.0), (10.0, 0.0), (1e30, 3.0)], Scale::Log).svg().expect("no error");
         let svg = svg.expect("a plot");
         assert!(svg.starts_with("<svg") && svg.contains("a &amp; b") && svg.contains("t &lt; 1"), "{svg}");
-        // Two of the points, and the legend's.
+        // Two points, and the legend's.
         assert_eq!(svg.matches("<circle").count(), 3);
         let empty = Bars { title: String::new(), x: String::new(), legend: Vec::new(), bars: Vec::new() };
         assert!(empty.svg().expect("no error").is_none());

@@ -1,16 +1,16 @@
-//! Rays that a path tracer would trace after the eye's, made from what the eye's rays hit.
+//! Rays as a path tracer would trace after the eye rays, generated from the hits of eye rays.
 //!
-//! | kind | a ray of it |
+//! | kind | ray |
 //! |---|---|
 //! | primary | from the camera through the centre of a pixel |
 //! | bounce | from a primary hit, cosine-weighted about the surface's geometric normal on the viewer's side |
-//! | shadow | from a primary hit to a light; what it hits before the light, at t < 1, shadows it |
+//! | shadow | from a primary hit to a light; blocked by anything before the light, at t < 1 |
 //! | random | from anywhere in the scene's box, in any direction |
 //!
-//! Bounce and shadow rays are in the order of tiles of pixels, and lie in tiles where they are traced, so that a
-//! workgroup traces rays that leave from near each other. A pixel that has no such ray is left out: it sees nothing, or its light is behind the surface that it sees. A pixel's ray depends on
-//! the pixel's hit, its index and the seed, and on nothing else: in whatever order and on whatever machine
-//! they are made, they are the same bits (IEEE +, −, ×, ÷ and √ only).
+//! Bounce and shadow rays are generated in tiles of pixels and traced in tiles, so that the rays of a workgroup start
+//! near each other. A pixel without such a ray is omitted: it hits nothing, or its light is behind the surface. A
+//! pixel's ray depends only on its hit, its index and the seed: it has the same bits in any order and on any machine
+//! (IEEE +, −, ×, ÷ and √ only).
 //!
 //! Origins of bounce and shadow rays are moved off the surface along the normal by [`SURFACE_OFFSET`] times
 //! the largest coordinate of the scene's box. Rounding a point to f32 moves it by at most 2⁻²⁴ of that, so the
@@ -33,16 +33,16 @@ pub use aimed::{Aim, Planes, aimed};
 pub use mixed::{at_edges, mixed, segments};
 pub use random::Random;
 
-/// How far origins are moved off a surface, as a share of the largest coordinate of the scene's box.
+/// Distance of origins from the surface, as a share of the largest coordinate of the scene's box.
 pub const SURFACE_OFFSET: f64 = 1.0 / (1u32 << 16) as f64;
 
-/// Pixels a task.
+/// Pixels per task.
 const PIXELS_PER_TASK: usize = 1 << 15;
 
-/// What rays are for.
+/// Kinds of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum RayKind {
-    /// From the camera.
+    /// From the camera through a pixel.
     #[default]
     Primary,
     /// From what the camera sees, into the half space in front of it.
@@ -55,20 +55,20 @@ pub enum RayKind {
 
 named!(RayKind, "primary, bounce, shadow, random", Primary "primary", Bounce "bounce", Shadow "shadow", Random "random");
 
-/// What the rays of a camera hit.
+/// The hits of a camera's rays.
 #[derive(Clone, Copy, Debug)]
 pub struct PrimaryHits<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Who looks at it.
+    /// The camera.
     pub camera: &'a Camera,
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
-    /// One a pixel, as [`Renderer::hits`](raystep_kernels::Renderer::hits) gives them.
+    /// One per pixel, as [`Renderer::hits`](raystep_kernels::Renderer::hits) gives them.
     pub hits: &'a [Option<RayHit>],
 }
 
-/// A point that a ray leaves from.
+/// Where a ray starts.
 struct Departure {
     point: DVec3,
     /// Unit, towards the viewer.
@@ -76,7 +76,7 @@ struct Departure {
 }
 
 impl PrimaryHits<'_> {
-    /// One ray a hit, with a density of cos θ / π about the normal.
+    /// One ray per hit, with a density of cos θ / π about the normal.
     ///
     /// Normal plus a point of the unit sphere: Shirley et al., "Sampling Transformations Zoo", §16.6.2, in
     /// *Ray Tracing Gems*, 2019.
@@ -84,18 +84,18 @@ impl PrimaryHits<'_> {
     pub fn bounce(&self, seed: u32) -> Vec<Ray> {
         self.each(|pixel, at| {
             let sum = at.normal + Random::of(pixel, seed).on_sphere();
-            // The opposite of the normal leaves nothing of it.
+            // The opposite of the normal would cancel it.
             let direction = if sum.length_squared() > 1e-12 { sum.normalize() } else { at.normal };
             ray(at.point, direction)
         })
     }
 
-    /// One ray a hit whose visible side faces its light, the direction all the way from the origin to the
-    /// light: t = 1 is there. Of several lights, each hit takes one at random. A directional light is as far
-    /// as no shadow in the scene can be; the cone of a spot is ignored.
+    /// One ray per hit whose visible side faces its light. The direction spans the whole distance from origin to light,
+    /// so t = 1 is at the light. Of several lights, each hit takes one at random. A directional light is placed beyond
+    /// any shadow in the scene; the cone of a spot is ignored.
     ///
-    /// Without a light in the scene there is one at the middle of the top (+Y) of the scene's box: the
-    /// headlight that shading uses then lies at the eye, which every hit sees by definition.
+    /// In a scene without lights, one is placed at the centre of the top (+Y) of the scene's box: the headlight that
+    /// shading would use is at the eye, which every hit sees by definition.
     #[must_use]
     pub fn shadow(&self, seed: u32) -> Vec<Ray> {
         let bounds = self.scene.bounds();
@@ -116,12 +116,12 @@ impl PrimaryHits<'_> {
         })
     }
 
-    /// `make` for every hit, in order, what it does not make left out.
+    /// Calls `make` for every hit, in order; `None` results are omitted.
     fn each(&self, make: impl Fn(u32, &Departure) -> Option<Ray> + Sync) -> Vec<Ray> {
         let bounds = self.scene.bounds();
         let offset = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element()) * SURFACE_OFFSET;
         let ray_of = |i: usize| make(i as u32, &self.departure(self.hits.get(i)?.as_ref()?, offset)?);
-        // By tiles of pixels, so that rays which a workgroup traces together leave from near each other.
+        // In tiles of pixels, so that the rays of a workgroup start near each other.
         let width = (self.width as usize).max(1);
         let (columns, rows) = (width.div_ceil(TILE), self.hits.len().div_ceil(width).div_ceil(TILE));
         let part = |tiles: std::ops::Range<usize>| {
@@ -136,11 +136,11 @@ impl PrimaryHits<'_> {
         in_tiles(&map_ranges(columns * rows, PIXELS_PER_TASK / (TILE * TILE), part).concat())
     }
 
-    /// `None` for a triangle without an area: it has no normal.
+    /// `None` for a triangle without area: it has no normal.
     fn departure(&self, hit: &RayHit, offset: f64) -> Option<Departure> {
         let [a, b, c] = self.scene.triangles.get(hit.triangle as usize)?.map(|p| glam::Vec3::from(p).as_dvec3());
         let (ab, ac) = (b - a, c - a);
-        // The corners' weights find the point within the triangle, where t would only find it along the ray.
+        // Vertex weights give a point in the triangle; t would only give one on the ray.
         let point = a + ab * f64::from(hit.u) + ac * f64::from(hit.v);
         let normal = ab.cross(ac).try_normalize()?;
         let towards_viewer = match self.camera.projection {
@@ -152,16 +152,16 @@ impl PrimaryHits<'_> {
     }
 }
 
-/// Pixels of a tile each way: those of a workgroup.
+/// Width and height of a tile in pixels: those of a workgroup.
 const TILE: usize = WORKGROUP as usize;
 
-/// Puts consecutive rays into tiles of the picture in which given rays lie; see [`given_width`].
+/// Reorders consecutive rays into tiles of the image in which input rays are arranged; see [`given_width`].
 fn in_tiles(rays: &[Ray]) -> Vec<Ray> {
     let width = given_width(rays.len() as u64) as usize;
     if !width.is_multiple_of(TILE) {
         return rays.to_vec();
     }
-    // Rows of tiles that are full; the rest stays in order.
+    // Only full rows of tiles; the rest stays in order.
     let full = rays.len() / (width * TILE) * width * TILE;
     let mut placed = rays.to_vec();
     for (i, ray) in rays[..full].iter().enumerate() {
@@ -172,7 +172,7 @@ fn in_tiles(rays: &[Ray]) -> Vec<Ray> {
     placed
 }
 
-/// `count` rays with origins evenly in the scene's box and directions evenly on the sphere.
+/// `count` rays with uniformly distributed origins in the scene's box and uniformly distributed directions.
 #[must_use]
 pub fn random(bounds: &Bounds, count: usize, seed: u32) -> Vec<Ray> {
     let (min, size) = match bounds.is_empty() {
@@ -192,7 +192,7 @@ pub fn random(bounds: &Bounds, count: usize, seed: u32) -> Vec<Ray> {
     map_ranges(count, PIXELS_PER_TASK, part).concat()
 }
 
-/// Rounded to f32; `None` where that leaves nothing that can be traced.
+/// Rounded to f32; `None` if the result cannot be traced.
 fn ray(origin: DVec3, direction: DVec3) -> Option<Ray> {
     let (origin, direction) = (origin.as_vec3(), direction.as_vec3());
     let is_traceable = origin.is_finite() && direction.is_finite() && direction != glam::Vec3::ZERO;
@@ -210,7 +210,7 @@ mod tests {
         Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection).expect("a view")
     }
 
-    /// A floor at y = 7, seen from above and hit everywhere, some pixels seeing nothing.
+    /// A floor at y = 7, seen from above; some pixels hit nothing.
     fn floor(lights: Vec<Light>) -> (Scene, Vec<Option<RayHit>>) {
         let triangles = vec![[[-4.0, 7.0, -4.0], [4.0, 7.0, -4.0], [0.0, 7.0, 8.0]]];
         let hit = |i: u32| RayHit { t: 1.0, u: 0.3, v: (i % 64) as f32 / 100.0, triangle: 0 };
@@ -224,7 +224,7 @@ mod tests {
         for side in [1.0, -1.0] {
             let camera = camera(DVec3::new(0.0, 7.0 + 20.0 * side, 1.0));
             let rays = PrimaryHits { scene: &scene, camera: &camera, width: 128, hits: &hits }.bounce(1);
-            assert_eq!(rays.len(), 12_288, "one a hit");
+            assert_eq!(rays.len(), 12_288, "one per hit");
             let mut cosines = [0.0; 2];
             let mut sum = Vec3::ZERO;
             for ray in &rays {
@@ -236,7 +236,7 @@ mod tests {
                 cosines[1] += cosine * cosine;
                 sum += Vec3::from(ray.direction);
             }
-            // Means of cos θ and cos² θ are 2/3 and 1/2; five standard errors of 12,288 rays.
+            // The means of cos θ and cos² θ are 2/3 and 1/2; tolerance is five standard errors of 12,288 rays.
             let n = rays.len() as f64;
             assert!((cosines[0] / n - 2.0 / 3.0).abs() < 0.011, "{}", cosines[0] / n);
             assert!((cosines[1] / n - 0.5).abs() < 0.014, "{}", cosines[1] / n);
@@ -257,7 +257,7 @@ mod tests {
         let lit = rays(vec![point(9.0)], &above);
         assert_eq!(lit.len(), 12_288);
         assert!(lit.iter().all(|r| end(r).abs_diff_eq(Vec3::new(1.0, 9.0, 2.0), 1e-5)));
-        assert_eq!(rays(vec![point(-9.0)], &above), [], "the floor hides its light from all that is seen");
+        assert_eq!(rays(vec![point(-9.0)], &above), [], "the floor blocks its light everywhere");
         assert_eq!(rays(vec![point(9.0)], &camera(DVec3::new(0.0, -30.0, 1.0))), []);
 
         let down = Light::Directional { direction: [0.0, -1.0, 0.0], color, intensity: 1.0 };
@@ -268,7 +268,7 @@ mod tests {
         let low = both.iter().filter(|r| end(r).y < 10.0).count();
         assert!((5_800..6_500).contains(&low), "each light gets its half: {low} of {}", both.len());
 
-        // Without a light, the middle of the box's top: in the plane of this floor, so a step has to hold it.
+        // Without a light, the centre of the box's top is used; a slope raises the top above the floor.
         let (mut scene, hits) = floor(Vec::new());
         scene.triangles.push([[-4.0, 7.0, 0.0], [4.0, 11.0, 0.0], [0.0, 7.0, 0.0]]);
         let rays = PrimaryHits { scene: &scene, camera: &above, width: 128, hits: &hits }.shadow(1);
@@ -292,7 +292,7 @@ mod tests {
         assert!(origin.abs_diff_eq(DVec3::new(0.0, 2.0, 5.0), 0.05), "{origin}");
         let corner = rays.iter().filter(|r| r.origin[0] > 0.0 && r.origin[2] > 5.0).count();
         assert!((4_700..5_300).contains(&corner), "a quarter of the box holds {corner} of 20,000");
-        // Archimedes: heights on a sphere are even, so the mean of |z| is 1/2.
+        // Archimedes: z is uniform on a sphere, so the mean of |z| is 1/2.
         assert!(direction.length() < 0.03 && (height - 0.5).abs() < 0.02, "{direction} {height}");
         assert!(random(&Bounds::EMPTY, 3, 0).iter().all(|r| r.origin == [0.0; 3]));
     }

@@ -1,20 +1,20 @@
-//! The truth: every triangle against every ray in f64, from the exact f32 rays and corners that the
-//! kernels saw, with a bound on what f32 may get wrong.
+//! Correct hits: every triangle against every ray in f64, from the exact f32 rays and vertices that the kernels read,
+//! with a bound on f32's errors.
 //!
 //! With u = 2⁻²⁴, a difference, product or sum rounds by a factor of at most 1 ± u, a division by WGSL's
 //! 2.5 units in the last place by 1 ± 5u. For the watertight test (see [`raystep_kernels::shared::triangle`]):
 //!
-//! * a sheared corner p = a − s·c, |s| ≤ 1, is off by at most (2|a| + 8|c|)·u ≤ 10u·r, r being the
-//!   corner's largest distance along an axis from the origin;
-//! * an edge function of corners q and r is off by at most |q|₁·10u·r_r + |r|₁·10u·r_q + 3u·(|qx·ry| +
-//!   |qy·rx|) + 2·10u·r_q·10u·r_r, and by what underflows; |·|₁ sums x and y;
-//! * t, a weighted mean of the corners' depths z, moves by Σ bound_i·|z_i − t| / |det| when the weights
-//!   move, twice that covers the higher orders, and by 18u·max|z| in its own arithmetic. Where the
-//!   bounds reach half the determinant, any t between the nearest and the farthest corner may come out.
+//! * a sheared vertex p = a − s·c, |s| ≤ 1, is off by at most (2|a| + 8|c|)·u ≤ 10u·r, r being the
+//!   vertex's largest distance along an axis from the origin;
+//! * an edge function of vertices q and r is off by at most |q|₁·10u·r_r + |r|₁·10u·r_q + 3u·(|qx·ry| +
+//!   |qy·rx|) + 2·10u·r_q·10u·r_r, and what underflows; |·|₁ sums x and y;
+//! * t, a weighted mean of the vertices' depths z, moves by Σ bound_i·|z_i − t| / |det| when the weights
+//!   move (twice that covers the higher orders), and by 18u·max|z| in its own arithmetic. Where the
+//!   bounds reach half the determinant, t may be anywhere between the nearest and the farthest vertex.
 //!
-//! A **tie** is a ray for which those bounds leave a choice: an edge function within its bound, or two
-//! triangles whose |Δt| is within the sum of theirs. Everything else has one right answer, and where the surface
-//! goes on all around, a ray that hits none of the triangles there is missed, whatever the bounds say.
+//! A **tie** is a ray for which those bounds allow more than one result: an edge function within its bound, or two
+//! triangles whose |Δt| is within the sum of theirs. Every other ray has one correct result. If the surface continues
+//! on all sides, a ray that hits none of the triangles there counts as missed, whatever the bounds are.
 
 mod crack;
 mod exact;
@@ -27,10 +27,10 @@ pub use verdict::{Counts, Mistake, Verdict};
 
 const U: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// Four times f32's smallest normal number: what two products lose where they are flushed to 0.
+/// Four times f32's smallest normal number: the loss if two products are flushed to 0.
 const UNDERFLOW: f64 = 4.0 * f32::MIN_POSITIVE as f64;
 
-/// What each of some rays may hit, origin and direction each, on all cores.
+/// What each ray (origin and direction) may hit, computed on all cores.
 #[must_use]
 pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates> {
     let triangles = BruteForce::new(vertices);
@@ -39,13 +39,13 @@ pub fn candidates_of(vertices: &[f32], rays: &[[[f32; 3]; 2]]) -> Vec<Candidates
     map_ranges(rays.len(), 16, part).concat()
 }
 
-/// Every triangle in f64: corners, and a sphere around each for a quick and safe no.
+/// Every triangle in f64: vertices, and a bounding sphere for a fast, conservative rejection.
 pub struct BruteForce<'a> {
     vertices: &'a [f32],
     spheres: Vec<(DVec3, f64)>,
 }
 
-/// An edge function with what f32 may be off by.
+/// An edge function with its f32 error bound.
 #[derive(Clone, Copy)]
 struct Edge {
     value: f64,
@@ -57,32 +57,32 @@ struct Edge {
 pub struct Possible {
     /// Its id.
     pub triangle: u32,
-    /// Where the ray meets its plane.
+    /// t at which the ray meets its plane.
     pub t: f64,
-    /// What f32 may be off by.
+    /// Bound on f32's error of t.
     pub t_bound: f64,
-    /// Weight of vertex 1; not finite where the triangle is seen edge-on.
+    /// Weight of vertex 1; not finite if the triangle is exactly edge-on.
     pub u: f64,
     /// Weight of vertex 2, likewise.
     pub v: f64,
-    /// What f32 may be off by in u and v.
+    /// Bound on f32's error of u and v.
     pub weight_bound: f64,
-    /// No bound leaves a doubt that the ray hits it.
+    /// Whether the ray hits it despite any error within the bounds.
     pub is_definite: bool,
-    /// The exact ray hits the exact triangle; edges and corners count.
+    /// Whether the exact ray hits the exact triangle; edges and vertices count.
     pub is_exact: bool,
-    /// Depth of the farthest corner: what the arithmetic's own error is relative to.
+    /// Depth of the farthest vertex, which the arithmetic's rounding error is relative to.
     pub far: f64,
 }
 
-/// Tests one triangle (nine floats each in `vertices`) in f64. `None` where f32, too, must see a miss.
+/// Tests one triangle (nine floats each in `vertices`) in f64. `None` if f32, too, must find a miss.
 #[must_use]
 pub fn possible(vertices: &[f32], origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
     let triangles = BruteForce { vertices, spheres: Vec::new() };
     triangles.test(origin, direction, triangle)
 }
 
-/// Whether the ray sees a triangle exactly edge-on, as it sees every triangle without an area: such a one is never
+/// Whether the ray sees a triangle exactly edge-on, as it does every triangle without area. Such a triangle is never
 /// hit.
 #[must_use]
 pub fn is_edge_on(vertices: &[f32], direction: [f32; 3], triangle: u32) -> bool {
@@ -90,25 +90,25 @@ pub fn is_edge_on(vertices: &[f32], direction: [f32; 3], triangle: u32) -> bool 
     exact::is_edge_on(direction, [0, 3, 6].map(|c| [0, 1, 2].map(|a| vertices[first + c + a])))
 }
 
-/// All that one ray may hit.
+/// Everything that a ray may hit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Candidates {
-    /// By id.
+    /// Ordered by triangle id.
     pub possible: Vec<Possible>,
     /// The nearest triangle that the exact ray hits, and its t.
     pub exact: Option<(u32, f64)>,
-    /// Smallest t by which a definite hit ends: nothing behind it can be right.
+    /// Smallest upper bound of t among definite hits: nothing behind it can be correct.
     surely_by: Option<f64>,
 }
 
 impl Candidates {
-    /// The one that was found, if it is one.
+    /// The candidate with this triangle id, if there is one.
     #[must_use]
     pub fn of(&self, triangle: u32) -> Option<&Possible> {
         self.possible.binary_search_by_key(&triangle, |p| p.triangle).ok().map(|i| &self.possible[i])
     }
 
-    /// Whether the bounds leave a choice of what is hit.
+    /// Whether the bounds allow more than one result.
     #[must_use]
     pub fn is_open(&self) -> bool {
         let reachable = |p: &&Possible| self.surely_by.is_none_or(|by| p.t - p.t_bound <= by);
@@ -119,7 +119,8 @@ impl Candidates {
         }
     }
 
-    /// What became of a ray that found this; also the error of t in the units of [`Report::largest_t_ulp`](crate::judge::Report::largest_t_ulp).
+    /// The verdict on a ray with this result, and its error of t in the units of
+    /// [`Report::largest_t_ulp`](crate::judge::Report::largest_t_ulp).
     #[must_use]
     pub fn judge(&self, ray: usize, found: Option<(u32, f64)>) -> (Mistake, f64) {
         let surely_by = self.surely_by.unwrap_or(f64::INFINITY);
@@ -150,7 +151,7 @@ impl Candidates {
 }
 
 impl<'a> BruteForce<'a> {
-    /// Of triangles with nine floats each.
+    /// Takes triangles of nine floats each.
     #[must_use]
     pub fn new(vertices: &'a [f32]) -> Self {
         let sphere = |v: &[f32]| {
@@ -162,13 +163,13 @@ impl<'a> BruteForce<'a> {
         Self { vertices, spheres: vertices.chunks_exact(9).map(sphere).collect() }
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.spheres.len()
     }
 
-    /// Tests all of them.
+    /// Tests every triangle.
     #[must_use]
     pub fn candidates(&self, origin: [f32; 3], direction: [f32; 3]) -> Candidates {
         let (o, d) = (wide(origin), wide(direction));
@@ -193,13 +194,13 @@ impl<'a> BruteForce<'a> {
         all
     }
 
-    /// The corners of a triangle.
+    /// The vertices of a triangle.
     fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
         let first = 9 * triangle as usize;
         [0, 3, 6].map(|c| [0, 1, 2].map(|a| self.vertices[first + c + a]))
     }
 
-    /// The edge functions of a triangle, opposite corners 0, 1 and 2, and its corners' depths.
+    /// The edge functions of a triangle, opposite vertices 0, 1 and 2, and its vertices' depths.
     fn edges(&self, o: DVec3, d: DVec3, triangle: u32) -> ([Edge; 3], [f64; 3]) {
         let corners = self.corners(triangle);
         let largest = largest_axis(d);
@@ -224,7 +225,7 @@ impl<'a> BruteForce<'a> {
         ([edge(1, 2), edge(2, 0), edge(0, 1)], p.map(|c| c[2]))
     }
 
-    /// `None` where f32, too, must see that the ray misses the triangle.
+    /// `None` if f32, too, must find that the ray misses the triangle.
     fn test(&self, origin: [f32; 3], direction: [f32; 3], triangle: u32) -> Option<Possible> {
         let corners = self.corners(triangle);
         let (edges, z) = self.edges(wide(origin), wide(direction), triangle);
@@ -248,7 +249,7 @@ impl<'a> BruteForce<'a> {
             return None;
         }
         let clear = |sign: f64| edges.iter().all(|e| sign * e.value > e.bound);
-        // f64 itself is off by far less than 2⁻²⁰ of what f32 is.
+        // f64's own error is far below 2⁻²⁰ of f32's.
         let certain = edges.iter().all(|e| e.value.abs() > e.bound * exp2_minus_20());
         let is_exact = t > 0.0
             && if certain {
@@ -267,7 +268,7 @@ const fn exp2_minus_20() -> f64 {
     1.0 / (1u64 << 20) as f64
 }
 
-/// As the kernels choose it.
+/// The axis that the kernels choose.
 fn largest_axis(d: DVec3) -> usize {
     let m = d.abs();
     if m[0] > m[1] && m[0] > m[2] {

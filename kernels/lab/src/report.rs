@@ -1,6 +1,6 @@
-//! Error against run time: what each choice costs in time and in wrong rays, as CSVs, plots and a page.
+//! Error against run time: what each choice costs in time and in wrong rays, as CSV files, plots and a page.
 //!
-//! Blocks while it waits for the device, and reads the host's clock: for a command line.
+//! Blocks while it waits for the device, and reads the host's clock: intended for a command line.
 
 mod factors;
 mod grid;
@@ -28,38 +28,38 @@ use crate::subject::{Size, Subject};
 pub use page::About;
 pub use section::{SECTIONS, Section};
 
-/// The page.
+/// File name of the page.
 pub const PAGE: &str = "index.html";
 
-/// On what, by which command, and of which scenes: `scene,name,value`.
+/// File with machine, command and scenes: `scene,name,value`.
 const ABOUT: &str = "about.csv";
 
-/// The page's title, by which it is known.
+/// The page's title, which identifies a report.
 const KNOWN_BY: &str = "raystep: error against run time";
 
-/// What is to be measured of each scene.
+/// What to measure for each scene.
 #[derive(Clone, Debug)]
 pub struct Wanted {
-    /// In the order of the page.
+    /// Sections, in the order of the page.
     pub sections: Vec<&'static Section>,
-    /// Of views.
+    /// Image size.
     pub size: Size,
-    /// Cells of the grid in what is not about its resolution.
+    /// The grid's resolution in sections that do not vary it.
     pub grid: GridSize,
-    /// Less of everything.
+    /// Reduces every measurement.
     pub is_quick: bool,
 }
 
-/// What was measured.
+/// The results.
 pub struct Report {
     tables: Vec<(&'static Section, Table)>,
     scenes: Vec<Scene>,
 }
 
-/// Measures all sections of all scenes. A section that fails is a note on the page, unless all of them do.
+/// Measures all sections for all scenes. A section that fails becomes a note on the page, unless all of them fail.
 ///
 /// # Errors
-/// Where the device fails, or no section could be measured.
+/// If the device fails, or no section could be measured.
 pub fn measure(wanted: &Wanted, subjects: &[Subject], meter: &Meter, reporter: &dyn Reporter) -> Result<Report, Error> {
     let Wanted { sections, size, grid, is_quick } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
@@ -76,7 +76,7 @@ pub fn measure(wanted: &Wanted, subjects: &[Subject], meter: &Meter, reporter: &
                     part
                 }
                 Err(error) => {
-                    // The other sections are worth having, unless the device has failed.
+                    // Continue with the other sections unless the device itself has failed.
                     work.can_go_on()?;
                     table.rows.truncate(before);
                     let mut part = Part::default();
@@ -105,10 +105,10 @@ pub fn measure(wanted: &Wanted, subjects: &[Subject], meter: &Meter, reporter: &
 }
 
 impl Report {
-    /// Its files, by name.
+    /// The report's files, by name.
     ///
     /// # Errors
-    /// Where there is not the memory for one.
+    /// If there is not enough memory for one.
     pub fn files(&self, about: &About) -> io::Result<Vec<(String, Vec<u8>)>> {
         let mut files = Vec::new();
         for (section, table) in &self.tables {
@@ -143,12 +143,12 @@ impl Report {
     }
 }
 
-/// The name of a plot's file, counted from 1.
+/// The file name of a plot, counted from 1.
 fn plot_name(index: usize) -> String {
     format!("plot-{index:03}.svg")
 }
 
-/// Whether a report may have a file of this name.
+/// Whether a report may contain a file with this name.
 #[must_use]
 pub fn is_ours(name: &str) -> bool {
     let is_plot = name.strip_prefix("plot-").and_then(|rest| rest.strip_suffix(".svg"));
@@ -158,7 +158,7 @@ pub fn is_ours(name: &str) -> bool {
         || is_plot.is_some_and(|digits| digits.len() == 3 && digits.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// Whether a [page](PAGE) is a report's.
+/// Whether a [page](PAGE) belongs to a report.
 #[must_use]
 pub fn is_report(page: &[u8]) -> bool {
     let head = &page[..page.len().min(1024)];

@@ -1,25 +1,25 @@
-//! Who is told of a measurement under way.
+//! Receivers of progress reports.
 
 use crate::Error;
 
-/// Who is told how far a measurement is, and what to know of it.
+/// Receives progress and notes of a measurement.
 pub trait Reporter {
-    /// A stage of unknown length begins.
+    /// Begins a stage of unknown length.
     fn stage(&self, name: &str);
 
-    /// How much of something is done.
+    /// Reports progress of a stage.
     fn part(&self, what: &str, done: u64, of: u64);
 
-    /// Something to know.
+    /// Adds a note.
     fn note(&self, text: &str);
 
-    /// An error within a note or a page. Where options have names, it can say which of them is wrong.
+    /// The text of an error in a note or a page. If options have names, it can name the wrong one.
     fn explain(&self, error: &Error) -> String {
         error.to_string()
     }
 }
 
-/// Nobody.
+/// Ignores everything.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

@@ -1,21 +1,21 @@
-//! Extreme cases: scenes and rays on which tracers break, and what each way to trace them makes of them.
+//! Extreme cases: scenes and rays that break ray tracers, traced in several configurations.
 //!
-//! [`CASES`] is the table of them; adding a case is one entry there. Every case is traced in every [`Variant`] that
-//! is asked for, and each result is compared with f64 brute force and exact predicates at edges
-//! ([`crate::reference`]). Truth is worked out once a case: the rays are the same f32 numbers in all variants.
+//! [`CASES`] is the table of cases; a new case is one entry there. Every case is traced in every requested [`Variant`],
+//! and each result is compared with f64 brute force and exact predicates at edges ([`crate::reference`]). The correct
+//! hits are computed once per case, since all variants trace the same f32 rays.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | `cases` | the table |
-//! | `claims` | what the table claims of them, with reasons |
-//! | `make`, `planes` | the scenes and rays that its entries are made of |
-//! | `probe` | the same pairs of ray and triangle through every pipeline |
-//! | `score` | what became of every ray, counted |
-//! | `drift` | how far tMax is off along a walk |
-//! | `row` | a row of `stability.csv`, and whether it is as it must be |
-//! | `report` | all of it, and its files |
-//! | `beside`, `table` | walks, pipelines and cases in words |
-//! | `page`, `picture` | `stability.html`, and pictures of where errors are |
+//! | `cases` | the table of cases |
+//! | `claims` | what the table expects, with reasons |
+//! | `make`, `planes` | scenes and rays for its entries |
+//! | `probe` | the same ray/triangle pairs through every pipeline |
+//! | `score` | verdicts on all rays, counted |
+//! | `drift` | the error of tMax along a walk |
+//! | `row` | a row of `stability.csv`, and whether it is as expected |
+//! | `report` | everything together, and its files |
+//! | `beside`, `table` | walks, pipelines and cases as text |
+//! | `page`, `picture` | `stability.html`, and images of the errors |
 //!
 //! Nothing here reads a clock or writes a file; [`measure`] blocks while it waits for a device.
 
@@ -55,43 +55,43 @@ pub use table::{list, text};
 pub struct Case {
     /// Its name on the command line and in reports.
     pub name: &'static str,
-    /// What is traced, one sentence.
+    /// What is traced, in one sentence.
     pub what: &'static str,
-    /// Rays that are asked for; a case whose number is its point takes its own.
+    /// Number of rays to request; a case with a fixed number ignores it.
     pub rays: usize,
-    /// Makes scene and rays.
+    /// Generates scene and rays.
     pub make: fn(usize) -> Result<Workload, StabilityError>,
-    /// What a ray that hits nothing, or anything, means.
+    /// What is known about its hits.
     pub truth: Truth,
-    /// How many rays f32 may leave undecided.
+    /// How many rays may be undecided.
     pub undecided: Ceiling,
-    /// Where the paper's rules must fail in f32, and why.
+    /// Where the paper's numerics must fail in f32, and why.
     pub paper: Paper,
 }
 
-/// What is known of every ray of a case.
+/// What is known about every ray of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
     /// Nothing: each ray is judged by what it may hit.
     Open,
-    /// Every ray hits something, whichever of two triangles at an edge it is: a ray that hits nothing is missed.
+    /// Every ray hits something, either of two triangles at an edge: a ray without a hit counts as missed.
     Closed,
     /// No ray hits anything: every triangle is seen edge-on.
     Nothing,
 }
 
-/// The largest share of rays for which the error bound is expected to leave a choice that is then taken otherwise. It
-/// follows from the bound, not from a result.
+/// The largest expected share of undecided rays, for which the error bound allows another result and the kernel finds
+/// it. It is derived from the bound, not measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ceiling {
-    /// Of all rays.
+    /// Share of all rays.
     pub share: f64,
-    /// Where the share comes from.
+    /// The derivation of the share.
     pub because: &'static str,
 }
 
 impl Ceiling {
-    /// Of so many rays: what is expected, and four standard deviations of a count.
+    /// The expected number among this many rays, plus four standard deviations.
     #[must_use]
     pub fn count(&self, rays: u64) -> u64 {
         let expected = self.share * rays as f64;
@@ -99,16 +99,16 @@ impl Ceiling {
     }
 }
 
-/// What is expected of the paper's rules.
+/// What is expected of the paper's numerics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Paper {
-    /// With these accelerators it must fail. With others it may.
+    /// The accelerators with which they must fail. With others they may.
     pub fails_on: &'static [Accelerator],
     /// Why.
     pub because: &'static str,
 }
 
-/// A scene and the rays to trace in it.
+/// A scene and its rays.
 #[derive(Clone, Debug)]
 pub struct Workload {
     /// The scene.
@@ -119,7 +119,7 @@ pub struct Workload {
     pub grid: GridSize,
 }
 
-/// A case that could not be made or run.
+/// A case that cannot be generated or run.
 #[derive(Debug, thiserror::Error)]
 pub enum StabilityError {
     /// A scene could not be generated.
@@ -136,22 +136,22 @@ pub enum StabilityError {
     NoView,
 }
 
-/// One way to trace a case.
+/// A configuration for a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
-    /// By which rules.
+    /// The numerics.
     pub numerics: Numerics,
-    /// What keeps rays from testing every triangle.
+    /// The acceleration structure.
     pub accelerator: Accelerator,
-    /// In which order kernels run.
+    /// The schedule.
     pub schedule: ScheduleKind,
-    /// With explicit fma wherever a compiler may contract, see [`Options::contracted`].
+    /// Whether to use explicit fma wherever a compiler may contract, see [`Options::contracted`].
     pub contracted: bool,
 }
 
 impl Variant {
-    /// Those of one accelerator: both rules in steps; the robust ones in one kernel too, and as a compiler that
-    /// contracts has them.
+    /// The variants of one accelerator: both numerics with stepped schedules; robust numerics also fused, and with
+    /// contraction.
     #[must_use]
     pub fn of(accelerator: Accelerator) -> [Self; 4] {
         use Numerics::{Paper, Robust};
@@ -161,7 +161,7 @@ impl Variant {
         [robust, variant(Robust, Fused), Self { contracted: true, ..robust }, variant(Paper, Compact)]
     }
 
-    /// The name of its test of a triangle in `stability.csv`.
+    /// The name of its triangle test in `stability.csv`.
     #[must_use]
     pub fn triangle_test(&self) -> &'static str {
         match (self.numerics, self.contracted) {
@@ -172,27 +172,27 @@ impl Variant {
     }
 }
 
-/// Tests a pass without an accelerator: the longest lists are 10,000 triangles long.
+/// Tests per pass without an accelerator: the longest lists have 10,000 triangles.
 const TESTS_PER_PASS: u32 = 128;
 
-/// Passes after which a walk is given up. The longest of a case takes some hundreds.
+/// Maximum number of passes of a walk. The longest walk of a case takes some hundreds.
 const MOST_PASSES: usize = 20_000;
 
-/// A run of a variant.
+/// The result of running a variant.
 #[derive(Debug)]
 pub struct Run {
-    /// Counted.
+    /// The verdicts, counted.
     pub score: Score,
     /// Passes that it took.
     pub passes: usize,
-    /// Rays that still walked when their bound was reached.
+    /// Rays still active when the pass limit was reached.
     pub at_bound: u64,
 }
 
-/// Traces a case in one way and judges every ray.
+/// Traces a case in one configuration and judges every ray.
 ///
 /// # Errors
-/// Where the device fails or the scene does not fit it.
+/// If the device fails or the scene does not fit it.
 pub async fn run(
     case: &Case,
     workload: &Workload,
@@ -200,7 +200,7 @@ pub async fn run(
     device: &Device,
     judge: &mut Judge,
 ) -> Result<Run, StabilityError> {
-    // A fused kernel that need not shade makes its rays itself, and nobody could see them.
+    // A fused kernel that does not shade generates its rays itself, so they could not be read.
     let is_camera = matches!(workload.rays, RaySource::Camera { .. });
     let mut options = Options {
         numerics: variant.numerics,

@@ -1,18 +1,18 @@
-//! What turns counts and times into statements: intervals of shares, lines through points, mean errors.
+//! Statistics of counts and times: intervals of proportions, fitted lines, mean errors.
 
 /// `y = intercept + slope * x`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// y at x = 0.
     pub intercept: f64,
-    /// What y grows by with x.
+    /// Increase of y per unit of x.
     pub slope: f64,
-    /// Largest distance of a point from the line, as a share of the point's y.
+    /// Largest distance of a point from the line, relative to the point's y.
     pub worst: f64,
 }
 
 impl Line {
-    /// Least squares. `None` where there are fewer than two different x.
+    /// Least squares. `None` if there are fewer than two different x.
     #[must_use]
     pub fn through(points: &[(f64, f64)]) -> Option<Self> {
         let n = points.len() as f64;
@@ -29,8 +29,8 @@ impl Line {
     }
 }
 
-/// The exponent b of `y = a * x^b` through points, by least squares of their logarithms. What is not above 0 has
-/// none and is left out; `None` where fewer than two different x are left.
+/// The exponent b of `y = a * x^b` fitted to points, by least squares of their logarithms. Points with values that are
+/// not above 0 are ignored; `None` if fewer than two different x remain.
 #[must_use]
 pub fn power_law(points: &[(f64, f64)]) -> Option<f64> {
     let is_positive = |p: &&(f64, f64)| p.0 > 0.0 && p.1 > 0.0;
@@ -38,8 +38,8 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<f64> {
     Line::through(&logarithms).map(|line| line.slope)
 }
 
-/// The 95% interval of a share of which `count` of `of` were seen (Wilson 1927): unlike the normal approximation it
-/// says something where none or all were, and never leaves 0 to 1. `None` of nothing.
+/// The 95% confidence interval of a proportion of which `count` of `of` were observed (Wilson 1927). Unlike the normal
+/// approximation it is useful for 0% and 100%, and never leaves 0 to 1. `None` if `of` is 0.
 #[must_use]
 pub fn wilson(count: u64, of: u64) -> Option<[f64; 2]> {
     // The normal distribution's quantile at 97.5%.
@@ -51,24 +51,23 @@ pub fn wilson(count: u64, of: u64) -> Option<[f64; 2]> {
     let scale = 1.0 / (1.0 + Z * Z / n);
     let middle = p + Z * Z / (2.0 * n);
     let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
-    // Of none and of all, one end is exact.
+    // At 0% and 100% one end is exact.
     let low = if count == 0 { 0.0 } else { (middle - half) * scale };
     let high = if count >= of { 1.0 } else { (middle + half) * scale };
     Some([low, high])
 }
 
-/// The root of the mean of squares; `None` of nothing.
+/// The root mean square; `None` without values.
 #[must_use]
 pub fn root_mean_square(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.into_iter().fold((0.0, 0u64), |(sum, count), v| (sum + v * v, count + 1));
     (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
-/// How percentiles are defined, for reports: NumPy's and R's default, in "Sample Quantiles in Statistical Packages".
+/// The definition of percentiles, for reports: NumPy's and R's default, in "Sample Quantiles in Statistical Packages".
 pub const PERCENTILES: &str = "linear interpolation between sorted times (Hyndman and Fan 1996, definition 7)";
 
-/// The value below which `share` (0 to 1) of the values lie, by [`PERCENTILES`]. What is not a number is left out;
-/// `None` of nothing.
+/// The value below which `share` (0 to 1) of the values lie, by [`PERCENTILES`]. NaN is ignored; `None` without values.
 #[must_use]
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| !v.is_nan()).collect();
@@ -78,25 +77,25 @@ pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     Some(if below == above { below } else { below + (above - below) * place.fract() })
 }
 
-/// The middle one; `None` of nothing.
+/// The median; `None` without values.
 #[must_use]
 pub fn median(values: &[f64]) -> Option<f64> {
     quantile(values, 0.5)
 }
 
-/// Where the middle of some times lies, and how far they spread.
+/// The median of some times, and their spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Half are below.
+    /// Half of the values are below.
     pub median: f64,
-    /// One in twenty is below.
+    /// 5% of the values are below.
     pub p05: f64,
-    /// One in twenty is above.
+    /// 5% of the values are above.
     pub p95: f64,
 }
 
 impl Spread {
-    /// `None` of nothing.
+    /// `None` without values.
     #[must_use]
     pub fn of(times: &[f64]) -> Option<Self> {
         let at = |share| quantile(times, share);
@@ -104,10 +103,10 @@ impl Spread {
     }
 }
 
-/// Fewer values than this have no 5th and 95th percentile.
+/// Minimum number of values for a 5th and 95th percentile.
 const FEWEST_FOR_PERCENTILES: usize = 20;
 
-/// The 5th and the 95th percentile, of few values the smallest and the largest.
+/// The 5th and 95th percentile, or minimum and maximum if there are few values.
 #[must_use]
 pub fn low_and_high(values: &[f64]) -> [Option<f64>; 2] {
     let ends = if values.len() < FEWEST_FOR_PERCENTILES { [0.0, 1.0] } else { [0.05, 0.95] };
@@ -126,7 +125,7 @@ mod tests {
     fn a_line_is_found_with_what_it_misses() {
         let exact = Line::through(&[(1.0, 5.0), (2.0, 7.0), (4.0, 11.0)]).expect("a line");
         assert!((exact.intercept - 3.0).abs() < 1e-12 && (exact.slope - 2.0).abs() < 1e-12 && exact.worst < 1e-12);
-        // By hand: slope 1, intercept 1/3; the middle point, 1, is 1/3 below its line.
+        // Computed by hand: slope 1, intercept 1/3; the middle point, 1, is 1/3 below its line.
         let off = Line::through(&[(0.0, 0.5), (1.0, 1.0), (2.0, 2.5)]).expect("a line");
         assert!((off.slope - 1.0).abs() < 1e-12 && (off.intercept - 1.0 / 3.0).abs() < 1e-12);
         assert!((off.worst - 1.0 / 3.0).abs() < 1e-12, "{off:?}");
@@ -168,7 +167,7 @@ mod tests {
 
     #[test]
     fn percentiles_are_numpys() {
-        // numpy.percentile([15, 20, 35, 40, 50], [5, 50, 95]) and the same of one value.
+        // numpy.percentile([15, 20, 35, 40, 50], [5, 50, 95]); likewise of a single value.
         let spread = Spread::of(&[40.0, 15.0, 50.0, 35.0, 20.0]).expect("times");
         assert_eq!(spread.median, 35.0);
         assert!((spread.p05 - 16.0).abs() < 1e-9 && (spread.p95 - 48.0).abs() < 1e-9, "{spread:?}");

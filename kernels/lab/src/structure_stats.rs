@@ -1,4 +1,4 @@
-//! What keeps rays from testing every triangle, in numbers: the lists of a grid's cells, and the nodes of a tree.
+//! Statistics of acceleration structures: the lists of a grid's cells, and the nodes of a BVH.
 
 mod tree;
 
@@ -6,7 +6,7 @@ use raystep_kernels::scene_data::SceneData;
 
 pub use tree::TreeStats;
 
-/// Entries of a histogram of lengths: one each for 0, 1, …, and the last one for all that are as long or longer.
+/// Entries of a histogram of lengths: one each for 0, 1, …; the last one counts everything that is as long or longer.
 pub const LENGTHS: usize = 128;
 
 /// The lists of a grid's cells.
@@ -14,7 +14,7 @@ pub const LENGTHS: usize = 128;
 pub struct GridStats {
     /// Cells along x, y and z.
     pub cells: [i32; 3],
-    /// Cells that list a triangle.
+    /// Cells that list at least one triangle.
     pub occupied: u64,
     /// Entries of all lists.
     pub references: u64,
@@ -28,12 +28,12 @@ pub struct GridStats {
     pub listings: Vec<u64>,
     /// Most cells that list the same triangle.
     pub most_listed: u32,
-    /// A triangle that is listed by so many.
+    /// A triangle listed that many times.
     pub most_listed_triangle: Option<u32>,
 }
 
 impl GridStats {
-    /// Of a scene's grid; `None` without one. Takes 4 bytes of memory a triangle.
+    /// Statistics of a scene's grid; `None` without one. Takes 4 bytes of memory per triangle.
     #[must_use]
     pub fn of(data: &SceneData) -> Option<Self> {
         if data.grid_cells.len() < 2 {
@@ -70,32 +70,32 @@ impl GridStats {
         })
     }
 
-    /// Cells in all.
+    /// All cells.
     #[must_use]
     pub fn cells_in_all(&self) -> u64 {
         self.lengths.iter().sum()
     }
 
-    /// Share of cells that list a triangle.
+    /// Share of cells that list at least one triangle.
     #[must_use]
     pub fn occupancy(&self) -> f64 {
         self.occupied as f64 / self.cells_in_all().max(1) as f64
     }
 
-    /// Triangles a list, of those that have any.
+    /// Mean length of the lists that are not empty.
     #[must_use]
     pub fn mean_length(&self) -> f64 {
         self.references as f64 / self.occupied.max(1) as f64
     }
 
-    /// Cells that list a triangle, on average.
+    /// Number of cells that list a triangle, on average.
     #[must_use]
     pub fn references_per_triangle(&self) -> f64 {
         self.references as f64 / self.listings.iter().sum::<u64>().max(1) as f64
     }
 }
 
-/// The triangles that a cell lists; empty for a cell that the grid does not have.
+/// The triangles that a cell lists; empty for a cell outside the grid.
 #[must_use]
 pub fn triangles_in(data: &SceneData, cell: u32) -> &[u32] {
     let cell = cell as usize;
@@ -103,13 +103,13 @@ pub fn triangles_in(data: &SceneData, cell: u32) -> &[u32] {
     bounds.and_then(|(&first, &end)| data.grid_items.get(first as usize..end as usize)).unwrap_or_default()
 }
 
-/// How long the lists are in one layer of cells, as a picture: columns along the first and rows along the second of
-/// the other two axes, row 0 where the latter is largest, so that up is up.
+/// List lengths in one layer of cells, as an image. Columns follow the first and rows the second of the other two
+/// axes; row 0 has the largest coordinate, so that up is up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Slice {
-    /// The axis that the slice is across, 0 to 2.
+    /// The axis perpendicular to the slice, 0 to 2.
     pub axis: usize,
-    /// Which cell along it.
+    /// The cell's index along it.
     pub index: i32,
     /// Columns.
     pub width: i32,
@@ -120,7 +120,7 @@ pub struct Slice {
 }
 
 impl Slice {
-    /// The slice across `axis` (0 to 2) at cell `index`; `None` where the grid has none.
+    /// The slice at cell `index` of `axis` (0 to 2); `None` if there is no such cell.
     #[must_use]
     pub fn of(data: &SceneData, axis: usize, index: i32) -> Option<Self> {
         let cells = data.grid.cells;
@@ -138,7 +138,7 @@ impl Slice {
         Some(slice)
     }
 
-    /// The cell (x, y, z) at a place of the picture.
+    /// The cell (x, y, z) at a pixel of the image.
     #[must_use]
     pub fn cell(&self, column: i32, row: i32) -> [i32; 3] {
         let [across, up] = across(self.axis);
@@ -148,7 +148,7 @@ impl Slice {
     }
 }
 
-/// The two axes in a slice.
+/// The two axes of a slice.
 fn across(axis: usize) -> [usize; 2] {
     match axis {
         0 => [1, 2],
@@ -213,7 +213,7 @@ mod tests {
             assert_eq!(Slice::of(&data, axis, -1), None);
         }
         assert_eq!(Slice::of(&data, 3, 0), None);
-        // Up is up: the floor, which a room has everywhere, is in the last row.
+        // The floor, which covers the whole room, is in the last row.
         let slice = Slice::of(&data, 2, 1).expect("a slice");
         assert_eq!(slice.cell(0, slice.height - 1), [0, 0, 1]);
     }

@@ -1,4 +1,4 @@
-//! What is measured: a scene with a view.
+//! The subject of a measurement: a scene with a view.
 
 use std::fmt;
 
@@ -12,26 +12,26 @@ use crate::Hash;
 pub struct Subject {
     /// The scene.
     pub scene: Scene,
-    /// What is seen.
+    /// The view.
     pub camera: Camera,
-    /// Of all files that it was read from.
+    /// Hash of all files it was read from.
     pub hash: Hash,
-    /// Where it is from, for people.
+    /// Where it was read from, for display.
     pub file: String,
 }
 
 impl Subject {
-    /// One ray through the middle of each pixel.
+    /// One ray through the centre of each pixel.
     #[must_use]
     pub fn camera_rays(&self, Size { width, height }: Size) -> RaySource {
         RaySource::Camera { camera: self.camera.clone(), width, height }
     }
 }
 
-/// A picture's size in pixels.
+/// An image's size in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,

@@ -1,29 +1,29 @@
-//! Text for people: tables in columns, and nothing in it that a terminal, a browser or an editor would obey.
+//! Text output: tables in columns, with control characters escaped.
 
 use std::borrow::Cow;
 use std::fmt::Display;
 
-/// Whether a terminal, a browser or an editor would obey a character instead of showing it: control characters (C0,
-/// DEL, C1), separators of lines and paragraphs, and those that turn the direction of what follows.
+/// Whether a terminal, a browser or an editor would act on a character instead of showing it: control characters (C0,
+/// DEL, C1), line and paragraph separators, and bidirectional controls.
 #[must_use]
 pub fn is_obeyed(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// One line in which every character can be seen: those that would be obeyed are escaped as Rust escapes them.
+/// One line with every character visible: those that would be acted on are escaped as in Rust.
 #[must_use]
 pub fn visible(line: &str) -> Cow<'_, str> {
     escaped(line, |_, _| false)
 }
 
-/// The same of lines with tabs in them; their ends stay.
+/// The same for text with tabs and line ends, which stay.
 #[must_use]
 pub fn visible_lines(text: &str) -> Cow<'_, str> {
     escaped(text, |c, next| matches!(c, '\n' | '\t') || c == '\r' && next == Some('\n'))
 }
 
-/// Escapes all but those that may stay, which is told by the character and the next one.
+/// Escapes the characters that would be acted on, unless `may_stay` accepts the character and the one after it.
 fn escaped(text: &str, may_stay: fn(char, Option<char>) -> bool) -> Cow<'_, str> {
     if !text.contains(is_obeyed) {
         return Cow::Borrowed(text);
@@ -53,8 +53,8 @@ pub fn counted<N: Display + PartialEq + From<bool>>(count: N, noun: &str) -> Str
     }
 }
 
-/// Lines of a table, each with a line feed; two blanks between columns, the first `left` of which hold words and stand
-/// at the left, the others numbers. A line may have fewer cells than others.
+/// Lines of a table, each with a line feed, and two spaces between columns. The first `left` columns are left-aligned
+/// words, the others right-aligned numbers. Lines may have fewer cells than others.
 #[must_use]
 pub fn aligned(lines: &[impl AsRef<[String]>], left: usize) -> Vec<String> {
     let columns = lines.iter().map(|line| line.as_ref().len()).max().unwrap_or(0);
@@ -76,7 +76,7 @@ mod tests {
     fn what_a_terminal_would_obey_is_shown_instead() {
         assert_eq!(visible("\u{1b}[31mred\u{7}"), "\\u{1b}[31mred\\u{7}");
         assert_eq!(visible("a\nb\tc\r"), "a\\nb\\tc\\r");
-        // DEL, CSI as one character, overrides and isolates of direction, separators.
+        // DEL, CSI as one character, bidirectional overrides and isolates, separators.
         for c in ['\0', '\u{7f}', '\u{9b}', '\u{202e}', '\u{2066}', '\u{2069}', '\u{200f}', '\u{61c}', '\u{2028}'] {
             let shown = visible(&format!("a{c}b")).into_owned();
             assert_eq!(shown, format!("a\\u{{{:x}}}b", u32::from(c)));

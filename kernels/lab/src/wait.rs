@@ -1,4 +1,4 @@
-//! Waiting for a device on this thread: for a command line, tests, and threads of one's own.
+//! Waiting for a device on the current thread: for a command line, tests, and background threads.
 
 use std::pin::pin;
 use std::sync::Arc;
@@ -9,15 +9,15 @@ use std::time::Duration;
 
 use raystep_kernels::Gpu;
 
-/// Between two looks at a GPU that works.
+/// Interval between polls of a busy GPU.
 const WHILE_BUSY: Duration = Duration::from_micros(200);
 
-/// Between two looks at one that does not.
+/// Interval between polls of an idle GPU.
 const WHILE_IDLE: Duration = Duration::from_millis(20);
 
-/// Runs a future to its end. Those of `raystep_kernels` become ready only while the device is polled, so this polls `gpu`
-/// whenever the future waits; without one it looks again every millisecond. Meanwhile no
-/// thread of the device's own polls it.
+/// Runs a future to completion. Futures of `raystep_kernels` become ready only while the device is polled, so this
+/// polls `gpu` whenever the future waits; without a GPU it polls the future every millisecond. No other thread polls
+/// the device meanwhile.
 pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
     let _host = gpu.map(Gpu::leave_polling_to_host);
     let mut future = pin!(future);
@@ -27,7 +27,7 @@ pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
             return value;
         }
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(Duration::from_secs(1)) };
-        // An error here is a lost device or a long pass; the future itself says which.
+        // An error here is a lost device or a long pass; the future itself reports which.
         if gpu.is_none_or(|gpu| gpu.device.poll(wait).is_err()) {
             thread::sleep(Duration::from_millis(1));
         }
@@ -46,8 +46,8 @@ impl Wake for Unpark {
     }
 }
 
-/// The same for a device that another thread draws with, and for a future that waits for messages too. The device is only
-/// looked at, never waited for: a wait would hold up whoever draws.
+/// The same for a device that another thread draws with, and for futures that also wait for messages. The device is
+/// only polled, never waited for: waiting would block the drawing thread.
 pub fn block_on_shared<T>(gpu: &Gpu, future: impl Future<Output = T>) -> T {
     let _host = gpu.leave_polling_to_host();
     let unpark = Arc::new(Unpark { thread: thread::current(), is_woken: AtomicBool::new(false) });
@@ -61,7 +61,7 @@ pub fn block_on_shared<T>(gpu: &Gpu, future: impl Future<Output = T>) -> T {
         while !unpark.is_woken.swap(false, Ordering::Acquire) {
             match gpu.device.poll(wgpu::PollType::Poll) {
                 Ok(status) if status.is_queue_empty() => thread::park_timeout(WHILE_IDLE),
-                // A lost device wakes the task with its error, or at the latest when it is asked again.
+                // A lost device wakes the task with its error, at the latest when polled again.
                 Ok(_) => thread::park_timeout(WHILE_BUSY),
                 Err(_) => {
                     thread::park_timeout(WHILE_IDLE);

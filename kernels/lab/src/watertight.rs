@@ -1,4 +1,4 @@
-//! A closed mesh from inside: no ray may get out.
+//! A closed mesh seen from inside, which no ray may leave.
 
 use std::ops::ControlFlow;
 
@@ -12,10 +12,10 @@ use raystep_scenes::generate::{self, GenerateError};
 use crate::rays;
 use crate::ways::Way;
 
-/// An icosphere of 1,280 triangles, its corners rounded at that scale.
+/// An icosphere of 1,280 triangles, its vertices rounded at this scale.
 ///
 /// # Errors
-/// Where the mesh has no room in memory.
+/// If there is not enough memory for the mesh.
 pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
     let mut scene = generate::icosphere(3)?;
     for corner in scene.triangles.iter_mut().flatten() {
@@ -24,10 +24,10 @@ pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
     Ok(scene)
 }
 
-/// Rays from a few origins inside, at corners and edges; how many miss.
+/// Traces rays from a few origins inside at vertices and edges, and returns how many miss.
 ///
 /// # Errors
-/// Where the device fails or the mesh does not fit it.
+/// If the device fails or the mesh does not fit it.
 pub async fn misses(
     device: &Device,
     scene: &Scene,

@@ -1,39 +1,39 @@
-//! The ways in which a scene can be traced: what comparisons and tests go through.
+//! Configurations in which a scene can be traced, for comparisons and tests.
 
 use std::fmt;
 
 use raystep_kernels::{Accelerator, Numerics, Options, Plan, RaySource, ScheduleKind, Skip};
 use raystep_scenes::Scene;
 
-/// One way to trace a scene.
+/// A configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Way {
-    /// What keeps rays from testing every triangle.
+    /// The acceleration structure.
     pub accelerator: Accelerator,
-    /// In which order kernels run.
+    /// The schedule.
     pub schedule: ScheduleKind,
     /// Most steps of a ray in one pass of the compact schedule.
     pub steps: u32,
-    /// Whether rays leap over empty cells.
+    /// Whether rays skip empty cells.
     pub skip: Skip,
-    /// By which rules.
+    /// The numerics.
     pub numerics: Numerics,
 }
 
 impl Way {
-    /// Robust, without leaps.
+    /// Robust numerics, without empty-space skipping.
     #[must_use]
     pub const fn new(accelerator: Accelerator, schedule: ScheduleKind, steps: u32) -> Self {
         Self { accelerator, schedule, steps, skip: Skip::Off, numerics: Numerics::Robust }
     }
 
-    /// The same with leaps.
+    /// The same with empty-space skipping.
     #[must_use]
     pub const fn leaping(self) -> Self {
         Self { skip: Skip::On, ..self }
     }
 
-    /// The same by the paper's rules.
+    /// The same with the paper's numerics.
     #[must_use]
     pub const fn paper(self) -> Self {
         Self { numerics: Numerics::Paper, ..self }
@@ -45,7 +45,7 @@ impl Way {
         self.schedule.is_stepped()
     }
 
-    /// The options with this way in place of theirs.
+    /// `options` with this configuration.
     #[must_use]
     pub fn of(self, options: &Options) -> Options {
         Options {
@@ -72,7 +72,7 @@ impl fmt::Display for Way {
     }
 }
 
-/// Every accelerator, one step a pass by either launch, several steps a pass, and in one kernel. Robust.
+/// Every accelerator: one step per pass in either launch mode, several steps per pass, and fused. Robust numerics.
 pub const EVERY: [Way; 14] = {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, Fused, Second};
@@ -94,7 +94,7 @@ pub const EVERY: [Way; 14] = {
     ]
 };
 
-/// Through cells and boxes, with leaps and without, in many passes and in one: what is fast enough for many rays.
+/// Grid with and without empty-space skipping, and BVH, in many passes and in one: fast enough for many rays.
 pub const FAST: [Way; 6] = {
     use Accelerator::{Bvh, Grid};
     use ScheduleKind::{Compact, Fused};
@@ -108,20 +108,20 @@ pub const FAST: [Way; 6] = {
     ]
 };
 
-/// As the paper has it: through the grid, every ray launched in every pass, one step each. Many passes, and
-/// each kernel does one thing.
+/// As in the paper: through the grid, every ray launched in every pass, one step each. It has many passes, and each
+/// kernel does one thing.
 pub const STEPPED: Way = Way::new(Accelerator::Grid, ScheduleKind::Second, 1);
 
-/// What a user should know where the paper's rules miss everything.
+/// Note for users when the paper's numerics miss everything.
 pub const MISSES_ALL: &str = "the paper's rules require the eye to be inside the grid: from here, all rays miss; \
                               move the eye inside, or use --numerics robust";
 
-/// Whether the paper's rules, which have no clipping, start a camera's rays outside of the grid.
+/// Whether the paper's numerics, which do not clip rays to the grid, start a camera's rays outside the grid.
 #[must_use]
 pub fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
     let RaySource::Camera { camera, .. } = &options.rays else { return false };
     let (bounds, eye) = (scene.bounds(), camera.eye);
-    // --keep-all keeps the code for clipping where the eye is inside too.
+    // --keep-all keeps the clipping code even if the eye is inside.
     let is_inside = eye.cmpgt(bounds.min.as_dvec3()).all() && eye.cmplt(bounds.max.as_dvec3()).all();
     let features = &plan.features;
     features.grid && features.clip && !features.robust && !(options.keep_all && is_inside)

@@ -1,4 +1,4 @@
-//! What rays cost, and how much of what a GPU launches for them has work to do.
+//! The cost of rays, and the share of launched threads that have work to do.
 
 mod lanes;
 
@@ -9,14 +9,14 @@ use raystep_kernels::{Kernel, StreamData};
 
 pub use lanes::{LANES, Lanes, Launch};
 
-/// What a ray is charged for.
+/// How to measure a ray's cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Measure {
-    /// Cells or nodes that it visited.
+    /// Cells or nodes visited.
     Cells,
-    /// Triangles that it was tested against.
+    /// Triangles tested.
     Triangles,
-    /// Both together: with one step a pass, the passes of the walk that worked on it.
+    /// Both together: with one step per pass, the walk's passes that worked on the ray.
     #[default]
     Sum,
 }
@@ -36,7 +36,7 @@ impl Measure {
     }
 }
 
-/// How often kernels worked on each ray, seen from outside: for runs without the `counters` stream, of one step a
+/// How often kernels worked on each ray, derived from states: for runs without the `counters` stream, with one step per
 /// pass.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Work {
@@ -47,7 +47,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// No work so far, of so many rays.
+    /// No work so far, for this many rays.
     #[must_use]
     pub fn new(rays: usize) -> Self {
         Self { cells: vec![0; rays], triangles: vec![0; rays] }
@@ -65,14 +65,14 @@ impl Work {
         }
     }
 
-    /// What each ray is charged.
+    /// The cost of each ray.
     #[must_use]
     pub fn costs(&self, by: Measure) -> Vec<u32> {
         charged(by, &self.cells, &self.triangles)
     }
 }
 
-/// What the `counters` stream charges each of the first `rays` rays; `None` of another stream.
+/// The cost of each of the first `rays` rays in the `counters` stream; `None` for another stream.
 #[must_use]
 pub fn costs(counters: &StreamData, rays: usize, by: Measure) -> Option<Vec<u32>> {
     let layer = |layer: usize| &counters.layer(layer)[..rays.min(counters.layer(layer).len())];
@@ -87,8 +87,7 @@ fn charged(by: Measure, cells: &[u32], triangles: &[u32]) -> Vec<u32> {
     }
 }
 
-/// Rays by their cost, the dearest first; of equally dear ones the one with the smaller number. Takes 12 bytes of
-/// memory a ray.
+/// Rays by cost, the most expensive first; rays of equal cost are ordered by index. Takes 12 bytes of memory per ray.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CostOrder {
     costs: Vec<u32>,
@@ -97,7 +96,7 @@ pub struct CostOrder {
 }
 
 impl CostOrder {
-    /// Of the cost of every ray.
+    /// Sorts rays by their costs.
     #[must_use]
     pub fn new(costs: Vec<u32>) -> Self {
         let mut rays: Vec<u32> = (0..costs.len() as u32).collect();
@@ -115,7 +114,7 @@ impl CostOrder {
         &self.costs
     }
 
-    /// The rays, dearest first.
+    /// The rays, most expensive first.
     #[must_use]
     pub fn rays(&self) -> &[u32] {
         &self.rays
@@ -127,19 +126,19 @@ impl CostOrder {
         self.costs.get(ray).copied()
     }
 
-    /// A ray's place in the order: the dearest one's is 0.
+    /// A ray's position in the order; the most expensive one has 0.
     #[must_use]
     pub fn rank(&self, ray: usize) -> Option<usize> {
         self.ranks.get(ray).map(|&rank| rank as usize)
     }
 
-    /// The dearest ray.
+    /// The most expensive ray.
     #[must_use]
     pub fn dearest(&self) -> Option<usize> {
         self.rays.first().map(|&ray| ray as usize)
     }
 
-    /// The next dearer ray; `None` at the dearest.
+    /// The next more expensive ray; `None` at the most expensive.
     #[must_use]
     pub fn dearer(&self, ray: usize) -> Option<usize> {
         self.rays.get(self.rank(ray)?.checked_sub(1)?).map(|&ray| ray as usize)
@@ -151,13 +150,13 @@ impl CostOrder {
         self.rays.get(self.rank(ray)? + 1).map(|&ray| ray as usize)
     }
 
-    /// What all rays cost together.
+    /// The sum of all costs.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.costs.iter().map(|&cost| u64::from(cost)).sum()
     }
 
-    /// Share of the whole cost that the dearest rays have, `share` (0 to 1) of them: how much hangs on how few.
+    /// Share of the total cost in the most expensive `share` (0 to 1) of the rays.
     #[must_use]
     pub fn share_of_dearest(&self, share: f64) -> f64 {
         let count = (share.clamp(0.0, 1.0) * self.rays.len() as f64).round() as usize;
@@ -194,7 +193,7 @@ mod tests {
         assert_eq!((CostOrder::new(Vec::new()).dearest(), CostOrder::new(Vec::new()).total()), (None, 0));
     }
 
-    /// What is counted from outside is what the kernels count.
+    /// The derived numbers are what the kernels count.
     #[test]
     fn passes_that_work_on_a_ray_are_its_cells_and_triangles() {
         let scene = generate::cornell_box();
@@ -213,7 +212,7 @@ mod tests {
             let counters = renderer.values(streams::COUNTERS).await.expect("counters");
             let triangles = costs(&counters, 120, Measure::Triangles).expect("counters");
             assert!(triangles.iter().any(|&n| n > 0));
-            // A pass may find an empty list, and the first cell takes no step.
+            // A pass may find an empty list, and entering the first cell is not a step.
             let counted = costs(&counters, 120, Measure::Cells).expect("counters");
             for ray in 0..120 {
                 assert!(work.triangles[ray] >= triangles[ray], "ray {ray}");

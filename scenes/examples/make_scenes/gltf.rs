@@ -1,5 +1,5 @@
-//! A small glTF writer with everything that `write_glb` never writes: strips, fans, sparse, normalised
-//! and interleaved accessors, external files. Each scene gives its nodes and meshes as JSON.
+//! A small glTF writer for features that `write_glb` never uses: strips, fans, sparse, normalised and interleaved
+//! accessors, external files. Each scene provides its nodes and meshes as JSON.
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ pub(crate) const FLOAT: u32 = 5126;
 pub(crate) const TRIANGLE_STRIP: u32 = 5;
 pub(crate) const TRIANGLE_FAN: u32 = 6;
 
-/// A file's buffer and what points into it.
+/// A file's buffer, with the views and accessors of its contents.
 #[derive(Default)]
 pub(crate) struct Buffer {
     pub(crate) bytes: Vec<u8>,
@@ -29,7 +29,7 @@ impl Buffer {
         self.views.len() - 1
     }
 
-    /// A view whose vertices are `stride` bytes apart.
+    /// A view with vertices `stride` bytes apart.
     pub(crate) fn strided(&mut self, bytes: &[u8], stride: usize) -> usize {
         let view = self.view(bytes);
         self.views[view]["byteStride"] = stride.into();
@@ -41,7 +41,7 @@ impl Buffer {
         self.accessors.len() - 1
     }
 
-    /// Tightly packed floats, with the bounds that POSITION must have.
+    /// Tightly packed floats, with the bounds that POSITION requires.
     pub(crate) fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
         let view = self.view(&bytes);
@@ -70,7 +70,7 @@ impl Buffer {
         )
     }
 
-    /// The document with this buffer, which lies at `uri`; `None` for the GLB's own chunk.
+    /// The document with this buffer at `uri`; `None` for the GLB's own chunk.
     pub(crate) fn document(&self, mut scene: Value, uri: Option<String>) -> Value {
         scene["asset"] = json!({ "version": "2.0", "generator": "raystep make_scenes" });
         for (name, list) in [("bufferViews", &self.views), ("accessors", &self.accessors)] {
@@ -113,7 +113,7 @@ pub(crate) fn data_uri(mime: &str, bytes: &[u8]) -> String {
     format!("data:{mime};base64,{}", BASE64_STANDARD.encode(bytes))
 }
 
-/// JSON with what fits on a line on one line.
+/// JSON in which everything that fits on one line is on one line.
 pub(crate) fn pretty(value: &Value) -> String {
     broken(value, 0)
 }

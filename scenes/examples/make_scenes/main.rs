@@ -1,8 +1,7 @@
-//! Writes the scene files of this repository, always the same:
+//! Writes the scene files of this repository, the same bytes every time:
 //! `cargo run -p raystep-scenes --example make_scenes -- scenes [teapot.js]`.
 //!
-//! `teapot.js` is the file of that name in the npm package `teapot` 1.0.0; without it `teapot.glb` is
-//! left as it is.
+//! `teapot.js` is the file of that name in the npm package `teapot` 1.0.0; without it, `teapot.glb` is left unchanged.
 
 mod gltf;
 mod plain;
@@ -49,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The scene as `.gltf`: the writer's JSON in lines, its bytes in a data URI.
+/// The scene as `.gltf`: JSON on several lines, bytes in a data URI.
 fn readable(scene: &Scene) -> Result<String, Box<dyn Error>> {
     let glb = write_glb(scene)?;
     let json = u32::from_le_bytes(glb[12..16].try_into()?) as usize;

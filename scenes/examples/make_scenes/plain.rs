@@ -1,4 +1,4 @@
-//! Scenes about geometry: kinds of primitives, instances, the smallest and the flattest.
+//! Scenes that test geometry: kinds of primitives, instances, tiny and flat scenes.
 
 use crate::gltf::{Buffer, TRIANGLE_FAN, TRIANGLE_STRIP, UNSIGNED_BYTE, looking, matte, perspective, with};
 use crate::shapes::{Mesh, block, floor};
@@ -117,10 +117,10 @@ pub(crate) fn primitives() -> String {
     }))
 }
 
-/// One letter on many nodes: turned, scaled unevenly, mirrored, nested; two scenes, the second default.
+/// One letter on many nodes: rotated, scaled unevenly, mirrored, nested; two scenes, the second default.
 pub(crate) fn instances() -> String {
     let mut b = Buffer::default();
-    // An R-like shape has no symmetry, so a mirrored one is seen to be mirrored.
+    // An R-like shape has no symmetry, so mirroring is visible.
     let letter = block([-0.3, 0.0, -0.1], [-0.1, 1.0, 0.1])
         .and(block([-0.1, 0.8, -0.1], [0.3, 1.0, 0.1]))
         .and(block([-0.1, 0.4, -0.1], [0.2, 0.58, 0.1]));
@@ -147,7 +147,7 @@ pub(crate) fn instances() -> String {
         }));
         ring.push(child - 1);
     }
-    // A child of a mirrored parent, mirrored again, is no mirror image.
+    // A mirrored child of a mirrored parent is not a mirror image.
     let parent = nodes.len();
     nodes.push(json!({ "name": "mirror", "children": [parent + 1], "scale": [1, 1, -1] }));
     nodes.push(json!({ "name": "twice mirrored", "mesh": 0, "scale": [-1.6, 1.6, 1.6] }));
@@ -176,7 +176,7 @@ pub(crate) fn bare() -> String {
     }))
 }
 
-/// The smallest scene with something in it.
+/// The smallest scene with a triangle.
 pub(crate) fn single_triangle() -> String {
     let mut b = Buffer::default();
     let attributes = json!({

@@ -11,8 +11,8 @@ pub(crate) struct Mesh {
     pub(crate) indices: Vec<u16>,
 }
 
-/// A surface over u, v in 0..=1, `columns` by `rows` cells, normals from differences. Counter-clockwise
-/// where ∂u × ∂v points to the viewer.
+/// A surface over u, v in 0..=1 with `columns` by `rows` cells and normals from differences. Counter-clockwise if ∂u ×
+/// ∂v points to the viewer.
 pub(crate) fn surface(columns: u16, rows: u16, at: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
     let mut mesh = Mesh::default();
     let place = |u: f32, v: f32| glam::Vec3::from(at(u, v));
@@ -50,7 +50,7 @@ pub(crate) fn cylinder(columns: u16, rows: u16, radius: f32, height: f32) -> Mes
     })
 }
 
-/// A sphere without its poles' degenerate triangles being left out: both kinds occur in real files.
+/// A sphere that keeps the degenerate triangles at its poles: real files have spheres with and without them.
 pub(crate) fn globe(columns: u16, rows: u16, radius: f32) -> Mesh {
     let mut mesh = surface(columns, rows, |u, v| {
         let (s, c) = (-u * TAU).sin_cos();
@@ -68,14 +68,14 @@ pub(crate) fn floor(half: f32, cells: u16) -> Mesh {
     surface(cells, cells, |u, v| [(2.0 * u - 1.0) * half, 0.0, (1.0 - 2.0 * v) * half])
 }
 
-/// An upright rectangle about the origin that faces +Z; v grows downwards, as in glTF.
+/// An upright rectangle around the origin that faces +Z; v grows downwards, as in glTF.
 pub(crate) fn panel(width: f32, height: f32) -> Mesh {
     let mut mesh = surface(1, 1, |u, v| [(u - 0.5) * width, (v - 0.5) * height, 0.0]);
     mesh.texcoords.iter_mut().for_each(|t| t[1] = 1.0 - t[1]);
     mesh
 }
 
-/// A box from `min` to `max` with flat sides: 24 corners, 12 triangles.
+/// A box from `min` to `max` with flat sides: 24 vertices, 12 triangles.
 pub(crate) fn block(min: [f32; 3], max: [f32; 3]) -> Mesh {
     let mut mesh = Mesh::default();
     for axis in 0..3 {

@@ -1,4 +1,4 @@
-//! Scenes about surfaces and light: textures, lights, quantised attributes, deformed meshes.
+//! Scenes that test surfaces and light: textures, lights, quantised attributes, deformed meshes.
 
 use crate::gltf::{
     BYTE, Buffer, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_SHORT, data_uri, looking, matte, perspective, with,
@@ -24,15 +24,15 @@ fn png(width: u32, height: u32, at: impl Fn(u32, u32) -> [u8; 3]) -> Result<Vec<
     Ok(out.into_inner())
 }
 
-/// Names of the files beside `textures.gltf`: one is percent-encoded in it, the other is not.
+/// Files beside `textures.gltf`: the URI of one is percent-encoded, the other's is not.
 pub(crate) const CHESSBOARD: &str = "schach brett ü.png";
 pub(crate) const DATA: &str = "textures-данные.bin";
 
-/// A picture's wrap modes and filters, a factor over a texture, emission. Text, buffer, image.
+/// Wrap modes and filters of an image, a factor over a texture, emission. Returns text, buffer and image.
 pub(crate) fn textures() -> Result<(String, Vec<u8>, Vec<u8>), image::ImageError> {
     let mut b = Buffer::default();
     let chessboard = png(8, 8, |x, y| if (x + y) % 2 == 0 { [235, 220, 190] } else { [110, 60, 35] })?;
-    // Four corners of different colours: a mirrored copy is seen to be mirrored.
+    // Four corners of different colours, so that mirroring is visible.
     let compass = png(16, 16, |x, y| match (x.min(15 - x).min(y.min(15 - y)) < 1, x < 8, y < 8) {
         (true, ..) => [40, 40, 40],
         (_, true, true) => [210, 60, 50],
@@ -42,7 +42,7 @@ pub(crate) fn textures() -> Result<(String, Vec<u8>, Vec<u8>), image::ImageError
     })?;
     let ground = list(&mut b, &floor(3.5, 2), 0);
     let mut board = panel(1.5, 1.5);
-    // Two and a half copies: outside [0, 1] the wrap mode decides.
+    // Two and a half copies: outside [0, 1], the wrap mode matters.
     board.texcoords.iter_mut().for_each(|t| *t = t.map(|x| x * 2.5 - 0.75));
     let panels: Vec<Value> = (1..=4).map(|material| list(&mut b, &board, material)).collect();
     let ball = list(&mut b, &globe(32, 16, 0.5), 5);
@@ -105,7 +105,7 @@ pub(crate) fn lights() -> String {
     let ground = list(&mut b, &floor(3.5, 1), 0);
     let wall = list(&mut b, &panel(7.0, 4.0), 0);
     let ball = list(&mut b, &globe(24, 12, 0.6), 1);
-    // Half a globe, open to the front: its inside is seen.
+    // Half a globe, open to the front, so that its inside is visible.
     let bowl = list(
         &mut b,
         &surface(20, 6, |u, v| {
@@ -166,7 +166,7 @@ pub(crate) fn lights() -> String {
 pub(crate) fn quantized() -> Vec<u8> {
     let mut b = Buffer::default();
     let ring = torus(40, 20, 0.7, 0.28);
-    // Interleaved, 20 bytes a vertex: position i16x3 + pad, normal i8x3 + pad, uv u16x2, colour u8x4.
+    // Interleaved, 20 bytes per vertex: position i16x3 + pad, normal i8x3 + pad, uv u16x2, colour u8x4.
     let mut bytes = Vec::new();
     for ((p, n), t) in ring.positions.iter().zip(&ring.normals).zip(&ring.texcoords) {
         bytes.extend(p.iter().flat_map(|v| ((v * 32767.0).round() as i16).to_le_bytes()));
@@ -200,7 +200,7 @@ pub(crate) fn quantized() -> Vec<u8> {
         "attributes": { "POSITION": position, "NORMAL": normal, "TEXCOORD_0": texcoord, "COLOR_0": color },
         "indices": b.indices(&ring.indices), "material": 0
     });
-    // A block whose unit is a whole number: i8, not normalised; the node scales it.
+    // A block with a whole-number unit: i8, not normalised; the node scales it.
     let cube = block([-100.0; 3], [100.0, -60.0, 100.0]);
     let bytes: Vec<u8> =
         cube.positions.iter().flat_map(|p| [p[0] as i8 as u8, p[1] as i8 as u8, p[2] as i8 as u8, 0]).collect();
@@ -209,7 +209,7 @@ pub(crate) fn quantized() -> Vec<u8> {
         "bufferView": view, "componentType": BYTE, "count": 24, "type": "VEC3", "min": [-100, -100, -100], "max": [100, -60, 100]
     }));
     let cube = json!({ "attributes": { "POSITION": position }, "indices": b.indices(&cube.indices), "material": 1 });
-    // A flat sheet with a few corners pulled up by a sparse accessor.
+    // A flat sheet with a few vertices raised by a sparse accessor.
     let sheet = floor(2.4, 12);
     let flat = b.floats(&sheet.positions);
     let pulled: Vec<(u16, [f32; 3])> = (0..169u16)
@@ -227,7 +227,7 @@ pub(crate) fn quantized() -> Vec<u8> {
         "indices": { "bufferView": at, "componentType": UNSIGNED_SHORT },
         "values": { "bufferView": to }
     });
-    // Sparse colours over nothing: all black but where it says otherwise.
+    // Sparse colours without a base: black except where given.
     let tips: Vec<u8> = pulled.iter().flat_map(|_| [0.25f32, 0.45, 0.6]).flat_map(f32::to_le_bytes).collect();
     let tips = b.view(&tips);
     let colors = b.accessor(json!({
@@ -287,7 +287,7 @@ pub(crate) fn skin_and_morph() -> String {
     let wave: Vec<[f32; 3]> =
         sheet.positions.iter().map(|p| [0.0, 0.45 * (p[0] * 5.0).sin() * (p[2] * 5.0).cos(), 0.0]).collect();
     let target = json!({ "POSITION": b.floats(&wave) });
-    // Without normals a morphed surface is shaded flat, which shows its shape as it is.
+    // A morphed surface without normals is shaded flat, which shows its shape.
     let sheet = json!({
         "attributes": { "POSITION": b.floats(&sheet.positions) }, "indices": b.indices(&sheet.indices), "material": 1,
         "targets": [target]
@@ -299,7 +299,7 @@ pub(crate) fn skin_and_morph() -> String {
         "nodes": [
             { "name": "post", "mesh": 0, "skin": 0 },
             { "name": "root", "translation": [-1.1, 0, 0], "children": [2] },
-            // The joint leans, so the rest pose differs from the mesh as it is stored.
+            // The joint leans, so the rest pose differs from the stored mesh.
             { "name": "tip", "translation": [0, 1, 0], "rotation": [0, 0, -0.2588190451, 0.9659258263] },
             { "name": "sheet", "mesh": 1, "translation": [1.1, 0.7, 0] },
             { "name": "floor", "mesh": 2 },

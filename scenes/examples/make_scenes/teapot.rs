@@ -5,13 +5,13 @@ use raystep_scenes::{Camera, Light, Material, Projection, Scene};
 use std::collections::HashMap;
 use std::error::Error;
 
-/// From the text of `teapot.js`: `exports.positions=[[x,y,z],…]` and `exports.cells=[[a,b,c],…]`.
+/// Reads `teapot.js`: `exports.positions=[[x,y,z],…]` and `exports.cells=[[a,b,c],…]`.
 pub(crate) fn teapot(source: &str) -> Result<Scene, Box<dyn Error>> {
     let positions: Vec<[f32; 3]> = serde_json::from_value(list(source, "positions")?)?;
     let cells: Vec<[usize; 3]> = serde_json::from_value(list(source, "cells")?)?;
     let place = |i: usize| positions.get(i).map(|&p| Vec3::from(p)).ok_or("a cell names no position");
-    // Normals: the faces' about a corner, each weighted by its area (Gouraud 1971). The patches have
-    // corners of their own along their seams, so what lies in the same place counts as one corner.
+    // Vertex normals: the mean of adjacent face normals, weighted by area (Gouraud 1971). Patches have separate
+    // vertices along their seams, so vertices with the same position are treated as one.
     let spot = |i: usize| positions[i].map(|v| (v * 1000.0).round() as i64);
     let mut normals = HashMap::<_, Vec3>::new();
     for &[a, b, c] in &cells {
@@ -26,7 +26,7 @@ pub(crate) fn teapot(source: &str) -> Result<Scene, Box<dyn Error>> {
     };
     let mut scene = Scene {
         name: "teapot".to_owned(),
-        // Both sides: between lid and body one sees inside.
+        // Double-sided: the inside is visible between lid and body.
         materials: vec![material("china", [0.55, 0.63, 0.70], true), material("table", [0.42, 0.26, 0.15], false)],
         ..Scene::default()
     };
@@ -52,7 +52,7 @@ pub(crate) fn teapot(source: &str) -> Result<Scene, Box<dyn Error>> {
     Ok(scene)
 }
 
-/// The array that `exports.NAME=` is followed by.
+/// The array after `exports.NAME=`.
 fn list(source: &str, name: &str) -> Result<serde_json::Value, Box<dyn Error>> {
     let start = format!("exports.{name}=");
     let at = source.find(&start).ok_or_else(|| format!("there is no '{start}'"))? + start.len();

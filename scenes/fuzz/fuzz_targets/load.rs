@@ -1,12 +1,11 @@
-//! Any bytes into the loader: no panic, no hang, no large allocation, and scenes that keep what
-//! `Scene` promises.
+//! Loads arbitrary bytes: no panic, no hang, no large allocation, and scenes that satisfy the guarantees of `Scene`.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use raystep_scenes::{FileError, LoadOptions, Resolver, load};
 
-/// A file of the fuzzer's own beside the scene, so that external buffers and images are reached.
+/// A file beside the scene, so that external buffers and images are reached.
 struct Beside;
 
 const PNG: &[u8] = include_bytes!("../beside.png");
@@ -21,8 +20,8 @@ impl Resolver for Beside {
     }
 }
 
-/// Text up to a zero byte and what follows it, as the two chunks of a GLB. A mutation that makes the
-/// JSON longer leaves the lengths of a real GLB wrong, so few of them would reach the geometry.
+/// Text up to a zero byte and the bytes after it, as the two chunks of a GLB. If a mutation changes the length of a
+/// real GLB's JSON, the lengths in its headers are wrong; few such files would reach the geometry.
 fn as_glb(bytes: &[u8]) -> Option<Vec<u8>> {
     let zero = bytes.iter().position(|&byte| byte == 0).filter(|_| bytes.starts_with(b"{"))?;
     let (json, bin) = (&bytes[..zero], &bytes[zero + 1..]);

@@ -1,27 +1,27 @@
 //! Wavefront OBJ (Wavefront Technologies, "Advanced Visualizer Manual", appendix B1).
 //!
-//! A reader of our own: `tobj` 4.0.5 multiplies indices unchecked (`f 1//9223372036854775807` …),
-//! makes up normals where only some corners have one, refuses a file with one byte that is not UTF-8
-//! in a comment, and does not say in which line an error is.
+//! We wrote our own reader because `tobj` 4.0.5 multiplies indices unchecked (`f 1//9223372036854775807` …), invents
+//! normals if only some vertices have one, rejects a file with a byte in a comment that is not UTF-8, and does not
+//! report the line of an error.
 
 use super::{Assembly, ConvertError, Corner, linear};
 use crate::Scene;
 
-/// The scene in the OBJ file `bytes`; `name` is for messages and the scene's name.
+/// Reads the OBJ file `bytes`; `name` is used in messages and as the scene's name.
 ///
-/// Read are `v` (with colours, if any, taken as sRGB), `vt`, `vn` and `f`, with positive and negative
-/// indices. Materials (`mtllib`) are not, which is noted; lines, points, curves and groups are passed over.
+/// Reads `v` (with colours, if any, as sRGB), `vt`, `vn` and `f`, with positive and negative indices. Materials
+/// (`mtllib`) are ignored with a note; lines, points, curves and groups are ignored.
 ///
 /// # Errors
-/// A number that cannot be read or is not finite, an index of nothing, a face of fewer than three
-/// corners, a file without faces.
+/// A number that cannot be read or is not finite, an index out of range, a face with fewer than three vertices, a file
+/// without faces.
 pub fn obj(name: &str, bytes: &[u8]) -> Result<Scene, ConvertError> {
     let mut reader = Reader { assembly: Assembly::new(name), positions: vec![], texcoords: vec![], normals: vec![] };
     let mut lines = bytes.split(|&b| b == b'\n').enumerate();
     let mut face = Vec::new();
     while let Some((index, line)) = lines.next() {
         let mut text = String::from_utf8_lossy(line);
-        // A backslash at its end continues a line.
+        // A backslash at the end continues a line.
         while text.trim_end().ends_with('\\') {
             let Some((_, more)) = lines.next() else { break };
             let start = text.trim_end().trim_end_matches('\\').to_owned();
@@ -56,7 +56,7 @@ impl Reader {
             Some("v") => {
                 let [x, y, z] = floats(&mut words, "v", "x y z")?;
                 let rest: Vec<&str> = words.collect();
-                // One more number is a weight, which only curves use; three are a colour.
+                // A fourth number is a weight, which only curves use; three more numbers are a colour.
                 let color = match rest[..] {
                     [_, _, _, ..] => Some(floats(&mut rest.into_iter(), "v", "x y z r g b")?.map(linear)),
                     _ => None,
@@ -66,7 +66,7 @@ impl Reader {
             Some("vt") => {
                 let [u] = floats(&mut words, "vt", "u v")?;
                 let v = if let Some(word) = words.next() { float(word)? } else { 0.0 };
-                // OBJ counts v from the bottom of the picture, glTF from its top.
+                // In OBJ, v starts at the bottom of the image, in glTF at the top.
                 self.texcoords.push([u, 1.0 - v]);
             }
             Some("vn") => self.normals.push(floats(&mut words, "vn", "x y z")?),
@@ -107,7 +107,7 @@ impl Reader {
     }
 }
 
-/// Entry `word` of `list`: 1 is the first, −1 the last so far.
+/// Entry `word` of `list`: 1 is the first, −1 the most recent.
 fn at<'a, T>(list: &'a [T], word: &str, what: &str) -> Result<&'a T, String> {
     let index: i64 = word.parse().map_err(|_| format!("'{}' is not the number of a {what}", cut(word)))?;
     let count = list.len();
@@ -143,7 +143,7 @@ fn float(word: &str) -> Result<f32, String> {
     }
 }
 
-/// What is shown of a word that may be megabytes long.
+/// Shortens a word, which may be megabytes long, for a message.
 fn cut(word: &str) -> String {
     word.chars().take(40).collect()
 }

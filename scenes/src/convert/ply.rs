@@ -1,8 +1,8 @@
 //! Stanford PLY (Turk 1994): ASCII and both binary orders, through `ply-rs-bw`.
 //!
-//! That crate takes memory only as elements arrive. What it lets pass is checked here before the
-//! payload is read: counts that the file is too short for, and elements without properties, of which
-//! a header may claim any number without a byte to show for them.
+//! That crate allocates memory only as elements arrive. What it does not check is checked here before the payload is
+//! read: counts that the file is too short for, and elements without properties, which take no bytes, so that a header
+//! may declare any number of them.
 
 use super::{Assembly, ConvertError, Corner, linear};
 use crate::Scene;
@@ -11,15 +11,15 @@ use ply_rs_bw::ply::{
     BeginList, ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
-/// The scene in the PLY file `bytes`; `name` is for messages and the scene's name.
+/// Reads the PLY file `bytes`; `name` is used in messages and as the scene's name.
 ///
-/// Read are a vertex's `x y z`, `nx ny nz`, `red green blue` (taken as sRGB; whole numbers from 0 to
-/// the type's largest, floats from 0 to 1) and `s t`, `u v` or `texture_u texture_v`, and a face's
-/// `vertex_indices` or `vertex_index`. Everything else is passed over.
+/// Reads a vertex's `x y z`, `nx ny nz`, `red green blue` (sRGB; integers from 0 to the type's maximum, floats from 0
+/// to 1) and `s t`, `u v` or `texture_u texture_v`, and a face's `vertex_indices` or `vertex_index`. Everything else is
+/// ignored.
 ///
 /// # Errors
-/// A header or an element that cannot be read, more elements promised than the file can hold, an
-/// index of no vertex, a face of fewer than three corners, a corner that is not finite, no faces.
+/// A header or an element that cannot be read, more elements than the file can hold, a vertex index out of range, a
+/// face with fewer than three vertices, a vertex that is not finite, no faces.
 pub fn ply(name: &str, bytes: &[u8]) -> Result<Scene, ConvertError> {
     let mut reader = Reader::new(bytes);
     let parse = |e: ParseError| file_error(name, one_line(&e));
@@ -66,7 +66,7 @@ fn file_error(name: &str, problem: String) -> ConvertError {
     ConvertError::File { file: name.to_owned(), problem }
 }
 
-/// The parser's words without its line breaks, and not as long as a line of the file may be.
+/// The parser's message without line breaks, shortened since it may quote a whole line of the file.
 fn one_line(e: &ParseError) -> String {
     let text = e.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     match text.char_indices().nth(200) {
@@ -103,7 +103,7 @@ fn check_header(name: &str, header: &Header, payload: usize) -> Result<(), Conve
     Ok(())
 }
 
-/// What one entry takes, with empty lists. The newline of a text file's very last line may be missing.
+/// Minimum size of an element, with empty lists. The last line of a text file may lack its newline.
 fn bytes_at_least(element: &ElementDef, encoding: &Encoding) -> u128 {
     let size = |t: &ScalarType| match t {
         ScalarType::Char | ScalarType::UChar => 1,
@@ -132,7 +132,7 @@ impl Vertex {
         Corner { position: self.position, normal: self.normal, texcoord: self.texcoord, color }
     }
 
-    /// `full` is what 1 is written as in a colour of this type.
+    /// `full` is the value that stands for 1 in a colour of this type.
     fn set(&mut self, name: &str, value: f32, full: f32) -> PropertyAccessResult {
         match name {
             "x" => self.position[0] = value,
@@ -145,7 +145,7 @@ impl Vertex {
             "green" | "diffuse_green" => self.color.get_or_insert_default()[1] = value / full,
             "blue" | "diffuse_blue" => self.color.get_or_insert_default()[2] = value / full,
             "s" | "u" | "texture_u" => self.texcoord.get_or_insert_default()[0] = value,
-            // PLY, like OBJ, counts from the bottom of the picture.
+            // PLY, like OBJ, starts v at the bottom of the image.
             "t" | "v" | "texture_v" => self.texcoord.get_or_insert_default()[1] = 1.0 - value,
             _ => return PropertyAccessResult::Ignored,
         }
@@ -174,7 +174,7 @@ impl PropertyAccess for Vertex {
     }
 }
 
-/// The corners of a face, in the list of the type that the file has.
+/// The vertex indices of a face, as a list of the file's type.
 #[derive(Default)]
 struct Face {
     signed: Vec<i32>,
@@ -219,7 +219,7 @@ impl PropertyAccess for Face {
     }
 }
 
-/// An element of which nothing is kept.
+/// An element that is ignored.
 struct Skipped;
 
 impl PropertyAccess for Skipped {

@@ -4,7 +4,7 @@ use super::draft::{camera, lamp, matte};
 use crate::Scene;
 use glam::DVec3;
 
-/// The room's half width and half height, and where its back wall and its open front are.
+/// The room's half width and half height, and the positions of its back wall and open front.
 const HALF: f32 = 1.0;
 const BACK: f32 = -1.0;
 const FRONT: f32 = 3.6;
@@ -18,10 +18,9 @@ const TALL_TOP: f32 = 0.2;
 
 /// The room of the paper's Figure 6: 26 triangles, flat shaded, one point light.
 ///
-/// Floor, ceiling, back and side walls (10 triangles) and two blocks without their bottoms and
-/// backs (8 each). The walls are the scene's bounds, and they run forward past the camera: the
-/// paper's setup kernel cannot start a ray outside the grid. All windings face the camera's side, so
-/// no material is double-sided.
+/// Floor, ceiling, back and side walls (10 triangles) and two blocks without their bottoms and backs (8 each). The
+/// walls are the scene's bounds, and they extend past the camera, because the paper's setup kernel cannot start a ray
+/// outside the grid. All triangles face the camera, so no material is double-sided.
 #[must_use]
 pub fn cornell_box() -> Scene {
     const WHITE: u32 = 0;
@@ -50,7 +49,7 @@ pub fn cornell_box() -> Scene {
     for (foot, height) in [(SHORT, SHORT_TOP), (TALL, TALL_TOP)] {
         let at = |i: usize, y: f32| [foot[i][0], y, foot[i][1]];
         quad(WHITE, [at(0, height), at(1, height), at(2, height), at(3, height)]);
-        // Front, right and left; the back of each block is never seen.
+        // Front, right and left; the back of each block is never visible.
         for (i, j) in [(0, 1), (1, 2), (3, 0)] {
             quad(WHITE, [at(i, bottom), at(j, bottom), at(j, height), at(i, height)]);
         }

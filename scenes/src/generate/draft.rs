@@ -1,10 +1,10 @@
-//! What the generators share: a scene that is filled triangle by triangle, lights, cameras, materials.
+//! What the generators share: a scene filled triangle by triangle, lights, cameras, materials.
 
 use super::{GenerateError, MAX_TRIANGLES, Parameter};
 use crate::{Camera, Light, Material, Projection, Scene};
 use glam::{DVec3, Vec3};
 
-/// Which attributes a draft carries beside positions and materials.
+/// Attributes of a draft in addition to positions and materials.
 #[derive(Clone, Copy)]
 pub(super) struct Attributes {
     pub(super) normals: bool,
@@ -20,7 +20,7 @@ pub(super) fn check(generator: &'static str, p: &Parameter, value: u64) -> Resul
     Err(GenerateError::OutOfRange { generator, parameter: p.name, value, min, max })
 }
 
-/// An empty scene with room for `triangles`: all the memory is taken here, or none.
+/// An empty scene with room for `triangles`: allocates all the memory, or none.
 pub(super) fn draft(
     generator: &'static str,
     triangles: u64,
@@ -56,8 +56,8 @@ pub(super) fn matte(name: &str, base_color: [f32; 3]) -> Material {
     Material { name: name.to_owned(), base_color, ..Material::default() }
 }
 
-/// A white point light. Equation (1) has no falloff, so `intensity` is for other viewers: the square
-/// of the distance that it lights well.
+/// A white point light. Equation (1) has no falloff, so `intensity` is for other viewers: the square of a well-lit
+/// distance.
 pub(super) fn lamp(position: [f32; 3], color: [f32; 3], intensity: f32) -> Light {
     Light::Point { position, color, intensity }
 }

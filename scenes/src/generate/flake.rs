@@ -32,10 +32,9 @@ const COLORS: [[f32; 3]; 7] = [
     [0.80, 0.80, 0.80],
 ];
 
-/// The sphere flake of Haines, "A Proposal for Standard Graphics Environments", 1987: a sphere with
-/// nine spheres of a third of its radius around it, and so on `depth` times; six stand about the
-/// equator, three about the pole that points away from the parent. Every sphere is an icosphere with
-/// smooth normals; a colour a generation.
+/// The sphere flake of Haines, "A Proposal for Standard Graphics Environments", 1987: a sphere surrounded by nine
+/// spheres with a third of its radius, and so on `depth` times; six are around the equator, three around the pole away
+/// from the parent. Every sphere is an icosphere with smooth normals; each generation has its own colour.
 ///
 /// # Errors
 /// A parameter out of its range, or more than [`MAX_TRIANGLES`](super::MAX_TRIANGLES) together.
@@ -55,7 +54,7 @@ pub fn sphere_flake(depth: u64, subdivisions: u64) -> Result<Scene, GenerateErro
     let mut unit = Vec::new();
     sphere(subdivisions, |t| unit.push(t));
 
-    // One generation after the other, so that triangles of a material follow one another.
+    // One generation after the other, so that triangles of one material are contiguous.
     let mut generation = vec![Ball { center: Vec3::ZERO, radius: 1.0, away: Quat::IDENTITY }];
     for level in 0..=depth {
         for ball in &generation {
@@ -79,14 +78,14 @@ pub fn sphere_flake(depth: u64, subdivisions: u64) -> Result<Scene, GenerateErro
 struct Ball {
     center: Vec3,
     radius: f32,
-    /// Turns +Y to the direction away from the parent.
+    /// Rotates +Y to the direction away from the parent.
     away: Quat,
 }
 
 impl Ball {
     fn children(&self) -> [Self; 9] {
         std::array::from_fn(|i| {
-            // Six on the equator, then three at 55 degrees above it, turned by half a step.
+            // Six on the equator, then three at 55 degrees above it, rotated by half a step.
             let (turn, rise) = if i < 6 { (i as f32 * 60.0, 0.0) } else { (i as f32 * 120.0 + 30.0, 55.0) };
             let (sin_turn, cos_turn) = turn.to_radians().sin_cos();
             let (sin_rise, cos_rise) = f32::to_radians(rise).sin_cos();

@@ -8,7 +8,7 @@ use crate::{Material, Scene};
 use glam::{DVec3, Vec3};
 
 const NAME: &str = "hair";
-/// Pieces of a strand; the last ends in a point, so a strand has 2·8 − 1 triangles.
+/// Segments of a strand; the last ends in a point, so a strand has 2·8 − 1 triangles.
 const PIECES: usize = 8;
 const PER_STRAND: u64 = 2 * PIECES as u64 - 1;
 const SCALP_SUBDIVISIONS: u64 = 4;
@@ -23,9 +23,9 @@ pub(super) const STRANDS: Parameter = Parameter {
 
 const COLORS: [[f32; 3]; 4] = [[0.42, 0.20, 0.08], [0.55, 0.29, 0.11], [0.66, 0.40, 0.17], [0.33, 0.14, 0.06]];
 
-/// A ball of radius 1 with `strands` hairs: ribbons along quadratic Bézier curves that leave the ball
-/// upright, sway and hang, and taper to a point. A ribbon is some hundred times longer than wide and
-/// lies across the axes, so boxes and cells around its triangles are nearly empty.
+/// A ball of radius 1 with `strands` hairs: ribbons along quadratic Bézier curves that leave the ball vertically, sway,
+/// hang down, and taper to a point. A ribbon is several hundred times longer than wide and not aligned with any axis,
+/// so boxes and cells around its triangles are nearly empty.
 ///
 /// # Errors
 /// More than [`MAX_TRIANGLES`].
@@ -48,8 +48,8 @@ pub fn hair(strands: u64, seed: u64) -> Result<Scene, GenerateError> {
         scene.triangle_materials.push(0);
     });
     let mut random = Random::new(seed);
-    // Thinner where there are more, so that the ball stays a ball of hair; never below what f32
-    // resolves at this distance from the origin.
+    // Thinner if there are more, so that it remains a ball of hair; never below f32's resolution at this distance from
+    // the origin.
     let width = (0.9 / (strands.max(1) as f32).sqrt()).clamp(2e-4, 0.02);
     for i in 0..strands {
         let material = 1 + (i * COLORS.len() as u64 / strands) as u32;

@@ -12,11 +12,10 @@ pub(super) const SUBDIVISIONS: Parameter = Parameter {
     range: 0..=11,
 };
 
-/// A unit sphere about the origin: an icosahedron whose triangles are cut in four `subdivisions`
-/// times, the new corners pushed out to the sphere. 20·4^`subdivisions` triangles, all windings
-/// outward, smooth normals.
+/// A unit sphere around the origin: an icosahedron whose triangles are split in four `subdivisions` times, with the new
+/// vertices moved onto the sphere. 20·4^`subdivisions` triangles, all facing outward, smooth normals.
 ///
-/// Watertight: a corner has the same bits in each of its triangles.
+/// Watertight: a vertex has the same bits in each of its triangles.
 ///
 /// # Errors
 /// More than 11 subdivisions.
@@ -37,14 +36,14 @@ pub fn icosphere(subdivisions: u64) -> Result<Scene, GenerateError> {
     Ok(scene)
 }
 
-/// How many triangles [`sphere`] makes.
+/// The number of triangles of [`sphere`].
 pub(super) fn triangles(subdivisions: u64) -> u64 {
     u32::try_from(2 * subdivisions).ok().and_then(|s| 20u64.checked_shl(s)).unwrap_or(u64::MAX)
 }
 
 /// Calls `each` with every triangle, counter-clockwise from outside.
 pub(super) fn sphere(subdivisions: u64, mut each: impl FnMut([Vec3; 3])) {
-    // The icosahedron's corners are the corners of three golden rectangles.
+    // The icosahedron's vertices are the vertices of three golden rectangles.
     let golden = f32::midpoint(1.0, 5f32.sqrt());
     let corner = |i: usize| {
         let long = if i & 1 == 0 { golden } else { -golden };
@@ -60,8 +59,8 @@ pub(super) fn sphere(subdivisions: u64, mut each: impl FnMut([Vec3; 3])) {
         for b in a + 1..12 {
             for c in b + 1..12 {
                 let t = [a, b, c].map(corner);
-                // An icosahedron's edge is 1.05 radii long and its next shorter diagonal 1.7: a triple
-                // of mutual neighbours is a face.
+                // An icosahedron's edge is 1.05 radii long and its next longer distance 1.7: three mutual neighbours
+                // form a face.
                 if (0..3).all(|k| t[k].distance_squared(t[(k + 1) % 3]) < 1.5) {
                     let outward = (t[1] - t[0]).cross(t[2] - t[0]).dot(t[0]) > 0.0;
                     divide(if outward { t } else { [t[0], t[2], t[1]] }, subdivisions, &mut each);
@@ -75,8 +74,8 @@ fn divide([a, b, c]: [Vec3; 3], times: u64, each: &mut impl FnMut([Vec3; 3])) {
     if times == 0 {
         return each([a, b, c]);
     }
-    // a + b and b + a are the same bits, so the two triangles at an edge agree on its middle without
-    // a table of edges.
+    // a + b and b + a have the same bits, so the two triangles at an edge agree on its midpoint without a table of
+    // edges.
     let [ab, bc, ca] = [a + b, b + c, c + a].map(Vec3::normalize);
     for t in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
         divide(t, times - 1, each);

@@ -1,9 +1,9 @@
-//! Random numbers that are the same everywhere.
+//! Random numbers that are the same on every machine.
 
 /// SplitMix64: Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
 pub(super) struct Random(u64);
 
-/// The finaliser of SplitMix64, a bijection that mixes every bit into every other.
+/// The finaliser of SplitMix64, a bijection in which every input bit affects every output bit.
 pub(super) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -20,26 +20,26 @@ impl Random {
         mix(self.0)
     }
 
-    /// Evenly in [0, 1), a multiple of 2^-24: every value is exact in f32.
+    /// Uniform in [0, 1), a multiple of 2^-24, which f32 represents exactly.
     pub(super) fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 * (1.0 / 16_777_216.0)
     }
 
-    /// Evenly in [-1, 1).
+    /// Uniform in [-1, 1).
     pub(super) fn signed(&mut self) -> f32 {
         self.unit() * 2.0 - 1.0
     }
 
     /// Three numbers in [-1, 1).
     pub(super) fn signed3(&mut self) -> glam::Vec3 {
-        // Written out, as the order in which arguments are drawn is part of the result.
+        // Three statements, because the order of the draws is part of the result.
         let x = self.signed();
         let y = self.signed();
         let z = self.signed();
         glam::Vec3::new(x, y, z)
     }
 
-    /// A direction, evenly over the sphere: by rejection, which needs no sine (von Neumann 1951).
+    /// A uniformly distributed direction: by rejection, which needs no sine (von Neumann 1951).
     pub(super) fn direction(&mut self) -> glam::Vec3 {
         loop {
             let v = self.signed3();

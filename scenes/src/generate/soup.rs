@@ -1,4 +1,4 @@
-//! Triangles without any order.
+//! Unordered triangles.
 
 use super::draft::{Attributes, camera, check, draft, lamp, matte, sun};
 use super::random::Random;
@@ -22,12 +22,12 @@ const COLORS: [[f32; 3]; 6] = [
     [0.46, 0.28, 0.55],
 ];
 
-/// `triangles` small triangles in the unit cube, their centres evenly spread and their corners evenly
-/// in a box around them with edges of 1.5 · `triangles`^(−1/3): as many meet in one place however
-/// many there are. Flat shaded, double-sided, in six colours.
+/// `triangles` small triangles in the unit cube, with uniformly distributed centres and vertices uniformly distributed
+/// in a box of side 1.5 · `triangles`^(−1/3) around them: the overlap does not depend on their number. Flat shaded,
+/// double-sided, in six colours.
 ///
 /// # Errors
-/// None, or more than [`MAX_TRIANGLES`].
+/// Zero triangles, or more than [`MAX_TRIANGLES`].
 pub fn soup(triangles: u64, seed: u64) -> Result<Scene, GenerateError> {
     const NAME: &str = "soup";
     check(NAME, &TRIANGLES, triangles)?;
@@ -41,8 +41,8 @@ pub fn soup(triangles: u64, seed: u64) -> Result<Scene, GenerateError> {
     let mut random = Random::new(seed);
     let half = (0.75 / cube_root(triangles as f64)).min(0.35) as f32;
     for i in 0..triangles {
-        // All of a colour follow one another, so that a file keeps the order of the ids; as positions
-        // are random, no one sees it.
+        // Triangles of one colour are contiguous, so that a file keeps the order of the ids; since positions are
+        // random, this is not visible.
         scene.triangle_materials.push((i * colors / triangles) as u32);
         let center = Vec3::splat(0.5) + random.signed3() * (0.5 - half);
         scene.triangles.push([(); 3].map(|()| (center + random.signed3() * half).to_array()));
@@ -53,7 +53,7 @@ pub fn soup(triangles: u64, seed: u64) -> Result<Scene, GenerateError> {
     Ok(scene)
 }
 
-/// Newton's method, as `cbrt` is a library's and may differ in its last bit.
+/// Newton's method: `cbrt` is a library function whose last bit may differ.
 fn cube_root(x: f64) -> f64 {
     let mut root = x.max(1.0);
     for _ in 0..200 {

@@ -15,12 +15,12 @@ pub(super) const TRIANGLES: Parameter = Parameter {
 
 /// Half the side of the square of land.
 const HALF: f32 = 4.0;
-/// Everything lower is lake.
+/// Everything lower is water.
 const WATER: f32 = 0.0;
 
-/// A square of land, 8 by 8 units, as 2·n² triangles with n = ⌊√(`triangles`/2)⌋: fractional Brownian
-/// motion (Mandelbrot and Van Ness 1968) of lattice noise (Perlin 1985), valleys flattened to lakes.
-/// Smooth normals; vertex colours by height and steepness.
+/// A square of land, 8 by 8 units, of 2·n² triangles with n = ⌊√(`triangles`/2)⌋: fractional Brownian motion
+/// (Mandelbrot and Van Ness 1968) of lattice noise (Perlin 1985), with valleys flattened to lakes. Smooth normals;
+/// vertex colours by height and slope.
 ///
 /// # Errors
 /// Fewer than two triangles, or more than [`MAX_TRIANGLES`].
@@ -33,14 +33,14 @@ pub fn terrain(triangles: u64, seed: u64) -> Result<Scene, GenerateError> {
     let n = n as usize;
     let field = Field::new(n, seed);
     let (mut normals, mut colors) = (scene.normals.take().unwrap_or_default(), scene.colors.take().unwrap_or_default());
-    // Two rows of shaded corners at a time: each is worked out once, and the whole grid is never held.
+    // Two rows of shaded vertices at a time: each is computed once, and the whole grid is never stored.
     let shaded = |row: usize| (0..=n).map(|column| field.corner(column, row)).collect::<Vec<_>>();
     let mut far = shaded(0);
     for row in 1..=n {
         let near = shaded(row);
         for i in 0..n {
             let (a, b, c, d) = (&near[i], &near[i + 1], &far[i + 1], &far[i]);
-            // The diagonals alternate, so that ridges do not all lean one way.
+            // The diagonals alternate, so that ridges have no preferred direction.
             let cell = if (i + row) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
             for t in cell {
                 scene.triangles.push(t.map(|c| c.position.to_array()));
@@ -72,7 +72,7 @@ struct Field {
 
 impl Field {
     fn new(cells: usize, seed: u64) -> Self {
-        // Detail finer than the grid would only be noise.
+        // Detail finer than the grid would alias.
         let octaves = (cells.max(2).ilog2()).clamp(3, 12);
         let mut heights = Vec::with_capacity((cells + 1) * (cells + 1));
         for row in 0..=cells {
@@ -117,7 +117,7 @@ fn color(h: f32, upright: f32) -> Vec3 {
     ground.lerp(SNOW, smooth(0.62, 0.8, h) * smooth(0.45, 0.7, upright))
 }
 
-/// 0 up to `from`, 1 from `to`, a cubic in between; also for `from > to`.
+/// 0 below `from`, 1 above `to`, a cubic in between; also for `from > to`.
 fn smooth(from: f32, to: f32, x: f32) -> f32 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -127,7 +127,7 @@ fn height(x: f32, z: f32, octaves: u32, seed: u64) -> f32 {
     let (mut sum, mut size, mut scale) = (0.0, 1.0, 1.0);
     for octave in 0..octaves {
         let n = noise(x * scale, z * scale, seed ^ u64::from(octave));
-        // The lower octaves make ridges, the higher ones only roughen them.
+        // The lower octaves form ridges, the higher ones add roughness.
         sum += size * if octave < 3 { 0.8 - 1.9 * n.abs() } else { n };
         size *= 0.46;
         scale *= 2.0;

@@ -22,11 +22,10 @@ pub(super) const RATIO: Parameter = Parameter {
     range: 4..=1_000_000,
 };
 
-/// A torus knot two units wide, closed and smooth, of at most `triangles` triangles, on the floor in
-/// the middle of a room whose sides are `ratio` times as long: the "teapot in a stadium" that a
-/// uniform grid suffers from (Haines, Ray Tracing News 1988), as it falls into a few cells. With the
-/// defaults an edge of the knot is about 1e-5 of the room. The first camera sees the knot, the second
-/// the room.
+/// A torus knot two units wide, closed and smooth, of at most `triangles` triangles, on the floor in the middle of a
+/// room with sides `ratio` times as long: the "teapot in a stadium" (Haines, Ray Tracing News 1988), a bad case for a
+/// uniform grid because it falls into a few cells. With the defaults, an edge of the knot is about 1e-5 of the room.
+/// The first camera sees the knot, the second the room.
 ///
 /// # Errors
 /// A parameter out of its range.
@@ -75,7 +74,7 @@ pub fn tiny_in_room(triangles: u64, ratio: u64) -> Result<Scene, GenerateError> 
     Ok(scene)
 }
 
-/// The counts around and along the tube, about 1 to 8, with at most `triangles` triangles.
+/// Numbers of facets around and along the tube, in a ratio of about 1 to 8, with at most `triangles` triangles.
 fn facets(triangles: u64) -> (u64, u64) {
     let around = (triangles / 16).isqrt().max(3);
     (around, (triangles / (2 * around)).max(3))
@@ -87,12 +86,12 @@ struct Tube {
 }
 
 impl Tube {
-    /// Position and normal of corner `k` around at `i` along; both wrap to the bits of 0.
+    /// Position and normal of vertex `k` around and `i` along; both wrap to the bits of 0.
     fn corner(&self, i: u64, k: u64) -> (Vec3, Vec3) {
         let turn = |n: u64, of: u64| (n % of) as f32 / of as f32 * TAU;
         let (t, around) = (turn(i, self.along), turn(k, self.around));
-        // The trefoil on a torus; its tangent follows by differentiating, and the tube's frame is
-        // built on the torus' axis, so it closes without a twist.
+        // The trefoil on a torus; its tangent is the derivative, and the tube's frame is based on the axis of the
+        // torus, so it closes without a twist.
         let (r, tube) = (0.62, 0.2);
         let (s3, c3) = (3.0 * t).sin_cos();
         let (s2, c2) = (2.0 * t).sin_cos();
@@ -108,7 +107,7 @@ impl Tube {
     }
 }
 
-/// A cube from the floor at y = 0, `2·half` wide, seen from inside.
+/// A cube from the floor at y = 0, `2·half` wide, visible from inside.
 fn room(half: f32, mut each: impl FnMut([[f32; 3]; 3], [f32; 3], u32)) {
     let (l, h, top) = (-half, half, half * 2.0);
     let mut quad = |material, normal, [a, b, c, d]: [[f32; 3]; 4]| {

@@ -12,7 +12,7 @@ const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// The JSON as it grows; offsets are counted as if the bytes were being written.
+/// The JSON under construction; offsets are counted as if the bytes were being written.
 pub(super) struct Document<'a> {
     scene: &'a Scene,
     root: Map<String, Value>,
@@ -24,7 +24,7 @@ pub(super) struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Everything but the mesh. Textures are encoded here, and come first in the binary chunk.
+    /// Everything except the mesh. Textures are encoded here, and come first in the binary chunk.
     pub(super) fn new(scene: &'a Scene) -> Result<Self, WriteError> {
         let mut d = Self {
             scene,
@@ -74,7 +74,7 @@ impl<'a> Document<'a> {
         self.accessors.len() - 1
     }
 
-    /// Adds a primitive whose bytes follow what was added before, in the order of [`Primitive::write`].
+    /// Adds a primitive whose bytes follow those added before, in the order of [`Primitive::write`].
     pub(super) fn primitive(&mut self, material: usize, primitive: &Primitive<'_>) {
         let count = primitive.vertices();
         let position = self.accessor(count, 3, FLOAT, ARRAY_BUFFER);
@@ -118,7 +118,7 @@ impl<'a> Document<'a> {
                 node
             }));
         }
-        // A file without scenes is valid; some readers refuse a scene without nodes, though it is too.
+        // A file without scenes is valid; a scene without nodes is valid, too, but some readers reject it.
         if !nodes.is_empty() {
             let all: Vec<_> = (0..nodes.len()).collect();
             self.root.insert("scenes".into(), json!([{ "name": scene.name, "nodes": all }]));
@@ -138,14 +138,14 @@ impl<'a> Document<'a> {
     }
 }
 
-/// A factor as people write it: 0.73, not 0.7300000190734863, where it reads back as the same f32.
+/// A factor in short form, 0.73 instead of 0.7300000190734863, if that reads back as the same f32.
 fn short(x: f32) -> f64 {
     format!("{x}").parse().ok().filter(|&d: &f64| d as f32 == x).unwrap_or_else(|| x.into())
 }
 
 fn material(m: &crate::Material) -> Value {
     let [r, g, b] = m.base_color.map(short);
-    // Rough and not metallic, so that other viewers too show a Lambertian surface.
+    // Rough and not metallic, so that other viewers also show a Lambertian surface.
     let mut pbr = json!({ "baseColorFactor": [r, g, b, 1], "metallicFactor": 0, "roughnessFactor": 1 });
     if let Some(texture) = m.texture {
         pbr["baseColorTexture"] = json!({ "index": texture });
@@ -191,7 +191,7 @@ fn light(l: &Light) -> Value {
     json
 }
 
-/// A node with the light at its place; light travels along the node's −Z.
+/// A node at the light's position; light travels along the node's −Z.
 fn placed(l: &Light) -> Value {
     match *l {
         Light::Point { position, .. } => json!({ "name": "point light", "translation": position.map(short) }),
@@ -210,14 +210,14 @@ fn aimed(direction: [f32; 3], position: [f32; 3]) -> [f64; 16] {
     matrix(right, back.cross(right), back, Vec3::from(position).as_dvec3())
 }
 
-/// Columns, as glTF has them.
+/// Column by column, as in glTF.
 fn matrix(x: DVec3, y: DVec3, z: DVec3, origin: DVec3) -> [f64; 16] {
     let [a, b, c, d] = [x.extend(0.0), y.extend(0.0), z.extend(0.0), origin.extend(1.0)].map(|v| v.to_array());
-    // Adding 0 turns −0 into 0, which reads better.
+    // Adding 0 turns −0 into 0.
     std::array::from_fn(|i| [a, b, c, d][i / 4][i % 4] + 0.0)
 }
 
-/// The clipping planes that glTF wants are not used here; they are set so that viewers show the scene.
+/// raystep does not use clipping planes, but glTF requires them; they are set so that viewers show the whole scene.
 fn camera(c: &Camera, size: f64) -> Value {
     match c.projection {
         Projection::Perspective { vertical_fov } => {
@@ -236,7 +236,7 @@ fn bounds_size(scene: &Scene) -> f64 {
     if size > 0.0 { size } else { 1.0 }
 }
 
-/// Cameras and lights have no list that `check` walks as a whole: their parts differ by kind.
+/// Checks cameras and lights, whose fields differ by kind.
 pub(super) fn check_placed(scene: &Scene) -> Result<(), WriteError> {
     super::each("cameras", &scene.cameras, "is not finite, or its angle or height is out of range", |c| {
         let axes = [c.eye, c.right, c.up, c.forward].iter().all(|v| v.is_finite());

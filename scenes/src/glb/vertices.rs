@@ -1,24 +1,24 @@
-//! A primitive's vertices: which corners are written, and in which order triangles name them.
+//! A primitive's vertices: which of them are written, and how triangles index them.
 
 use crate::Scene;
 
-/// How many corners are looked at before sharing is given up.
+/// How many triangle corners to examine before giving up sharing.
 const SAMPLE: usize = 3 << 17;
 
 /// The triangles of one material.
 ///
-/// A corner is numbered 3·triangle + k. Bytes in the file, in this order: positions, normals, texture
-/// coordinates and colours of all vertices, where the scene has them, then the indices, padded to 4.
+/// A corner has the number 3·triangle + k. Bytes in the file, in this order: positions, normals, texture coordinates
+/// and colours of all vertices (those that the scene has), then the indices, padded to 4.
 pub(super) struct Primitive<'a> {
     triangles: &'a [u32],
-    /// The first corner of each vertex, and per corner of `triangles` its vertex. None where every
-    /// corner is a vertex of its own.
+    /// The first corner of each vertex, and for each corner of `triangles` its vertex. `None` if every corner is a
+    /// separate vertex.
     shared: Option<(Vec<u32>, Vec<u32>)>,
     pub(super) min: [f32; 3],
     pub(super) max: [f32; 3],
 }
 
-/// The scene's vertex attributes beside the position: floats a vertex, and the name in glTF.
+/// The scene's vertex attributes besides the position: glTF name and floats per vertex.
 pub(super) fn attributes(scene: &Scene) -> impl Iterator<Item = (&'static str, usize)> {
     [
         scene.normals.is_some().then_some(("NORMAL", 3)),
@@ -39,7 +39,7 @@ impl<'a> Primitive<'a> {
                 max[axis] = max[axis].max(corner[axis]);
             }
         }
-        // An index costs 4 bytes (2 in small primitives), a vertex that is not repeated saves all of its.
+        // An index costs 4 bytes (2 in small primitives); each vertex that is not repeated saves all of its bytes.
         let vertex_bytes = 4 * (3 + attributes(scene).map(|a| a.1).sum::<usize>());
         let worth = |vertices: usize, corners: usize| vertices * vertex_bytes + corners * 4 < corners * vertex_bytes;
         let sample = &triangles[..triangles.len().min(SAMPLE / 3)];
@@ -50,14 +50,14 @@ impl<'a> Primitive<'a> {
         Self { triangles, shared, min, max }
     }
 
-    /// How many vertices are written.
+    /// Number of vertices to write.
     pub(super) fn vertices(&self) -> usize {
         self.shared.as_ref().map_or(self.triangles.len() * 3, |s| s.0.len())
     }
 
-    /// How many indices are written and how many bytes each has; none where vertices are not shared.
+    /// Number of indices to write and bytes per index; `None` if vertices are not shared.
     pub(super) fn indices(&self) -> Option<(usize, usize)> {
-        // glTF forbids the largest index of a type, as it would restart a strip.
+        // glTF forbids the largest value of an index type, since it would restart a strip.
         self.shared.as_ref().map(|(vertices, of)| (of.len(), if vertices.len() <= 0xffff { 2 } else { 4 }))
     }
 
@@ -90,12 +90,12 @@ impl<'a> Primitive<'a> {
     }
 }
 
-/// The first corner of each distinct vertex, and per corner its vertex. Distinct is by bits: 0 and −0
-/// are two vertices, so that both come back.
+/// The first corner of each distinct vertex, and for each corner its vertex. Vertices are compared by bits: 0 and −0
+/// differ, so that both are preserved.
 fn share(scene: &Scene, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
     const FREE: u32 = u32::MAX;
     let corners = triangles.len() * 3;
-    // Open addressing, at most half full, in one allocation: std's map would keep its keys too.
+    // Open addressing, at most half full, in one allocation: std's map would store keys as well.
     let mask = (corners * 2).next_power_of_two() - 1;
     let mut table = vec![FREE; mask + 1];
     let (mut first, mut of) = (Vec::new(), Vec::with_capacity(corners));
@@ -118,7 +118,7 @@ fn share(scene: &Scene, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
     (first, of)
 }
 
-/// All the bits of a corner; 0 where the scene has no such attribute.
+/// All the bits of a corner; 0 for attributes that the scene does not have.
 fn words(scene: &Scene, corner: u32) -> [u32; 11] {
     let (t, k) = (corner as usize / 3, corner as usize % 3);
     let [px, py, pz] = scene.triangles[t][k];

@@ -1,5 +1,5 @@
-//! The bounded accessor reader: offsets, strides and counts are checked against the bytes that are
-//! there, in u64, before anything is allocated or read.
+//! The bounded accessor reader: checks offsets, strides and counts against the available bytes, in u64, before anything
+//! is allocated or read.
 
 use super::budget::Budget;
 use super::buffers::Buffers;
@@ -10,10 +10,10 @@ use gltf::json::{Index, Root, buffer::View};
 use serde_json::Value;
 use std::cell::RefCell;
 
-/// Zeros that a file may claim beyond its own size, see [`Accessors::open`].
+/// Number of zeros that a file may declare beyond its own size, see [`Accessors::open`].
 const FREE_ZEROS: u64 = 1 << 16;
 
-/// Everything that accessors refer to.
+/// Everything that accessors may refer to.
 #[derive(Clone, Copy)]
 pub(super) struct Accessors<'a> {
     root: &'a Root,
@@ -22,7 +22,7 @@ pub(super) struct Accessors<'a> {
     notes: &'a RefCell<Notes>,
 }
 
-/// A run of elements that is known to lie within its bytes.
+/// A sequence of elements that is known to be within its bytes.
 #[derive(Clone, Copy)]
 struct Run<'a> {
     bytes: &'a [u8],
@@ -30,13 +30,13 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Element `i`'s bytes on. Empty past the end, which [`Accessors::run`] has ruled out.
+    /// The bytes from element `i` on. Empty past the end, which [`Accessors::run`] has excluded.
     fn element(&self, i: usize) -> &'a [u8] {
         i.checked_mul(self.stride).and_then(|start| self.bytes.get(start..)).unwrap_or_default()
     }
 }
 
-/// The elements that replace those of the run.
+/// The elements that replace some of the run's.
 #[derive(Clone, Copy)]
 struct Sparse<'a> {
     count: u64,
@@ -47,17 +47,17 @@ struct Sparse<'a> {
 
 /// An accessor, checked and ready to be decoded.
 pub(super) struct Elements<'a> {
-    /// Where it is used, and which one it is, for messages.
+    /// Its index and where it is used, for messages.
     path: String,
     index: usize,
-    /// What the file says of its smallest and its largest components, not normalised.
+    /// The declared minimum and maximum components, not normalised.
     bounds: [Option<&'a Value>; 2],
-    /// How many elements there are.
+    /// The number of elements.
     pub(super) count: u64,
     kind: Type,
     component: ComponentType,
     normalized: bool,
-    /// `None` where all elements start as zeros.
+    /// `None` if all elements are initially zero.
     dense: Option<Run<'a>>,
     sparse: Option<Sparse<'a>>,
     budget: &'a Budget,
@@ -81,8 +81,8 @@ impl<'a> Accessors<'a> {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 Some(self.run(view, offset, count, element_bytes, &path)?)
             }
-            // Zeros have no bytes to be checked against. Whatever they go with (a mesh that they
-            // displace, indices) has at least a byte an element, so the file's size bounds them.
+            // Zeros have no bytes to check against. Whatever they are used with (a mesh that they displace, indices)
+            // has at least one byte per element, so the file's size bounds them.
             None if count > FREE_ZEROS && count - FREE_ZEROS > self.buffers.total_bytes() => {
                 let problem = format!("claims {count} zeros without a bufferView, far more than the file has bytes");
                 return Err(at(path, problem));
@@ -158,7 +158,7 @@ impl Elements<'_> {
         at(self.path.clone(), problem)
     }
 
-    /// Whether the accessor is one of `kinds` with one of `components`; else what would be right.
+    /// Whether the accessor has one of `kinds` and one of `components`; otherwise an error with the expected ones.
     pub(super) fn expect(&self, kinds: &[Type], components: &[ComponentType], right: &str) -> Result<(), LoadError> {
         if kinds.contains(&self.kind) && components.contains(&self.component) {
             return Ok(());
@@ -166,7 +166,7 @@ impl Elements<'_> {
         Err(self.wrong(format!("is {:?} of {:?}; expected {right}", self.kind, self.component)))
     }
 
-    /// Refuses integers that are not normalised where only normalised ones have a meaning.
+    /// Rejects integers that are not normalised in places where only normalised ones are meaningful.
     pub(super) fn expect_normalized(&self) -> Result<(), LoadError> {
         if self.component == ComponentType::F32 || self.normalized {
             return Ok(());
@@ -174,11 +174,11 @@ impl Elements<'_> {
         Err(self.wrong("has integers that are not normalized; expected \"normalized\": true"))
     }
 
-    /// The first `N` components of every element as numbers, normalised where the accessor says so.
+    /// The first `N` components of every element as numbers, normalised if the accessor says so.
     pub(super) fn vectors<const N: usize>(&self) -> Result<Vec<[f32; N]>, LoadError> {
         let decode: fn(&[u8]) -> f32 = match (self.component, self.normalized) {
             (ComponentType::F32, _) => |b| f32::from_le_bytes(word(b)),
-            // The specification's conversions; the smallest signed value would fall below -1.
+            // The specification's conversions; without clamping, the smallest signed value would be below -1.
             (ComponentType::I8, true) => |b| (f32::from(i8::from_le_bytes(word(b))) / 127.0).max(-1.0),
             (ComponentType::U8, true) => |b| f32::from(u8::from_le_bytes(word(b))) / 255.0,
             (ComponentType::I16, true) => |b| (f32::from(i16::from_le_bytes(word(b))) / 32767.0).max(-1.0),
@@ -194,7 +194,7 @@ impl Elements<'_> {
             let mut components = bytes.chunks(self.component.size()).map(decode);
             std::array::from_fn(|_| components.next().unwrap_or_default())
         })?;
-        // A normalised number keeps the order of the integers that it is made of.
+        // Normalised numbers have the same order as their integers.
         let scale = match (self.component, self.normalized) {
             (ComponentType::F32, _) | (_, false) => 1.0,
             (ComponentType::I8, true) => 127.0,
@@ -212,7 +212,7 @@ impl Elements<'_> {
         Ok(elements)
     }
 
-    /// Notes where an element is outside of what the file says. What is no number is noted elsewhere.
+    /// Notes elements outside the declared bounds. NaN is noted elsewhere.
     fn check_bounds<T: PartialOrd + Copy, const N: usize>(&self, elements: &[[T; N]], as_decoded: impl Fn(f64) -> T) {
         let parts = N.min(self.kind.multiplicity());
         let bound = |value: Option<&Value>, part: usize| Some(as_decoded(value?.get(part)?.as_f64()?));
@@ -237,15 +237,15 @@ impl Elements<'_> {
             let mut components = bytes.chunks(self.component.size()).map(|b| unsigned(self.component, b));
             std::array::from_fn(|_| components.next().unwrap_or_default())
         })?;
-        // What is negative or too large is cut to what an index can be.
+        // Negative or too large bounds are clamped to the range of an index.
         self.check_bounds(&elements, |bound| bound as u32);
         Ok(elements)
     }
 
-    /// Decodes all elements: the dense run, or zeros, and the sparse ones over it.
+    /// Decodes all elements: the dense run, or zeros, replaced by sparse ones.
     fn collect<T: Copy>(&self, zero: T, decode: impl Fn(&[u8]) -> T) -> Result<Vec<T>, LoadError> {
         let mut out = self.budget.vec(self.count, &self.path)?;
-        // `vec` has shown that the count is a usize.
+        // `vec` succeeded, so the count fits a usize.
         let count = usize::try_from(self.count).unwrap_or_default();
         match self.dense {
             Some(run) => out.extend((0..count).map(|i| decode(run.element(i)))),
@@ -280,7 +280,7 @@ fn unsigned(component: ComponentType, bytes: &[u8]) -> u32 {
     }
 }
 
-/// The first `N` bytes; zeros past the end, which [`Accessors::run`] has ruled out.
+/// The first `N` bytes; zeros past the end, which [`Accessors::run`] has excluded.
 fn word<const N: usize>(bytes: &[u8]) -> [u8; N] {
     bytes.first_chunk().copied().unwrap_or([0; N])
 }

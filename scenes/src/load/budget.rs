@@ -1,9 +1,9 @@
-//! Counts what is decoded, so that a small file cannot ask for a large machine.
+//! Limits what is decoded, so that a small file cannot exhaust memory.
 
 use super::LoadError;
 use std::cell::Cell;
 
-/// The bytes that may still be decoded.
+/// The number of bytes that may still be decoded.
 pub(super) struct Budget {
     limit: u64,
     left: Cell<u64>,
@@ -19,7 +19,7 @@ impl Budget {
         self.left.get()
     }
 
-    /// Takes `needed` bytes for what stands at `path`.
+    /// Takes `needed` bytes for the value at `path`.
     pub(super) fn take(&self, needed: u64, path: &str) -> Result<(), LoadError> {
         let left = self.left.get();
         match left.checked_sub(needed) {
@@ -29,8 +29,8 @@ impl Budget {
         Ok(())
     }
 
-    /// Takes `needed` bytes while `work` runs. Only for what something else bounds in time: whoever could have
-    /// memory back again and again could also keep a reader busy without end.
+    /// Takes `needed` bytes while `work` runs. Use it only if something else limits the time: memory that is returned
+    /// again and again would allow a file to keep a reader busy forever.
     pub(super) fn hold<T>(
         &self,
         needed: u64,
@@ -43,14 +43,14 @@ impl Budget {
         done
     }
 
-    /// Takes room for `count` elements and reserves exactly that.
+    /// Takes space for `count` elements and reserves exactly that.
     pub(super) fn vec<T>(&self, count: u64, path: &str) -> Result<Vec<T>, LoadError> {
         self.take(count.saturating_mul(size_of::<T>() as u64), path)?;
         reserve(count, path)
     }
 }
 
-/// Reserves exactly `count` elements, or says that the memory is not there.
+/// Reserves exactly `count` elements, or returns an error if there is not enough memory.
 pub(super) fn reserve<T>(count: u64, path: &str) -> Result<Vec<T>, LoadError> {
     let mut vec = Vec::new();
     let reserved = usize::try_from(count).ok().and_then(|count| vec.try_reserve_exact(count).ok());

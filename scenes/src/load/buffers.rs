@@ -8,7 +8,7 @@ use gltf::json::{Buffer, Index, Root, buffer::View};
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
-/// Base64 as it is met: with or without its padding.
+/// Base64 with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new()
@@ -16,13 +16,13 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// The buffers of a file, each read when something on show first needs it: those that nothing needs may be missing.
+/// The buffers of a file, each read when first needed: those that are never needed may be missing.
 pub(super) struct Buffers<'a> {
     root: &'a Root,
     bin: Option<&'a [u8]>,
     resolver: &'a dyn Resolver,
     budget: &'a Budget,
-    /// Each buffer's bytes, cut to its `byteLength`.
+    /// Each buffer's bytes, truncated to its `byteLength`.
     read: Vec<OnceCell<Cow<'a, [u8]>>>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> Buffers<'a> {
         Ok(Self { root, bin, resolver, budget, read })
     }
 
-    /// The bytes of buffer `i`, `path` being what refers to it.
+    /// The bytes of buffer `i`, which `path` refers to.
     fn buffer(&self, index: Index<Buffer>, path: &str) -> Result<&[u8], LoadError> {
         let cell = check::get(&self.read, index, path, "buffer")?;
         if let Some(bytes) = cell.get() {
@@ -95,14 +95,14 @@ impl<'a> Buffers<'a> {
         }
     }
 
-    /// The bytes of all buffers together. All that can be read are read for that.
+    /// The size of all buffers together. Reads every buffer that can be read.
     pub(super) fn total_bytes(&self) -> u64 {
         let buffers = (0..self.read.len() as u32).map(|i| self.buffer(Index::new(i), ""));
         buffers.map(|bytes| bytes.map_or(0, |bytes| bytes.len() as u64)).sum()
     }
 }
 
-/// The bytes that a URI stands for: those within a data URI, or the resolver's.
+/// The bytes of a URI: those in a data URI, or from the resolver.
 pub(super) fn read_uri(uri: &str, path: &str, resolver: &dyn Resolver, budget: &Budget) -> Result<Vec<u8>, LoadError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         return read_data_uri(uri.get(5..).unwrap_or_default(), path, budget);
@@ -140,13 +140,13 @@ pub(super) fn read_uri(uri: &str, path: &str, resolver: &dyn Resolver, budget: &
     Err(at(path, problem))
 }
 
-/// Whether a path starts at a root or a drive, be it this system's or another's.
+/// Whether a path starts at a root or a drive, of this system or another.
 fn is_absolute(path: &str) -> bool {
     let drive = |path: &[u8]| matches!(path, [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
     path.starts_with(['/', '\\']) || drive(path.as_bytes())
 }
 
-/// The part before `:` where it has the form of a scheme.
+/// The part before `:` if it has the form of a scheme.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let mut chars = scheme.chars();

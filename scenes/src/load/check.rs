@@ -1,4 +1,4 @@
-//! Checks that every part of the loader shares: references, extensions, numbers; and the notes.
+//! Checks that all parts of the loader share: references, extensions, numbers; and the notes.
 
 use super::LoadError;
 use gltf::json::{Index, Root, validation::Checked};
@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashSet};
 const SUPPORTED: [&str; 4] =
     ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization", "KHR_texture_transform"];
 
-/// Extensions that a file may require since they change nothing but animations, and those are ignored.
+/// Extensions that a file may require because they only affect animations, which are ignored.
 const OF_ANIMATIONS: [&str; 1] = ["KHR_animation_pointer"];
 
 /// An error at one place of the file.
@@ -16,13 +16,13 @@ pub(super) fn at(path: impl Into<String>, problem: impl Into<String>) -> LoadErr
     LoadError::Invalid { path: path.into(), problem: problem.into() }
 }
 
-/// What `index` refers to, or an error that says how many there are.
+/// The element at `index`, or an error with the number of elements.
 pub(super) fn get<'a, T, I>(list: &'a [T], index: Index<I>, path: &str, what: &str) -> Result<&'a T, LoadError> {
     list.get(index.value())
         .ok_or_else(|| at(path, format!("refers to {what} {index}, but the file has {} (counted from 0)", list.len())))
 }
 
-/// The value of an enumeration, or an error that lists what is known.
+/// The value of an enumeration, or an error with the known values.
 pub(super) fn known<T: Copy>(value: &Checked<T>, path: &str, expected: &str) -> Result<T, LoadError> {
     match value {
         Checked::Valid(value) => Ok(*value),
@@ -30,7 +30,7 @@ pub(super) fn known<T: Copy>(value: &Checked<T>, path: &str, expected: &str) -> 
     }
 }
 
-/// Refuses NaN and the infinities that numbers beyond f32 turn into.
+/// Rejects NaN and infinities, which numbers beyond f32 turn into.
 pub(super) fn finite<const N: usize>(values: [f32; N], path: &str) -> Result<[f32; N], LoadError> {
     match values.iter().find(|v| !v.is_finite()) {
         None => Ok(values),
@@ -38,12 +38,12 @@ pub(super) fn finite<const N: usize>(values: [f32; N], path: &str) -> Result<[f3
     }
 }
 
-/// Whether a part of a colour is outside of what the specification allows.
+/// Whether a colour component is outside the specified range.
 pub(super) fn is_outside(part: &f32) -> bool {
     !(0.0..=1.0).contains(part)
 }
 
-/// Required extensions must be known; used ones that are not get a note.
+/// Rejects unknown required extensions, and notes unknown used ones.
 pub(super) fn extensions(root: &Root, notes: &mut Notes) -> Result<(), LoadError> {
     let is_known = |name: &&String| SUPPORTED.contains(&name.as_str());
     let is_harmless = |name: &String| OF_ANIMATIONS.contains(&name.as_str());
@@ -56,31 +56,31 @@ pub(super) fn extensions(root: &Root, notes: &mut Notes) -> Result<(), LoadError
     Ok(())
 }
 
-/// What is wrong in a file, and drawn all the same.
+/// Faults that are noted but do not prevent loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Wrong {
     /// Vertices whose normal has no direction, by accessor.
     Normals,
     /// Vertices whose colour is not finite, by accessor.
     Colors,
-    /// Vertices whose colour is outside of [0, 1], by accessor.
+    /// Vertices whose colour is outside [0, 1], by accessor.
     ColorsOutside,
     /// Vertices whose texture coordinates are not finite, by accessor.
     Texcoords,
-    /// Accessors with elements outside of their `min` and `max`, by accessor.
+    /// Accessors with elements outside their `min` and `max`, by accessor.
     Bounds,
-    /// A material's colours outside of [0, 1], by material.
+    /// A material's colours outside [0, 1], by material.
     FactorOutside,
-    /// Lights with a colour outside of [0, 1], by light.
+    /// Lights with a colour outside [0, 1], by light.
     LightOutside,
-    /// Nodes with a matrix and one of its parts, by node.
+    /// Nodes with a matrix and also a translation, rotation or scale, by node.
     MatrixBesideParts,
-    /// Nodes with a rotation of another length than 1, by node.
+    /// Nodes with a rotation that is not of length 1, by node.
     RotationNotUnit,
 }
 
 impl Wrong {
-    /// What is said of so many.
+    /// The note for this number of occurrences.
     fn sentence(self, count: usize) -> String {
         let (one, many, rest) = match self {
             Self::Normals => ("normal", "normals", "no direction (zeros, NaN or infinities): drawn flat there"),
@@ -101,12 +101,12 @@ impl Wrong {
     }
 }
 
-/// Sentences to the user, each said once.
+/// Notes for the user, without duplicates.
 #[derive(Default)]
 pub(super) struct Notes {
     said: Vec<String>,
     known: HashSet<String>,
-    /// How often something is wrong in one part of the file, which may be read again and again.
+    /// How often each fault occurs in one part of the file; the part may be read repeatedly.
     found: BTreeMap<(Wrong, usize), usize>,
 }
 
@@ -118,14 +118,14 @@ impl Notes {
         }
     }
 
-    /// Something is wrong `count` times in the part of the file with this index.
+    /// Records that this fault occurs `count` times in the part of the file with this index.
     pub(super) fn found(&mut self, what: Wrong, index: usize, count: usize) {
         if count > 0 {
             self.found.insert((what, index), count);
         }
     }
 
-    /// What was said, and then what was counted.
+    /// All notes: sentences first, then counted faults.
     pub(super) fn into_vec(self) -> Vec<String> {
         let mut counts: BTreeMap<Wrong, usize> = BTreeMap::new();
         for ((what, _), count) in self.found {

@@ -1,4 +1,4 @@
-//! From the file's bytes to its JSON and its BIN chunk.
+//! Splits the file's bytes into its JSON and its BIN chunk.
 
 use super::budget::Budget;
 use super::json_path::path_of;
@@ -15,12 +15,12 @@ const CHUNK_HEADER_BYTES: usize = 8;
 const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
 const BIN_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 
-/// The parsed JSON and, of a GLB that has one, the BIN chunk.
+/// The parsed JSON and, if a GLB has one, the BIN chunk.
 pub(super) fn parse<'a>(bytes: &'a [u8], budget: &Budget) -> Result<(Root, Option<&'a [u8]>), LoadError> {
     let (json, bin) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
     let root = parse_json(json, budget)?;
     let version = &root.asset.version;
-    // Without a minVersion, every 2.x file is readable as 2.0.
+    // Without a minVersion, every 2.x file can be read as 2.0.
     match &root.asset.min_version {
         Some(needed) if needed != "2.0" => {
             let problem = format!("is {needed:?}, which raystep cannot read; it reads 2.0");
@@ -69,7 +69,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LoadError> {
             (0, JSON_CHUNK) => json = Some(data),
             (0, _) => return Err(wrong("its first chunk is not JSON".into())),
             (1, BIN_CHUNK) => bin = Some(data),
-            // Later and unknown chunks are to be skipped, says the specification.
+            // The specification requires readers to skip later and unknown chunks.
             _ => {}
         }
         rest = body.get(size..).unwrap_or_default();
@@ -84,7 +84,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LoadError> {
 fn parse_json(json: &[u8], budget: &Budget) -> Result<Root, LoadError> {
     let text = std::str::from_utf8(json)
         .map_err(|e| LoadError::Container(format!("this is neither a GLB nor UTF-8 text: byte {}", e.valid_up_to())))?;
-    // Neither a byte order mark nor zeros as a chunk's padding are allowed, and both are met.
+    // Neither a byte order mark nor zeros as a chunk's padding are allowed, but both occur.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches('\0');
     if text.trim_start().is_empty() {
         return Err(LoadError::Container("the file is empty; expected glTF JSON or a GLB".into()));
@@ -102,13 +102,13 @@ fn parse_json(json: &[u8], budget: &Budget) -> Result<Root, LoadError> {
     Ok(root)
 }
 
-/// At least what the objects of a file take once they are parsed: the largest of them for each.
+/// A lower bound for the parsed size of a file's objects.
 fn structure_bytes(text: &str) -> u64 {
     let largest = size_of::<Material>().max(size_of::<Node>()).max(size_of::<Primitive>()).max(size_of::<Accessor>());
     text.bytes().filter(|&byte| byte == b'{').count() as u64 * largest as u64
 }
 
-/// Reads what `gltf-json` refuses although it is right.
+/// Reads valid JSON that `gltf-json` rejects.
 fn read_repaired<'a>(text: &'a str, budget: &Budget) -> Result<(Root, Cow<'a, str>), LoadError> {
     let bytes = text.len() as u64;
     budget.take(2 * bytes, "the file's JSON")?;
@@ -133,7 +133,7 @@ fn read_root(text: &str) -> Result<Root, LoadError> {
     Ok(root)
 }
 
-/// Keys whose integers the `gltf` crate cuts to 32 bits, so that 4294967296 would pass for 0.
+/// Keys whose integers the `gltf` crate truncates to 32 bits, so that 4294967296 would be read as 0.
 const INDEX_KEYS: [&str; 18] = [
     "scene",
     "nodes",
@@ -154,11 +154,10 @@ const INDEX_KEYS: [&str; 18] = [
     "sampler",
     "index",
 ];
-/// Keys of enumerations, cut the same way.
+/// Keys of enumerations, truncated the same way.
 const ENUM_KEYS: [&str; 7] = ["componentType", "mode", "magFilter", "minFilter", "wrapS", "wrapT", "target"];
 
-/// Walks over JSON and refuses such integers beyond 32 bits. `key` is the nearest of these keys
-/// above the value.
+/// Walks over JSON and rejects such integers beyond 32 bits. `key` is the nearest of these keys above the value.
 #[derive(Clone, Copy)]
 struct WideIndices {
     key: &'static str,
@@ -213,14 +212,14 @@ impl<'de> Visitor<'de> for WideIndices {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         while let Some(key) = map.next_key::<String>()? {
-            // What applications keep for themselves may hold any number.
+            // Application data may contain any number.
             if key == "extras" {
                 map.next_value::<IgnoredAny>()?;
                 continue;
             }
             let own = INDEX_KEYS.iter().chain(&ENUM_KEYS).find(|k| **k == key).copied();
-            // "attributes" and "targets" hold indices under names of their own; all other keys
-            // speak for their direct values only.
+            // "attributes" and "targets" contain indices under arbitrary names; other keys apply only to their direct
+            // values.
             let inherited = if matches!(self.key, "attributes" | "targets") { self.key } else { "" };
             map.next_value_seed(Self { key: own.unwrap_or(inherited) })?;
         }

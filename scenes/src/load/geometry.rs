@@ -1,8 +1,8 @@
-//! From meshes to the scene's triangles.
+//! Converts meshes to the scene's triangles.
 //!
-//! First a survey: which primitives are shown, how many triangles they have, how often. Only then
-//! is memory taken, exactly, and each primitive is decoded once and placed by its nodes. Corners
-//! are placed one by one; no mesh is held a second time in world space.
+//! First a survey: which primitives are shown, how often, and how many triangles they have. Then exactly the required
+//! memory is allocated, and each primitive is decoded once and placed by its nodes. Vertices are placed one by one; no
+//! mesh is stored a second time in world space.
 
 use super::accessor::Accessors;
 use super::budget::Budget;
@@ -56,7 +56,7 @@ struct Decoded {
     influences: Influences,
 }
 
-/// The meshes of these nodes, in the order in which they first occur.
+/// The meshes of these nodes, in the order of first occurrence.
 pub(super) fn groups<'a>(root: &'a Root, nodes: &[usize]) -> Result<Vec<Group<'a>>, LoadError> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     let mut known: HashMap<usize, usize> = HashMap::new();
@@ -79,7 +79,7 @@ pub(super) fn groups<'a>(root: &'a Root, nodes: &[usize]) -> Result<Vec<Group<'a
     Ok(groups)
 }
 
-/// The primitives that have triangles. Checks what counts them, and decodes nothing.
+/// The primitives that have triangles. Checks what determines their number, without decoding anything.
 pub(super) fn survey<'a>(
     root: &'a Root,
     accessors: &Accessors<'_>,
@@ -154,7 +154,7 @@ pub(super) fn triangles(
             {
                 let weights = primitive.group.mesh.weights.as_deref();
                 let (json, path) = (primitive.json, &primitive.path);
-                // The pose before goes first: two of them need not be held.
+                // Drop the previous pose first, so that two are never in memory.
                 drop(posed.take());
                 posed = Some((key, poser.pose(key, weights, json, &decoded.vertices, &decoded.influences, path)?));
             }
@@ -178,7 +178,7 @@ pub(super) fn triangles(
 }
 
 impl Primitive<'_> {
-    /// The file's material.
+    /// The file's material index.
     pub(super) fn material(&self) -> Option<usize> {
         self.json.material.map(|material| material.value())
     }
@@ -270,7 +270,7 @@ impl Primitive<'_> {
     /// The vertices of triangle `i`.
     fn corners(&self, i: usize, indices: Option<&[[u32; 1]]>) -> Option<[usize; 3]> {
         let corners = match self.mode {
-            // Every other triangle of a strip turns around, so that all face the same way.
+            // Every other triangle of a strip is reversed, so that all face the same way.
             Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
             Mode::TriangleFan => [i + 1, i + 2, 0],
             _ => [3 * i, 3 * i + 1, 3 * i + 2],
@@ -280,7 +280,7 @@ impl Primitive<'_> {
         Some([a?, b?, c?])
     }
 
-    /// Appends the triangles as `placement` puts them.
+    /// Appends the triangles, transformed by `placement`.
     fn place(
         &self,
         decoded: &Decoded,
@@ -290,7 +290,7 @@ impl Primitive<'_> {
         out: &mut Triangles,
     ) -> Result<(), LoadError> {
         for i in 0..usize::try_from(self.triangles).unwrap_or_default() {
-            // The survey and the checks of the indices leave no other way.
+            // The survey and the checks of indices guarantee that this succeeds.
             let Some([a, b, c]) = self.corners(i, decoded.indices.as_deref()) else { continue };
             let mirrors = match &vertices.mirrored {
                 Some(mirrored) => mirrored.get(a).copied().unwrap_or_default(),
@@ -330,7 +330,7 @@ fn gather<T: Copy>(list: &[T], [a, b, c]: [usize; 3]) -> Option<[T; 3]> {
     Some([*list.get(a)?, *list.get(b)?, *list.get(c)?])
 }
 
-/// Colours and texture coordinates that are no numbers must not reach the picture. How many there were.
+/// Replaces colours and texture coordinates that are not finite, which must not reach the image. Returns their number.
 fn replace_not_finite<const N: usize>(values: &mut [[f32; N]], with: f32) -> usize {
     let wrong = values.iter_mut().filter(|value| !value.iter().all(|part| part.is_finite()));
     wrong.map(|value| value.iter_mut().filter(|part| !part.is_finite()).for_each(|part| *part = with)).count()

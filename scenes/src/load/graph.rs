@@ -1,21 +1,21 @@
-//! The node hierarchy: one parent each, no cycles, and every node's world matrix. Nothing here
-//! recurses, since a file may nest its nodes as deep as it likes.
+//! The node hierarchy: one parent each, no cycles, and every node's world matrix. Nothing here is recursive, since a
+//! file may nest its nodes arbitrarily deep.
 
 use super::check::{self, Notes, Wrong};
 use super::{LoadError, at};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf::json::{Index, Node, Root};
 
-/// What the nodes of a file add up to.
+/// The node hierarchy, checked.
 pub(super) struct Graph {
-    /// World from node, in f64 so that long chains do not lose the mesh's own precision.
+    /// World from node, in f64 so that long chains do not lose precision.
     world: Vec<DAffine3>,
     parents: Vec<Option<usize>>,
     children: Vec<Vec<usize>>,
 }
 
 impl Graph {
-    /// Checks the hierarchy and works out all world matrices.
+    /// Checks the hierarchy and computes all world matrices.
     pub(super) fn new(root: &Root) -> Result<Self, LoadError> {
         let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
         let mut children = Vec::with_capacity(root.nodes.len());
@@ -44,7 +44,7 @@ impl Graph {
             *slot = Some(own);
             open.extend(children.get(i).into_iter().flatten().map(|&child| (child, own)));
         }
-        // With at most one parent each, what no root leads to hangs on a cycle.
+        // Each node has at most one parent, so a node not reached from a root is part of a cycle, or below one.
         if let Some(i) = world.iter().position(Option::is_none) {
             return Err(at(format!("nodes[{i}]"), "is on a cycle of children, or below one; nodes must form trees"));
         }
@@ -71,7 +71,7 @@ impl Graph {
         let index = index.unwrap_or(0);
         let mut open = Vec::new();
         match root.scenes.get(index) {
-            // A file without scenes is a library of nodes; all of it is shown.
+            // A file without scenes is a library of nodes; show all of it.
             None => open.extend((0..root.nodes.len()).filter(|&i| self.parents.get(i) == Some(&None))),
             Some(scene) => {
                 let mut listed = vec![false; root.nodes.len()];
@@ -99,11 +99,11 @@ impl Graph {
     }
 }
 
-/// How far a rotation's length may be from 1, four components rounded to three decimals each: what is farther off
-/// was not meant to be a unit quaternion.
+/// Tolerance for a rotation's length; it covers four components rounded to three decimals each. A quaternion farther
+/// from 1 was not meant to be a unit quaternion.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// Notes what is wrong with the transforms of these nodes, and what is taken in its place.
+/// Notes faults of these nodes' transforms, and what replaces them.
 pub(super) fn check_transforms(root: &Root, nodes: &[usize], notes: &mut Notes) {
     for &i in nodes {
         let Some(node) = root.nodes.get(i) else { continue };
@@ -125,7 +125,7 @@ fn local(node: &Node, i: usize) -> Result<DAffine3, LoadError> {
         let m = check::finite(matrix, &path("matrix"))?.map(f64::from);
         let [x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3, t0, t1, t2, t3] = m;
         let last_row = [x3, y3, z3, t3 - 1.0];
-        // Exporters that multiply matrices leave a little dust here.
+        // Exporters that multiply matrices leave small rounding errors here.
         if last_row.iter().any(|v| v.abs() > 1e-4) {
             return Err(at(path("matrix"), "has a last row that is not 0 0 0 1; only affine transforms are allowed"));
         }

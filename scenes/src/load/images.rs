@@ -1,8 +1,8 @@
-//! PNG and JPEG images into texels, within limits.
+//! Decodes PNG and JPEG images into texels, within limits.
 //!
-//! The header decides first: an image that could not be traced, or that the budget does not hold, is refused before
-//! anything is decoded. Each image is then decoded into the very memory that its texels stay in, PNGs row by row,
-//! JPEGs packed at the end of it, so that no second copy exists.
+//! An image that could not be traced or exceeds the budget is rejected by its header, before anything is decoded. Each
+//! image is then decoded into the memory in which its texels stay, PNGs row by row, JPEGs packed at its end, so that
+//! there is no second copy.
 
 use super::budget::{Budget, reserve};
 use super::buffers::{Buffers, read_uri};
@@ -15,11 +15,11 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::io::Cursor;
 
-/// The most texels a side; more than any adapter's texture.
+/// Maximum width and height; more than any adapter supports.
 const MAX_SIDE: u32 = 32_768;
-/// Bytes that a texel takes here, and those that it takes beside them as kernels read it: linear, 16 bits a channel.
+/// Bytes of a texel here, plus those of the kernels' copy: linear, 16 bits per channel.
 const TEXEL_BYTES: u64 = 4 + 8;
-/// What a PNG's chunks but its picture may take.
+/// Maximum size of a PNG's chunks other than its image.
 const CHUNK_BYTES: usize = 16 << 20;
 
 /// Texels and size of an image.
@@ -29,7 +29,7 @@ pub(super) struct Texels {
     pub(super) texels: Vec<[u8; 4]>,
 }
 
-/// What images are read from, and how much they may take.
+/// The source of images, and their limits.
 pub(super) struct Images<'a> {
     pub(super) buffers: &'a Buffers<'a>,
     pub(super) resolver: &'a dyn Resolver,
@@ -50,7 +50,7 @@ impl Images<'_> {
             (Some(_), Some(_)) => return Err(at(path, "has both a uri and a bufferView; one of them would be right")),
             (None, None) => return Err(at(path, "has neither a uri nor a bufferView")),
         };
-        // The bytes tell the format better than mimeType, which exporters get wrong.
+        // The bytes identify the format more reliably than mimeType, which exporters get wrong.
         match image::guess_format(&bytes) {
             Ok(ImageFormat::Png) => self.read_png(&bytes, &path),
             Ok(ImageFormat::Jpeg) => self.read_jpeg(&bytes, &path),
@@ -58,7 +58,7 @@ impl Images<'_> {
         }
     }
 
-    /// Takes what so many texels need and reserves it, or says why not. Nothing is decoded yet.
+    /// Charges and reserves memory for an image of this size, or returns why not. Nothing is decoded yet.
     fn room(&self, width: u32, height: u32, path: &str) -> Result<Texels, LoadError> {
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
             return Err(at(path, format!("is {width} x {height} texels; 1 to {MAX_SIDE} a side would be right")));
@@ -77,7 +77,7 @@ impl Images<'_> {
     fn read_png(&self, bytes: &[u8], path: &str) -> Result<Texels, LoadError> {
         let wrong = |error: png::DecodingError| cannot(path, &error);
         let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: CHUNK_BYTES });
-        // Neither is looked at, and both may be long.
+        // Neither is used, and both may be long.
         decoder.set_ignore_text_chunk(true);
         decoder.set_ignore_iccp_chunk(true);
         decoder.set_transformations(Transformations::EXPAND);
@@ -86,7 +86,7 @@ impl Images<'_> {
         let mut reader = decoder.read_info().map_err(wrong)?;
         let (channels, depth) = reader.output_color_type();
         let to_rgba = Packed { channels: channels.samples(), deep: depth == BitDepth::Sixteen };
-        // A row of the picture, or the part of it that an interlaced pass has.
+        // A row of the image, or the part of it in one interlaced pass.
         let line_bytes = reader.output_line_size(out.width).unwrap_or(usize::MAX);
         let mut line = reserve::<u8>(line_bytes as u64, path)?;
         line.resize(line_bytes, 0);
@@ -127,7 +127,7 @@ impl Images<'_> {
                 decoder.set_limits(limits).map_err(wrong)?;
                 let channels = usize::from(decoder.color_type().channel_count());
                 out.texels.resize(width as usize * height as usize, [0; 4]);
-                // The decoder has no word for memory that is not there. What it will take is tried before it does.
+                // The decoder has no error for lack of memory, so its allocation is tried first.
                 drop(reserve::<u8>(coefficients, path)?);
                 let all = out.texels.as_flattened_mut();
                 let packed = all.len() / 4 * (4 - channels);
@@ -139,30 +139,30 @@ impl Images<'_> {
     }
 }
 
-/// The decoder's words in one line.
+/// The decoder's message in one line.
 fn cannot(path: &str, error: &dyn std::fmt::Display) -> LoadError {
     let words = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     at(path, format!("cannot be decoded: {words}"))
 }
 
-/// What the decoder of a JPEG keeps beside its picture, at most: all coefficients, 16 bits each, where the picture
-/// comes in several scans. Markers may also stand in a thumbnail's bytes; then this is more than is needed.
+/// Maximum number of bytes that the decoder of a JPEG needs besides its image: all coefficients, 16 bits each, if the
+/// image has several scans. Markers may also occur in a thumbnail's bytes; then this is more than needed.
 fn coefficient_bytes(bytes: &[u8], width: u32, height: u32, is_gray: bool) -> u64 {
     let count = |marker: u8| bytes.windows(2).filter(|pair| *pair == [0xff, marker]).count();
     let (progressive, start_of_scan) = (0xc2, 0xda);
     if count(progressive) == 0 && count(start_of_scan) < 2 {
         return 0;
     }
-    // Blocks of the largest size that the format has, in up to four components.
+    // Blocks of the largest size that the format allows, in up to four components.
     let side = |texels: u32| u64::from(texels).next_multiple_of(32);
     side(width) * side(height) * 2 * if is_gray { 1 } else { 4 }
 }
 
-/// Texels as a PNG has them once its palette, its transparent colour and its low bit depths are expanded.
+/// Layout of a PNG's texels once palette, transparent colour and low bit depths are expanded.
 #[derive(Clone, Copy)]
 struct Packed {
     channels: usize,
-    /// Two bytes a channel, the high one first.
+    /// Whether channels have two bytes, the high one first.
     deep: bool,
 }
 
@@ -175,7 +175,7 @@ impl Packed {
                     return texel.get(i).copied().unwrap_or_default();
                 }
                 let value = texel.get(2 * i..).and_then(|rest| rest.first_chunk()).copied().unwrap_or_default();
-                // The nearest of 8 bits.
+                // Rounded to 8 bits.
                 ((u32::from(u16::from_be_bytes(value)) + 128) / 257) as u8
             };
             match channels {
@@ -188,8 +188,8 @@ impl Packed {
     }
 }
 
-/// Texels of `channels` bytes each that lie at the end of `all`, into texels of four bytes that fill it. What is
-/// written never gets ahead of what is read.
+/// Expands texels of `channels` bytes each at the end of `all` to texels of four bytes that fill it. Writing never
+/// overtakes reading.
 fn spread(all: &mut [u8], channels: usize) {
     let texels = all.len() / 4;
     let packed = texels * (4 - channels);

@@ -1,30 +1,30 @@
-//! Where in a JSON text a byte is, as people write it: `meshes[0].primitives[1].mode`.
+//! Finds the path of a byte in a JSON text, for example `meshes[0].primitives[1].mode`.
 //!
-//! serde_json says line and column of an error, which help nobody in a file of one line. Keeping the path while
+//! serde_json reports the line and column of an error, which are useless in a file of one line. Keeping the path while
 //! parsing would compile every type of glTF a second time.
 
-/// What encloses a place.
+/// A container around a position in the text.
 enum Level {
-    /// An object, with the key whose value the place is in.
+    /// An object, with the key of the value at the position.
     Object(Option<String>),
-    /// An array, with the element that the place is in.
+    /// An array, with the index of the element at the position.
     Array(usize),
 }
 
-/// The path of the value that an error of serde_json is about; empty for the whole text. Up to the error, the text is
+/// The path of the value that a serde_json error is about; empty for the whole text. The text before the error is valid
 /// JSON.
 pub(super) fn path_of(text: &str, error: &serde_json::Error) -> String {
     let start: usize = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
-    // Lines and columns count from 1, columns in bytes; the last one is what the error is at.
+    // Lines and columns count from 1, columns in bytes; the last byte included is the one in error.
     let bytes = &text.as_bytes()[..text.len().min(start + error.column())];
     match bytes {
-        // It ends nothing where it should not stand.
+        // A misplaced bracket or comma ends nothing.
         [before @ .., b',' | b'}' | b']'] if error.is_syntax() => path_after(before),
         _ => path_after(bytes),
     }
 }
 
-/// The path of the value that ends with some bytes, or goes on after them.
+/// The path of the value that ends with these bytes, or continues after them.
 fn path_after(bytes: &[u8]) -> String {
     let mut levels: Vec<Level> = Vec::new();
     let mut key_is_next = false;
@@ -45,7 +45,7 @@ fn path_after(bytes: &[u8]) -> String {
                 levels.push(Level::Array(0));
                 key_is_next = false;
             }
-            // What was just closed is the last value of what encloses it.
+            // What was just closed is the last value of its container.
             b'}' | b']' => drop(levels.pop()),
             b',' => match levels.last_mut() {
                 Some(Level::Object(key)) => {
@@ -129,7 +129,7 @@ mod tests {
             ("{\"a\": [1 2]}", "a[0]"),
             ("{\"a\": {\"b\": 1]}", "a.b"),
             ("{\"a\": {\"b\": 1,}}", "a"),
-            // The end of the text ends nothing, but what is before it may.
+            // The end of the text ends nothing, but the byte before it may.
             ("{\"a\": [1,", "a[1]"),
             ("{\"a\": {\"b\": [1]", "a.b"),
             ("", ""),

@@ -20,7 +20,7 @@ pub(super) fn cameras(root: &Root, graph: &Graph, nodes: &[usize], budget: &Budg
         let Some(index) = node.camera else { continue };
         let camera = check::get(&root.cameras, index, &format!("nodes[{i}].camera"), "camera")?;
         let projection = projection(camera, &format!("cameras[{index}]"))?;
-        // One long name may be that of many cameras.
+        // Many cameras may share one long name.
         let name_bytes = camera.name.as_ref().or(node.name.as_ref()).map_or(0, |name| name.len() as u64);
         budget.take(name_bytes, &format!("cameras[{index}].name"))?;
         let name = camera.name.as_ref().or(node.name.as_ref()).cloned().unwrap_or_default();
@@ -60,8 +60,8 @@ fn projection(camera: &gltf::json::Camera, path: &str) -> Result<Projection, Loa
     }
 }
 
-/// A camera looks along its node's -Z with +Y up. Scales, shears and mirrors of the node's matrix
-/// do not matter to it: forward is kept, up is made orthogonal to it, and right follows.
+/// A camera looks along its node's -Z with +Y up. Scales, shears and mirrors of the node's matrix are ignored: forward
+/// is kept, up is made orthogonal to it, and right follows.
 fn place(world: &DAffine3, path: &str, name: String, projection: Projection) -> Result<Camera, LoadError> {
     let forward = (-world.matrix3.z_axis).try_normalize();
     let axes = forward.and_then(|forward| {
@@ -123,7 +123,7 @@ fn convert(light: &JsonLight, world: &DAffine3, path: &str, node_path: &str) -> 
             if outer_cone > FRAC_PI_2 && outer_cone < FRAC_PI_2 + 1e-6 {
                 outer_cone = FRAC_PI_2;
             }
-            // Written so that NaN fails.
+            // Written so that NaN is rejected.
             if !(0.0 <= inner_cone && inner_cone < outer_cone && outer_cone <= FRAC_PI_2) {
                 let problem = format!(
                     "has the cone angles {inner_cone} and {outer_cone}; 0 <= inner < outer <= pi/2 would be right"

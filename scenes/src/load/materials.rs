@@ -1,4 +1,4 @@
-//! The materials in use, and the textures that they use.
+//! The materials in use, and their textures.
 
 use super::LoadError;
 use super::check::{self, Notes, Wrong};
@@ -10,18 +10,18 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 use std::collections::{BTreeSet, HashMap};
 
-/// How a texture is made: the image, and how it is sampled.
+/// What defines a texture: the image, and how it is sampled.
 type TextureKey = (usize, [u8; 2], bool);
 
-/// What was read, and how to get at it.
+/// The materials and textures read, with a map from the file's ids.
 pub(super) struct Materials {
     pub(super) materials: Vec<Material>,
     pub(super) textures: Vec<Texture>,
-    /// Ours by the file's; `None` is the default material.
+    /// Our material for each of the file's; `None` is the default material.
     ids: HashMap<Option<usize>, (u32, Option<TexcoordUse>)>,
 }
 
-/// Which texture coordinates a base colour texture is looked up with.
+/// How a base colour texture uses texture coordinates.
 #[derive(Clone, Copy)]
 pub(super) struct TexcoordUse {
     /// n of `TEXCOORD_n`.
@@ -31,7 +31,7 @@ pub(super) struct TexcoordUse {
 }
 
 impl TexcoordUse {
-    /// What to sample at where the mesh says `uv`.
+    /// The coordinates to sample at for the mesh's `uv`.
     pub(super) fn apply(&self, uv: [f32; 2]) -> [f32; 2] {
         let Some([x, y, offset]) = self.transform else { return uv };
         let [u, v] = uv.map(f64::from);
@@ -46,8 +46,8 @@ impl Materials {
     }
 }
 
-/// Reads the materials `used` (`None` is the default one), in this order. Without any, the default
-/// one is made, since a scene has at least one.
+/// Reads the materials `used` (`None` is the default one), in this order. If there are none, creates the default one,
+/// since a scene has at least one.
 pub(super) fn read(
     root: &Root,
     used: &BTreeSet<Option<usize>>,
@@ -88,7 +88,7 @@ pub(super) fn read(
     Ok(out)
 }
 
-/// All but the texture.
+/// Everything except the texture.
 fn convert(i: usize, material: &gltf::json::Material, notes: &mut Notes) -> Result<Material, LoadError> {
     let path = |field: &str| format!("materials[{i}].{field}");
     match check::known(&material.alpha_mode, &path("alphaMode"), "OPAQUE, MASK or BLEND")? {
@@ -112,7 +112,7 @@ fn convert(i: usize, material: &gltf::json::Material, notes: &mut Notes) -> Resu
     })
 }
 
-/// Image and sampling of a texture; `None`, with a note, where it has no image that we could read.
+/// Image and sampling of a texture; `None`, with a note, if it has no image that we can read.
 fn texture_key(
     root: &Root,
     index: Index<texture::Texture>,
@@ -120,7 +120,7 @@ fn texture_key(
     notes: &mut Notes,
 ) -> Result<Option<TextureKey>, LoadError> {
     let texture = check::get(&root.textures, index, path, "texture")?;
-    // This is what gltf-json makes of a missing source, as where only an extension has one.
+    // gltf-json uses this for a missing source, for example if only an extension has one.
     if texture.source.value() == u32::MAX as usize {
         notes.add(format!("textures[{index}] has no PNG or JPEG image and is left out"));
         return Ok(None);
@@ -177,9 +177,9 @@ fn texcoord_use(info: &texture::Info, path: &str) -> Result<TexcoordUse, LoadErr
     let [scale_u, scale_v] = check::finite(transform.scale.0, &path)?.map(f64::from);
     let [angle] = check::finite([transform.rotation.0], &path)?.map(f64::from);
     let (sin, cos) = angle.sin_cos();
-    // offset * rotation * scale. The rotation is counter-clockwise as one looks at the picture,
-    // whose v points down, so its sines have the signs that the extension's text asks for and all
-    // known viewers use, not those of its GLSL snippet.
+    // offset * rotation * scale. The rotation is counter-clockwise as seen on the image, whose v points down, so its
+    // sines have the signs required by the extension's text and used by all known viewers, not those of its GLSL
+    // snippet.
     let transform = [[cos * scale_u, -sin * scale_u], [sin * scale_v, cos * scale_v], offset];
     let set = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref()?.tex_coord);
     Ok(TexcoordUse { set: set.unwrap_or(info.tex_coord), transform: Some(transform) })

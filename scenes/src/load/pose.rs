@@ -18,15 +18,15 @@ use std::rc::Rc;
 pub(super) struct Vertices {
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) normals: Option<Vec<[f32; 3]>>,
-    /// Of skinned vertices, which are in world space: whether their matrix mirrors.
+    /// For skinned vertices, which are in world space: whether their matrix mirrors.
     pub(super) mirrored: Option<Vec<bool>>,
 }
 
-/// What decides on a pose: nodes with equal keys show a primitive with equal vertices.
+/// What determines a pose: nodes with equal keys show a primitive with the same vertices.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Key {
     skin: Option<usize>,
-    /// The node whose own weights apply instead of the mesh's.
+    /// The node whose own weights replace the mesh's.
     weights_of: Option<usize>,
     morphs: bool,
 }
@@ -37,16 +37,16 @@ impl Key {
     }
 }
 
-/// A vertex's joints and their weights, four a set.
+/// Joints and weights of vertices, four per set.
 pub(super) type Influences = Vec<(Vec<[u32; 4]>, Vec<[f32; 4]>)>;
 
-/// Makes poses.
+/// Computes poses.
 pub(super) struct Poser<'a> {
     root: &'a Root,
     accessors: &'a Accessors<'a>,
     graph: &'a Graph,
     budget: &'a Budget,
-    /// World from bind pose, a joint, by skin.
+    /// World from bind pose for each joint, by skin.
     joints: RefCell<HashMap<usize, Rc<Vec<DAffine3>>>>,
 }
 
@@ -55,7 +55,7 @@ impl<'a> Poser<'a> {
         Self { root, accessors, graph, budget, joints: RefCell::default() }
     }
 
-    /// How `node` poses `primitive`; `None` where it does not.
+    /// The pose of `primitive` at `node`; `None` if it has none.
     pub(super) fn key(&self, node: usize, primitive: &Primitive, is_skinned: bool) -> Option<Key> {
         let json = self.root.nodes.get(node)?;
         let morphs = primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
@@ -64,7 +64,7 @@ impl<'a> Poser<'a> {
         (morphs || skin.is_some()).then_some(Key { skin, weights_of, morphs })
     }
 
-    /// A primitive's joints and weights; empty where it has none.
+    /// A primitive's joints and weights; empty if it has none.
     pub(super) fn influences(&self, primitive: &Primitive, count: u64, path: &str) -> Result<Influences, LoadError> {
         let mut sets = Vec::new();
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
@@ -147,7 +147,7 @@ impl<'a> Poser<'a> {
         Ok(())
     }
 
-    /// World from bind pose for each joint. The node that a skinned mesh hangs on has no say in it.
+    /// World from bind pose for each joint. The node of a skinned mesh does not affect it.
     fn joint_matrices(&self, skin: usize) -> Result<Rc<Vec<DAffine3>>, LoadError> {
         if let Some(known) = self.joints.borrow().get(&skin) {
             return Ok(known.clone());
@@ -182,7 +182,7 @@ impl<'a> Poser<'a> {
         Ok(matrices)
     }
 
-    /// Moves vertices to the world by the weighted mean of their joints' matrices.
+    /// Transforms vertices to the world by the weighted mean of their joints' matrices.
     fn skin(
         &self,
         to: &mut Vertices,
@@ -207,7 +207,7 @@ impl<'a> Poser<'a> {
                     sum += weight;
                 }
             }
-            // Weights should add up to 1, but are rounded; a vertex without any stays where it is.
+            // Weights should add up to 1, but are rounded; a vertex without weights stays where it is.
             let blend = if sum == 0.0 {
                 DAffine3::IDENTITY
             } else {
@@ -225,7 +225,7 @@ impl<'a> Poser<'a> {
     }
 }
 
-/// Every attribute has one element a vertex.
+/// Checks that an attribute has one element per vertex.
 pub(super) fn expect_count(elements: &Elements<'_>, vertices: u64) -> Result<(), LoadError> {
     if elements.count == vertices {
         return Ok(());

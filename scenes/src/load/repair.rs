@@ -1,16 +1,16 @@
-//! JSON that the specification allows, or that does no harm, and `gltf-json` does not read: rewritten so that it does.
+//! Rewrites JSON that is valid or harmless but that `gltf-json` rejects.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde_json::value::RawValue;
 
-/// Whole numbers that are written with a fraction or an exponent (`1.0`, `1e0`, `10e-1`), as JSON allows, written
-/// without; nothing else is changed, and what follows them stays at its column where that can be.
+/// Rewrites integers that have a fraction or an exponent (`1.0`, `1e0`, `10e-1`), as JSON allows, without them. Nothing
+/// else changes, and what follows keeps its column if possible.
 pub(super) fn whole_numbers(text: &str) -> Cow<'_, str> {
     let bytes = text.as_bytes();
     let mut out = String::new();
-    // Up to where `text` is copied.
+    // How much of `text` has been copied.
     let mut copied = 0;
     let mut i = 0;
     while let Some(&byte) = bytes.get(i) {
@@ -37,7 +37,7 @@ pub(super) fn whole_numbers(text: &str) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// The bytes of a string from its quote to the next one that no backslash makes part of it.
+/// The length of a string, from its opening quote to the next one that is not escaped.
 fn string_length(bytes: &[u8]) -> usize {
     let mut i = 1;
     loop {
@@ -50,8 +50,8 @@ fn string_length(bytes: &[u8]) -> usize {
     }
 }
 
-/// The value of a number without a sign that is whole, is not written so, and that an f64 holds exactly: what reads
-/// it as a float gets the same.
+/// The value of an unsigned number that is an integer but not written as one and that f64 represents exactly, so that
+/// readers of floats get the same value.
 fn whole(token: &str) -> Option<u64> {
     let (mantissa, exponent) = token.split_once(['e', 'E']).unwrap_or((token, "0"));
     let (integer, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
@@ -66,7 +66,7 @@ fn whole(token: &str) -> Option<u64> {
     if !is_number(exponent.strip_prefix(['+', '-']).unwrap_or(exponent)) {
         return None;
     }
-    // Zeros at the end of the fraction say nothing.
+    // Trailing zeros of the fraction do not matter.
     let fraction = fraction.trim_end_matches('0');
     let digits = format!("{integer}{fraction}");
     let digits = digits.trim_start_matches('0');
@@ -81,9 +81,9 @@ fn whole(token: &str) -> Option<u64> {
     (value <= 1 << 53).then_some(value)
 }
 
-/// The same JSON with an empty list of nodes in every scene that has none, since a scene may be empty, and with
-/// nothing in its animations, since their channels need not have a node, and nothing in them is used. The rest stays
-/// as it is written. `None` where the JSON has another form.
+/// The same JSON with an empty node list in every scene that has none, since a scene may be empty, and with empty
+/// animations, since their channels need not have a node, and nothing in them is used. Everything else is unchanged.
+/// `None` if the JSON has another structure.
 pub(super) fn scenes_and_animations(text: &str) -> Option<String> {
     type Object = BTreeMap<String, Box<RawValue>>;
     let mut root: Object = serde_json::from_str(text).ok()?;

@@ -1,4 +1,4 @@
-//! Pictures of every form, against the `image` crate's own decoding; and what they may take.
+//! Images of every format, compared with the `image` crate's own decoding, and their memory limits.
 
 use super::textured;
 use crate::load_common::*;
@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use raystep_scenes::{LoadError, LoadOptions, NoFiles};
 use serde_json::json;
 
-/// A CRC-32, or an Adler-32, of some bytes.
+/// The CRC-32 of some bytes.
 fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0_u32, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 })
@@ -29,11 +29,11 @@ fn chunk(out: &mut Vec<u8>, kind: &[u8; 4], data: &[u8]) {
     out.extend(crc32(&body).to_be_bytes());
 }
 
-/// First column and row of an interlaced picture's pass, and the steps between them.
+/// First column and row of an interlaced image's pass, and the steps between them.
 const PASSES: [[usize; 4]; 7] =
     [[0, 0, 8, 8], [4, 0, 8, 8], [0, 4, 4, 8], [2, 0, 4, 4], [0, 2, 2, 4], [1, 0, 2, 2], [0, 1, 1, 2]];
 
-/// A PNG of noise, not compressed.
+/// An uncompressed PNG of noise.
 fn noise(width: usize, height: usize, color: u8, depth: u8, is_interlaced: bool, transparent: &[u8]) -> Vec<u8> {
     let channels = [1, 0, 3, 1, 2, 0, 4][usize::from(color)];
     let mut state = 1_u32;
@@ -69,7 +69,7 @@ fn noise(width: usize, height: usize, color: u8, depth: u8, is_interlaced: bool,
     out
 }
 
-/// The same texels as `image` decodes.
+/// Checks that the texels are those that `image` decodes.
 #[track_caller]
 fn check(bytes: &[u8], what: &str) {
     let expected = image::load_from_memory(bytes).unwrap_or_else(|e| panic!("{what}: {e}")).into_rgba8();
@@ -88,7 +88,7 @@ fn pngs_of_every_form_have_the_texels_that_image_decodes() {
     for (color, depths) in forms {
         for &depth in depths {
             for is_interlaced in [false, true] {
-                // One grey or one colour is transparent, or the palette's first two entries are.
+                // One grey or one colour is transparent, or the palette's first two entries.
                 let transparent: [&[u8]; 2] = match color {
                     0 => [&[], &[0, 1]],
                     2 => [&[], &[0, 1, 0, 2, 0, 3]],
@@ -117,7 +117,7 @@ fn every_sixteen_bit_value_becomes_the_nearest_of_eight() {
     check(bytes.get_ref(), "all of 16 bits");
 }
 
-/// 24 x 16 texels in several scans, which the decoder holds at once: 538 bytes of ImageMagick's.
+/// 24 x 16 texels in several scans, which the decoder holds together: 538 bytes written by ImageMagick.
 const PROGRESSIVE: &str = "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDABQODxIPDRQSEBIXFRQYHjIhHhwcHj0sLiQySUBMS0dARkVQWnNiUFVtVkVGZIhlbXd7gYKBTmCNl4x9lnN+gXz/2wBDARUXFx4aHjshITt8U0ZTfHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHx8fHz/wgARCAAQABgDASIAAhEBAxEB/8QAFgABAQEAAAAAAAAAAAAAAAAAAAME/8QAFQEBAQAAAAAAAAAAAAAAAAAAAAT/2gAMAwEAAhADEAAAAcSSiqqQ/8QAFRABAQAAAAAAAAAAAAAAAAAAABH/2gAIAQEAAQUCqqqq/8QAFREBAQAAAAAAAAAAAAAAAAAAABT/2gAIAQMBAT8BoUP/xAAVEQEBAAAAAAAAAAAAAAAAAAAAFP/aAAgBAgEBPwGZM//EABQQAQAAAAAAAAAAAAAAAAAAACD/2gAIAQEABj8CX//EABQQAQAAAAAAAAAAAAAAAAAAACD/2gAIAQEAAT8hQH//2gAMAwEAAgADAAAAEPPP/8QAFREBAQAAAAAAAAAAAAAAAAAAAHH/2gAIAQMBAT8QpT//xAAVEQEBAAAAAAAAAAAAAAAAAAAAcf/aAAgBAgEBPxCEP//EABQQAQAAAAAAAAAAAAAAAAAAACD/2gAIAQEAAT8QQH//2Q==";
 
 #[test]
@@ -145,10 +145,10 @@ fn what_pictures_take_is_known_before_they_are_decoded() {
             Err(error) => panic!("{error}"),
         }
     };
-    // 300 x 200 texels of 12 bytes; nothing is decoded, since there is no picture behind the header.
+    // 300 x 200 texels of 12 bytes; nothing is decoded, since there is no image data after the header.
     let header = &noise(300, 200, 0, 8, false, &[])[..33];
     assert_eq!(needed(header, 500_000), 720_000);
-    // The coefficients of 32 x 32 texels in four channels of 16 bits; too few bytes for the file count nothing.
+    // If the limit is slightly too small, the coefficients do not fit: 32 x 32 texels, four channels of 16 bits.
     let progressive = STANDARD.decode(PROGRESSIVE).unwrap();
     let least = (1_u64..).map(|k| 1000 * k).find(|&max_bytes| {
         let mut doc = textured(json!({"uri": format!("data:,{}", "x")}));

@@ -1,4 +1,4 @@
-//! What the specification allows and few files do.
+//! Valid but rare files.
 
 use crate::load_common::*;
 use raystep_scenes::{LoadOptions, NoFiles, load};
@@ -19,7 +19,7 @@ fn whole_numbers_may_have_a_fraction_or_an_exponent() {
     };
     let expected = load(&plain).unwrap();
     assert_eq!(expected.cameras[0].name, "1.0 \"2.0\" 3e0 \\");
-    // Every whole number of the document, each written in another way.
+    // Every integer of the document, each written differently.
     let spelled = |number: &str, i: usize| match (i % 5, number) {
         (0, _) => format!("{number}.0"),
         (1, _) => format!("{number}e0"),
@@ -44,7 +44,7 @@ fn whole_numbers_may_have_a_fraction_or_an_exponent() {
             digits.clear();
         }
         is_text ^= c == '"' && before != '\\';
-        // A backslash after another one is text, not the start of an escape.
+        // A backslash after another one is text, not the start of an escape sequence.
         before = if c == '\\' && before == '\\' { ' ' } else { c };
         other.push(c);
     }
@@ -83,7 +83,7 @@ fn channels_of_animations_need_no_node() {
         {"channels": [{"sampler": 0, "target": {"path": "translation"}}], "samplers": [{"input": 0, "output": 0}]},
         {"channels": [{"sampler": 0, "target": {"path": "pointer", "extensions": pointer}}], "samplers": []},
     ]);
-    // What is beside them is read as it is written.
+    // Other numbers are read as written.
     doc.json["nodes"][0]["translation"] = json!([0.1, 0.2, 0.3]);
     doc.json["nodes"][0]["name"] = json!("ü \u{1}");
     let scene = doc.scene();

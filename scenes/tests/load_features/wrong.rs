@@ -1,9 +1,9 @@
-//! What is drawn although it is wrong: one note of each kind, with how often.
+//! Faults that do not prevent loading: one note of each kind, with its count.
 
 use crate::load_common::*;
 use serde_json::json;
 
-/// The notes but the two that every scene without camera and lights has.
+/// The notes, without the two that every scene without camera and lights has.
 fn counted(doc: &Doc) -> Vec<String> {
     let scene = doc.scene();
     let own = |n: &&str| !n.starts_with("no camera") && !n.starts_with("no lights in");
@@ -32,7 +32,7 @@ fn normals_and_colours_that_are_none_are_counted() {
     let normal = doc.floats("VEC3", &[0., nan, 1., 0., 0., 0., 0., 0., 2.]);
     let color = doc.floats("VEC4", &[nan, nan, 0., 1., 2., 0., 0., 1., 0., -0.5, 0., 1.]);
     doc.primitive()["attributes"] = json!({"POSITION": 0, "NORMAL": normal, "COLOR_0": color});
-    // Two primitives of the same vertices have no more of them.
+    // Two primitives that share vertices do not add to the count.
     let again = doc.primitive().clone();
     doc.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(again);
     let expected = [
@@ -81,7 +81,7 @@ fn transforms_that_are_wrong_are_counted() {
         scene.triangles.iter().map(|t| t[1]).collect::<Vec<_>>()[..3],
         [[6., 0., 0.], [6., 0., 0.], [1., 0., 0.]]
     );
-    // Those that are not shown do not matter.
+    // Faults that are not shown do not matter.
     doc.json["scenes"] = json!([{"nodes": [1, 3]}]);
     assert_eq!(counted(&doc), [""; 0]);
 }

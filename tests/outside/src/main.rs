@@ -1,4 +1,4 @@
-//! Triangles in memory, traced on the GPU, pass by pass.
+//! Traces triangles in memory on the GPU, pass by pass.
 
 use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{AdapterChoice, Device, Gpu, Options, RaySource, RenderError, Renderer, Stream};

@@ -1,4 +1,4 @@
-//! Rays, planes and triangles in f64, with what f32 may be off by.
+//! Rays, planes and triangles in f64, with f32's error bounds.
 
 use raystep_kernels::export::trace::RayState;
 use raystep_kernels::scene_data::SceneData;
@@ -24,32 +24,32 @@ pub(super) fn length(a: V) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The ray, as the exact f32 that it is.
+/// The ray, exactly as in f32.
 pub(super) fn ray(state: &RayState) -> (V, V) {
     (state.origin.map(f64::from), state.direction.map(f64::from))
 }
 
-/// Where a ray meets a plane across an axis, and what f32 may be off by: the plane's two roundings, the difference's,
-/// the inverse's and the product's, with a margin of two.
+/// t at which a ray meets a plane perpendicular to an axis, and f32's error bound: the plane's two roundings, the
+/// difference's, the inverse's and the product's, with a safety factor of two.
 pub(super) fn plane_t((o, d): (V, V), axis: usize, corner: f64, at: f64) -> (f64, f64) {
     let t = (at - o[axis]) / d[axis];
     let bound = 4.0 * U * ((at.abs() + corner.abs() + o[axis].abs()) / d[axis].abs() + t.abs());
     (t, bound)
 }
 
-/// Where a ray meets a triangle's plane.
+/// The point where a ray meets a triangle's plane.
 pub(super) struct OnPlane {
-    /// Where on the ray.
+    /// t of the point.
     pub(super) t: f64,
-    /// Weights of corners 1, 2 and 0.
+    /// Weights of vertices 1, 2 and 0.
     pub(super) weights: V,
     /// Möller and Trumbore's determinant.
     pub(super) det: f64,
-    /// What f32 may be off by: in a weight, in t, and in the determinant.
+    /// f32's error bounds: of a weight, of t, and of the determinant.
     pub(super) bounds: V,
 }
 
-/// In f64, by Cramer's rule.
+/// Computed in f64, by Cramer's rule.
 pub(super) fn on_plane(data: &SceneData, (o, d): (V, V), triangle: u32) -> OnPlane {
     let first = 9 * triangle as usize;
     let v = &data.vertices[first..first + 9];
@@ -60,7 +60,7 @@ pub(super) fn on_plane(data: &SceneData, (o, d): (V, V), triangle: u32) -> OnPla
     let det = dot(e1, p);
     let q = cross(s, e1);
     let (u, v, t) = (dot(s, p) / det, dot(d, q) / det, dot(e2, q) / det);
-    // A dozen roundings of products of the distances to corners, or of the edges, by the smallest they are divided by.
+    // A dozen roundings of products of distances to vertices, or of edges, divided by the smallest divisor.
     let reach = [a, b, c].map(|corner| length(sub(corner, o))).into_iter().fold(0.0, f64::max);
     let edges = length(e1).max(length(e2)).max(reach);
     let weight = 64.0 * U * reach * edges * length(d) / det.abs() + 16.0 * U;
@@ -72,7 +72,7 @@ pub(super) fn on_plane(data: &SceneData, (o, d): (V, V), triangle: u32) -> OnPla
     OnPlane { t, weights, det, bounds }
 }
 
-/// The t at which a ray is in a box that is made larger by `by` on all sides; `None` where it never is.
+/// The interval of t in which a ray is inside a box enlarged by `by` on all sides; `None` if it misses the box.
 pub(super) fn interval((o, d): (V, V), min: V, max: V, by: f64) -> Option<[f64; 2]> {
     let mut t = [f64::NEG_INFINITY, f64::INFINITY];
     for axis in 0..3 {

@@ -1,4 +1,4 @@
-//! Words of the walk through the grid.
+//! Explanations of the walk through the grid.
 
 use raystep_kernels::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE};
 use raystep_kernels::scene_data::SceneData;
@@ -13,7 +13,7 @@ pub(super) fn cell_of(data: &SceneData, index: u32) -> [i32; 3] {
     [index % nx, index / nx % ny, index / (nx * ny)].map(|n| n as i32)
 }
 
-/// 1-D index of cell coordinates, wherever they are.
+/// 1-D index of cell coordinates, which may be outside the grid.
 fn index_of(data: &SceneData, [x, y, z]: [i32; 3]) -> i64 {
     let [nx, ny, _] = data.grid.cells.map(i64::from);
     i64::from(x) + nx * (i64::from(y) + ny * i64::from(z))
@@ -29,7 +29,7 @@ pub(super) fn listed(data: &SceneData, index: u32) -> usize {
     (data.grid_cells[index + 1] - data.grid_cells[index]) as usize
 }
 
-/// How far the nearest cell with a list is, at most 255: looked for in every cell that may be it.
+/// The distance to the nearest cell with a list, at most 255; checks every cell within that distance.
 pub(super) fn distance(data: &SceneData, index: u32) -> i32 {
     let at = cell_of(data, index);
     let [nx, ny, nz] = data.grid.cells;
@@ -60,8 +60,8 @@ fn corners(data: &SceneData, from: [i32; 3], to: [i32; 3]) -> [V; 2] {
     [from, to].map(|cell| [0, 1, 2].map(|axis| plane(data, axis, cell[axis])))
 }
 
-/// By how much a place may seem to be outside of its cell: what cells are grown by for just that, and without it the
-/// same 64 roundings of the largest distance.
+/// How far a point may seem to be outside its cell: the margin by which cells are grown for that reason, or without it
+/// the same 64 roundings of the largest distance.
 fn slack(data: &SceneData, o: V) -> f64 {
     let far =
         corners(data, [0; 3], data.grid.cells).into_iter().flatten().chain(o).fold(0.0, |m: f64, v| m.max(v.abs()));
@@ -124,7 +124,7 @@ impl Row<'_> {
         let enters = interval((o, d), min, max, slack).map_or(0.0, |t| t[0]).max(0.0);
         let place = [0, 1, 2].map(|a| o[a] + d[a] * enters);
         for a in 0..3 {
-            // Where the box is entered moves by as much along the ray as it does across the face.
+            // An error of t where the box is entered shifts the point along the ray as well as across the face.
             let reach = d.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             let along = if enters > 0.0 { 2.0 * slack * d[a].abs() / steepest(d, reach) } else { 0.0 };
             if place[a] < low[a] - slack - along || place[a] > high[a] + slack + along {
@@ -185,7 +185,7 @@ impl Row<'_> {
         let (o, d) = ray(self.before);
         let corner = |a: usize| f64::from(data.grid.corner[a]);
         let slack = slack(data, o);
-        // The planes at which the cube of empty cells ends, and the first of them that the ray meets.
+        // The planes that bound the cube of empty cells, and the first of them that the ray meets.
         for a in (0..3).filter(|&a| d[a].abs() > 1e-15) {
             let face = if d[a] > 0.0 { from[a] + far } else { from[a] - far + 1 };
             let (exact, bound) = plane_t((o, d), a, corner(a), plane(data, a, face));
@@ -251,7 +251,7 @@ impl Row<'_> {
         let mut next = cell_of(data, self.before.cell_index);
         next[axis] += sign;
         if words.is(", out of the grid") {
-            // By the paper's rules it has left where the index has left the arrays.
+            // With the paper's numerics a ray has left the grid if its index is outside the arrays.
             let index = index_of(data, next);
             let cells: i64 = data.grid.cells.iter().map(|&n| i64::from(n)).product();
             let is_in = if data.features.robust {
@@ -275,7 +275,7 @@ impl Row<'_> {
     }
 }
 
-/// The largest part of a direction that can have been divided by where the box is entered, kept away from zero.
+/// The smallest direction component that the point of entry may have been divided by, kept away from zero.
 fn steepest(d: V, reach: f64) -> f64 {
     d.iter().map(|v| v.abs()).filter(|v| *v > 1e-6 * reach).fold(reach, f64::min)
 }

@@ -1,14 +1,14 @@
-//! Reads words from left to right.
+//! Parses an explanation from left to right.
 
 use std::fmt::Debug;
 use std::str::FromStr;
 
-/// What is left to read.
+/// The remaining text.
 pub(super) struct Scan<'a> {
     rest: &'a str,
 }
 
-/// Both are equal, or an error that names them.
+/// Succeeds if both are equal; otherwise the error names them.
 pub(super) fn same<T: PartialEq + Debug>(what: &str, said: T, is: T) -> Result<(), String> {
     if said == is { Ok(()) } else { Err(format!("{what}: {said:?} is said, and it is {is:?}")) }
 }
@@ -18,7 +18,7 @@ impl<'a> Scan<'a> {
         Self { rest: words }
     }
 
-    /// Reads on behind the text, if it comes next.
+    /// Skips the text if it comes next.
     pub(super) fn is(&mut self, text: &str) -> bool {
         let rest = self.rest.strip_prefix(text);
         self.rest = rest.unwrap_or(self.rest);
@@ -29,7 +29,7 @@ impl<'a> Scan<'a> {
         if self.is(text) { Ok(()) } else { Err(format!("{text:?} is wanted at {:?}", self.rest)) }
     }
 
-    /// A number, with all of its characters.
+    /// Parses a number, using all of its characters.
     pub(super) fn number<T: FromStr>(&mut self) -> Result<T, String> {
         let is_part = |c: char| c.is_ascii_alphanumeric() || "+-.".contains(c);
         let end = self.rest.find(|c| !is_part(c)).unwrap_or(self.rest.len());

@@ -1,4 +1,4 @@
-//! Words of a triangle's test, and of what follows where a list has ended.
+//! Explanations of a triangle test, and of what follows at the end of a list.
 
 use raystep_kernels::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use raystep_lab::reference::possible;
@@ -12,7 +12,7 @@ use super::{Kind, Row};
 const SMALL: f64 = 1e-6;
 
 impl Row<'_> {
-    /// The list that the ray works on: its length, and the triangle that is next in it.
+    /// The list that the ray works on: its length, and the next triangle in it.
     fn list(&self) -> (u32, Option<u32>) {
         let (data, at, item) = (self.data, self.before.cell_index as usize, self.before.item);
         if data.features.grid {
@@ -45,7 +45,7 @@ impl Row<'_> {
             kinds.push("any hit");
             return Ok(kinds);
         }
-        // The paper's rules take another pass for a list's end.
+        // The paper's numerics take another pass to notice the end of a list.
         let ends = if self.data.features.robust { self.before.item + 1 >= count } else { next.is_none() };
         if !ends {
             self.is(if has_hit { ISECT_HIT } else { ISECT_NO_HIT })?;
@@ -180,7 +180,7 @@ impl Row<'_> {
     fn missed(&self, words: &mut Scan<'_>, exact: &OnPlane) -> Result<Kind, String> {
         let robust = self.data.features.robust;
         let least = exact.weights.iter().copied().fold(f64::INFINITY, f64::min);
-        // Where the ray lies nearly in the plane, nothing can be told of where it meets it.
+        // If the ray lies nearly in the plane, nothing is known about where it meets it.
         let is_steep = exact.bounds[0] < 0.5;
         if words.is("seen edge-on") {
             return if is_steep { Err(format!("seen from the side by {}", exact.det)) } else { Ok("edge-on") };
@@ -222,7 +222,7 @@ impl Row<'_> {
         Ok("outside")
     }
 
-    /// The exact hit is outside of the cell, or within a rounding of its faces.
+    /// Succeeds if the exact hit is outside the cell, or within rounding of its faces.
     fn is_outside_of_cell(&self, exact: &OnPlane) -> Result<(), String> {
         let grid = &self.data.grid;
         let cell = super::grid::cell_of(self.data, self.before.cell_index);

@@ -1,4 +1,4 @@
-//! Words of the walk through the tree.
+//! Explanations of the walk through the BVH.
 
 use raystep_kernels::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 
@@ -6,11 +6,11 @@ use super::geometry::{U, interval, ray};
 use super::scan::{Scan, same};
 use super::{Kind, Row};
 
-/// What a node without a parent has for one.
+/// The parent of a node without one.
 const NONE: u32 = u32::MAX;
 
 impl Row<'_> {
-    /// The node whose child this is, looked for among all nodes.
+    /// The node that has this child, by searching all nodes.
     fn parent_of(&self, node: u32) -> u32 {
         let has = |of: &raystep_kernels::structures::bvh::BvhNode| {
             of.count() == 0 && [of.first, of.first + 1].contains(&node)
@@ -19,7 +19,7 @@ impl Row<'_> {
         if node == 0 { NONE } else { parent.map_or(NONE, |parent| parent as u32) }
     }
 
-    /// The child of a node that the ray comes to first, by the direction along the axis at which the node is split.
+    /// The child that the ray reaches first, by its direction along the node's split axis.
     fn nearer_child(&self, node: u32) -> u32 {
         let of = &self.data.bvh_nodes[node as usize];
         let along = self.before.direction[((of.link >> 30) as usize).min(2)];
@@ -98,12 +98,13 @@ impl Row<'_> {
         Ok(kinds)
     }
 
-    /// In f64: a box that is met, made a little larger, is met; one that is missed, made a little smaller, is missed.
+    /// Checked in f64: a box that is hit must be hit when slightly enlarged; one that is missed must be missed when
+    /// slightly shrunk.
     fn box_is(&self, is_met: bool) -> Result<(), String> {
         let node = &self.data.bvh_nodes[self.before.cell_index as usize];
         let (min, max) = (node.min.map(f64::from), node.max.map(f64::from));
         let (o, d) = ray(self.before);
-        // Four roundings of the distance to a face, in t; in space as much of the largest distance.
+        // Four roundings of the distance to a face, in t; in space the same of the largest distance.
         let far = min.into_iter().chain(max).chain(o).fold(0.0, |m: f64, v| m.max(v.abs()));
         let by = 8.0 * U * far;
         let nearest = self.before.t.map_or(f64::INFINITY, f64::from);

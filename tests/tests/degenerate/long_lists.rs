@@ -1,5 +1,5 @@
-//! More work for one ray than an adapter gives a thread in one dispatch: lists of tens and hundreds of thousands of
-//! triangles, and as many lights. Mesa's software Vulkan ends loops after 65,535 turns, without a word.
+//! More work for one ray than a thread can do in one dispatch: lists of tens and hundreds of thousands of triangles,
+//! and as many lights. Mesa's software Vulkan silently ends loops after 65,535 iterations.
 
 use std::ops::ControlFlow;
 
@@ -12,14 +12,14 @@ use raystep_tests::{block_on, devices, gpu, gpu_of, hits, options, scene, thorou
 
 use super::{expect_no_errors, made_of, picture};
 
-/// Triangles one behind the other, the last in their order nearest to the eye. Every box has a half that no triangle
-/// covers, so that of the rays through the boxes half meet every box and nothing in it.
+/// A pile of triangles, the last one nearest to the eye. All cover the same half of their boxes, so that half of the
+/// rays through the boxes enter every box and hit nothing.
 fn pile(count: usize) -> Scene {
     let z = |i: usize| i as f32 / count as f32;
     made_of((0..count).map(|i| [[-1.0, -1.0, z(i)], [1.0, -1.0, z(i)], [1.0, 1.0, z(i)]]).collect())
 }
 
-/// Parallel rays along the pile, so that boxes and cells are met in the order of z.
+/// Parallel rays along the pile, which meet boxes and cells in the order of z.
 fn along(scene: &Scene, side: u32) -> Options {
     let mut options = picture(scene, side);
     if let RaySource::Camera { camera, .. } = &mut options.rays {
@@ -30,7 +30,7 @@ fn along(scene: &Scene, side: u32) -> Options {
     options
 }
 
-/// Ways that take several steps a pass, or all of them.
+/// Configurations that take several steps per pass, or all of them.
 fn several() -> Vec<Way> {
     let all_steps = [Accelerator::None, Accelerator::Bvh, Accelerator::Grid]
         .map(|accelerator| Way::new(accelerator, ScheduleKind::Compact, 4096));
@@ -44,14 +44,14 @@ fn in_one_cell(scene: &Scene, side: u32) -> Options {
 #[test]
 fn lists_longer_than_any_loop_are_walked_to_their_end() {
     let scene = pile(70_000);
-    // Through cells that the scene gets by itself, and through one that lists everything.
+    // With the automatic grid, and with a single cell that lists everything.
     let side = if thorough() { 12 } else { 6 };
     expect_no_errors("pile", &scene, &along(&scene, side), &several(), 0.0);
     let grids: Vec<Way> = several().into_iter().filter(|way| way.accelerator == Accelerator::Grid).collect();
     expect_no_errors("pile in one cell", &scene, &in_one_cell(&scene, side), &grids, 0.0);
 }
 
-/// One triangle a pass: as many passes as there are triangles.
+/// One triangle per pass: as many passes as there are triangles.
 #[test]
 #[ignore = "long: sh tests/full.sh"]
 fn lists_longer_than_any_loop_are_walked_step_by_step() {
@@ -71,7 +71,7 @@ fn lists_several_times_as_long_as_any_loop_are_walked_to_their_end() {
     expect_no_errors("larger pile", &scene, &in_one_cell(&scene, side), &ways.collect::<Vec<_>>(), 0.0);
 }
 
-/// What a ray has counted does not depend on how many dispatches it took.
+/// A ray's counters do not depend on the number of dispatches.
 #[test]
 fn counters_are_of_the_walk_and_not_of_its_dispatches() {
     let scene = pile(70_000);
@@ -85,7 +85,7 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
                 let renderer = run(&scene, &options, device, Option::None);
                 values(&renderer, streams::COUNTERS)
             });
-            // Behind a hit that was found meanwhile, a walk that goes on enters fewer boxes.
+            // A walk that continues in a later dispatch enters fewer boxes, because of hits found in the meantime.
             let exact = way.accelerator != Accelerator::Bvh || way.is_stepped();
             for layer in 0..3 {
                 let (ours, theirs) = (on_gpu.layer(layer), on_cpu.layer(layer));
@@ -98,10 +98,10 @@ fn counters_are_of_the_walk_and_not_of_its_dispatches() {
     assert!(sums.iter().all(|&tests| tests > 70_000), "{sums:?}");
 }
 
-/// A search for repeated tests along many cells with long lists.
+/// Searches for repeated tests along many cells with long lists.
 #[test]
 fn repeated_tests_are_counted_by_a_search_of_several_dispatches() {
-    // Slivers along the rays, in the lists of all cells on the way; and a wall at its end, which no list has before.
+    // Slivers along the rays, listed in every cell on the way, and a wall at the end, listed only there.
     let mut triangles: Vec<_> =
         (0..40).map(|i| [[-0.5, i as f32 * 0.01, 0.0], [0.5, 0.0, 0.0], [0.5, 0.1, 1.0]]).collect();
     triangles.push([[-3.0, -2.0, 0.0], [3.0, -2.0, 0.0], [0.0, 3.0, 0.0]]);
@@ -118,12 +118,12 @@ fn repeated_tests_are_counted_by_a_search_of_several_dispatches() {
     assert!(in_turns.passes().len() > whole.passes().len(), "no search took a second dispatch");
 }
 
-/// One light and 69,999 zeros, which are summed exactly: 64 roundings of values below 1, as parity allows a kernel that
-/// colours by a light without a cone.
+/// One light and 69,999 zeros, whose sum is exact: 64 roundings of values below 1, as parity allows for a kernel that
+/// shades with a light without a cone.
 const LIGHT_TOLERANCE: f32 = 64.0 * f32::EPSILON;
 
-/// The first float of two lists, by its place, that is further from the other's than `tolerance`, or that only one list
-/// has. NaN is near to nothing.
+/// Index of the first float in two lists that differs by more than `tolerance`, or exists in only one of them. NaN
+/// differs from everything.
 fn first_apart(a: &[u32], b: &[u32], tolerance: f32) -> Option<usize> {
     let is_near = |a: f32, b: f32| a == b || (a - b).abs() <= tolerance;
     let near = a.iter().zip(b).take_while(|(a, b)| is_near(f32::from_bits(**a), f32::from_bits(**b))).count();
@@ -145,7 +145,7 @@ fn nan_and_missing_texels_are_apart() {
     }
 }
 
-/// The only light that shines is the last of 70,000.
+/// Only the last of 70,000 lights shines.
 #[test]
 fn all_lights_are_summed() {
     let mut scene = scene("single-triangle.gltf");
@@ -159,16 +159,16 @@ fn all_lights_are_summed() {
         assert!(pictures[0].layer(0).iter().any(|&red| f32::from_bits(red) > 0.1), "{way}: dark");
         let [on_gpu, on_cpu] = [&pictures[0].bits, &pictures[1].bits];
         if gpu().is_software() {
-            // It rounds every operation, as the CPU does.
+            // Software Vulkan rounds every operation as the CPU does.
             assert_eq!(on_gpu, on_cpu, "{way}");
         } else {
             let apart = first_apart(on_gpu, on_cpu, LIGHT_TOLERANCE);
-            assert_eq!(apart, Option::None, "{way}: the first texel that is too far apart");
+            assert_eq!(apart, Option::None, "{way}: the first texel that differs too much");
         }
     }
 }
 
-/// With any number of loop turns a dispatch, down to one, hits are the same bits.
+/// With any number of loop iterations per dispatch, down to one, hits have the same bits.
 #[test]
 fn the_number_of_loop_turns_changes_no_hit() {
     for file in ["cornell-box.gltf", "teapot.glb"] {
@@ -183,7 +183,7 @@ fn the_number_of_loop_turns_changes_no_hit() {
                 for turns in [1, 7, 64] {
                     let limits = Limits { turns, ..Limits::CPU };
                     let parts = run(&scene, &options, &device, Some(&limits));
-                    // With one turn, whatever can wait does; with more, what may need them.
+                    // With one iteration, everything that can continue later does; with more, what may need to.
                     let resumes = turns == 1 && (way.steps > 1 || !way.is_stepped());
                     assert!(parts.plan().features.resumes >= resumes, "{file} {name} {way} {turns}");
                     assert!(!resumes || parts.passes().len() > whole.passes().len(), "{file} {name} {way}");
@@ -195,7 +195,7 @@ fn the_number_of_loop_turns_changes_no_hit() {
     }
 }
 
-/// Where no thread can need as many turns as it has, nothing is compiled or allocated for it.
+/// If no thread can exceed its number of iterations, nothing is compiled or allocated for continuing.
 #[test]
 fn what_fits_one_dispatch_is_compiled_as_without_a_limit() {
     let scene = scene("cornell-box.gltf");
@@ -211,7 +211,7 @@ fn what_fits_one_dispatch_is_compiled_as_without_a_limit() {
     }
 }
 
-/// Mesa's software Vulkan is known to end loops; a thread gets a small part of the turns that it allows.
+/// Mesa's software Vulkan is known to end loops; a thread gets a small part of the iterations that it allows.
 #[test]
 fn the_adapters_loops_are_probed() {
     let gpu = gpu();

@@ -1,4 +1,5 @@
-//! One ray's life: what its words say, and that it is the same alone as beside all others.
+//! The history of one ray: whether its explanations are correct, and whether it is the same when traced alone as with
+//! all other rays.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -10,8 +11,8 @@ use raystep_scenes::Scene;
 use raystep_tests::ways::{STEPPED, Way};
 use raystep_tests::{block_on, camera, devices, gpu_of, options, rays, scene, scene_files, words};
 
-/// Where rays come from, whether any hit ends them, and which of them to follow: a spread over the picture, and rays
-/// in turn from inside of the scene, from outside and from its surface.
+/// Sources of rays, whether any hit ends them, and which of them to follow: spread over the image, or alternately from
+/// inside the scene, outside it and its surface.
 fn followed(scene: &Scene) -> Vec<(RaySource, bool, Vec<[u32; 2]>)> {
     let camera = RaySource::Camera { camera: camera(scene), width: 64, height: 48 };
     let pixels = vec![[32, 24], [20, 30], [45, 17], [11, 40], [52, 36], [3, 3]];
@@ -23,7 +24,7 @@ fn followed(scene: &Scene) -> Vec<(RaySource, bool, Vec<[u32; 2]>)> {
     vec![(camera, false, pixels), (random.clone(), false, nine()), (random, true, nine())]
 }
 
-/// A triangle too small for the paper's threshold beside one of the scene's size, and a ray that meets it.
+/// A triangle too small for the paper's threshold in a scene with a large one, and a ray that hits it.
 fn small_triangle() -> (Scene, RaySource) {
     let mut scene = scene("single-triangle.gltf");
     let [a, b, c] = scene.triangles[0].map(glam::Vec3::from);
@@ -78,7 +79,7 @@ fn the_words_of_every_pass_say_what_the_streams_say() {
                     continue;
                 }
                 let options = Options { shade: is_camera, any_hit, ..way.of(&Options::new(source)) };
-                // On the adapter the words are of what it did, with the host's own functions beside.
+                // On the adapter, the explanations describe the adapter's results, with values computed by the host.
                 let on_adapter = is_camera && way.steps == 1 && file == "teapot.glb";
                 for (name, device) in devices().into_iter().filter(|(name, _)| *name == "cpu" || on_adapter) {
                     hear(&format!("{file} {name} {way}"), &scene, &options, &device, &rays);
@@ -137,7 +138,7 @@ fn the_words_of_every_pass_say_what_the_streams_say() {
         "background",
     ];
     let unseen: Vec<_> = all.into_iter().filter(|kind| !seen.contains_key(kind)).collect();
-    assert!(unseen.is_empty(), "no ray had its words say: {unseen:?}");
+    assert!(unseen.is_empty(), "explanations that no ray had: {unseen:?}");
 }
 
 #[test]
@@ -179,7 +180,7 @@ fn a_ray_alone_does_what_it_does_beside_all_others() {
                         }
                         assert!(alone.rows.last().is_some_and(|row| row.pass.is_none()), "{label}");
                     }
-                    // All rays again, where it is not asked for one.
+                    // All rays again, as no single ray is requested.
                     renderer.restart();
                     renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
                     assert_eq!(renderer.live()[DONE as usize], 22 * 17);

@@ -1,27 +1,27 @@
-//! What commands handed over to be saved.
+//! Files that commands have saved.
 
 use raystep_inspector::ui::pane::PaneKind;
 
 use super::table::is_shown;
 use crate::ui::stage::Stage;
 
-/// What was saved under names that end so.
+/// Saved files whose names end with `end`.
 pub(super) fn saved(stage: &Stage, end: &str) -> Vec<Vec<u8>> {
     let desk = stage.desk.lock().expect("not poisoned");
     desk.saved.iter().filter(|file| file.name.ends_with(end)).map(|file| file.bytes.clone()).collect()
 }
 
-/// The only file that was saved.
+/// The only saved file.
 #[track_caller]
 pub(super) fn file(stage: &mut Stage, end: &str) -> Vec<u8> {
     stage.settle();
     let mut files = saved(stage, end);
     let all = stage.desk.lock().expect("not poisoned").saved.len();
-    assert_eq!((files.len(), all), (1, 1), "one file *{end} is saved");
+    assert_eq!((files.len(), all), (1, 1), "expected one file *{end}");
     files.remove(0)
 }
 
-/// A drawing was saved, and its panel is in view.
+/// A drawing was saved, and its panel is visible.
 #[track_caller]
 pub(super) fn drawing(stage: &mut Stage, kind: PaneKind) {
     stage.settle();

@@ -1,4 +1,4 @@
-//! What each command needs, and how to tell that it was done.
+//! What each command needs, and how to tell that it worked.
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
@@ -19,13 +19,13 @@ type Check = fn(&mut Stage, &Before);
 
 /// A row of the table.
 pub(super) struct Row {
-    /// Sets up what the command needs; the number that it changes, if it does.
+    /// Prepares the command; returns the number that it changes, if any.
     pub(super) prepare: Prepare,
-    /// Fails where the command did not do what it is for.
+    /// Fails if the command did not have its effect.
     pub(super) check: Check,
 }
 
-/// A command's row; one without a row does not compile.
+/// The row of a command; a command without one does not compile.
 pub(super) fn row(command: Command) -> Row {
     use Command as C;
     let (prepare, check): (Prepare, Check) = match command {
@@ -109,7 +109,7 @@ pub(super) fn row(command: Command) -> Row {
             assert!(end > was.place, "{end}");
             s.perform(Command::NextPass);
             let passes = &s.harness.state().model().passes;
-            assert_ne!(passes[end].iteration, passes[end - 1].iteration, "not the end of one");
+            assert_ne!(passes[end].iteration, passes[end - 1].iteration, "not the end of an iteration");
         }),
         C::IterationStart => (nothing, |s, was| {
             s.settle();
@@ -147,7 +147,7 @@ pub(super) fn row(command: Command) -> Row {
             let place = s.place();
             s.frames(5);
             s.settle();
-            assert_eq!(s.place(), place, "it goes on");
+            assert_eq!(s.place(), place, "it did not pause");
             assert!(s.harness.state().model().next.is_some(), "it played to the end");
         }),
 
@@ -234,7 +234,7 @@ pub(super) fn row(command: Command) -> Row {
             let now = s.harness.state().panes_in_view();
             let changed = PaneKind::ALL.iter().filter(|kind| now.contains(kind) != was.panes.contains(kind));
             let changed: Vec<_> = changed.collect();
-            // A panel opens as a tab beside the widest one, which then is behind it.
+            // A panel opens as a tab beside the widest panel and hides it.
             assert!(changed.iter().any(|kind| Command::Show(**kind) == was.command), "{changed:?}");
             assert!(changed.len() <= 2, "{changed:?}");
         }),
@@ -293,7 +293,7 @@ fn choose_cornell(stage: &mut Stage) -> f64 {
     0.0
 }
 
-/// Rays have an order once all passes are known.
+/// Rays can be sorted once all passes are known.
 fn sort_rays(stage: &mut Stage) -> f64 {
     stage.perform(Command::End);
     stage.perform(Command::Show(PaneKind::Cost));
@@ -350,7 +350,7 @@ fn is_ray_watched(stage: &Stage) -> bool {
     node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
 }
 
-/// So many passes were exported: all, the count was said, and nobody was taken elsewhere.
+/// All passes were exported, the message has their number, and the view is unchanged.
 #[track_caller]
 fn assert_all(stage: &mut Stage, was: &Before, count: usize, what: &str) {
     assert!(stage.paints(&format!("{count} {what} written to ")), "{:?}", stage.painted());
@@ -367,7 +367,7 @@ pub(super) fn is_shown(stage: &Stage, kind: PaneKind) {
 
 #[track_caller]
 fn shown(stage: &Stage, was: &Before, kind: PaneKind) {
-    assert!(!was.panes.contains(&kind), "{kind:?} was there");
+    assert!(!was.panes.contains(&kind), "{kind:?} was already there");
     is_shown(stage, kind);
 }
 
@@ -393,5 +393,5 @@ fn pixel_moved(stage: &mut Stage, by: [i64; 2]) {
     let to = [0, 1].map(|i| (i64::from(PIXEL[i]) + by[i]) as u32);
     assert_eq!(stage.harness.state().pixel(), Some(to));
     let life = stage.harness.state().model().life.as_ref().map(|life| life.pixel);
-    assert_eq!(life, Some(to), "its life is not shown");
+    assert_eq!(life, Some(to), "its history is not shown");
 }

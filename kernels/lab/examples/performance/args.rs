@@ -11,14 +11,14 @@ performance page DIR...
 SECTION is one of paper, resolution, steps, bytes, tdelta, meshes, triangles. Points are X,Y,Z; FOV is vertical,
 in degrees. FILE is glTF, GLB, OBJ or PLY; without a view, its first camera, or one that frames it.";
 
-/// What kind of device.
+/// Kind of device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AdapterKind {
     /// A real GPU.
     Gpu,
     /// Mesa's software Vulkan.
     Software,
-    /// The twins.
+    /// The twins (CPU reference kernels).
     Cpu,
 }
 
@@ -27,20 +27,20 @@ pub(crate) enum AdapterKind {
 pub(crate) struct MeshArg {
     pub(crate) name: String,
     pub(crate) file: PathBuf,
-    /// Eye, point looked at, vertical field of view in radians.
+    /// Eye, look-at point, vertical field of view in radians.
     pub(crate) view: Option<(DVec3, DVec3, f64)>,
 }
 
-/// `measure`
+/// Arguments of `measure`.
 #[derive(Clone, Debug)]
 pub(crate) struct MeasureArgs {
     pub(crate) adapter: AdapterKind,
     pub(crate) output: PathBuf,
     pub(crate) meshes: Vec<MeshArg>,
-    /// Empty: all.
+    /// Sections to measure; empty means all.
     pub(crate) only: Vec<String>,
     pub(crate) quick: bool,
-    /// The arguments as they were given, for the record.
+    /// The arguments as given, for the record.
     pub(crate) text: String,
 }
 
@@ -102,7 +102,7 @@ fn measure(args: &[String]) -> Result<MeasureArgs, String> {
 fn mesh(text: &str) -> Result<MeshArg, String> {
     let wrong = || format!("--mesh: {text:?} is not NAME=FILE or NAME=FILE:EYE:LOOK_AT:FOV");
     let (name, rest) = text.split_once('=').ok_or_else(wrong)?;
-    // From the right: a file's name may hold colons.
+    // Split from the right: file names may contain colons.
     let parts: Vec<&str> = rest.rsplitn(4, ':').collect();
     let view = match parts[..] {
         [fov, look_at, eye, _] => point(eye).zip(point(look_at)).zip(fov.parse::<f64>().ok()),

@@ -1,11 +1,11 @@
-//! Files of rows.
+//! CSV files of rows.
 
 use std::path::Path;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Writes rows with a header.
+/// Writes the rows with a header.
 pub(crate) fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), String> {
     let wrong = |e: csv::Error| format!("{}: {e}", path.display());
     let mut writer = csv::Writer::from_path(path).map_err(wrong)?;
@@ -13,7 +13,7 @@ pub(crate) fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), String>
     writer.flush().map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Reads them back; nothing where the section was not measured.
+/// Reads the rows; none if the section was not measured.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, String> {
     if !path.exists() {
         return Ok(Vec::new());

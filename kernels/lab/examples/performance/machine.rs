@@ -1,4 +1,4 @@
-//! The device that measures, and what is to be known of it.
+//! The device under test and its description.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::args::{AdapterKind, MeasureArgs};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct About {
     pub(crate) raystep_version: String,
-    /// For people: the adapter's name, or the processor's.
+    /// The adapter's name, or the processor's, for display.
     pub(crate) name: String,
     pub(crate) adapter: String,
     pub(crate) backend: String,
@@ -30,7 +30,7 @@ pub(crate) struct About {
     pub(crate) cores: usize,
     pub(crate) arguments: String,
     pub(crate) quick: bool,
-    /// Section and seconds.
+    /// Section name and how many seconds it took.
     pub(crate) seconds: Vec<(String, f64)>,
 }
 
@@ -65,7 +65,7 @@ impl Machine {
         Ok(Self { kind: args.adapter, quick: args.quick, meter: Meter::new(machine) })
     }
 
-    /// Gives the device work until its clocks are up; what runs next is to keep them there.
+    /// Keeps the device busy until its clocks are up; what runs next should keep them there.
     pub(crate) fn raise_clocks(&self) {
         if self.is_fast() {
             self.meter.raise_clocks(Duration::from_millis(250));
@@ -92,12 +92,12 @@ impl Machine {
         self.meter.machine.limits()
     }
 
-    /// Whether it has the power for large images.
+    /// Whether the device is fast enough for large images.
     pub(crate) fn is_fast(&self) -> bool {
         self.kind == AdapterKind::Gpu
     }
 
-    /// Runs of each configuration at most.
+    /// Maximum number of runs per configuration.
     pub(crate) fn repeats(&self) -> usize {
         match (self.quick, self.is_fast()) {
             (true, _) => 3,
@@ -106,7 +106,7 @@ impl Machine {
         }
     }
 
-    /// Resolves a future of this device's.
+    /// Waits for one of this device's futures.
     pub(crate) fn wait<T>(&self, future: impl Future<Output = T>) -> T {
         self.meter.machine.wait(future)
     }
@@ -116,12 +116,12 @@ impl Machine {
         self.meter.machine.forget_kernels();
     }
 
-    /// Until the device is idle, uploads included, so that what came before is in nobody's time.
+    /// Waits until the device is idle, uploads included, so that earlier work is not timed.
     pub(crate) fn settle(&self) {
         self.meter.machine.settle();
     }
 
-    /// A run from its start. It is given up after `most`.
+    /// Runs from the start. Gives up after `most`.
     pub(crate) fn run(&self, renderer: &mut Renderer, most: Duration) -> Result<Ended, RenderError> {
         self.meter.run(renderer, |_, spent| match spent > most {
             true => ControlFlow::Break(()),

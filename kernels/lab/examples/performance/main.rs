@@ -1,14 +1,13 @@
-//! Measures how fast raystep traces, and makes `docs/performance.md` of what was measured.
+//! Measures how fast raystep traces, and generates `docs/performance.md` from the results.
 //!
 //! ```text
 //! performance measure --adapter gpu|software|cpu -o DIR [--mesh NAME=FILE[:EYE:LOOK_AT:FOV]]… [--only SECTION,…] [--quick]
 //! performance page DIR…
 //! ```
 //!
-//! `measure` writes `machine.json` and one CSV a section: see [`sections`]. Points are X,Y,Z, the vertical
-//! field of view is in degrees. It reads no file but the meshes, so that its binary can be carried to another
-//! machine. `page` reads such folders and rewrites what `docs/performance.md` has between its markers, and the
-//! plots beside the tables.
+//! `measure` writes `machine.json` and one CSV per section: see [`sections`]. Points are X,Y,Z; the vertical field of
+//! view is in degrees. It reads no files except the meshes, so that the binary can be copied to another machine.
+//! `page` reads such folders and rewrites the marked parts of `docs/performance.md` and the plots beside the tables.
 
 mod args;
 mod csvs;

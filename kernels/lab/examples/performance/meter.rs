@@ -1,8 +1,8 @@
-//! Runs configurations in turn, so that what slows the machine down for a while slows all of them.
+//! Interleaves runs of several configurations, so that a temporary slowdown of the machine affects all of them.
 //!
-//! The paper's tables are replayed on a GPU: the passes of a run are found one at a time, and then submitted as
-//! they are. A run that is not watched submits passes ahead of knowing whether they are needed; without lists of
-//! live rays each of those launches every ray, and first has them in every turn of its loop.
+//! On a GPU, the paper's tables are replayed: a first run finds the passes one at a time, and later runs submit exactly
+//! those. A normal run submits passes before it knows whether they are needed; without lists of active rays each such
+//! pass launches every ray, and `first` has such passes in every iteration of its loop.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ use crate::row::{Row, median_p05_p95};
 use crate::scenes::Viewed;
 use crate::sections::Deadline;
 
-/// How rays are traced.
+/// A configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Way {
     pub(crate) accelerator: Accelerator,
@@ -38,7 +38,7 @@ pub(crate) struct Way {
 }
 
 impl Way {
-    /// The robust rules, the automatic grid, no leaps, one step a pass.
+    /// Robust numerics, the automatic grid, no empty-space skipping, one step per pass.
     pub(crate) fn new(accelerator: Accelerator, schedule: ScheduleKind) -> Self {
         let (numerics, grid, skip) = (Numerics::Robust, GridSize::Auto, Skip::Off);
         Self { accelerator, schedule, numerics, grid, skip, steps: 1 }
@@ -71,7 +71,7 @@ impl Way {
     }
 }
 
-/// What a group has in common: the same rays.
+/// What the configurations of a group share: the same rays.
 pub(crate) struct Group<'a> {
     pub(crate) viewed: &'a Viewed,
     pub(crate) size: (u32, u32),
@@ -80,7 +80,7 @@ pub(crate) struct Group<'a> {
     pub(crate) counted: Option<Counted>,
 }
 
-/// Rays of the same kind, or fewer, whose steps are counted, and for which ways.
+/// The rays for a counting run (the same kind, perhaps fewer), and which configurations need one.
 pub(crate) type Counted = (RaySource, fn(&Way) -> bool);
 
 struct Ready {
@@ -89,7 +89,7 @@ struct Ready {
     replay: Option<Replay>,
 }
 
-/// Measures a section.
+/// Measures the configurations of a section.
 pub(crate) struct Meter<'a> {
     pub(crate) machine: &'a Machine,
     pub(crate) section: &'static str,
@@ -98,7 +98,7 @@ pub(crate) struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    /// What the runs of one configuration may take, and one run.
+    /// Time limits for all runs of one configuration, and for one run.
     fn bounds(&self) -> (Duration, Duration) {
         let seconds = match (self.machine.quick, self.machine.is_fast()) {
             (true, _) => (0.6, 3.0),
@@ -108,7 +108,7 @@ impl Meter<'_> {
         (Duration::from_secs_f64(seconds.0), Duration::from_secs_f64(seconds.1))
     }
 
-    /// Builds, warms up and then measures in turn. One row a way, in their order.
+    /// Builds, warms up and then measures in interleaved runs. Returns one row per configuration, in the same order.
     pub(crate) fn group(&mut self, group: &Group<'_>, ways: &[Way]) {
         let mut ready = Vec::new();
         for way in ways {
@@ -136,7 +136,7 @@ impl Meter<'_> {
         }
     }
 
-    /// A row of what is known before anything is built.
+    /// A row with everything known before anything is built.
     pub(crate) fn row(&self, group: &Group<'_>, way: &Way) -> Row {
         let grid = match (way.accelerator, way.grid) {
             (Accelerator::Grid, GridSize::Auto) => "auto".into(),
@@ -164,7 +164,7 @@ impl Meter<'_> {
         way.options(rays.clone(), group.rays_kind == "shadow")
     }
 
-    /// Counts, builds, compiles, and runs for the first time.
+    /// Counts steps, builds, compiles, and runs once.
     fn prepare(&self, group: &Group<'_>, way: &Way, row: &mut Row) -> Result<(Renderer, Option<Replay>), String> {
         let machine = self.machine;
         let sums =
@@ -230,11 +230,11 @@ impl Meter<'_> {
         Ok((renderer, replay))
     }
 
-    /// What rays did in a run of their own, and how many they were. `None` where that took too long.
+    /// Counters from a run of their own, and how many rays it traced. `None` if that took too long.
     fn count(&self, group: &Group<'_>, way: &Way, rays: &RaySource) -> Option<(CounterSums, u64)> {
         let (machine, mut options) = (self.machine, self.options(group, way, rays));
         options.counters = true;
-        // The same steps in another order, and no passes ahead of their turn.
+        // The same steps in another order, without passes submitted ahead.
         if way.schedule == ScheduleKind::First {
             options.schedule = ScheduleKind::Second;
         }
@@ -260,7 +260,7 @@ impl Meter<'_> {
                 Some(replay) => replay.run(self.machine).map(Ended::Done),
                 None => self.machine.run(&mut r.renderer, 2 * most),
             };
-            // What fails is as good as what takes too long.
+            // A run that fails is treated like one that takes too long.
             Ok::<_, Infallible>(run.unwrap_or(Ended::GivenUp))
         });
         let Ok(times) = times;
@@ -284,13 +284,13 @@ impl Meter<'_> {
     }
 }
 
-/// A plan, and the seconds that building its grid or tree took: the shortest of some. The first also composes the
+/// A plan, and the seconds for building its grid or BVH: the shortest of a few builds. The first one also composes the
 /// shaders, which are kept; the others only build.
 fn planned(machine: &Machine, scene: &Scene, options: &Options) -> Result<(Plan, SceneData, Option<f64>), String> {
     let times = if scene.triangles.len() < 10_000 { 4 } else { 2 };
     let (mut made, mut shortest_s) = (None, f64::MAX);
     for _ in 0..times {
-        // One that is not needed any more takes no memory beside the next.
+        // Free the previous one first, so that two are never in memory.
         drop(made.take());
         let start = Instant::now();
         let planned = Plan::new(scene, options, &machine.limits()).map_err(|e| e.to_string())?;
@@ -301,15 +301,15 @@ fn planned(machine: &Machine, scene: &Scene, options: &Options) -> Result<(Plan,
     Ok((plan, data, Some(shortest_s).filter(|&s| s > 0.0)))
 }
 
-/// The passes of a run, without any that would turn out not to be needed.
+/// The passes of a run, without any that turn out not to be needed.
 struct Replay {
     executor: GpuExecutor,
-    /// Kernels of each submission, and the rays in each state before it.
+    /// The kernels of each submission, and the rays in each state before it.
     submissions: Vec<(Vec<Kernel>, StateCounts)>,
 }
 
 impl Replay {
-    /// Of a run that is complete.
+    /// Takes the passes of a completed run.
     fn new(machine: &Machine, gpu: &Arc<Gpu>, renderer: &Renderer) -> Result<Self, String> {
         let plan = renderer.shared_plan();
         let executor = GpuExecutor::new(gpu.clone(), &plan, renderer.data(), false);

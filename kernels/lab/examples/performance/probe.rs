@@ -1,4 +1,4 @@
-//! Small kernels and their times, apart from a renderer.
+//! Small kernels timed on their own, without a renderer.
 
 use std::borrow::Cow;
 use std::convert::Infallible;
@@ -38,7 +38,7 @@ impl<'a> Stopwatch<'a> {
         }
     }
 
-    /// Nanoseconds of one compute pass; `None` where a timestamp is not valid.
+    /// Nanoseconds of one compute pass; `None` if a timestamp is not valid.
     pub(crate) fn time(&self, encode: impl FnOnce(&mut wgpu::ComputePass<'_>)) -> Option<u64> {
         self.machine.keep_clocks();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -64,7 +64,7 @@ impl<'a> Stopwatch<'a> {
     }
 }
 
-/// A compute pipeline with the layout that its source has.
+/// A compute pipeline with the layout inferred from its source.
 pub(crate) fn pipeline(gpu: &Gpu, wgsl: &str, entry: &str) -> wgpu::ComputePipeline {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(entry),
@@ -80,7 +80,7 @@ pub(crate) fn pipeline(gpu: &Gpu, wgsl: &str, entry: &str) -> wgpu::ComputePipel
     })
 }
 
-/// Binds by number.
+/// Binds resources by number.
 pub(crate) fn bind(
     gpu: &Gpu,
     pipeline: &wgpu::ComputePipeline,
@@ -95,7 +95,7 @@ pub(crate) fn bind(
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
 }
 
-/// A texture of so many layers.
+/// A texture with this many layers.
 pub(crate) fn texture(
     gpu: &Gpu,
     (width, height): (u32, u32),
@@ -115,16 +115,16 @@ pub(crate) fn texture(
     })
 }
 
-/// All layers of it.
+/// A view of all its layers.
 pub(crate) fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
     let dimension = Some(wgpu::TextureViewDimension::D2Array);
     texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
 }
 
-/// What is to be measured: what it is, and one repeat of it.
+/// A measurement: its row, and a function that performs one repeat.
 pub(crate) type Job<'a> = (Probe, Box<dyn FnMut() -> Option<u64> + 'a>);
 
-/// Runs jobs in turn.
+/// Runs jobs interleaved.
 pub(crate) fn in_turn(machine: &Machine, mut jobs: Vec<Job<'_>>) -> Vec<Probe> {
     machine.raise_clocks();
     let times = meter::in_turn(&mut jobs, Turns::of(2, machine.repeats()), |(_, job)| {

@@ -1,9 +1,9 @@
-//! The rows of the CSV files: runs, and small measurements.
+//! Rows of the CSV files: runs, and small measurements.
 
 use raystep_lab::meter::Valid;
 use serde::{Deserialize, Serialize};
 
-/// One configuration's runs. Unknown is empty, never 0.
+/// Runs of one configuration. Unknown values are empty, never 0.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
     pub(crate) section: String,
@@ -18,18 +18,18 @@ pub(crate) struct Row {
     pub(crate) numerics: String,
     /// The option `--skip`; empty without a grid.
     pub(crate) skip: String,
-    /// Whether rays skip over empty cells.
+    /// Whether rays skip empty cells.
     pub(crate) leaps: Option<bool>,
-    /// `auto`, or the cells asked for.
+    /// `auto`, or the requested cells.
     pub(crate) grid: String,
-    /// Cells along x, y and z of the grid that was built.
+    /// Cells of the grid that was built, along x, y and z.
     pub(crate) cells: String,
     pub(crate) steps_per_pass: u32,
-    /// Building grid or BVH, and packing triangles.
+    /// Seconds to build the grid or BVH and to pack triangles.
     pub(crate) build_s: Option<f64>,
-    /// Compiling, allocating, uploading. Kernels are compiled anew; the driver may have cached what it made of them.
+    /// Seconds to compile, allocate and upload. Kernels are compiled anew; the driver may have cached its results.
     pub(crate) prepare_s: Option<f64>,
-    /// Whether only the passes needed were submitted.
+    /// Whether only the necessary passes were submitted.
     pub(crate) is_replay: bool,
     pub(crate) n: usize,
     pub(crate) invalid: usize,
@@ -44,9 +44,9 @@ pub(crate) struct Row {
     pub(crate) cells_per_ray: Option<f64>,
     pub(crate) tests_per_ray: Option<f64>,
     pub(crate) repeated_per_ray: Option<f64>,
-    /// Rays by whose runs the three above were counted.
+    /// Number of rays in the counting run for the three columns above.
     pub(crate) counted_rays: Option<u64>,
-    /// Cells or nodes visited and triangles tested, by threads launched.
+    /// Cells or nodes visited plus triangles tested, divided by threads launched.
     pub(crate) useful_steps_per_thread: Option<f64>,
     pub(crate) bytes_per_triangle: Option<f64>,
     pub(crate) hits: Option<u64>,
@@ -59,12 +59,12 @@ impl Row {
         self.median_device_ns.filter(|&ns| ns > 0.0).map(|ns| self.rays as f64 / ns * 1e3)
     }
 
-    /// Of the threads launched, those that had a ray to work on.
+    /// Share of the launched threads that had a ray to work on.
     pub(crate) fn share_with_ray(&self) -> Option<f64> {
         self.threads_with_ray.zip(self.threads_launched).map(|(with, all)| with as f64 / all as f64)
     }
 
-    /// How it was traced, for people: `grid with skipping, compact K=8`.
+    /// The configuration for display: `grid with skipping, compact K=8`.
     pub(crate) fn way(&self) -> String {
         let steps = match (self.schedule.as_str(), self.steps_per_pass) {
             ("compact", steps) => format!(" K={steps}"),
@@ -75,7 +75,7 @@ impl Row {
     }
 }
 
-/// One small measurement, a value of its own where it is no time.
+/// One small measurement, with a value of its own if it is not a time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Probe {
     pub(crate) section: String,
@@ -84,13 +84,13 @@ pub(crate) struct Probe {
     pub(crate) accelerator: String,
     pub(crate) width_px: u32,
     pub(crate) height_px: u32,
-    /// Dispatches of one submission; passes of a run.
+    /// Dispatches of one submission, or passes of a run.
     pub(crate) passes: u64,
-    /// Bytes that each submission moves at least, reads and writes.
+    /// Minimum bytes read and written by each submission.
     pub(crate) bytes: Option<u64>,
     pub(crate) n: usize,
     pub(crate) invalid: usize,
-    /// Of a whole submission, or run.
+    /// Time of a whole submission or run.
     pub(crate) median_device_ns: Option<f64>,
     pub(crate) p05_device_ns: Option<f64>,
     pub(crate) p95_device_ns: Option<f64>,
@@ -110,7 +110,7 @@ impl Probe {
     }
 }
 
-/// `None` where no time was valid.
+/// `None` if no time was valid.
 pub(crate) fn median_p05_p95(times: &Valid) -> [Option<f64>; 3] {
     times.spread().map_or([None; 3], |s| [s.median, s.p05, s.p95].map(Some))
 }

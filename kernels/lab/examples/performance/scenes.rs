@@ -1,4 +1,4 @@
-//! What is traced, and by which rays.
+//! The scenes and rays to trace.
 
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,10 @@ use raystep_scenes::{Camera, FileError, LoadOptions, Projection, Resolver, Scene
 use crate::args::MeshArg;
 use crate::machine::Machine;
 
-/// What random rays begin with.
+/// Seed of random rays.
 const SEED: u32 = 1;
 
-/// The files beside a mesh.
+/// The folder with a mesh's external files.
 struct Beside(PathBuf);
 
 impl Resolver for Beside {
@@ -23,7 +23,7 @@ impl Resolver for Beside {
     }
 }
 
-/// A scene, who looks at it, and its name.
+/// A scene with its camera and name.
 pub(crate) struct Viewed {
     pub(crate) name: String,
     pub(crate) scene: Scene,
@@ -32,13 +32,13 @@ pub(crate) struct Viewed {
 
 impl Viewed {
     fn new(name: &str, mut scene: Scene) -> Self {
-        // Nothing is shaded; ten million normals are only in the way.
+        // Nothing is shaded, so drop normals and other attributes: there may be ten million.
         (scene.normals, scene.colors, scene.texcoords) = (None, None, None);
         let camera = scene.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.bounds()));
         Self { name: name.into(), scene, camera }
     }
 
-    /// A generated scene of about that many triangles.
+    /// A generated scene of about this many triangles.
     pub(crate) fn generated(name: &str, triangles: Option<u64>) -> Result<Self, String> {
         let given: Vec<_> = triangles.map(|n| ("triangles", n)).into_iter().collect();
         let scene = generate::find(name).and_then(|g| g.make(&given)).map_err(|e| e.to_string())?;
@@ -71,7 +71,7 @@ impl Viewed {
         RaySource::Camera { camera: self.camera.clone(), width, height }
     }
 
-    /// What primary rays hit.
+    /// The hits of primary rays.
     pub(crate) fn hits(&self, size: (u32, u32), machine: &Machine) -> Result<Vec<Option<RayHit>>, String> {
         let mut options = Options::new(self.primary(size));
         (options.accelerator, options.schedule, options.shade) = (Accelerator::Bvh, ScheduleKind::Fused, false);
@@ -83,8 +83,8 @@ impl Viewed {
         hits.map_err(|e| e.to_string())
     }
 
-    /// Rays of a kind, and a sixteenth of them to be counted. `hits` are those of the primary rays of such an
-    /// image. `None` where there is not a single ray.
+    /// Rays of a kind, and a sixteenth of them for counting. `hits` are those of the primary rays of such an image.
+    /// `None` if there are no rays of this kind.
     pub(crate) fn rays(
         &self,
         kind: RayKind,

@@ -1,17 +1,17 @@
-//! What is measured, a file a section.
+//! The sections to measure, one file each.
 //!
 //! | section | asks |
 //! |---|---|
-//! | `paper` | the paper's Tables 2 and 3, and what each of our schedules makes of them |
-//! | `resolution` | time against rays: a straight line? |
-//! | `steps` | time against steps a pass |
-//! | `bytes` | bytes that passes move, against what the device copies; what an empty pass costs |
-//! | `tdelta` | §4.2.3: work tDelta out in every pass, or load it? |
-//! | `meshes` | rays a second by kind of ray, and what they did |
-//! | `triangles` | time against triangles, and where one way overtakes another |
+//! | `paper` | the paper's Tables 2 and 3, and the same with each of our schedules |
+//! | `resolution` | is time proportional to the number of rays? |
+//! | `steps` | time against steps per pass |
+//! | `bytes` | bytes that passes move, compared with the device's copy speed; cost of an empty pass |
+//! | `tdelta` | §4.2.3: recompute tDelta in every pass, or load it? |
+//! | `meshes` | rays per second by kind of ray, and their counters |
+//! | `triangles` | time against triangles, and where one configuration overtakes another |
 //!
-//! Times are the device's: from before the first kernel, which makes the rays, until t, u, v and triangle of
-//! every ray are in memory. Configurations of a group run in turn.
+//! Times are the device's: from the start of the first kernel, which generates the rays, until t, u, v and triangle of
+//! every ray are in memory. Configurations of a group are interleaved.
 
 mod bytes;
 mod meshes;
@@ -32,22 +32,22 @@ use crate::scenes::Viewed;
 /// In the order in which they run: the largest scenes last.
 pub(crate) const NAMES: [&str; 7] = ["paper", "resolution", "steps", "bytes", "tdelta", "meshes", "triangles"];
 
-/// Triangles of the terrain that stands for an ordinary scene.
+/// Triangles of the terrain that represents an ordinary scene.
 pub(crate) const TERRAIN: u64 = 20_000;
 
-/// Time for a section, and when it is over.
+/// A section's deadline.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Deadline(Instant);
 
 impl Deadline {
-    /// The reason of a row that has no time for it.
+    /// The reason given in a row that was not measured in time.
     pub(crate) const OVER: &str = "the section's time was over";
 
     pub(crate) fn after(time: Duration) -> Self {
         Self(Instant::now() + time)
     }
 
-    /// What is left of it.
+    /// The time left.
     pub(crate) fn left(self) -> Duration {
         self.0.saturating_duration_since(Instant::now())
     }
@@ -57,7 +57,7 @@ impl Deadline {
     }
 }
 
-/// Measures all that was asked for.
+/// Measures the requested sections.
 pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
     let machine = Machine::open(args)?;
     std::fs::create_dir_all(&args.output).map_err(|e| format!("{}: {e}", args.output.display()))?;
@@ -86,7 +86,7 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
         let seconds = start.elapsed().as_secs_f64();
         eprintln!("{name}: {seconds:.1} s");
         about.seconds.push(((*name).into(), seconds));
-        // After every section, so that what was measured survives an interruption.
+        // Written after every section, so that an interruption loses nothing.
         let json = serde_json::to_string_pretty(&about).map_err(|e| e.to_string())?;
         let path = args.output.join("machine.json");
         std::fs::write(&path, json + "\n").map_err(|e| format!("{}: {e}", path.display()))?;
@@ -94,8 +94,8 @@ pub(crate) fn measure(args: &MeasureArgs) -> Result<(), String> {
     Ok(())
 }
 
-/// What a section may take. On a GPU all of them take less than four minutes: the small ones less than their share,
-/// and the two with large scenes what is left.
+/// Time for a section. On a GPU all of them take less than four minutes: small sections use less than their share, and
+/// the two with large scenes get the rest.
 fn budget(machine: &Machine, section: &str, elapsed: Duration) -> Duration {
     const ALL: Duration = Duration::from_secs(225);
     const TRIANGLES: Duration = Duration::from_secs(95);
@@ -115,7 +115,7 @@ fn budget(machine: &Machine, section: &str, elapsed: Duration) -> Duration {
     }
 }
 
-/// The size at which one size is measured.
+/// The image size for sections that measure only one.
 fn one_size(machine: &Machine) -> (u32, u32) {
     match (machine.is_fast(), machine.quick) {
         (true, _) => (1920, 1080),

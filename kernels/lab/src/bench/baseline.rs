@@ -2,16 +2,16 @@
 
 use super::SummaryRow;
 
-/// What was measured before.
+/// The results of an earlier benchmark.
 pub struct Baseline {
-    /// Its folder, for people.
+    /// Its folder, for display.
     pub folder: String,
     /// Its summary.
     pub rows: Vec<SummaryRow>,
 }
 
 impl Baseline {
-    /// Fills in the rows' ratios; what is to be said of those that have none, or not a fair one.
+    /// Fills in the rows' ratios. Returns notes on rows without a ratio, or whose ratio is not a fair comparison.
     pub fn compare(&self, rows: &mut [SummaryRow]) -> Vec<String> {
         let at = &self.folder;
         let mut notes = Vec::new();

@@ -1,4 +1,4 @@
-//! Building configurations and running them in turn.
+//! Builds configurations and times them in interleaved runs.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -19,14 +19,14 @@ use crate::subject::{Size, Subject};
 use crate::ways::{MISSES_ALL, misses_all};
 use crate::{Error, Hash, Machine};
 
-/// Most bytes of configurations that are measured in turn, so that they fit on most devices together. One
-/// that is larger is measured alone.
+/// Maximum size of the configurations that are measured together, chosen to fit on most devices. A larger configuration
+/// is measured alone.
 const BATCH_BYTES: u64 = 2 << 30;
 
-/// What belongs side by side: the same rays.
+/// Configurations to compare: they trace the same rays.
 #[derive(Clone)]
 pub(super) struct Group<'a> {
-    /// For people.
+    /// For display.
     pub(super) name: String,
     pub(super) subject: &'a Subject,
     pub(super) size: Size,
@@ -35,7 +35,7 @@ pub(super) struct Group<'a> {
 
 /// A configuration that is ready to run.
 struct Ready {
-    /// Where its group's hits can be compared.
+    /// Name of the group whose hits can be compared.
     group: String,
     is_any_hit: bool,
     row: SummaryRow,
@@ -44,7 +44,7 @@ struct Ready {
     bytes: u64,
 }
 
-/// A benchmark under way.
+/// A benchmark in progress.
 pub(super) struct Bench<'a> {
     wanted: &'a Wanted,
     meter: &'a Meter,
@@ -65,22 +65,22 @@ impl<'a> Bench<'a> {
         &self.meter.machine
     }
 
-    /// Something to know.
+    /// Adds a note.
     pub(super) fn note(&mut self, text: impl Into<String>) {
         let text = text.into();
-        // What is so for every configuration is said once.
+        // A note that applies to every configuration appears once.
         if !self.measured.notes.contains(&text) {
             self.reporter.note(&text);
             self.measured.notes.push(text);
         }
     }
 
-    /// Something is not measured.
+    /// Notes that something is not measured.
     pub(super) fn skip(&mut self, text: String) {
         self.note(format!("omitted: {text}"));
     }
 
-    /// Something cannot be measured. The rest can, unless the device itself has failed.
+    /// Notes an error. The rest can still be measured, unless the device itself has failed.
     pub(super) fn failed(&mut self, what: &str, error: Error) -> Result<(), Error> {
         self.machine().gpu().map_or(Ok(()), |gpu| gpu.health())?;
         self.skip(format!("{what}: {}", self.reporter.explain(&error)));
@@ -88,7 +88,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Builds every configuration of a group, and measures where no more fit.
+    /// Builds every configuration of a group. Measures what is built so far when memory is full.
     pub(super) fn group(
         &mut self,
         group: Group<'_>,
@@ -104,7 +104,7 @@ impl<'a> Bench<'a> {
                 Ok(ready) => of_group.push(ready),
                 Err(error) => self.failed(&what, error)?,
             }
-            // The group stays together if it can; if it is too large by itself, it cannot.
+            // Keep the group together if it fits; split it only if it is too large by itself.
             let (before, now) = (bytes(&self.batch), bytes(&of_group));
             if before + now > BATCH_BYTES && !self.batch.is_empty() {
                 self.measure()?;
@@ -122,8 +122,8 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Plans, builds, compiles and uploads, each with its time. What counters and timers of passes cost is
-    /// kept out of the runs that count: each has a renderer of its own, which is gone before the next is made.
+    /// Plans, builds, compiles and uploads, each timed. Counters and timers of passes do not slow the counted runs:
+    /// they use renderers of their own, each dropped before the next is made.
     fn build(&mut self, group: &Group<'_>, options: &mut Options, what: &str) -> Result<Ready, Error> {
         let (subject, machine) = (group.subject, self.machine());
         self.reporter.stage(&format!("{what}: counting"));
@@ -187,8 +187,8 @@ impl<'a> Bench<'a> {
         Ok(Ready { group: group.name.clone(), is_any_hit, row, details, renderer, bytes })
     }
 
-    /// The passes of a run whose every pass is timed, after one that warms up, and the seconds until it could
-    /// start: it compiles this configuration's kernels, which planning has composed.
+    /// The passes of a run in which every pass is timed, after a warm-up run, and the seconds until it could start,
+    /// which include compiling the kernels; planning has already composed them.
     fn time_passes(
         &self,
         context: RunContext,
@@ -206,7 +206,7 @@ impl<'a> Bench<'a> {
         Ok((Details { context, passes: renderer.passes().to_vec(), shaders }, compile_s))
     }
 
-    /// What a run with counters counts; `None` where this way of tracing cannot count.
+    /// Sums of the counters; `None` if this configuration cannot count.
     fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
         let (scene, machine) = (&group.subject.scene, self.machine());
         let (plan, data) = Plan::new(scene, options, &machine.limits()).ok()?;
@@ -218,7 +218,7 @@ impl<'a> Bench<'a> {
         CounterSums::of(&machine.wait(renderer.values(streams::COUNTERS)).ok()?, renderer.plan())
     }
 
-    /// Runs what is built, in turn, and forgets it.
+    /// Times everything that is built, interleaved, and drops it.
     fn measure(&mut self) -> Result<(), Error> {
         let mut batch = std::mem::take(&mut self.batch);
         let turns = Turns::of(self.wanted.warmups as usize, self.wanted.repeats as usize);
@@ -232,16 +232,16 @@ impl<'a> Bench<'a> {
         batch.into_iter().zip(times).try_for_each(|(ready, times)| self.finish_one(ready, &times))
     }
 
-    /// One run that is not measured.
+    /// One run that is not timed.
     fn run(&self, renderer: &mut Renderer) -> Result<(), Error> {
         self.meter.run(renderer, |_, _| ControlFlow::Continue(()))?;
         Ok(())
     }
 
-    /// Fills the row of a configuration whose runs are over, and compares its hits with its group's.
+    /// Fills the row of a measured configuration, and compares its hits with its group's.
     fn finish_one(&mut self, ready: Ready, times: &Times) -> Result<(), Error> {
         let Ready { group, is_any_hit, mut row, details, renderer, .. } = ready;
-        // Where the device has no true clock, the host's times count.
+        // If the device has no reliable clock, the host's times are used.
         let needs_device = self.machine().timer().times_passes();
         let is_valid = |time: &&Time| time.device_ns.is_some() || !needs_device;
         let valid: Vec<Time> = times.runs.iter().filter(is_valid).copied().collect();
@@ -277,7 +277,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Measures the rest.
+    /// Measures what remains.
     pub(super) fn finish(mut self) -> Result<Measured, Error> {
         self.measure()?;
         match self.first_failure {
@@ -288,14 +288,14 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// The options of a group's runs. A shadow ray is over at its first hit with t < 1, whichever it is; the paper has no
-/// such rays.
+/// The options of a group's runs. A shadow ray ends at the first hit found with t < 1, whichever it is; the paper has
+/// no such rays.
 fn options(wanted: &Wanted, rays: RaySource, kind: RayKind) -> Options {
     let any_hit = kind == RayKind::Shadow && wanted.tuning.numerics == Numerics::Robust;
     Options { rays, shade: false, any_hit, ..wanted.tuning.clone() }
 }
 
-/// Whether runs that count need the times of every pass: the twins' device time is their sum.
+/// Whether counted runs need a time for every pass: on the CPU, the device time is their sum.
 fn times_every_pass(machine: &Machine) -> bool {
     machine.gpu().is_none()
 }
@@ -304,7 +304,7 @@ fn bytes(batch: &[Ready]) -> u64 {
     batch.iter().map(|ready| ready.bytes).sum()
 }
 
-/// Bytes a triangle of the grid or tree, and of the triangles where they are packed for it.
+/// Bytes per triangle of the grid or BVH, plus those of packed triangles.
 fn bytes_per_triangle(plan: &Plan) -> Option<f64> {
     let packed = plan.buffers.iter().filter(|b| b.what == "packed_triangles").map(|b| b.bytes).sum::<u64>();
     (plan.triangles > 0).then(|| (structure_bytes(plan) + packed) as f64 / plan.triangles as f64)

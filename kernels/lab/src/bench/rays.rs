@@ -1,4 +1,4 @@
-//! The rays that are traced in a scene.
+//! Rays to trace in a scene.
 
 use std::ops::ControlFlow;
 
@@ -8,7 +8,7 @@ use crate::rays::{PrimaryHits, RayKind, random};
 use crate::subject::{Size, Subject};
 use crate::{Error, Machine};
 
-/// What random rays begin with: the same in every run of this version.
+/// Seed of all random rays: the same in every run of this version.
 pub const SEED: u32 = 1;
 
 /// A scene at one size.
@@ -16,7 +16,7 @@ pub(super) struct Viewed<'a> {
     subject: &'a Subject,
     size: Size,
     grid: GridSize,
-    /// What primary rays hit, once somebody needs it.
+    /// Hits of the primary rays, traced when first needed.
     hits: Option<Vec<Option<RayHit>>>,
 }
 
@@ -25,7 +25,7 @@ impl<'a> Viewed<'a> {
         Self { subject, size, grid, hits: None }
     }
 
-    /// Rays of a kind; `None` where there is not a single one.
+    /// Rays of a kind; `None` if the scene has none of them.
     pub(super) fn rays(&mut self, kind: RayKind, machine: &Machine) -> Result<Option<RaySource>, Error> {
         let (Subject { scene, camera, .. }, Size { width, height }) = (self.subject, self.size);
         let rays = match kind {
@@ -44,8 +44,8 @@ impl<'a> Viewed<'a> {
         Ok((!rays.is_empty()).then_some(RaySource::Given(rays)))
     }
 
-    /// Which structure finds the hits does not matter, and the rules are always the robust ones: what is
-    /// measured with other rules is measured with the same rays.
+    /// The accelerator does not affect the hits. Always uses robust numerics, so that every set of rules is measured
+    /// with the same rays.
     async fn trace(&self, machine: &Machine) -> Result<Vec<Option<RayHit>>, RenderError> {
         let rays = self.subject.camera_rays(self.size);
         let options = Options { shade: false, grid: self.grid, ..Options::new(rays) };

@@ -1,30 +1,30 @@
-//! What a benchmark says: `summary.csv`, one row a configuration, RFC 4180, raw numbers with their unit in the
-//! column's name. What is not known is empty, never 0.
+//! The results of a benchmark: `summary.csv`, one row per configuration, RFC 4180, raw numbers with their unit in the
+//! column's name. Unknown values are empty, never 0.
 //!
-//! | column | holds |
+//! | column | contents |
 //! |---|---|
 //! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
-//! | `run_id` | the configuration's own, the same in its rows of `passes.csv` |
-//! | `scene`, `scene_hash`, `triangles` | name, [hash](crate::hash::Hash) of the files that it was read from, size |
-//! | `accelerator` … `tuning` | how it was traced; `tuning` has the other options that decide a run's speed |
-//! | `rays_kind` … `height_px` | which rays, on what, and of how large an image |
-//! | `rays` | traced a run: a pixel without a hit sends no bounce or shadow ray |
-//! | `build_s` | planning, composing kernels included, and building the acceleration structure, wall clock |
-//! | `compile_s` | compiling, allocating, uploading, wall clock. raystep compiles every kernel anew for it; the driver may have cached what it made of them |
-//! | `n` | runs that count: repeats with a valid time |
-//! | `invalid` | repeats whose time was missing, 0 or negative |
+//! | `run_id` | identifies the configuration, also in `passes.csv` |
+//! | `scene`, `scene_hash`, `triangles` | name, [hash](crate::hash::Hash) of all files it was read from, size |
+//! | `accelerator` … `tuning` | how it was traced; `tuning` has the other options that affect speed |
+//! | `rays_kind` … `height_px` | kind of rays, device, and image size |
+//! | `rays` | rays per run; a pixel without a hit has no bounce or shadow ray |
+//! | `build_s` | wall-clock time for planning, including composing kernels and building the acceleration structure |
+//! | `compile_s` | wall-clock time for compiling, allocating and uploading. raystep compiles every kernel anew; the driver may have cached its results |
+//! | `n` | counted runs with a valid time |
+//! | `invalid` | counted runs whose time was missing, 0 or negative |
 //! | `median_device_ns`, `p05_device_ns`, `p95_device_ns` | time of a run on the clock that `timer_source` names |
-//! | `median_wall_ns` | wall clock around the same runs, waiting for the device included |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` where the device has no clock, or one that does not agree with the host's: then only `median_wall_ns` is a time |
-//! | `rays_per_s` | `rays` by the median: the device's, or the wall clock's where the device has none |
-//! | `passes` | of a run |
-//! | `useful_steps_per_thread` | rays worked on by threads launched, over all passes |
-//! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells (or nodes of the tree) visited, triangles tested, tests of a triangle that the ray had met before; counted in a run of its own, as far as the schedule can count |
-//! | `bytes_per_triangle` | of the grid or tree, and of the triangles where kernels read them packed |
-//! | `hits`, `hits_hash` | rays that hit something, and a [hash](crate::hash::Hash) of what each hit: equal hashes are equal bits |
-//! | `baseline_ratio` | median now by the baseline's: above 1 is slower |
+//! | `median_wall_ns` | wall-clock time of the same runs, including waiting for the device |
+//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: then only `median_wall_ns` is a time |
+//! | `rays_per_s` | `rays` divided by the median device time, or by the wall-clock median if the device has no clock |
+//! | `passes` | passes per run |
+//! | `useful_steps_per_thread` | rays worked on divided by threads launched, over all passes |
+//! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells (or BVH nodes) visited, triangles tested, repeated tests of a triangle the ray had already met; counted in a separate run, as far as the schedule can count |
+//! | `bytes_per_triangle` | bytes of the grid or BVH, plus those of triangles that kernels read packed |
+//! | `hits`, `hits_hash` | rays that hit something, and a [hash](crate::hash::Hash) of all hits: equal hashes mean equal bits |
+//! | `baseline_ratio` | median divided by the baseline's: above 1 is slower |
 //!
-//! Percentiles are those of [`crate::statistics::PERCENTILES`].
+//! Percentiles are defined by [`crate::statistics::PERCENTILES`].
 
 use std::io::{Read, Write};
 
@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the columns.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// `timer_source` where times are the host's.
+/// `timer_source` of times measured by the host.
 const HOST: &str = "host";
 
 /// A row of `summary.csv`; its columns are described [above](self).
@@ -90,7 +90,7 @@ pub enum ReadError {
 /// Writes `summary.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()> {
     let mut writer = raystep_kernels::export::csv::writer(out);
     for row in rows {
@@ -102,7 +102,7 @@ pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()
 /// Reads `summary.csv`.
 ///
 /// # Errors
-/// Where it is not one, or one of another version.
+/// If it is not such a file, or has another version.
 pub fn read_summary(input: impl Read) -> Result<Vec<SummaryRow>, ReadError> {
     let rows: Vec<SummaryRow> = ::csv::Reader::from_reader(input).deserialize().collect::<Result<_, _>>()?;
     match rows.iter().find(|row| row.schema_version != SCHEMA_VERSION) {
@@ -112,17 +112,17 @@ pub fn read_summary(input: impl Read) -> Result<Vec<SummaryRow>, ReadError> {
 }
 
 impl SummaryRow {
-    /// The time that counts, in nanoseconds, and its clock: the device's where it has one that is true.
+    /// The time to compare, in nanoseconds, and its clock: the device's if that is reliable.
     #[must_use]
     pub fn time_ns(&self) -> Option<(f64, &str)> {
         match &self.timer_source {
             Some(source) if source != HOST => self.median_device_ns.map(|ns| (ns, source.as_str())),
-            // Rows of before it had a name have none.
+            // Old rows have no name for the host's clock.
             _ => self.median_wall_ns.map(|ns| (ns, HOST)),
         }
     }
 
-    /// Whether two rows measured the same, be it on another device.
+    /// Whether two rows have the same configuration, possibly on different devices.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
         fn key(r: &SummaryRow) -> ([&str; 6], u32, u32) {
@@ -131,14 +131,14 @@ impl SummaryRow {
         key(self) == key(other)
     }
 
-    /// The row of a baseline that measured the same; of several, one of the same files.
+    /// The baseline's row with the same configuration; preferably one measured with the same scene files.
     #[must_use]
     pub fn in_baseline<'a>(&self, baseline: &'a [Self]) -> Option<&'a Self> {
         let same = || baseline.iter().filter(|row| self.is_same_configuration(row));
         same().find(|row| row.scene_hash == self.scene_hash).or_else(|| same().next())
     }
 
-    /// This row's time by the other's; `None` where one is unknown or they are of different clocks.
+    /// This row's time divided by the other's; `None` if either is unknown or the clocks differ.
     #[must_use]
     pub fn ratio_to(&self, then: &Self) -> Option<f64> {
         let ((now, clock), (then, clock_then)) = self.time_ns().zip(then.time_ns())?;
@@ -146,7 +146,7 @@ impl SummaryRow {
     }
 }
 
-/// Rays worked on by threads launched, over all passes; `None` where nothing was launched.
+/// Rays worked on divided by threads launched, over all passes; `None` if no thread was launched.
 #[must_use]
 pub fn useful_steps_per_thread(passes: &[Pass]) -> Option<f64> {
     let rays: u64 = passes.iter().map(|pass| u64::from(pass.rays_in)).sum();
@@ -166,7 +166,7 @@ mod tests {
             schema_version: SCHEMA_VERSION,
             run_id: "a-0".into(),
             scene: "odd, \"name\"\nof two lines".into(),
-            // Digits only, and still text.
+            // Only digits, but still text.
             scene_hash: "0000000000000012".into(),
             accelerator: "grid".into(),
             median_device_ns: Some(1500.5),
@@ -222,7 +222,7 @@ mod tests {
         assert_eq!(row().ratio_to(&then), Some(1.5005));
         let by_wall = SummaryRow { timer_source: None, median_wall_ns: Some(1000.0), ..then };
         assert_eq!((row().ratio_to(&by_wall), by_wall.ratio_to(&by_wall)), (None, Some(1.0)));
-        // Whatever the device's clock says beside it.
+        // The device's clock is ignored.
         let by_host = SummaryRow { timer_source: Some("host".into()), median_wall_ns: Some(3000.0), ..row() };
         assert_eq!((by_host.time_ns(), by_host.ratio_to(&by_wall)), (Some((3000.0, "host")), Some(3.0)));
     }

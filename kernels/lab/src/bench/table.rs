@@ -1,15 +1,15 @@
-//! What was measured, for people.
+//! The results as text tables.
 
 use super::SummaryRow;
 use crate::text::aligned;
 
-/// The columns of words.
+/// The text columns.
 const NAMES: [&str; 2] = ["accelerator", "schedule"];
 
-/// The columns after them.
+/// The numeric columns.
 const COLUMNS: [&str; 6] = ["median ms", "p05", "p95", "Mray/s", "to fastest", "to baseline"];
 
-/// A table a group, all with the same widths.
+/// One table per group, all with the same column widths.
 #[must_use]
 pub fn text(rows: &[SummaryRow]) -> String {
     let has_baseline = rows.iter().any(|row| row.baseline_ratio.is_some());
@@ -18,7 +18,7 @@ pub fn text(rows: &[SummaryRow]) -> String {
     let mut lines: Vec<Vec<String>> = vec![names.map(|n| (*n).to_owned()).collect()];
     let groups = || rows.chunk_by(|a, b| title(a) == title(b));
     for group in groups() {
-        // Times of two clocks cannot be compared; all of a run have one.
+        // Only times of the same clock can be compared; all rows of a run have the same one.
         let fastest = group.iter().filter_map(|row| row.time_ns()).map(|(ns, _)| ns).reduce(f64::min);
         for row in group {
             let mut cells = vec![row.accelerator.clone(), row.schedule.clone()];
@@ -36,13 +36,13 @@ pub fn text(rows: &[SummaryRow]) -> String {
     groups().map(table).collect::<Vec<_>>().join("\n")
 }
 
-/// What a group has in common.
+/// What the rows of a group have in common.
 fn title(row: &SummaryRow) -> String {
     let SummaryRow { scene, triangles, width_px, height_px, rays_kind, rays, .. } = row;
     format!("{scene} ({triangles} triangles), {width_px}x{height_px}: {rays} {rays_kind} rays")
 }
 
-/// The cells of [`COLUMNS`].
+/// The values of [`COLUMNS`].
 fn numbers(row: &SummaryRow, fastest: Option<f64>) -> [String; 6] {
     let ms = |ns: Option<f64>| ns.map_or("-".into(), |ns| format!("{:.3}", ns / 1e6));
     let time = row.time_ns().map(|(ns, _)| ns);

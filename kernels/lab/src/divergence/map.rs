@@ -1,4 +1,4 @@
-//! Which rays parted, where, and what that means: an array each, one entry a ray, to be drawn over the image.
+//! Which rays diverged, where, and what that means: arrays with one entry per ray, drawn over the image.
 
 use raystep_kernels::executor::cpu::OutOfMemory;
 use raystep_kernels::numbers::real::ulps;
@@ -6,27 +6,27 @@ use raystep_kernels::{Kernel, Plan, Program, Stream};
 
 use crate::rounding::{Component, Judged, Verdict};
 
-/// The pass of a ray that never parted.
+/// The pass of a ray that never diverged.
 pub const NEVER: u32 = u32::MAX;
 
-/// Bytes of one class, a ray: pass, place, two values.
+/// Bytes per ray for one class: pass, place, two values.
 const BYTES: u64 = 4 + 1 + 8;
 
-/// Most bytes of a map, a ray.
+/// Maximum bytes of a map per ray.
 pub(super) const MOST_BYTES_A_RAY: u64 = BYTES * Class::ALL.len() as u64;
 
-/// What the parting of a ray means; the later, the graver.
+/// What a divergence means; later classes are more serious.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Class {
-    /// The device's floats differ from the twin's by no more than rounding may make of them; the ray goes the same way.
+    /// The device's floats differ from the twin's within the rounding bound; the ray takes the same path.
     Rounding,
-    /// The ray goes another way than the f32 twin's, and f32 cannot tell which is right.
+    /// The ray takes another path than in the f32 twin, and f32 cannot decide which is right.
     Tie,
-    /// f64 decides otherwise than f32, although it is beyond the bound of what f32 may get wrong.
+    /// f64 and f32 decide differently, beyond the bound on f32's errors.
     Precision,
-    /// The device's floats differ by more than rounding may make of them; the ray goes the same way.
+    /// The device's floats differ by more than the rounding bound; the ray takes the same path.
     Excess,
-    /// The device decides otherwise than the f32 twin, and f32 can tell.
+    /// The device decides differently from the f32 twin although f32 can tell which is right.
     Decision,
 }
 
@@ -46,7 +46,7 @@ impl Class {
         }
     }
 
-    /// One sentence.
+    /// One sentence about it.
     #[must_use]
     pub fn summary(self) -> &'static str {
         match self {
@@ -59,7 +59,7 @@ impl Class {
     }
 }
 
-/// Whom the f32 twin parted from.
+/// What the f32 twin differs from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Against {
     /// The device.
@@ -68,7 +68,7 @@ pub enum Against {
     F64,
 }
 
-/// The first time that a ray parted in some way.
+/// The first divergence of a ray in a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parting {
     /// What it means.
@@ -77,21 +77,21 @@ pub struct Parting {
     pub pass: usize,
     /// That pass's kernel.
     pub kernel: Kernel,
-    /// From whom.
+    /// What the f32 twin differs from.
     pub against: Against,
-    /// The stream that differs: where several do, one that says which way the ray goes, if there is one.
+    /// The stream that differs; if several do, preferably one that determines the ray's path.
     pub stream: Stream,
     /// Its layer.
     pub layer: usize,
-    /// The bits of [`against`](Self::against), floats rounded to f32.
+    /// The bits of [`against`](Self::against); f64 is rounded to f32.
     pub theirs: u32,
-    /// The f32 twin's.
+    /// The f32 twin's bits.
     pub twin: u32,
-    /// How far apart floats are, in units in the last place; `None` for integers.
+    /// Distance of floats in units in the last place; `None` for integers.
     pub ulps: Option<u64>,
 }
 
-/// The first parting of each ray, of one class.
+/// The first divergence of each ray in one class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Firsts {
     pass: Vec<u32>,
@@ -100,7 +100,7 @@ struct Firsts {
     count: u64,
 }
 
-/// What a comparison of all passes found.
+/// The result of comparing all passes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DivergenceMap {
     width: u32,
@@ -110,7 +110,7 @@ pub struct DivergenceMap {
     refused: Option<OutOfMemory>,
 }
 
-/// Four bits of stream, three of layer, one of what it is against.
+/// Packs four bits of stream, three of layer, one of `against`.
 fn place(stream: Stream, layer: usize, against: Against) -> u8 {
     ((stream.index() as u8) << 4) | ((layer as u8) << 1) | u8::from(against == Against::F64)
 }
@@ -135,18 +135,18 @@ impl Firsts {
 }
 
 impl DivergenceMap {
-    /// Of a run without passes. A class takes its memory when its first ray parts.
+    /// The map of a run before its first pass. A class takes memory once its first ray diverges.
     pub(super) fn new(plan: &Plan) -> Self {
         let (width, height) = (plan.width, plan.height);
         Self { width, height, kernels: Vec::new(), classes: [const { None }; 5], refused: None }
     }
 
-    /// The next pass has run.
+    /// Begins the next pass.
     pub(super) fn begin(&mut self, kernel: Kernel) {
         self.kernels.push(kernel);
     }
 
-    /// A ray differs after this pass.
+    /// Records a ray that differs after this pass.
     pub(super) fn record(&mut self, against: Against, judged: &Judged<'_>) {
         let is_off = |c: &&Component| judged.verdict == Verdict::Rounding || !c.is_allowed;
         let is_integer = |c: &&Component| !c.stream.is_float_layer(c.layer);
@@ -176,7 +176,7 @@ impl DivergenceMap {
         }
     }
 
-    /// Whether there was memory for all that was recorded.
+    /// Whether there was enough memory to record everything.
     pub(super) fn check_memory(&self) -> Result<(), OutOfMemory> {
         self.refused.map_or(Ok(()), Err)
     }
@@ -199,31 +199,31 @@ impl DivergenceMap {
         &self.kernels
     }
 
-    /// How many rays parted in this way.
+    /// How many rays diverged in this class.
     #[must_use]
     pub fn count(&self, class: Class) -> u64 {
         self.classes[class as usize].as_ref().map_or(0, |firsts| firsts.count)
     }
 
-    /// How many rays parted in each way, in the order of [`Class::ALL`].
+    /// How many rays diverged in each class, in the order of [`Class::ALL`].
     #[must_use]
     pub fn counts(&self) -> [u64; Class::ALL.len()] {
         Class::ALL.map(|class| self.count(class))
     }
 
-    /// Each ray's first pass with such a parting, row by row, [`NEVER`] without one; `None` where no ray has one.
+    /// Each ray's first divergence in this class, row by row, [`NEVER`] if it has none; `None` if no ray has one.
     #[must_use]
     pub fn passes(&self, class: Class) -> Option<&[u32]> {
         self.classes[class as usize].as_ref().map(|firsts| firsts.pass.as_slice())
     }
 
-    /// The rays (y * width + x) that parted in this way.
+    /// The rays (y * width + x) that diverged in this class.
     pub fn rays(&self, class: Class) -> impl Iterator<Item = usize> + '_ {
         let passes = self.passes(class).unwrap_or_default();
         passes.iter().enumerate().filter(|(_, pass)| **pass != NEVER).map(|(ray, _)| ray)
     }
 
-    /// When a ray first parted in this way.
+    /// Where a ray first diverged in this class.
     #[must_use]
     pub fn first(&self, class: Class, ray: usize) -> Option<Parting> {
         let firsts = self.classes[class as usize].as_ref()?;
@@ -235,7 +235,7 @@ impl DivergenceMap {
         Some(Parting { class, pass, kernel, against, stream, layer, theirs, twin, ulps })
     }
 
-    /// Every way in which a ray parted, the earliest first.
+    /// All classes in which a ray diverged, the earliest first.
     #[must_use]
     pub fn partings(&self, ray: usize) -> Vec<Parting> {
         let mut all: Vec<_> = Class::ALL.into_iter().filter_map(|class| self.first(class, ray)).collect();
@@ -243,7 +243,7 @@ impl DivergenceMap {
         all
     }
 
-    /// The gravest way in which a ray parted: what the map shows.
+    /// The most serious class of a ray's divergences, which the map shows.
     #[must_use]
     pub fn class(&self, ray: usize) -> Option<Class> {
         let is_there = |class: &Class| self.passes(*class).is_some_and(|p| p.get(ray).is_some_and(|&p| p != NEVER));

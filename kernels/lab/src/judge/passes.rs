@@ -1,9 +1,9 @@
-//! Rays resolved, and rays resolved wrongly, over the passes of a run.
+//! Rays resolved, and rays resolved wrongly, after each pass of a run.
 //!
-//! How many rays are resolved is in every pass's counts. Which of them are resolved wrongly is work: every triangle
-//! against a random sample of the rays in f64, as `raystep report` judges them. A resolved ray's hit does not change
-//! any more, so each ray is judged once, at the end; only for those that are wrong is it looked up when they were
-//! resolved, by running the same passes again.
+//! The counters of each pass have the number of resolved rays. Finding those that are wrong is expensive: every
+//! triangle is tested against a random sample of the rays in f64, as in `raystep report`. The hit of a resolved ray
+//! does not change any more, so each ray is judged once, at the end; only for wrong rays is the pass that resolved them
+//! determined, by running the same passes again.
 
 use std::ops::{ControlFlow, Range};
 
@@ -15,47 +15,47 @@ use raystep_kernels::{Pass, Plan, RenderError, Renderer};
 use super::{Traced, judge, rays_a_batch, sample};
 use crate::reference::{BruteForce, Counts, Mistake, Verdict};
 
-/// Most tests of a triangle against a ray: some seconds on a few cores.
+/// Maximum number of ray/triangle tests: some seconds on a few cores.
 const MOST_TESTS: u64 = 1 << 31;
 
-/// Most places at which it is looked which of the wrong rays are resolved.
+/// Maximum number of passes after which the states of wrong rays are read.
 const MOST_PLACES: usize = 64;
 
-/// The same rays in every run.
+/// Selects the same rays in every run.
 const SEED: u32 = 1;
 
 /// A ray that did not hit what it should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WrongRay {
-    /// Its place, y * width + x.
+    /// The ray's index, y * width + x.
     pub ray: usize,
     /// What is wrong.
     pub verdict: Verdict,
-    /// After so many passes it was resolved; `None` where it was not when the run ended.
+    /// Number of passes after which it was resolved; `None` if it was still unresolved at the end of the run.
     pub resolved_by: Option<usize>,
 }
 
-/// What became of the rays of a run.
+/// The verdicts on a run's rays.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Judgement {
     /// Rays of the run.
     pub rays: u64,
-    /// What became of those that were judged: all, or a random sample.
+    /// Verdicts on the judged rays: all, or a random sample.
     pub counts: Counts,
-    /// Those that are wrong, in the order in which they were resolved.
+    /// The wrong rays, in the order in which they were resolved.
     pub wrong: Vec<WrongRay>,
-    /// Wrong rays are known to be resolved by a place, but may have been so many passes before.
+    /// The precision of `resolved_by`: a ray may have been resolved up to this many passes earlier.
     pub passes_between: usize,
 }
 
 impl Judgement {
-    /// How many rays were resolved wrongly by the first `place` passes.
+    /// How many rays the first `place` passes resolved wrongly.
     #[must_use]
     pub fn wrong_by(&self, place: usize) -> usize {
         self.wrong.partition_point(|wrong| wrong.resolved_by.is_some_and(|by| by <= place))
     }
 
-    /// Every place at which wrong rays are resolved, and how many are by then.
+    /// Every pass count at which wrong rays are resolved, with their number by then.
     #[must_use]
     pub fn steps(&self) -> Vec<(usize, usize)> {
         let mut steps: Vec<(usize, usize)> = Vec::new();
@@ -69,7 +69,7 @@ impl Judgement {
     }
 }
 
-/// Why the rays of a run cannot be judged, in a line; `None` where they can.
+/// Why the rays of a run cannot be judged, in one line; `None` if they can.
 #[must_use]
 pub fn why_not(plan: &Plan) -> Option<&'static str> {
     let needed = [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::HIT];
@@ -87,18 +87,18 @@ pub fn why_not(plan: &Plan) -> Option<&'static str> {
     }
 }
 
-/// Runs `renderer` from its start to its end and judges what its rays hit. It is best a run of its own: it is
-/// restarted, and left somewhere. [`why_not`] says whether it can be judged.
+/// Runs `renderer` from start to end and judges what its rays hit. Use a separate renderer: it is restarted, and left
+/// after some pass. [`why_not`] says whether it can be judged.
 ///
-/// `progress` gets what is done and of how much, and may stop.
+/// `progress` gets the work done and the total, and may stop.
 ///
 /// # Errors
-/// Where the device fails, the plan left a stream out that is needed, or `progress` said so.
+/// If the device fails, the plan omits a required stream, or `progress` stopped it.
 pub async fn judge_passes(
     renderer: &mut Renderer,
     mut progress: impl FnMut(u64, u64) -> ControlFlow<()>,
 ) -> Result<Judgement, RenderError> {
-    // Parts of the work in thousandths: the run, the judging, the same run again.
+    // The three phases, in thousandths of the work: the run, the judging, the same run again.
     const WHOLE: u64 = 1000;
     const RUN: u64 = 100;
     const AGAIN: u64 = 800;
@@ -116,7 +116,7 @@ pub async fn judge_passes(
         if progress(part, WHOLE).is_break() {
             return Err(RenderError::Cancelled { passes: passes.len() });
         }
-        // What all rays may hit takes too much memory at once, so none of it is kept.
+        // The possible hits of all rays together need too much memory, so none are kept.
         let judged =
             |range: Range<usize>| rays[range].iter().map(|&ray| judge(&scene, &traced, ray)).collect::<Vec<_>>();
         for (Mistake { ray, verdict, .. }, _) in map_ranges(rays.len(), 16, judged).into_iter().flatten() {
@@ -148,12 +148,12 @@ pub async fn judge_passes(
     Ok(judgement)
 }
 
-/// How many rays are judged against so many triangles, at most.
+/// Maximum number of rays to judge against this many triangles.
 fn most_rays(triangles: usize) -> usize {
     (MOST_TESTS / triangles.max(1) as u64).max(64) as usize
 }
 
-/// The places after passes that resolved rays, the last of them included; at most `most`, evenly chosen.
+/// Pass counts after passes that resolved rays, including the last one; at most `most`, evenly chosen.
 fn places(passes: &[Pass], most: usize) -> Vec<usize> {
     let mut before = 0;
     let mut all = Vec::new();
@@ -209,7 +209,7 @@ mod tests {
         assert!(counts.is_sorted() && counts[0] == 0, "{counts:?}");
         assert_eq!(counts.last(), Some(&(64 * 64)));
 
-        // Through cracks where f32 cannot tell which side is hit, and past surfaces at cells' faces.
+        // Rays pass through cracks where f32 cannot tell which side they hit, and through surfaces at cell faces.
         let (paper, passes) = judged(Numerics::Paper, 512);
         assert!(paper.wrong.len() > 500, "{} of {}", paper.wrong.len(), paper.counts.rays());
         assert_eq!(paper.counts.errors(), paper.wrong.len() as u64);
@@ -228,7 +228,7 @@ mod tests {
         let mut run = renderer(&options(Numerics::Paper, 256));
         for wrong in judgement.wrong.iter().take(8) {
             let by = wrong.resolved_by.expect("resolved");
-            let index = places.binary_search(&by).expect("a place that was looked at");
+            let index = places.binary_search(&by).expect("one of the places");
             let before = index.checked_sub(1).map_or(0, |i| places[i]);
             for (place, is_so) in [(before, false), (by, true)] {
                 run.restart();
@@ -261,7 +261,7 @@ mod tests {
         }))
         .expect("a judgement");
         assert!(parts.iter().all(|&(done, of)| done <= of && of == 1000) && parts.is_sorted(), "{parts:?}");
-        // Stopped in each of its three parts.
+        // Stop in each of the three phases.
         for at in [0, 100, 800] {
             let stopped = pollster::block_on(judge_passes(&mut renderer, |done, _| {
                 if done >= at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

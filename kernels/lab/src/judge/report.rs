@@ -1,4 +1,4 @@
-//! What a comparison of all rays with the truth found.
+//! The result of judging every ray.
 
 use std::fmt;
 
@@ -6,27 +6,27 @@ use raystep_kernels::export::json::CheckSummary;
 
 use crate::reference::{Counts, Mistake, Verdict};
 
-/// Most mistakes that are kept.
+/// How many mistakes are kept.
 const MOST_MISTAKES: usize = 64;
 
 /// What a comparison found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Rays by what became of them.
+    /// Rays by verdict.
     pub counts: Counts,
-    /// Those of the ties that hit nothing: every edge function that could decide was 0 or within its bound.
+    /// Ties that hit nothing: every edge function that could decide was 0 or within its bound.
     pub unresolved: u64,
-    /// Largest error of t among right hits, in units in the last place of the depth of the triangle's
-    /// farthest corner: that is what the arithmetic rounds, however near the hit is.
+    /// Largest error of t among correct hits, in units in the last place of the depth of the triangle's farthest
+    /// vertex: that depth determines the rounding, however near the hit is.
     pub largest_t_ulp: f64,
     /// The first mistakes, at most 64.
     pub mistakes: Vec<Mistake>,
-    /// True where the comparison was stopped before its end.
+    /// Whether the comparison was stopped early.
     pub is_partial: bool,
 }
 
 impl Report {
-    /// Missed, false and wrong together.
+    /// The sum of missed, false and wrong.
     #[must_use]
     pub fn errors(&self) -> u64 {
         self.counts.errors()

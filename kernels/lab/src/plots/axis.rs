@@ -1,20 +1,20 @@
-//! An axis: which values it shows, where they lie, and which of them are labelled.
+//! An axis: its range, positions of values, and labels.
 
-/// Where values lie.
+/// How values map to positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
     Linear,
-    /// Each decade is as long as the others; what is not above 0 is not shown.
+    /// Logarithmic; values that are not above 0 are not shown.
     Log,
-    /// The same, with a place for 0 below the lowest decade.
+    /// Logarithmic, with a place for 0 below the lowest decade.
     LogWithZero,
-    /// Kinds: the value 1 is the first of these names, and so on.
+    /// Categories: value 1 is the first of these names, and so on.
     Names(&'static [&'static str]),
 }
 
 impl Scale {
-    /// Whether the axis has a place for a value.
+    /// Whether the axis can show a value.
     pub(super) fn has(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -28,35 +28,35 @@ impl Scale {
 /// What an axis shows.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// With the unit.
+    /// The label, with its unit.
     pub label: String,
-    /// Where values lie.
+    /// How values map to positions.
     pub scale: Scale,
-    /// How values are written.
+    /// Formats a value.
     pub text: fn(f64) -> String,
 }
 
-/// An axis with its ends.
+/// An axis with its range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ranged {
     scale: Scale,
     text: fn(f64) -> String,
-    /// Ends, as logarithms where the scale is one.
+    /// Range; as logarithms if the scale is logarithmic.
     low: f64,
     high: f64,
 }
 
-/// Most labels.
+/// Maximum number of labels.
 const MOST: usize = 9;
 
 impl Axis {
-    /// With numbers as short as they can be.
+    /// An axis with numbers written as short as possible.
     #[must_use]
     pub fn new(label: impl Into<String>, scale: Scale) -> Self {
         Self { label: label.into(), scale, text: short }
     }
 
-    /// From the smallest to the largest of the values that it has a place for.
+    /// The range from the smallest to the largest value that the axis can show.
     pub(super) fn over(&self, values: impl Iterator<Item = f64>) -> Ranged {
         let (scale, text) = (self.scale, self.text);
         let values: Vec<f64> = values.filter(|&v| scale.has(v)).collect();
@@ -68,7 +68,7 @@ impl Axis {
         }
         if scale == Scale::Linear {
             let (low, high) = span(&mut values.into_iter());
-            // From 0 on, where that is not far.
+            // Start at 0 if that is not far.
             let low = if low > 0.0 && (low < 0.6 * high || low == high) { 0.0 } else { low };
             let room = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
             let low = if low == 0.0 { 0.0 } else { low - room };
@@ -76,7 +76,7 @@ impl Axis {
         }
         let (low, high) = span(&mut values.into_iter().filter(|&v| v > 0.0).map(f64::log10));
         if scale == Scale::LogWithZero {
-            // Nothing but zeros: any decade will do.
+            // If all values are zero, any decade will do.
             let (low, high) = if low.is_finite() { (low, high) } else { (0.0, 0.0) };
             return Ranged { scale, text, low: (low + 1e-9).floor() - 1.0, high: high + 0.15 };
         }
@@ -86,7 +86,7 @@ impl Axis {
 }
 
 impl Ranged {
-    /// Where a value lies, from 0 to 1.
+    /// The position of a value, from 0 to 1.
     pub(super) fn part(&self, value: f64) -> f64 {
         let value = match self.scale {
             Scale::Linear | Scale::Names(_) => value,
@@ -118,9 +118,9 @@ impl Ranged {
         (first..=last).map(|i| i as f64 * step).collect()
     }
 
-    /// Powers of ten, with 2 and 5 times these where there are few, and fewer where there are many.
+    /// Powers of ten; with 2 and 5 times these if there are few, with some omitted if there are many.
     fn decades(&self) -> Vec<f64> {
-        // The lowest decade is 0's.
+        // The lowest decade is the place for 0.
         let low = if self.scale == Scale::LogWithZero { self.low + 1.0 } else { self.low };
         let is_in = |v: &f64| (low - 1e-9..=self.high + 1e-9).contains(&v.log10());
         let (first, last) = (self.low.floor() as i32, self.high.ceil() as i32);
@@ -136,15 +136,15 @@ impl Ranged {
         }
         let powers = of(&[1.0]);
         let every = powers.len().div_ceil(MOST);
-        // Those that 0 is one of, so that 1 is labelled.
+        // Multiples that include 10⁰, so that 1 is labelled.
         powers.into_iter().filter(|v| v.log10().round() as i64 % every as i64 == 0).collect()
     }
 }
 
-/// A number as short as it can be.
+/// A number written as short as possible.
 fn short(value: f64) -> String {
     let magnitude = value.abs();
-    // Steps of a tenth are not quite one in binary.
+    // Multiples of 0.1 are not exact in binary.
     let rounded = format!("{value:.3e}").parse().unwrap_or(value);
     match magnitude {
         0.0 => "0".into(),

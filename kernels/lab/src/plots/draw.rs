@@ -1,4 +1,4 @@
-//! What plots are drawn of: text, a frame, a legend, lines and marks.
+//! Elements of plots: text, frame, legend, lines and marks.
 
 use plotters::backend::SVGBackend;
 use plotters::coord::Shift;
@@ -12,7 +12,7 @@ use plotters::style::{
 use super::{Mark, Series, Stroke};
 use crate::Error;
 
-/// Okabe and Ito's colours, which people who see few colours can tell apart.
+/// Okabe and Ito's palette, distinguishable with colour vision deficiency.
 pub(super) const PALETTE: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -23,10 +23,10 @@ pub(super) const PALETTE: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// Lines behind the data.
+/// Colour of grid lines behind the data.
 pub(super) const GRID: RGBColor = RGBColor(230, 230, 230);
 
-/// A rectangle of the picture, in pixels.
+/// A rectangle of the image, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) left: i32,
@@ -42,7 +42,7 @@ pub(super) const SIZE: (u32, u32) = (860, 400);
 pub(super) const FRAME: Frame = Frame { left: 92, right: 600, top: 40, bottom: 340 };
 pub(super) const LEGEND: i32 = 622;
 
-/// An SVG that somebody draws, without what only a file of its own needs.
+/// An SVG drawn by `draw`, without what only a standalone file needs.
 pub(super) fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Error> {
     let mut svg = String::new();
     let result: Drawn = (|| {
@@ -77,7 +77,7 @@ pub(super) fn border(area: &Area<'_>) -> Drawn {
 }
 
 pub(super) fn legend(area: &Area<'_>, series: &[Series]) -> Drawn {
-    // A series that has a name already has its entry.
+    // Series with the same name share one entry.
     let mut named: Vec<&Series> = Vec::new();
     for s in series.iter().filter(|s| !s.name.is_empty()) {
         if !named.iter().any(|n| n.name == s.name) {
@@ -101,7 +101,7 @@ pub(super) fn stroke(area: &Area<'_>, stroke: Stroke, points: &[(i32, i32)], col
     match stroke {
         Stroke::None => {}
         Stroke::Dashed => dashes(area, points, style)?,
-        // Piece by piece: some viewers fill a longer line as if it were a shape.
+        // One segment at a time: some viewers fill longer lines like shapes.
         Stroke::Solid => pairs().try_for_each(|pair| area.draw(&PathElement::new(pair, style)))?,
         Stroke::Steps => {
             for [from, to] in pairs().filter(|[from, to]| from != to) {
@@ -114,7 +114,7 @@ pub(super) fn stroke(area: &Area<'_>, stroke: Stroke, points: &[(i32, i32)], col
     Ok(())
 }
 
-/// Dashes along a line, whose rhythm does not begin anew at each point.
+/// Dashes along a line; their pattern continues across points.
 pub(super) fn dashes(area: &Area<'_>, points: &[(i32, i32)], style: ShapeStyle) -> Drawn {
     const ON: f64 = 7.0;
     const PERIOD: f64 = 11.0;

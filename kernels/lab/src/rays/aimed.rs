@@ -1,8 +1,8 @@
-//! Rays that are aimed at where tracers err: at edges of triangles, and at where surfaces cross the faces of a grid's
-//! cells.
+//! Rays aimed at places where ray tracers make mistakes: edges of triangles, and points where surfaces cross the faces
+//! of a grid's cells.
 //!
-//! They start anywhere in the scene's box but near its sides, so that rules which want the origin inside of the grid
-//! apply to them, too.
+//! They start anywhere in the scene's box except near its sides, so that rules which require the origin to be inside
+//! the grid apply to them, too.
 
 use glam::{DVec3, Vec3};
 use raystep_kernels::options::Ray;
@@ -16,7 +16,7 @@ use super::{Random, ray};
 pub enum Aim<'a> {
     /// Middles of edges, corners, and points along edges.
     Edges,
-    /// Points of triangles that lie in the face of a cell, every other one on an edge of it if there is one.
+    /// Points of triangles in a cell's face, every other one on an edge of the cell if there is one.
     Faces(&'a Planes),
     /// Any direction.
     Anywhere,
@@ -34,10 +34,10 @@ impl Aim<'_> {
     }
 }
 
-/// How much of the scene's box origins lie in, along each axis.
+/// Share of the scene's box, along each axis, in which origins lie.
 const INNER: f64 = 0.8;
 
-/// Triangles tried to find one that crosses a plane.
+/// How many triangles are tried to find one that crosses a plane.
 const TRIES: usize = 64;
 
 /// The planes between a grid's cells, in scene units.
@@ -57,7 +57,7 @@ impl Planes {
         Self { corner: scaled(data.grid.corner), width: scaled(data.grid.width), cells: data.grid.cells }
     }
 
-    /// A plane inside of the grid that lies between two coordinates, one at random; `None` where there is none.
+    /// A random inner plane of the grid between two coordinates; `None` if there is none.
     fn between(&self, axis: usize, low: f64, high: f64, random: &mut Random) -> Option<f64> {
         // A grid without width has no planes to aim at.
         if self.width[axis].is_nan() || self.width[axis] <= 0.0 {
@@ -73,8 +73,8 @@ impl Planes {
     }
 }
 
-/// `count` rays; none where the scene has no triangle to aim at. Where no triangle that is tried crosses a face, the
-/// ray goes to a point of a triangle.
+/// `count` rays; none if the scene has no triangle to aim at. If none of the triangles tried crosses a face, the ray
+/// aims at a point of a triangle.
 #[must_use]
 pub fn aimed(scene: &Scene, aim: Aim<'_>, count: usize, seed: u32) -> Vec<Ray> {
     let bounds = scene.bounds();
@@ -103,7 +103,7 @@ fn triangle(scene: &Scene, random: &mut Random) -> [DVec3; 3] {
     scene.triangles[random.below(scene.triangles.len())].map(|p| Vec3::from(p).as_dvec3())
 }
 
-/// Where two triangles with that edge must not both say no.
+/// A point on an edge, where two triangles that share it must not both report a miss.
 fn on_edge(scene: &Scene, i: usize, random: &mut Random) -> DVec3 {
     let corners = triangle(scene, random);
     let edge = random.below(3);
@@ -127,8 +127,8 @@ fn in_face(scene: &Scene, planes: &Planes, i: usize, random: &mut Random) -> DVe
         let along = corners.map(|c| c[axis]);
         let (low, high) = (along[0].min(along[1]).min(along[2]), along[0].max(along[1]).max(along[2]));
         let Some(plane) = planes.between(axis, low, high, random) else { continue };
-        // The plane cuts two edges, in two points; one between them is in the triangle. One that lies in the plane
-        // is cut nowhere, and all of it is.
+        // The plane cuts two edges; a point between the two cuts is in the triangle. A triangle that lies in the plane
+        // is not cut, and any of its points will do.
         let cut = |k: usize| {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let share = (plane - a[axis]) / (b[axis] - a[axis]);
@@ -167,7 +167,7 @@ mod tests {
         Planes::of(&Plan::new(scene, &options, &Limits::CPU).expect("a plan").1)
     }
 
-    /// How far a ray passes a point, relative to their distance.
+    /// How far from a point a ray passes, relative to the distance of the point from the origin.
     fn misses_by(ray: &Ray, point: DVec3) -> f64 {
         let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
         (point - origin).cross(direction).length() / (direction.length() * (point - origin).length())

@@ -1,12 +1,12 @@
-//! Rays to test with, in scene units, the same on every machine: all over a scene, and at its edges.
+//! Rays for tests, in scene units, the same on every machine: everywhere in a scene, and at its edges.
 
 use raystep_kernels::Ray;
 use raystep_scenes::Scene;
 
 use super::Random;
 
-/// A third each: from inside the scene's box, from outside towards it, from points on its surface. Without a triangle
-/// the last third starts inside.
+/// A third each: from inside the scene's box, from outside towards it, and from points on the surface. Without
+/// triangles the last third starts inside.
 #[must_use]
 pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);
@@ -36,21 +36,21 @@ pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-/// Rays with an end, as shadow rays are: from one point of the scene's box, or of its surface, to another such
-/// point, which lies at t = 1.
+/// Rays with an end, like shadow rays: from one point of the scene's box or surface to another one, which lies at t =
+/// 1.
 #[must_use]
 pub fn segments(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     let (from, to) = (mixed(scene, 3 * count, seed), mixed(scene, 3 * count, seed + 1));
     let ray = |i: usize| {
-        // Of three random rays, the first starts inside of the box, the last on the surface.
+        // Of three random rays, the first starts inside the box, the last on the surface.
         let (origin, target) = (from[3 * i + [0, 2][i % 2]].origin, to[3 * i + [0, 2][i / 2 % 2]].origin);
         Ray { origin, direction: (glam::Vec3::from(target) - glam::Vec3::from(origin)).to_array() }
     };
     (0..count).map(ray).filter(|ray| ray.direction != [0.0; 3]).collect()
 }
 
-/// Rays from `origin` aimed at every corner and along every edge of the scene in turn, at points that
-/// f32 rounds to one side or the other. None without a triangle.
+/// Rays from `origin` towards every vertex and along every edge of the scene in turn, at points that f32 rounds to
+/// either side. None if there are no triangles.
 #[must_use]
 pub fn at_edges(scene: &Scene, origin: [f32; 3], count: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);

@@ -7,35 +7,35 @@ use glam::DVec3;
 pub struct Random(fastrand::Rng);
 
 impl Random {
-    /// A sequence of its own for every seed.
+    /// A separate sequence for every seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(fastrand::Rng::with_seed(seed))
     }
 
-    /// A sequence of its own for every element of something and every seed.
+    /// A separate sequence for every element and seed.
     #[must_use]
     pub fn of(index: u32, seed: u32) -> Self {
-        // Sequences of neighbouring seeds begin alike; numbers drawn from them do not lie next to each other.
+        // Sequences of adjacent seeds start alike; seeds drawn from them are not adjacent.
         let drawn = |seed: u32| fastrand::Rng::with_seed(u64::from(seed)).u64(..);
         Self::new(drawn(seed).rotate_left(32).wrapping_add(drawn(index)))
     }
 
-    /// Evenly in [0, 1).
+    /// Uniform in [0, 1).
     pub fn unit(&mut self) -> f64 {
         self.0.f64()
     }
 
-    /// Evenly from 0 to `count` - 1; 0 where there is no such number.
+    /// Uniform from 0 to `count` - 1; 0 if `count` is 0.
     pub fn below(&mut self, count: usize) -> usize {
-        // As u64, so that 32-bit machines draw the same.
+        // As u64, so that 32-bit machines draw the same numbers.
         if count == 0 { 0 } else { self.0.u64(..count as u64) as usize }
     }
 
-    /// Evenly on the unit sphere: Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972. It needs
-    /// neither sine nor cosine, which differ between machines.
+    /// Uniform on the unit sphere: Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972. It needs neither
+    /// sine nor cosine, which differ between machines.
     pub fn on_sphere(&mut self) -> DVec3 {
-        // Each turn succeeds with probability π/4: nobody will see the end of the loop.
+        // Each iteration succeeds with probability π/4, so the loop never reaches its limit in practice.
         for _ in 0..1000 {
             let x = 2.0 * self.unit() - 1.0;
             let y = 2.0 * self.unit() - 1.0;
@@ -48,7 +48,7 @@ impl Random {
         DVec3::Z
     }
 
-    /// Evenly on the unit sphere, rounded.
+    /// Uniform on the unit sphere, rounded to f32.
     pub fn direction(&mut self) -> [f32; 3] {
         self.on_sphere().as_vec3().to_array()
     }
@@ -58,7 +58,7 @@ impl Random {
 mod tests {
     use super::*;
 
-    /// Other numbers are other rays: hits of earlier benchmarks could not be compared any more.
+    /// Different numbers would mean different rays: earlier benchmarks would not be comparable.
     #[test]
     fn the_numbers_do_not_change_with_the_crate() {
         let mut random = Random::of(7, 1);
@@ -70,7 +70,7 @@ mod tests {
     fn neighbours_draw_other_numbers() {
         let first: Vec<f64> = (0..4096).map(|index| Random::of(index, 1).unit()).collect();
         let mean = first.iter().sum::<f64>() / 4096.0;
-        // Four standard errors of even numbers; successive ones uncorrelated within five.
+        // Mean within four standard errors; successive numbers uncorrelated within five.
         assert!((mean - 0.5).abs() < 4.0 * (1.0 / 12f64).sqrt() / 64.0, "{mean}");
         let correlation = first.windows(2).map(|w| (w[0] - 0.5) * (w[1] - 0.5)).sum::<f64>() / 4095.0 * 12.0;
         assert!(correlation.abs() < 5.0 / 64.0, "{correlation}");

@@ -1,10 +1,10 @@
-//! Rays that pass between two triangles. Near an edge f32 cannot tell which of the triangles there a ray hits, but where
-//! the surface goes on, it hits one of them.
+//! Rays that pass between two triangles. Near an edge f32 cannot tell which adjacent triangle a ray hits, but if the
+//! surface continues on all sides, the ray hits one of them.
 
 use super::{BruteForce, Candidates, Mistake, Verdict, largest_axis, wide};
 
 impl BruteForce<'_> {
-    /// What became of a ray that found this, as [`Candidates::judge`]; a tie that is a crack is a miss.
+    /// The verdict on a ray with this result, as [`Candidates::judge`], except that a tie at a crack counts as missed.
     #[must_use]
     pub fn judge(
         &self,
@@ -21,8 +21,8 @@ impl BruteForce<'_> {
         (mistake, t_ulp)
     }
 
-    /// Whether a ray whose triangle f32 cannot tell has hit none of those that it may: it went on through a crack
-    /// between triangles, where the surface has no end.
+    /// Whether a ray at an edge that f32 cannot decide hit none of the adjacent triangles, although the surface
+    /// continues on all sides: it passed through a crack.
     fn is_lost(
         &self,
         origin: [f32; 3],
@@ -33,19 +33,19 @@ impl BruteForce<'_> {
         let Some((triangle, t)) = candidates.exact else { return false };
         let bound = |triangle| candidates.of(triangle).map_or(0.0, |p| p.t_bound);
         let goes_on = |(hit, found): (u32, f64)| found > t + bound(hit) + bound(triangle);
-        // What lies around must be nearer than what was found: else the ray passes the surface's end, and meets what
-        // is close behind.
+        // The surroundings must be nearer than the hit that was found: otherwise the ray passes the surface's end and
+        // hits something close behind it.
         let gap = found.map_or(t, |(_, found)| found - t);
-        // Of a ray that starts on the surface, the sign of t is that of its rounding.
+        // For a ray that starts on the surface, the sign of t is a matter of rounding.
         t > bound(triangle)
             && found.is_none_or(goes_on)
             && self.is_joined(origin, direction, candidates, t)
             && self.is_closed_around(origin, direction, t, 0.25 * gap)
     }
 
-    /// Whether every edge that f32 may take the ray to be on either side of belongs to two of the triangles there, by
-    /// the same two corners. Where a mesh only looks closed, as at a corner in the middle of a longer edge, it has a gap
-    /// of a rounding's width, and no test of triangles can close it.
+    /// Whether every edge that is within f32's error belongs to two of the triangles there, with the same two vertices.
+    /// Some meshes only look closed, for example at a vertex in the middle of a longer edge: they have a gap as wide as
+    /// a rounding error, which no triangle test can close.
     fn is_joined(&self, origin: [f32; 3], direction: [f32; 3], candidates: &Candidates, t: f64) -> bool {
         let (o, d) = (wide(origin), wide(direction));
         let mut open: Vec<[[u32; 3]; 2]> = Vec::new();
@@ -68,14 +68,15 @@ impl BruteForce<'_> {
         open.is_empty()
     }
 
-    /// Whether the surface that the ray exactly meets at `t` goes on all around: whether rays a little to each side,
-    /// by more than any rounding of this one, meet something `within` so much of it. Then f32 may not know which of the triangles
-    /// around it hits, but a ray that hits none of them is lost: it has gone through a crack.
+    /// Whether the surface that the exact ray meets at `t` continues on all sides: whether rays slightly to each side,
+    /// farther than any rounding error, meet something `within` this distance of it. Then f32 may not know which of the
+    /// adjacent triangles the ray hits, but a ray that hits none of them passed through a crack.
     #[must_use]
     pub fn is_closed_around(&self, origin: [f32; 3], direction: [f32; 3], t: f64, within: f64) -> bool {
-        // Against the direction's largest component, and so along any axis about as far as along the others.
+        // Relative to the direction's largest component, so that the offset is similar along all axes.
         const ASIDE: f64 = 1.0 / (1u32 << 14) as f64;
-        // How much farther or nearer a surface may be there, that is not seen nearly edge-on.
+        // Relative change of t at which a neighbouring hit still counts as the same surface, unless it is nearly
+        // edge-on.
         const NEXT_TO_IT: f64 = 1.0 / (1u32 << 9) as f64;
         let d = wide(direction);
         let k = largest_axis(d);
@@ -97,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_surface_goes_on_around_an_inner_edge_and_ends_at_an_outer_one() {
-        // Two triangles of a square, the diagonal between them, and a wall behind.
+        // Two triangles of a square with a diagonal between them, and a wall behind.
         let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);
         let wall = [[-90.0, -90.0, 9.0], [90.0, -90.0, 9.0], [0.0, 90.0, 9.0]];
         let vertices: Vec<f32> = [[a, b, c], [a, c, d], wall].into_iter().flatten().flatten().collect();
@@ -105,14 +106,15 @@ mod tests {
         let is_closed = |x: f32, y: f32| triangles.is_closed_around([0.0; 3], [x, y, 2.0], 1.0, 1.0);
         assert!(is_closed(0.0, 0.0) && is_closed(0.5, 0.5) && is_closed(0.3, -0.2));
         assert!(!is_closed(1.0, 0.0) && !is_closed(1.0, 1.0) && !is_closed(-1.0, 0.3));
-        // Close behind the end of one surface is another: whether that goes on from it is a question of how near.
+        // Another surface is close behind the end of the first; only their distance tells that it is not a
+        // continuation.
         let behind = wall.map(|[x, y, _]| [x, y, 2.0002]);
         let vertices: Vec<f32> = [[a, b, c], [a, c, d], behind].into_iter().flatten().flatten().collect();
         let is_closed = |within| BruteForce::new(&vertices).is_closed_around([0.0; 3], [1.0, 0.0, 2.0], 1.0, within);
         assert!(is_closed(1e-3) && !is_closed(2.5e-5));
     }
 
-    /// The square's lower triangle is cut in two at the middle of the diagonal, and the upper one is not.
+    /// The square's lower triangle is split at the middle of the diagonal; the upper one is not.
     #[test]
     fn a_corner_in_the_middle_of_a_longer_edge_leaves_a_gap_that_is_nobodys_error() {
         let (a, b, c, d) = ([-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]);

@@ -1,18 +1,18 @@
-//! On which side of an edge a ray passes, decided in integers: no rounding at all.
+//! Decides on which side of an edge a ray passes, in integers and thus without rounding.
 
 use std::cmp::Ordering;
 
 use num_bigint::{BigInt, Sign};
 
-/// Whether the line of the ray meets the triangle, edges and corners included. A triangle that is seen
-/// exactly edge-on is not met.
+/// Whether the ray's line meets the triangle, edges and vertices included. A triangle that is exactly edge-on is not
+/// met.
 pub(super) fn hits(origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
     let sides = sides(origin, direction, corners);
     let none = |unwanted: Sign| sides.iter().all(|&s| s != unwanted);
     sides.iter().any(|&s| s != Sign::NoSign) && (none(Sign::Minus) || none(Sign::Plus))
 }
 
-/// Whether a ray runs along the plane of the triangle, in it or beside it, or the triangle has no area.
+/// Whether a ray is parallel to the triangle's plane, or the triangle has no area.
 pub(super) fn is_edge_on(direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
     let d = direction.map(integer);
     let p = corners.map(|c| c.map(integer));

@@ -1,51 +1,51 @@
-//! What became of a ray, and of how many what.
+//! Verdicts on rays, and their counts.
 
-/// What became of one ray.
+/// The verdict on one ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
-    /// The exact triangle, or rightly none.
+    /// The exact triangle, or correctly none.
     Same,
-    /// Not the exact one, but f32 could not tell.
+    /// Not the exact result, but f32 cannot decide.
     Tie,
-    /// Nothing was hit, and something was there.
+    /// Nothing was hit although the ray hits something.
     Missed,
-    /// Something was hit, and nothing was there.
+    /// Something was hit although the ray hits nothing.
     False,
-    /// Another triangle than the nearest, or its t is off by more than its bound.
+    /// A triangle that is not the nearest, or t is off by more than its bound.
     Wrong,
 }
 
 impl Verdict {
-    /// Whether it is an error; what f32 cannot decide is none.
+    /// Whether it is an error; a tie is not.
     #[must_use]
     pub fn is_error(self) -> bool {
         matches!(self, Self::Missed | Self::False | Self::Wrong)
     }
 }
 
-/// A ray, what it found and what it should have found.
+/// A ray with the computed and the exact hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mistake {
-    /// Its place, y * width + x.
+    /// The ray's index, y * width + x.
     pub ray: usize,
     /// What is wrong, if anything.
     pub verdict: Verdict,
-    /// The triangle and t that were found, if any.
+    /// The computed triangle and t, if any.
     pub found: Option<(u32, f32)>,
     /// The exact triangle and t, if any.
     pub exact: Option<(u32, f64)>,
 }
 
-/// Rays by what became of them.
+/// Numbers of rays by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Rays with the exact result.
     pub same: u64,
-    /// Rays with another result that f32 cannot exclude.
+    /// Rays with another result, which f32 cannot exclude.
     pub ties: u64,
     /// Rays that missed.
     pub missed: u64,
-    /// Rays that hit where nothing is.
+    /// Rays that hit although nothing is there.
     pub false_hits: u64,
     /// Rays that hit the wrong triangle or at the wrong t.
     pub wrong: u64,
@@ -75,13 +75,13 @@ impl Counts {
         }
     }
 
-    /// All of them.
+    /// The number of rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
         self.same + self.ties + self.errors()
     }
 
-    /// Missed, false and wrong together.
+    /// The sum of missed, false and wrong.
     #[must_use]
     pub fn errors(&self) -> u64 {
         self.missed + self.false_hits + self.wrong

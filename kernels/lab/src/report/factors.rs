@@ -1,7 +1,7 @@
-//! One rule exchanged at a time: what it costs, and which rays it saves.
+//! Changes one numerical rule at a time: its cost, and the rays it saves.
 //!
-//! Rays start in the scene's box, so that what rules say of origins outside does not cover up the rest, and are aimed
-//! where rules differ. The grid is finer than the automatic one.
+//! Rays start inside the scene's box, so that the rules for origins outside do not hide the others, and are aimed where
+//! the rules differ. The grid is finer than the automatic one.
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, Skip};
@@ -63,12 +63,12 @@ const SHOWN: &[&str] = &[
     "time_ratio",
 ];
 
-/// The robust rules as they are.
+/// The robust numerics, unchanged.
 const ROBUST: &str = "robust";
-/// The paper's.
+/// The paper's numerics.
 const PAPER: &str = "paper";
 
-/// A way to trace: its name, and what it changes.
+/// A configuration: its name, and what it changes.
 #[derive(Clone)]
 struct Way {
     accelerator: Accelerator,
@@ -80,7 +80,7 @@ fn ways(rays: &RaySource, cells: GridSize) -> Vec<Way> {
     let mut ways = Vec::new();
     for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
         let grid = if accelerator == Accelerator::Grid { cells } else { GridSize::Auto };
-        // One thing at a time: some rules leap over no cells, so that none do.
+        // Only one difference at a time: some rules cannot skip empty cells, so none do.
         let skip = Skip::Off;
         let options = Options { accelerator, grid, skip, shade: false, ..Options::new(rays.clone()) };
         let mut add = |factor: &str, options: Options| ways.push(Way { accelerator, factor: factor.into(), options });
@@ -93,7 +93,7 @@ fn ways(rays: &RaySource, cells: GridSize) -> Vec<Way> {
     ways
 }
 
-/// Whether walks through this have the rule.
+/// Whether the rule matters with this accelerator.
 fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
     match rule {
         Rule::TMax | Rule::Acceptance | Rule::CellGrowth => accelerator == Accelerator::Grid,
@@ -102,8 +102,8 @@ fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
     }
 }
 
-/// As asked for; else many more cells than the automatic grid has, along each axis that has more than one: more faces
-/// to lose rays at, and longer walks to drift along.
+/// The requested resolution, or one much finer than the automatic grid along each axis with more than one cell: more
+/// cell faces at which rays may be lost, and longer walks along which errors accumulate.
 fn cells(work: &Work<'_>, automatic: [i32; 3]) -> [u32; 3] {
     if let GridSize::Cells(cells) = work.grid {
         return cells;
@@ -123,7 +123,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         return Ok(part);
     }
     let first = table.rows.len();
-    // Where origins are decides a little of the grid: these are as those to come.
+    // Ray origins slightly affect the grid, so use an origin like those of the measured rays.
     let nowhere = Options { shade: false, ..Options::new(RaySource::Given(vec![some_ray(work)])) };
     let (_, data) = Plan::new(scene, &nowhere, &work.machine().limits())?;
     let cells = cells(work, data.grid.cells);
@@ -158,7 +158,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     Ok(part)
 }
 
-/// From the middle of the scene.
+/// A ray from the centre of the scene.
 fn some_ray(work: &Work<'_>) -> Ray {
     let bounds = work.subject.scene.bounds();
     let middle = (bounds.min * 0.5 + bounds.max * 0.5).to_array();

@@ -1,4 +1,4 @@
-//! How fine a grid should be, and when building anything pays.
+//! How fine a grid should be, and when building an accelerator pays off.
 
 use std::time::Instant;
 
@@ -77,10 +77,10 @@ const SHOWN: &[&str] = &[
     "at_bound",
 ];
 
-/// Cells of the largest grid.
+/// Maximum number of cells.
 const MOST_CELLS: u64 = 1 << 25;
 
-/// What is built.
+/// A configuration to build.
 struct Way {
     options: Options,
     factor: Option<f64>,
@@ -113,7 +113,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let times = work.time_in_turn(&mut renderers, work.either(3, 9))?;
     let mut judges = [Judge::default(), Judge::default()];
     for ((way, ready), times) in built.iter().zip(&times) {
-        // Rays are fewer without an accelerator, perhaps: other rays, other truth.
+        // Without an accelerator there may be fewer rays, and then the correct hits differ, too.
         let judge = &mut judges[usize::from(way.options.accelerator == Accelerator::None)];
         let judged = judge.judge(work, &ready.renderer)?;
         if times.is_given_up {
@@ -158,7 +158,7 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
     ));
 }
 
-/// The automatic grid, coarser and finer ones, the tree, and nothing.
+/// The automatic grid, coarser and finer ones, the BVH, and no accelerator.
 fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
     let options = Options { shade: false, ..Options::new(work.camera_rays()) };
     let (_, data) = Plan::new(&work.subject.scene, &options, &work.machine().limits())?;
@@ -210,7 +210,7 @@ fn rays_of(rays: &RaySource) -> u64 {
     }
 }
 
-/// The view, if need be with no more pixels than can test every triangle in a while.
+/// The rays of the view, with fewer pixels if testing every triangle would take too long.
 fn fewer_rays(work: &Work<'_>) -> RaySource {
     let tests = work.either(1u64 << 24, 1 << 28);
     let most = (tests / (work.subject.scene.triangles.len() as u64).max(1)).max(64);
@@ -222,7 +222,7 @@ fn fewer_rays(work: &Work<'_>) -> RaySource {
     Work { size, ..*work }.camera_rays()
 }
 
-/// Builds; how long that takes is the middle one of three, planning alone being repeated.
+/// Builds. The build time is the median of three; only planning is repeated.
 fn build(work: &Work<'_>, options: &Options) -> Result<Built, Error> {
     let mut built = work.build(options)?;
     let mut times = vec![built.build_s];
@@ -242,7 +242,7 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
     let median = times.median();
     let cell = |axis: usize| grid.map(|g| g.cells[axis]);
     let per_ray = median.filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
-    // Fewer rays are another measurement: an adapter that is not full takes longer for each.
+    // Times with fewer rays are not comparable: a GPU that is not fully used takes longer per ray.
     let view_s = median.filter(|_| plan.rays == view_rays(work)).map(|ns| ns / 1e9);
     let row = work
         .row(COLUMNS)
@@ -266,7 +266,7 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
     times.fill(row)
 }
 
-/// Adds what follows from the other rows, of those that traced the whole view.
+/// Adds the columns that compare rows, for those that traced the whole view.
 fn compare(rows: &mut [Row]) {
     let whole = |r: &Row| r.number("view_s").and_then(|_| r.number("ns_per_ray"));
     let automatic = rows.iter().find(|r| r.get("is_automatic") == "true").and_then(whole);
@@ -276,7 +276,7 @@ fn compare(rows: &mut [Row]) {
         let (per_ray, build_s) = (whole(row), row.number("build_s"));
         let ratio = per_ray.zip(automatic).map(|(ns, automatic)| ns / automatic);
         let pays = per_ray.zip(build_s).zip(none).filter(|_| !is_none(row)).and_then(|((ns, build), (none, least))| {
-            // What does not save time never pays off.
+            // A structure that does not save time never pays off.
             (none > ns).then(|| (1e9 * (build - least) / (none - ns)).max(0.0).ceil())
         });
         *row = row.clone().set("trace_ratio", ratio).set("paid_off_rays", pays);

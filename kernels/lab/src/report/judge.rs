@@ -1,10 +1,10 @@
-//! What became of rays, by f64 brute force with exact predicates.
+//! Rays of a run judged by f64 brute force with exact predicates.
 //!
-//! Every triangle against every ray is too much for a large scene: then a random sample of the rays is judged, spread
-//! over all of them and the same in every run.
+//! Testing every triangle against every ray takes too long for a large scene: there, a random sample of the rays is
+//! judged, spread over all of them and the same in every run.
 //!
-//! At an edge f32 may not know which of two triangles a ray hits, and either is right. But where the surface goes on all
-//! around, one of them it must be: a ray that goes on is lost, and counts as missed.
+//! At an edge, f32 may not be able to tell which of two triangles a ray hits, and either is right. But if the surface
+//! continues on all sides, the ray must hit one of them: a ray that misses both counts as missed.
 
 use raystep_kernels::Renderer;
 
@@ -14,43 +14,43 @@ use crate::Error;
 use crate::judge::{self, Cracks, Traced, sample};
 use crate::reference::{Counts, Possible, Verdict};
 
-/// Truth, worked out for the first run that is judged and kept for the others.
+/// The correct hits, computed for the first run and kept for later runs.
 #[derive(Default)]
 pub(super) struct Judge(judge::Judge);
 
-/// A hit that is right, to measure its t.
+/// A correct hit, to measure the error of its t.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Right {
     /// Its place in the sample.
     pub(super) place: usize,
-    /// As it was found, in traced units.
+    /// The computed t, in traced units.
     pub(super) t: f64,
-    /// What is exact, and the bound.
+    /// The exact hit and its error bound.
     pub(super) exact: Possible,
 }
 
 /// What a run found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Judged {
-    /// One a ray of the sample; `None` where it is not decided what the ray hits.
+    /// One per ray of the sample; `None` if the ray is not resolved.
     pub(super) verdicts: Vec<Option<Verdict>>,
     /// The same, counted.
     pub(super) counts: Counts,
     /// Every hit of the exact triangle.
     pub(super) right: Vec<Right>,
-    /// Of all rays those that still walked when their bound was reached, or the run was given up.
+    /// Of all rays, those still active when their pass limit was reached or the run was stopped.
     pub(super) at_bound: u64,
 }
 
 impl Judge {
-    /// The most rays that are judged of a scene with so many triangles.
+    /// The most rays to judge for a scene with this many triangles.
     pub(super) fn most_rays(work: &Work<'_>) -> usize {
-        // Some nanoseconds each: a second or two on a few cores.
+        // Some nanoseconds per test: a second or two on a few cores.
         let tests: usize = work.either(1 << 24, 1 << 28);
         (tests / work.subject.scene.triangles.len().max(1)).max(64)
     }
 
-    /// Judges a run that is over, or as far as it came.
+    /// Judges a run that is over, or as far as it got.
     pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
         let traced = work.machine().wait(Traced::read(renderer))?;
         self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), SEED));
@@ -86,12 +86,12 @@ impl Judge {
 }
 
 impl Judged {
-    /// What to know of a run that was given up.
+    /// Note for a run that was stopped.
     pub(super) fn given_up(&self) -> String {
         format!("stopped, too slow or endless: {} rays were unresolved and are not judged", self.at_bound)
     }
 
-    /// Fills the columns of verdicts.
+    /// Fills the verdict columns.
     pub(super) fn fill(&self, row: Row) -> Row {
         let (rays, errors) = (self.counts.rays(), self.counts.errors());
         let million = |share: f64| 1e6 * share;

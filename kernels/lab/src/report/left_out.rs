@@ -1,4 +1,4 @@
-//! What the plan's leaving out saves: everything put back, the same rays with and without in turn.
+//! What the plan saves by omitting unneeded work: the same rays with and without everything put back, interleaved.
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
@@ -113,7 +113,7 @@ fn one(
 ) -> Result<Row, Error> {
     let options = Options { accelerator, schedule, ..Options::new(work.camera_rays()) };
     let kept = Options { keep_all: true, ..options.clone() };
-    // Started in turn, too: what a driver caches it caches for both. The last of each is run.
+    // Starts are interleaved, too, so that a driver's cache serves both. The last of each is run.
     let mut starts: [Vec<f64>; 2] = Default::default();
     let mut last: [Option<Renderer>; 2] = Default::default();
     let planned = [work.plan(&options)?, work.plan(&kept)?];
@@ -180,19 +180,19 @@ fn one(
         .set("clock", work.clock()))
 }
 
-/// What one plan leaves out and the other does not.
+/// What one plan omits and the other does not.
 fn put_back(without: &Plan, with: &Plan) -> Vec<String> {
     let is_back = |what: &String| !with.left_out.iter().any(|left| left.what == *what);
     without.left_out.iter().map(|left| left.what.clone()).filter(is_back).collect()
 }
 
-/// Rays whose hit is not the same to the last bit.
+/// Rays whose hits differ in any bit.
 fn differing(a: &[Option<RayHit>], b: &[Option<RayHit>]) -> Vec<usize> {
     let bits = |hit: &Option<RayHit>| hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.triangle));
     a.iter().zip(b).enumerate().filter(|(_, (a, b))| bits(a) != bits(b)).map(|(i, _)| i).collect()
 }
 
-/// Some of many.
+/// The first few of many rays.
 fn first_of(rays: &[usize]) -> String {
     rays.iter().take(16).map(usize::to_string).collect::<Vec<_>>().join(" ")
 }
@@ -201,7 +201,7 @@ fn plot(rows: &[Row]) -> Plot {
     let mut series = Vec::new();
     for (color, accelerator, mark) in [(0, "grid", Mark::Dot), (1, "bvh", Mark::Triangle)] {
         let of: Vec<(usize, &Row)> = rows.iter().filter(|r| r.get("accelerator") == accelerator).enumerate().collect();
-        // Side by side.
+        // Offset the two series so that they do not overlap.
         let x = |i: usize| i as f64 + 1.0 + if color == 0 { -0.06 } else { 0.06 };
         let points = of.iter().filter_map(|(i, r)| Some((x(*i), r.number("time_ratio")?))).collect();
         let ends = |r: &Row| Some((r.number("time_ratio_low")?, r.number("time_ratio_high")?));

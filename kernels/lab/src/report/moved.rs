@@ -1,20 +1,21 @@
-//! The error of t where the scene lies far from the origin, and where its units are tiny or huge.
+//! The error of t in scenes far from the origin, and in scenes with tiny or huge units.
 //!
-//! Two errors are told apart. The *arithmetic's* is that of tracing the scene as f32 has it: it is compared with f64 from
-//! the same f32 numbers, and its prediction is the bound of `crate::reference`, ray by ray. The *rounding's* is
-//! what moving or scaling has made of the scene before a single ray was traced: each coordinate is off by up to half a unit
-//! in the last place, h. A plane through corners c with the normal n is hit where (o + t·d − c)·n = 0, so that to first
-//! order, and with corners weighted by numbers that add up to 1,
+//! Two errors are distinguished. The *arithmetic error* comes from tracing the scene as it is in f32: it is measured
+//! against f64 with the same f32 inputs, and predicted for each ray by the bound in `crate::reference`. The *rounding
+//! error* comes from moving or scaling the scene, before any ray is traced: each coordinate is off by up to half a unit
+//! in the last place, h. A plane with the normal n through vertices c is hit where (o + t·d − c)·n = 0. To first order,
+//! with vertex weights that add up to 1,
 //!
 //! ```text
 //! |Δt| ≤ Σ |n_axis| · (h(o_axis) + max h(c_axis)) / |d·n|
 //! ```
 //!
-//! Both are worst cases. A sharper line, and no bound, is one rounding, 2⁻²⁴, of the depth of the farthest corner of what
-//! is hit: t is a mean of the corners' depths, each of which has been rounded, and the errors of their weights move it
-//! only as far as depths differ.
+//! Both are worst cases. A tighter line, though not a bound, is one rounding, 2⁻²⁴, of the depth of the farthest vertex
+//! of the hit triangle: t is a mean of the vertices' depths, each rounded, and errors of their weights change it only
+//! as far as the depths differ.
 //!
-//! Errors of t become distances along the ray, relative to the scene's extent, so that all places can be compared.
+//! Errors of t are converted to distances along the ray, relative to the scene's extent, so that all places are
+//! comparable.
 
 mod plots;
 
@@ -75,16 +76,16 @@ pub(super) const COLUMNS: &[&str] = &[
     "rounding_beyond_bound_rays",
 ];
 
-/// Where the scene lies.
+/// Where the scene is placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
-    /// Away from where it was, in extents.
+    /// Moved by this many extents.
     Moved(f64),
-    /// In other units.
+    /// Scaled by this factor.
     Scaled(f64),
 }
 
-/// Which way scenes are moved: along no axis, and no diagonal.
+/// Direction in which scenes are moved: neither an axis nor a diagonal.
 const WAY: DVec3 = DVec3::new(1.0, -0.7, 0.4);
 
 pub(super) fn moved(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
@@ -124,7 +125,7 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
     Ok(part)
 }
 
-/// How tight the predictions are, in words.
+/// Adds a sentence on how tight the predictions are.
 fn say(rows: &[Row], part: &mut Part) {
     let ends = |column: &str| {
         let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
@@ -162,11 +163,11 @@ fn say(rows: &[Row], part: &mut Part) {
     }
 }
 
-/// The scene as it is, and the rays whose t is compared with what it becomes elsewhere.
+/// The original scene, and the rays whose t is compared with that of the moved or scaled scene.
 struct Here {
     rays: Vec<Ray>,
     extent: f64,
-    /// Of each ray: triangle and t, in scene units.
+    /// Triangle and t of each ray, in scene units.
     exact: Vec<Option<(u32, f64)>>,
 }
 
@@ -177,7 +178,7 @@ impl Here {
         let options = Options { shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.build(&options)?.renderer;
         work.machine().wait(renderer.run(|_| ControlFlow::Continue(())))?;
-        // All of them: there are no more than can be judged.
+        // All of them: there are few enough to judge.
         let traced: Vec<_> = rays
             .iter()
             .map(|ray| {
@@ -198,7 +199,7 @@ fn extent(scene: &Scene) -> f64 {
 }
 
 impl Place {
-    /// A point here, there; exact.
+    /// The point after moving or scaling; exact.
     fn exact(self, point: DVec3, extent: f64) -> DVec3 {
         match self {
             Self::Moved(by) => point + WAY * (by * extent),
@@ -210,7 +211,7 @@ impl Place {
         self.exact(glam::Vec3::from(point).as_dvec3(), extent).as_vec3().to_array()
     }
 
-    /// What lengths are multiplied by.
+    /// The factor for lengths.
     fn scale(self) -> f64 {
         match self {
             Self::Moved(_) => 1.0,
@@ -227,7 +228,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
         part.notes.push(format!("{place:?}: coordinates exceed the range of f32"));
         return Ok(());
     }
-    // The first half goes the same ways as here, the second half is aimed at the edges that are there.
+    // The first half keeps the original directions; the second half is aimed at the edges of the moved scene.
     let again = here.rays.iter().map(|r| Ray { origin: place.point(r.origin, here.extent), ..*r });
     let edges = aimed(&scene, Aim::Edges, here.rays.len(), SEED + 1);
     let rays: Vec<Ray> = again.chain(edges).collect();
@@ -269,7 +270,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
 struct Errors {
     errors: Vec<f64>,
     bounds: Vec<f64>,
-    /// Of the arithmetic: one rounding of the largest depth.
+    /// Predicted for the arithmetic: one rounding of the largest depth.
     steps: Vec<f64>,
 }
 
@@ -307,7 +308,7 @@ impl Errors {
     }
 }
 
-/// The arithmetic's error. `extent` is in traced units, as t is.
+/// Measures the arithmetic error. `extent` is in traced units, as t is.
 fn measure(judged: &Judged, judge: &Judge, extent: f64) -> Errors {
     let mut errors = Errors::default();
     for right in &judged.right {
@@ -318,7 +319,7 @@ fn measure(judged: &Judged, judge: &Judge, extent: f64) -> Errors {
     errors
 }
 
-/// What became of t between here and there, rounding of the scene and arithmetic together.
+/// Measures how t changed, by rounding of the scene and arithmetic together.
 fn rounding(
     judged: &Judged,
     judge: &Judge,
@@ -351,7 +352,7 @@ fn rounding(
     errors
 }
 
-/// Half of the distance to the next f32: what rounding to this number may have cost.
+/// Half the distance to the next f32: the largest error of rounding to this number.
 fn half_step(value: f32) -> f64 {
     let magnitude = value.abs();
     0.5 * (f64::from(f32::from_bits(magnitude.to_bits() + 1)) - f64::from(magnitude))

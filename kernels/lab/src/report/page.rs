@@ -1,4 +1,4 @@
-//! `index.html`: one page that needs nothing beside it. Its numbers are fields of the CSVs, as they are written there.
+//! `index.html`: one page that needs no other files. Its numbers are copied from the CSV files.
 
 use std::fmt::Write as _;
 
@@ -8,23 +8,23 @@ use crate::html::{self, escaped};
 use crate::plots;
 use crate::subject::Size;
 
-/// What a section says of a scene.
+/// A section's results for one scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     /// Paragraphs, as HTML.
     pub(super) prose: Vec<String>,
-    /// What is missing and why, and what else to know: as text.
+    /// Missing results with reasons, and other notes, as plain text.
     pub(super) notes: Vec<String>,
     figures: Vec<Figure>,
     /// As HTML.
     tables: Vec<String>,
 }
 
-/// What whiskers of times are.
+/// What the whiskers of times show.
 pub(super) const WHISKERS: &str =
     "Whiskers show the 5th to the 95th percentile, or the full range for fewer than 20 repeats.";
 
-/// A plot with what it shows.
+/// A plot with its caption.
 #[derive(Clone, Debug)]
 struct Figure {
     svg: String,
@@ -32,18 +32,18 @@ struct Figure {
 }
 
 impl Part {
-    /// Adds a plot, where there is one.
+    /// Adds a plot, if there is one.
     pub(super) fn figure(&mut self, svg: Option<String>, caption: &str) {
         self.figures.extend(svg.map(|svg| Figure { svg, caption: caption.to_owned() }));
     }
 
-    /// Adds a table of some columns.
+    /// Adds a table with some of the columns.
     pub(super) fn table<'a>(&mut self, rows: impl IntoIterator<Item = &'a Row>, columns: &[&str]) {
         let rows: Vec<&Row> = rows.into_iter().collect();
         if rows.is_empty() {
             return;
         }
-        // Numbers stand at the right, words at the left.
+        // Numbers are right-aligned, words left-aligned.
         let is_words =
             |column: &str| rows.iter().any(|row| row.number(column).is_none() && !row.get(column).is_empty());
         let class: Vec<&str> = columns.iter().map(|c| if is_words(c) { " class=\"l\"" } else { "" }).collect();
@@ -64,13 +64,13 @@ impl Part {
         self.tables.push(html);
     }
 
-    /// The plots, for files of their own.
+    /// The plots, to be written to files.
     pub(super) fn svgs(&self) -> impl Iterator<Item = &str> {
         self.figures.iter().map(|f| f.svg.as_str())
     }
 }
 
-/// A field of a CSV within prose, as HTML.
+/// A field of a CSV in a paragraph, as HTML.
 pub(super) fn number(field: &str) -> String {
     format!("<b class=\"n\">{}</b>", if field.is_empty() { "?" } else { field })
 }
@@ -81,13 +81,13 @@ pub(super) struct Scene {
     /// Its path.
     pub(super) file: String,
     pub(super) triangles: usize,
-    /// Of views.
+    /// Image size.
     pub(super) size: Size,
-    /// By section, in their order; those that were not asked for are missing.
+    /// By section, in their order; sections that were not requested are missing.
     pub(super) parts: Vec<(&'static str, Part)>,
 }
 
-/// What the page says of the machine and the command: names with values.
+/// Machine and command: names with values.
 pub type About = Vec<(&'static str, String)>;
 
 /// The page.
@@ -152,7 +152,7 @@ fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
     }
 }
 
-/// What only this page has.
+/// Styles that only this page needs.
 fn style() -> String {
     "h2.s{border-top:2px solid var(--head);padding-top:1rem;font-size:1.4rem}h3{font-size:1.15rem;margin:2rem 0 .3rem}\
      figure{margin:.6rem 0}td.a{white-space:normal}ul{max-width:50rem;font-size:.85rem}"

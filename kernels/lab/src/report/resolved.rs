@@ -1,8 +1,8 @@
-//! Rays resolved, and rays resolved wrongly, over time, pass by pass.
+//! Rays resolved, and rays resolved wrongly, over time and per pass.
 //!
-//! Two runs of each way: one whose passes are timed and nothing is read, and one that goes pass by pass and reads after
-//! each which rays are resolved. Kernels are deterministic, so both have the same passes. A resolved ray's hit does not
-//! change any more: each ray is judged once, at the end.
+//! Every configuration runs twice: once with timed passes and no read-back, and once pass by pass, reading after each
+//! pass which rays are resolved. Kernels are deterministic, so both runs have the same passes. The hit of a resolved
+//! ray does not change any more, so each ray is judged once, at the end.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -59,7 +59,7 @@ const SHOWN: &[&str] = &[
     "judged_undecided_rays",
 ];
 
-/// Most tests of a run without an accelerator.
+/// Maximum number of tests in a run without an accelerator.
 const MOST_TESTS: u64 = 1 << 28;
 
 #[derive(Clone, Copy)]
@@ -69,13 +69,13 @@ struct Way {
     numerics: Numerics,
 }
 
-/// Every way, and the paper's rules with its own faster schedule.
+/// Every configuration, and the paper's numerics with its own faster schedule.
 fn ways() -> Vec<Way> {
     use Accelerator::{Bvh, Grid, None};
     let mut ways = Vec::new();
     for accelerator in [Grid, Bvh, None] {
         for &schedule in ScheduleKind::ALL {
-            // Without cells to walk through there are no turns to take, and second is first.
+            // Without a grid or BVH, `second` is the same as `first`.
             if accelerator != None || schedule != ScheduleKind::Second {
                 ways.push(Way { accelerator, schedule, numerics: Numerics::Robust });
             }
@@ -103,7 +103,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         }
     }
     let rows = &mut table.rows[first..];
-    // The paper's rules may be fast by missing everything.
+    // Only robust numerics: the paper's may be fast by missing everything.
     let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
     let fastest = robust.filter_map(|r| r.number("run_ns")).fold(f64::INFINITY, f64::min);
     for row in rows.iter_mut() {
@@ -135,7 +135,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     Ok(part)
 }
 
-/// The rows of a way, or why there are none.
+/// The rows of a configuration, or why there are none.
 fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<Result<Vec<Row>, String>, Error> {
     let Way { accelerator, schedule, numerics } = way;
     let (triangles, rays) = (work.subject.scene.triangles.len() as u64, u64::from(work.size.width * work.size.height));
@@ -146,7 +146,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         accelerator,
         schedule,
         numerics,
-        // A fused kernel that need not shade makes its rays itself, and nobody could see them.
+        // A fused kernel that does not shade generates its rays itself, so they could not be read.
         shade: schedule == ScheduleKind::Fused,
         timings: true,
         ..Options::new(work.camera_rays())
@@ -165,7 +165,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
     if ends_ns.contains(&None) {
         part.notes.push(format!("{accelerator} {schedule} {numerics}: some passes have no valid time"));
     }
-    // Timers of passes cost several microseconds each; the time of a whole run is of runs without them.
+    // Timing passes costs several microseconds each, so the total comes from runs without it.
     let run_ns = match work.machine().gpu() {
         None => run_ns,
         Some(_) => {
@@ -204,16 +204,16 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
     Ok(Ok(read.iter().enumerate().map(row).collect()))
 }
 
-/// A run whose passes were timed.
+/// A run with timed passes.
 struct Timed {
     passes: Vec<Pass>,
-    /// When each pass was over, since the first began; `None` where that is not known.
+    /// When each pass ended, in nanoseconds from the start of the first; `None` if unknown.
     ends_ns: Vec<Option<f64>>,
-    /// The middle one of all runs.
+    /// The median of all runs.
     run_ns: Option<f64>,
 }
 
-/// Of three runs the one whose last pass was over second; `None` where one was given up.
+/// Of three runs, the one with the median time of the last pass; `None` if one was stopped.
 fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed>, Error> {
     let has_clock = work.machine().timer().times_passes();
     let mut runs: Vec<(Vec<Pass>, Vec<Option<f64>>)> = Vec::new();
@@ -221,7 +221,7 @@ fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed
     for run in 0..4 {
         let Ended::Done(time) = work.run(renderer)? else { return Ok(None) };
         let ends = if has_clock { ends_of(renderer.passes()) } else { by_wall_clock(work, renderer)? };
-        // The first warms up.
+        // The first run warms up.
         if run > 0 {
             run_ns.extend(work.ns(time));
             runs.push((renderer.passes().to_vec(), ends));
@@ -233,8 +233,8 @@ fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed
     Ok(runs.into_iter().nth(1).map(|(passes, ends_ns)| Timed { passes, ends_ns, run_ns }))
 }
 
-/// When each pass was over, since the first began. A clock that was set back, as some do between two submissions, has
-/// no such time for passes from then on until it has caught up.
+/// When each pass ended, from the start of the first. Some clocks are set back between two submissions: passes have no
+/// time from then on until the clock has caught up.
 fn ends_of(passes: &[Pass]) -> Vec<Option<f64>> {
     let first = passes.first().and_then(|pass| pass.begin_ns);
     let mut latest = 0;
@@ -247,7 +247,7 @@ fn ends_of(passes: &[Pass]) -> Vec<Option<f64>> {
     passes.iter().map(end).collect()
 }
 
-/// The same where the device has no true clock: each pass is waited for.
+/// The same for devices without a reliable clock: waits for each pass.
 fn by_wall_clock(work: &Work<'_>, renderer: &mut Renderer) -> Result<Vec<Option<f64>>, Error> {
     renderer.restart();
     work.machine().settle();
@@ -259,21 +259,21 @@ fn by_wall_clock(work: &Work<'_>, renderer: &mut Renderer) -> Result<Vec<Option<
     Ok(ends)
 }
 
-/// After a pass that resolved rays.
+/// State of the sample after a pass that resolved rays.
 struct ReadBack {
     pass: usize,
-    /// One a ray of the sample.
+    /// One per ray of the sample.
     is_resolved: Vec<bool>,
 }
 
-/// Which rays of the sample are resolved after each pass that resolves any.
+/// Which rays of the sample are resolved, after each pass that resolves any.
 fn read_back(
     work: &Work<'_>,
     renderer: &mut Renderer,
     passes: &[Pass],
     judge: &mut Judge,
 ) -> Result<Vec<ReadBack>, Error> {
-    // The sample is chosen where truth is worked out; the run is over, so its streams are there.
+    // Judging chooses the sample; it needs the streams of a finished run.
     judge.judge(work, renderer)?;
     let mut read: Vec<ReadBack> = Vec::new();
     let mut before = 0;
@@ -300,7 +300,7 @@ fn curve(row: &[&Row], y: impl Fn(&Row) -> Option<f64>) -> Vec<(f64, f64)> {
     row.iter().filter_map(|r| Some((r.number("time_ns")? / 1e6, y(r)?))).collect()
 }
 
-/// Until the first pass that changes anything, there is nothing.
+/// Starts the curve at zero, up to the first pass that changes it.
 fn from_zero(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let begin = points.first().map(|p| (p.0, 0.0));
     begin.into_iter().chain(points).collect()
@@ -318,7 +318,7 @@ fn resolved_plot(accelerator: &str, rows: &[Row]) -> Plot {
         let of_way = [("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)];
         let is_point = schedule == "fused";
         let points = curve(&rows_of(rows, &of_way), share);
-        // All at once: what it shades with afterwards does not matter.
+        // `fused` resolves all rays in one pass; it does not matter that it shades them afterwards.
         let points =
             if is_point { points.into_iter().filter(|p| p.1 > 0.0).take(1).collect() } else { from_zero(points) };
         let name = if numerics == "paper" { format!("{schedule}, paper's rules") } else { schedule.to_owned() };
@@ -383,7 +383,7 @@ mod tests {
             begin_ns,
             duration_ns,
         };
-        // The third has no time, the fourth is of a clock that was set back.
+        // The third has no time; the fourth is from a clock that was set back.
         let times =
             [(Some(100), Some(10)), (Some(150), Some(10)), (None, None), (Some(20), Some(5)), (Some(170), Some(1))];
         let passes = times.map(|(begin, duration)| pass(begin, duration));

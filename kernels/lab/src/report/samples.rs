@@ -1,8 +1,8 @@
-//! Several samples a pixel: the picture's error over time.
+//! Several samples per pixel: the image's error over time.
 //!
-//! The reference is the mean of two pictures with more samples and other seeds than what is measured; half of the
-//! difference of the two is its own error, as both are independent. An error that is not ten times as large cannot be told
-//! from the reference's, and is not plotted.
+//! The reference is the mean of two images with more samples and with seeds of their own; half the difference of the
+//! two estimates the reference's own error, as both are independent. An error that is less than ten times as large
+//! cannot be told from the reference's, and is not plotted.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -51,20 +51,20 @@ const SHOWN: &[&str] = &[
     "edges_reference_rmse",
 ];
 
-/// How much smaller the reference's own error must be.
+/// How many times smaller the reference's own error must be.
 const CLEARLY: f64 = 10.0;
 
-/// What the section may take. What has not been measured by then is left out.
+/// Time limit for the section; what is not measured by then is omitted.
 const LONGEST: Duration = Duration::from_secs(600);
 
-/// Where errors are looked for.
+/// Pixels in which the error is measured.
 #[derive(Clone, Copy)]
 enum Of {
     All,
     Edges,
 }
 
-/// The columns of a row that are about all pixels, or about edges.
+/// Column names for errors of all pixels, or of edge pixels.
 impl Of {
     fn column(self, name: &str) -> String {
         match self {
@@ -78,7 +78,7 @@ struct Reference {
     image: Image,
     samples: u32,
     is_edge: Vec<bool>,
-    /// Estimated, of all pixels and of edges.
+    /// Estimated errors of all pixels and of edges.
     error: [Option<f64>; 2],
 }
 
@@ -111,7 +111,7 @@ fn options(work: &Work<'_>, samples: Samples) -> Options {
     Options { schedule: ScheduleKind::Fused, samples, keep_passes: false, ..Options::new(rays(work)) }
 }
 
-/// Small: many samples are what counts.
+/// Small images, since many samples are needed.
 fn rays(work: &Work<'_>) -> RaySource {
     let side = work.either(48, 96);
     let mut size = work.size;
@@ -120,7 +120,7 @@ fn rays(work: &Work<'_>) -> RaySource {
     Work { size, ..*work }.camera_rays()
 }
 
-/// Runs until so many samples are complete; `false` where that takes too long.
+/// Runs until this many samples are complete; `false` if that takes too long.
 fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant) -> Result<bool, Error> {
     let watch = |progress: &raystep_kernels::Progress| {
         work.reporter.part("samples", u64::from(progress.samples), u64::from(progress.samples_wanted));
@@ -154,7 +154,7 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
     Ok(Some(Reference { image, samples: 2 * each, is_edge, error }))
 }
 
-/// Pixels whose neighbours' centres see another triangle.
+/// Pixels where a neighbour's centre hits another triangle.
 fn edges(work: &Work<'_>) -> Result<Vec<bool>, Error> {
     let options = Options { shade: false, ..Options::new(rays(work)) };
     let mut renderer = work.build(&options)?.renderer;
@@ -177,7 +177,7 @@ fn edges_of(seen: &[Option<u32>], width: usize, height: usize) -> Vec<bool> {
     (0..width * height).map(is_edge).collect()
 }
 
-/// Of linear red, green and blue, over all pixels or some.
+/// Error of linear red, green and blue, over all pixels or some.
 fn rmse(a: &Image, b: &Image, of: Option<&[bool]>) -> Option<f64> {
     let pixels = a.pixels.iter().zip(&b.pixels).enumerate();
     let wanted = pixels.filter(|(i, _)| of.is_none_or(|of| of[*i]));
@@ -195,8 +195,8 @@ fn one(
     let samples = Samples { count: most, sampler, seed: SEED };
     let mut renderer = work.build(&options(work, samples))?.renderer;
     let mut rows = Vec::new();
-    // Once to warm up. Not from 1 on: a single sample of several is anywhere in its pixel, and not the middle that
-    // a picture with one sample shows.
+    // Warm up once. Do not start at 1: one of several samples is anywhere in its pixel, whereas an image with a single
+    // sample uses the pixel's centre.
     let mut count = 2;
     run_to(work, &mut renderer, count, begin)?;
     renderer.restart();
@@ -205,7 +205,7 @@ fn one(
         work.machine().settle();
         let started = Instant::now();
         let is_there = run_to(work, &mut renderer, count, begin)?;
-        // Of what was given up, too: its samples count below.
+        // Stopped runs count too: their samples are used below.
         wall += started.elapsed();
         if !is_there {
             part.notes.push(format!("{sampler}: stopped before {count} samples: too slow"));
@@ -232,8 +232,8 @@ fn one(
         );
         count *= 2;
     }
-    // Every sample traces as many rays, and passes are submitted ahead across samples: the whole run's time is shared
-    // among them.
+    // Every sample traces equally many rays, and passes of several samples are submitted together, so the run's time is
+    // divided equally among samples.
     let done = renderer.samples().max(1);
     let has_clock = work.machine().timer().times_passes();
     let total = if has_clock { renderer.device_ns() } else { Some(wall.as_nanos() as u64) };
@@ -250,7 +250,7 @@ fn points(rows: &[Row], sampler: &str, of: Of, x: &str) -> Vec<(f64, f64)> {
     wanted.filter_map(|r| Some((r.number(x)?, r.number(&of.column("rmse"))?))).collect()
 }
 
-/// Adds the exponents of error over samples.
+/// Adds the exponents of error against samples.
 fn fit(rows: &mut [Row]) {
     for of in [Of::All, Of::Edges] {
         for sampler in Sampler::ALL {
@@ -303,7 +303,7 @@ fn plot(of: Of, rows: &[Row]) -> Plot {
     for (color, sampler, mark) in [(0, Sampler::Sobol, Mark::Dot), (1, Sampler::Random, Mark::Triangle)] {
         let over_time: Vec<_> =
             points(rows, sampler.name(), of, "time_ns").into_iter().map(|(ns, rmse)| (ns / 1e6, rmse)).collect();
-        // The fitted slope, through the middle of the points.
+        // The fitted slope, through the middle point.
         let row = rows.iter().find(|r| r.get("sampler") == sampler.name());
         let slope = row.and_then(|r| r.number(&of.column("slope")));
         let ends = over_time.first().zip(over_time.last()).zip(slope).map(|((first, last), slope)| {
@@ -314,7 +314,7 @@ fn plot(of: Of, rows: &[Row]) -> Plot {
         });
         series.push(Series { mark, ..Series::line(sampler.name(), color, over_time) });
         if let (Some(ends), Some(row)) = (ends, row) {
-            // As the CSV has it.
+            // Formatted as in the CSV.
             let slope = row.get(&of.column("slope"));
             series.push(Series::dashed(format!("{sampler}: slope {slope}"), color, ends));
         }

@@ -1,4 +1,4 @@
-//! The sections of a report: a table, in the order of the page.
+//! The table of a report's sections, in page order.
 
 use super::page::Part;
 use super::table::Table;
@@ -6,10 +6,10 @@ use super::work::Work;
 use super::{factors, grid, left_out, moved, resolved, samples};
 use crate::Error;
 
-/// A section: one CSV, and a part of the page for every scene.
+/// A section: one CSV file, and a part of the page for every scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Section {
-    /// On the command line, and in the page's links.
+    /// Name on the command line and in links of the page.
     pub name: &'static str,
     /// Its heading.
     pub title: &'static str,
@@ -19,11 +19,11 @@ pub struct Section {
     pub file: &'static str,
     /// The CSV's columns.
     pub columns: &'static [&'static str],
-    /// Measures a scene: adds rows, and says what they mean.
+    /// Measures a scene: adds rows, and returns the text of the page.
     pub(super) run: fn(&Work<'_>, &mut Table) -> Result<Part, Error>,
 }
 
-/// All of them.
+/// All sections.
 pub const SECTIONS: &[Section] = &[
     Section {
         name: "resolved",

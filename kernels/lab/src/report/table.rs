@@ -1,27 +1,27 @@
-//! A CSV in memory: what the page shows are its fields, as they are written.
+//! A CSV file in memory; the page shows its fields as they are written.
 
 use std::io::{self, Write};
 
 use raystep_kernels::export::csv;
 
-/// Version of the columns of all files: it rises when one changes its meaning.
+/// Schema version of all files; it rises when the meaning of a column changes.
 pub(super) const SCHEMA_VERSION: u32 = 1;
 
-/// Rows of one file.
+/// The rows of one file.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     pub(super) columns: &'static [&'static str],
     pub(super) rows: Vec<Row>,
 }
 
-/// A row: a field a column, empty where nothing is known.
+/// A row: one field per column, empty if unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
     columns: &'static [&'static str],
     fields: Vec<String>,
 }
 
-/// What a field can hold.
+/// Types that a field can hold.
 pub(super) trait Field {
     fn text(&self) -> String;
 }
@@ -32,7 +32,7 @@ macro_rules! displayed {
 displayed!(u32, u64, usize, i32, bool, &str, String);
 
 impl Field for f64 {
-    /// Six digits, which no measurement here exceeds; what is no number is not known.
+    /// Six digits, more than any measurement here needs; NaN and infinity are empty.
     fn text(&self) -> String {
         let rounded: f64 = format!("{self:.5e}").parse().unwrap_or(*self);
         match rounded.abs() {
@@ -67,7 +67,7 @@ impl Table {
 }
 
 impl Row {
-    /// An empty one of these columns.
+    /// An empty row with these columns.
     pub(super) fn new(columns: &'static [&'static str]) -> Self {
         Self { columns, fields: vec![String::new(); columns.len()] }.set("schema_version", SCHEMA_VERSION)
     }
@@ -91,12 +91,12 @@ impl Row {
         self.place(column).map_or("", |place| &self.fields[place])
     }
 
-    /// A field that is a number; `None` where it is not known.
+    /// A field as a number; `None` if it is unknown.
     pub(super) fn number(&self, column: &str) -> Option<f64> {
         self.get(column).parse().ok()
     }
 
-    /// Whether each of these columns holds this.
+    /// Whether each of these columns has this value.
     pub(super) fn is(&self, wanted: &[(&str, &str)]) -> bool {
         wanted.iter().all(|(column, value)| self.get(column) == *value)
     }

@@ -1,4 +1,4 @@
-//! What a section works with: a scene on a device, how long runs may take, and runs measured in turn.
+//! What sections share: a scene on a device, time limits, and interleaved runs.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -16,20 +16,20 @@ use crate::statistics::{low_and_high, median};
 use crate::subject::{Size, Subject};
 use crate::{Error, Machine};
 
-/// What all random numbers begin with: the same in every run of every version.
+/// Seed of all random numbers: the same in every run of every version.
 pub(super) const SEED: u32 = 2007;
 
-/// What one run may take before it is given up.
+/// Time limit of one run.
 const LONGEST_RUN: Duration = Duration::from_secs(20);
 
-/// What the repeats of one way may take together, where that leaves [`FEWEST`].
+/// Time limit for the repeats of one configuration, after the first [`FEWEST`].
 const REPEATS_TAKE: Duration = Duration::from_secs(2);
 const FEWEST: usize = 3;
 
-/// Passes after which a run is given up: by the paper's rules a walk may have no end.
+/// Pass limit of one run: with the paper's numerics a walk may never end.
 const MOST_PASSES: usize = 100_000;
 
-/// Tests a pass without an accelerator, where passes may have several: a list is as long as the scene.
+/// Tests per pass without an accelerator, for schedules that take several: the list holds the whole scene.
 pub(super) const TESTS_PER_PASS: u32 = 128;
 
 /// A scene to report on.
@@ -38,35 +38,35 @@ pub(super) struct Work<'a> {
     pub(super) subject: &'a Subject,
     pub(super) meter: &'a Meter,
     pub(super) size: Size,
-    /// For what is not about the grid's resolution.
+    /// The resolution for sections that do not vary it.
     pub(super) grid: GridSize,
     pub(super) is_quick: bool,
     pub(super) reporter: &'a dyn Reporter,
 }
 
-/// Something that is planned, for as many runs as are wanted.
+/// A plan that can be started many times.
 pub(super) struct Planned {
     plan: Arc<Plan>,
     data: Arc<SceneData>,
-    /// Planning: the structure above all.
+    /// Seconds for planning: mostly for building the structure.
     build_s: f64,
 }
 
-/// Something that is ready to run, and what that took.
+/// A renderer that is ready to run, with the times to build it.
 pub(super) struct Built {
     pub(super) renderer: Renderer,
-    /// Planning: the structure above all.
+    /// Seconds for planning: mostly for building the structure.
     pub(super) build_s: f64,
-    /// Allocating, uploading, compiling.
+    /// Seconds for allocating, uploading and compiling.
     pub(super) start_s: f64,
 }
 
-/// Times of a way.
+/// Times of a configuration.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times {
-    /// Of each run that counts; `None` where the clock had no valid time.
+    /// One per counted run; `None` if the clock had no valid time.
     runs: Vec<Option<f64>>,
-    /// A run was given up: there are no times, and its streams are as far as it came.
+    /// Whether a run was stopped: then there are no times, and the streams are incomplete.
     pub(super) is_given_up: bool,
 }
 
@@ -75,17 +75,17 @@ impl Times {
         self.runs.iter().copied().flatten().collect()
     }
 
-    /// The middle one.
+    /// The median.
     pub(super) fn median(&self) -> Option<f64> {
         median(&self.known())
     }
 
-    /// By the other's times, each run by the one next to it.
+    /// Each run divided by the other's run next to it.
     pub(super) fn ratios(&self, to: &Self) -> Vec<f64> {
         ratios(&self.runs, &to.runs)
     }
 
-    /// Fills the columns of times.
+    /// Fills the time columns.
     pub(super) fn fill(&self, row: Row) -> Row {
         let known = self.known();
         let [low, high] = low_and_high(&known);
@@ -94,32 +94,32 @@ impl Times {
 }
 
 impl Work<'_> {
-    /// What it is measured on.
+    /// The machine that measurements run on.
     pub(super) fn machine(&self) -> &Machine {
         &self.meter.machine
     }
 
-    /// A row that says of what and where.
+    /// A row with the columns that identify scene and device.
     pub(super) fn row(&self, columns: &'static [&'static str]) -> Row {
         Row::new(columns).set("scene", &*self.subject.scene.name).set("adapter", self.machine().name())
     }
 
-    /// One ray through the middle of each pixel.
+    /// One ray through the centre of each pixel.
     pub(super) fn camera_rays(&self) -> RaySource {
         self.subject.camera_rays(self.size)
     }
 
-    /// The less of it the quicker.
+    /// Chooses between the quick and the normal amount.
     pub(super) fn either<T>(&self, quick: T, normal: T) -> T {
         if self.is_quick { quick } else { normal }
     }
 
-    /// A stage of the section begins.
+    /// Reports the next stage of the section.
     pub(super) fn stage(&self, what: &str) {
         self.reporter.stage(&format!("{}: {what}", self.subject.scene.name));
     }
 
-    /// The clock that times are of.
+    /// The clock of all times.
     pub(super) fn clock(&self) -> &'static str {
         self.machine().timer().name()
     }
@@ -133,7 +133,7 @@ impl Work<'_> {
         }
     }
 
-    /// Plans and builds, with kernels composed anew.
+    /// Plans and builds; kernels are composed anew.
     pub(super) fn plan(&self, options: &Options) -> Result<Planned, Error> {
         self.machine().forget_kernels();
         let begin = Instant::now();
@@ -141,8 +141,8 @@ impl Work<'_> {
         Ok(Planned { plan: Arc::new(plan), data: Arc::new(data), build_s: begin.elapsed().as_secs_f64() })
     }
 
-    /// Allocates, uploads, compiles anew; what its driver caches, the driver keeps. Whether runs are timed as a whole or by pass is the caller's choice on a GPU; the
-    /// twins' total is the sum of their passes.
+    /// Allocates, uploads and compiles anew; the driver may cache what it compiles. On a GPU, the caller chooses
+    /// whether to time whole runs or passes; on the CPU the total is the sum of the passes.
     pub(super) fn start(&self, planned: &Planned, options: &Options) -> Result<Built, Error> {
         let mut options = options.clone();
         options.timings |= self.machine().gpu().is_none();
@@ -155,22 +155,22 @@ impl Work<'_> {
         Ok(Built { renderer, build_s: *build_s, start_s: begin.elapsed().as_secs_f64() })
     }
 
-    /// Both.
+    /// Plans and starts.
     pub(super) fn build(&self, options: &Options) -> Result<Built, Error> {
         self.start(&self.plan(options)?, options)
     }
 
-    /// An error within a note.
+    /// The text of an error in a note.
     pub(super) fn explain(&self, error: &Error) -> String {
         self.reporter.explain(error)
     }
 
-    /// Whether an error is one of what was asked for, so that the rest can go on: not so where the device has failed.
+    /// Whether to continue after an error: not if the device itself has failed.
     pub(super) fn can_go_on(&self) -> Result<(), Error> {
         Ok(self.machine().gpu().map_or(Ok(()), |gpu| gpu.health())?)
     }
 
-    /// Runs to the end, or until it is given up.
+    /// Runs to the end, or until a limit is reached.
     pub(super) fn run(&self, renderer: &mut Renderer) -> Result<Ended, Error> {
         let watch = |progress: &Progress, spent: Duration| match spent > LONGEST_RUN || progress.passes >= MOST_PASSES {
             true => ControlFlow::Break(()),
@@ -179,7 +179,7 @@ impl Work<'_> {
         Ok(self.meter.run(renderer, watch)?)
     }
 
-    /// The time of a run by the clock that [times passes](Self::clock); `None` where it had no valid time.
+    /// The time of a run by the clock that [times passes](Self::clock); `None` if it had no valid time.
     pub(super) fn ns(&self, time: Time) -> Option<f64> {
         match self.machine().timer().times_passes() {
             true => time.device_ns.map(|ns| ns as f64),
@@ -187,7 +187,7 @@ impl Work<'_> {
         }
     }
 
-    /// Runs all in turn, as often as there is time for. One that was given up has no times.
+    /// Interleaves as many runs as there is time for. A stopped one has no times.
     pub(super) fn time_in_turn(&self, renderers: &mut [&mut Renderer], repeats: usize) -> Result<Vec<Times>, Error> {
         let all = Some(REPEATS_TAKE * renderers.len() as u32);
         let turns = Turns { all, fewest: FEWEST, ..Turns::of(1, repeats) };

@@ -1,4 +1,4 @@
-//! What is measured beside the cases: tMax along a walk, and how pipelines differ.
+//! Measurements other than cases: tMax along a walk, and differences between pipelines.
 
 use std::fmt::Write as _;
 
@@ -6,12 +6,12 @@ use super::{Place, Report, drift, probe};
 use crate::reporter::Reporter;
 use crate::{Error, Machine};
 
-/// Rays of the long walk.
+/// Number of rays in the long walk.
 const WALKING: usize = 256;
-/// Rays of the probe.
+/// Number of rays in the probe.
 const PROBED: usize = 16_384;
 
-/// Walks by each of the rules, where numbers are f32.
+/// Walks with every rule, on devices that compute in f32.
 pub(super) fn walks(
     quick: bool,
     places: &[(Place, Machine)],
@@ -28,8 +28,8 @@ pub(super) fn walks(
     Ok(all)
 }
 
-/// Traces the same pairs through every pipeline of every device, where numbers are f32. The first device's first
-/// pipeline is what all others with the same rays are compared with.
+/// Traces the same pairs through every pipeline of every f32 device. All pipelines with the same rays are compared with
+/// the first such pipeline of the first device.
 pub(super) fn pipelines(
     quick: bool,
     places: &[(Place, Machine)],
@@ -50,7 +50,7 @@ pub(super) fn pipelines(
     Ok(rows)
 }
 
-/// What came of a walk, in words.
+/// A walk's result as text.
 pub(super) fn told(walked: &drift::Walked) -> String {
     let last = walked.samples.last().map_or(0, |sample| sample.cells);
     let bound = if walked.is_bounded() { format!(", bound {}", drift::BOUND) } else { String::new() };
@@ -62,7 +62,7 @@ pub(super) fn told(walked: &drift::Walked) -> String {
     )
 }
 
-/// What came of both, for people.
+/// The results of both as text.
 #[must_use]
 pub fn text(report: &Report) -> String {
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! The table of cases. A new one is an entry here, made of what `make` and `planes` have.
+//! The table of cases. A new case is an entry here, built from functions in `make` and `planes`.
 
 use glam::DVec3;
 use raystep_kernels::options::Accelerator::Grid;
@@ -10,7 +10,7 @@ use crate::stability::make::{self, At};
 use crate::stability::planes::{On, on_planes};
 use crate::stability::{Case, Paper, StabilityError, Truth, Workload};
 
-/// Rays within a closed sphere, which may fail by the paper's rules, but need not.
+/// Rays inside a closed sphere, on which the paper's numerics may fail, but need not.
 const CASE: Case = Case {
     name: "",
     what: "",

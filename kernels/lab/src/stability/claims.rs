@@ -1,5 +1,5 @@
-//! What is claimed of the cases: how many rays may be undecided, and where the paper's rules must fail; each with the
-//! reason.
+//! Expectations about the cases: how many rays may be undecided, and where the paper's numerics must fail, each with
+//! its reason.
 
 use raystep_kernels::options::Accelerator::{self, Bvh, Grid, None};
 

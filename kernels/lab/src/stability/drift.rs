@@ -1,5 +1,5 @@
-//! How far tMax is off along a walk of 3,000 cells: from the cell's coordinates each time, it is off as much at the end
-//! as at the beginning; accumulated, its error grows with the square of the cells at worst.
+//! The error of tMax along a walk of 3,000 cells. Computed from the cell's coordinates, the error is no larger at the
+//! end than at the beginning; accumulated, it grows at worst with the square of the number of cells.
 
 use std::ops::ControlFlow;
 
@@ -15,19 +15,19 @@ use raystep_kernels::tables::stream::{STATE_TAG, StreamData};
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, make};
 
-/// What robust rules stay within, in the unit of [`Sample::error`], half units in the last place: the plane is rounded
-/// once where it is no exact f32, the difference once, WGSL's division is off by 5 at most, the product is rounded once.
-/// Plane and origin lie on one side of 0 here, so that their difference is no larger than the larger of them.
+/// The error bound of robust numerics, in the unit of [`Sample::error`], half units in the last place: one rounding of
+/// the plane (if it is not exact in f32), one of the difference, at most 5 of WGSL's division, one of the product.
+/// Plane and origin have the same sign here, so that their difference is no larger than the larger of them.
 pub const BOUND: f64 = 8.0;
 
 /// Cells between two samples.
 const EVERY: usize = 50;
 
-/// Cells of the walk. Rays that the paper's rules let through the wall at its end leave the grid soon after, and
-/// their cells mean nothing then.
+/// Cells of the walk. Rays that pass through the wall at its end, as they may with the paper's numerics, soon leave the
+/// grid; their cells are meaningless then.
 const CELLS: u32 = 3000;
 
-/// By which rules tMax is kept.
+/// How tMax is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
     /// Their name in reports.
@@ -36,30 +36,30 @@ pub struct Rules {
     without: Option<Rule>,
 }
 
-/// All that are compared.
+/// The rules to compare.
 pub const RULES: [Rules; 3] = [
     Rules { name: "robust", numerics: Numerics::Robust, without: None },
     Rules { name: "robust, tMax accumulated", numerics: Numerics::Robust, without: Some(Rule::TMax) },
     Rules { name: "paper", numerics: Numerics::Paper, without: None },
 ];
 
-/// The rays that are walking after so many cells.
+/// The rays still walking after this many cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Cells that the ray which is farthest has visited.
+    /// Cells visited by the farthest ray.
     pub cells: u32,
-    /// Rays that are walking.
+    /// Rays still walking.
     pub rays: u64,
     /// The largest error of tMax, in units of 2⁻²⁴ · max(|plane|, |origin|) / |direction| along its axis.
     pub error: f64,
-    /// The largest error, in t.
+    /// The largest error, as t.
     pub error_t: f64,
 }
 
-/// Walks, and measures at every 50th cell.
+/// Walks, and samples the error every 50 cells.
 ///
 /// # Errors
-/// Where the device fails.
+/// If the device fails.
 pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Sample>, StabilityError> {
     let workload = make::long_walk(rays)?;
     let options = Options {
@@ -77,7 +77,7 @@ pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Samp
     let mut renderer = Renderer::new(&workload.scene, &options, device).await?;
     let mut samples = Vec::new();
     loop {
-        // A cell of this walk has an empty list, but for the last: a pass to notice, and one to go on.
+        // All cells of this walk except the last have empty lists: one pass to find that out, and one to step.
         let until = renderer.pass_count() + 2 * EVERY;
         match renderer.run_to(until, |_| ControlFlow::Continue(())).await {
             Ok(()) | Err(RenderError::Cancelled { .. }) => {}
@@ -93,7 +93,7 @@ pub async fn walk(rules: Rules, rays: usize, device: &Device) -> Result<Vec<Samp
     }
 }
 
-/// `None` where no ray is walking.
+/// `None` if no ray is walking.
 async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
     let [origin, direction, state, tmax, counters] =
         [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::TMAX, streams::COUNTERS];
@@ -128,32 +128,32 @@ async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
 
 /// Columns of `tmax.csv`.
 ///
-/// | column | holds |
+/// | column | contents |
 /// |---|---|
 /// | `schema_version` | 1 |
 /// | `device`, `adapter` | as in `stability.csv` |
-/// | `rules` | how tMax is kept, see [`RULES`] |
-/// | `cells` | that the ray which is farthest has visited |
-/// | `rays` | that are walking |
+/// | `rules` | how tMax is computed, see [`RULES`] |
+/// | `cells` | cells visited by the farthest ray |
+/// | `rays` | rays still walking |
 /// | `error_units` | the largest error of tMax, in units of 2⁻²⁴ · max(\|plane\|, \|origin\|) / \|direction\| |
 /// | `error_t` | the same in t |
-/// | `bound_units` | what robust rules stay within, [`BOUND`]; empty for others |
+/// | `bound_units` | the bound of robust rules, [`BOUND`]; empty for others |
 pub const COLUMNS: [&str; 9] =
     ["schema_version", "device", "adapter", "rules", "cells", "rays", "error_units", "error_t", "bound_units"];
 
-/// Samples of a walk, with how they came about.
+/// Samples of a walk, with device and rules.
 #[derive(Clone, Debug)]
 pub struct Walked {
-    /// Where.
+    /// The device.
     pub place: Place,
-    /// How.
+    /// The rules.
     pub rules: Rules,
-    /// From the first to the last cell.
+    /// Samples from the first to the last cell.
     pub samples: Vec<Sample>,
 }
 
 impl Walked {
-    /// Whether these are rules that must stay within [`BOUND`].
+    /// Whether these rules must stay within [`BOUND`].
     #[must_use]
     pub fn is_bounded(&self) -> bool {
         self.rules.numerics == Numerics::Robust && self.rules.without.is_none()
@@ -165,7 +165,7 @@ impl Walked {
         self.samples.iter().fold(0.0, |most, sample| most.max(sample.error))
     }
 
-    /// Whether it is as it must be: robust rules within the bound, the others beyond it.
+    /// Whether it is as expected: robust rules within the bound, others beyond it.
     #[must_use]
     pub fn is_as_expected(&self) -> bool {
         !self.samples.is_empty() && (self.largest() <= BOUND) == self.is_bounded()
@@ -175,7 +175,7 @@ impl Walked {
 /// Writes `tmax.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_rows(out: impl std::io::Write, all: &[Walked]) -> std::io::Result<()> {
     let mut writer = csv::writer(out);
     writer.write_record(COLUMNS)?;

@@ -1,4 +1,4 @@
-//! Scenes and rays of the cases: the same on every machine.
+//! Scenes and rays for the cases, the same on every machine.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::stability::{StabilityError, Workload};
 pub(super) type Triangle = [[f32; 3]; 3];
 type Made = Result<Workload, StabilityError>;
 
-/// What all random numbers begin with.
+/// Seed of all random numbers.
 pub(super) const SEED: u32 = 2007;
 
 /// A scene of triangles.
@@ -28,7 +28,7 @@ pub(super) fn given(scene: Scene, rays: Vec<Ray>) -> Workload {
     Workload { scene, rays: RaySource::Given(rays), grid: GridSize::Auto }
 }
 
-/// A closed unit sphere, its corners moved.
+/// A closed unit sphere with its vertices moved.
 pub(super) fn sphere(subdivisions: u64, moved: impl Fn(DVec3) -> DVec3) -> Result<Scene, StabilityError> {
     let triangles = generate::icosphere(subdivisions)?.triangles;
     let corner = |p: [f32; 3]| moved(vec(p)).as_vec3().to_array();
@@ -47,25 +47,25 @@ fn randoms(count: usize, seed: u32) -> impl Iterator<Item = (usize, Random)> {
     (0..count).map(move |i| (i, Random::of(i as u32, SEED + seed)))
 }
 
-/// A point of a cube about the origin.
+/// A random point in a cube around the origin.
 fn in_cube(random: &mut Random, half: f64) -> DVec3 {
     let mut side = || (2.0 * random.unit() - 1.0) * half;
     DVec3::new(side(), side(), side())
 }
 
-/// A point of a triangle, away from its edges.
+/// A random point in a triangle, away from its edges.
 fn within(triangle: &Triangle, random: &mut Random) -> DVec3 {
     let weights = [0; 3].map(|_| 0.1 + random.unit());
     let sum: f64 = weights.iter().sum();
     (0..3).map(|c| vec(triangle[c]) * (weights[c] / sum)).sum()
 }
 
-/// Random directions from random points of a cube.
+/// Random directions from random points in a cube.
 pub(super) fn inside(half: f64, count: usize) -> Vec<Ray> {
     randoms(count, 2).map(|(_, mut r)| ray(in_cube(&mut r, half), r.on_sphere())).collect()
 }
 
-/// Within a closed sphere, along each axis both ways, the other components ±`tiny`.
+/// Rays inside a closed sphere along each axis, both ways, with the other components ±`tiny`.
 pub(super) fn near_axis(count: usize, tiny: f32) -> Made {
     let rays = randoms(count, 3).map(|(i, mut random)| {
         let sign = |bit: usize| if ((i / 3) >> bit) & 1 == 0 { 1.0 } else { -1.0 };
@@ -80,13 +80,13 @@ pub(super) fn near_axis(count: usize, tiny: f32) -> Made {
 /// What rays are aimed at.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum At {
-    /// Points along edges, middles above all.
+    /// Points along edges, mainly their middles.
     Edges,
-    /// Corners.
+    /// Vertices.
     Corners,
 }
 
-/// From a few points about `center` at edges or corners of the scene.
+/// Rays from a few points around `center` to edges or vertices of the scene.
 pub(super) fn aimed(scene: Scene, count: usize, at: At, center: DVec3) -> Workload {
     let rays = randoms(count, 4).map(|(i, mut random)| {
         let corners = scene.triangles[random.below(scene.triangles.len())].map(vec);
@@ -98,7 +98,7 @@ pub(super) fn aimed(scene: Scene, count: usize, at: At, center: DVec3) -> Worklo
             (At::Edges, _) => random.unit(),
         };
         let from = [[0.0; 3], [0.3, -0.2, 0.1], [-0.45, 0.4, 0.35], [0.0, 0.6, 0.0]][i / 2 % 4];
-        // The exact f32 origin is what the target is seen from.
+        // Aim from the origin as rounded to f32.
         let from = (center + vec(from)).as_vec3().as_dvec3();
         ray(from, a + (b - a) * along - from)
     });
@@ -106,7 +106,7 @@ pub(super) fn aimed(scene: Scene, count: usize, at: At, center: DVec3) -> Worklo
     given(scene, rays)
 }
 
-/// A closed sphere far from the origin: half of the rays at edges, half anywhere.
+/// A closed sphere far from the origin: half of the rays aim at edges, half anywhere.
 pub(super) fn moved(count: usize, distance: f64) -> Made {
     let center = DVec3::new(1.0, -0.7, 0.4) * distance;
     let mut workload = aimed(sphere(2, |p| p + center)?, count, At::Edges, center);
@@ -119,7 +119,7 @@ pub(super) fn moved(count: usize, distance: f64) -> Made {
     Ok(workload)
 }
 
-/// The same in another unit.
+/// The same with scaled units.
 pub(super) fn scaled(count: usize, scale: f64) -> Made {
     let mut workload = aimed(sphere(3, |p| p)?, count, At::Edges, DVec3::ZERO);
     let scaled = |p: [f32; 3]| (vec(p) * scale).as_vec3().to_array();
@@ -130,7 +130,7 @@ pub(super) fn scaled(count: usize, scale: f64) -> Made {
     Ok(workload)
 }
 
-/// From a distance towards the inner part of a sphere.
+/// Rays from a distance towards the inner part of a sphere.
 pub(super) fn from_afar(count: usize, distance: f64) -> Made {
     let rays = randoms(count, 5).map(|(_, mut random)| {
         let origin = (random.on_sphere() * distance).as_vec3().as_dvec3();
@@ -139,7 +139,7 @@ pub(super) fn from_afar(count: usize, distance: f64) -> Made {
     Ok(given(sphere(3, |p| p)?, rays.collect()))
 }
 
-/// From points of its surface.
+/// Rays from points on the surface of a sphere.
 pub(super) fn on_surface(count: usize) -> Made {
     let scene = sphere(3, |p| p)?;
     let start = |r: &mut Random| within(&scene.triangles[r.below(scene.triangles.len())], r);
@@ -147,7 +147,7 @@ pub(super) fn on_surface(count: usize) -> Made {
     Ok(given(scene, rays))
 }
 
-/// From points on the faces of cells, anywhere.
+/// Rays from points on cell faces in any direction.
 pub(super) fn on_faces(count: usize) -> Made {
     let scene = sphere(3, |p| p)?;
     let mut rays = inside(0.5, count);
@@ -158,7 +158,7 @@ pub(super) fn on_faces(count: usize) -> Made {
     Ok(Workload { grid: GridSize::Cells([16; 3]), ..given(scene, rays) })
 }
 
-/// Towards every triangle in turn, from `away` above the middle of the scene, a little aside.
+/// Rays towards every triangle in turn, from `away` above the scene's centre, slightly oblique.
 fn from_above(scene: Scene, count: usize, away: f64) -> Workload {
     let bounds = scene.bounds();
     let eye = (bounds.min + bounds.max).as_dvec3() * 0.5 + DVec3::new(0.1, -0.07, 1.0) * away;
@@ -170,7 +170,7 @@ fn from_above(scene: Scene, count: usize, away: f64) -> Workload {
     given(scene, rays)
 }
 
-/// A strip that is cut lengthwise into slivers; rays at its inner half.
+/// A strip cut lengthwise into slivers, with rays to its inner half.
 pub(super) fn slivers(count: usize, aspect: f64) -> Made {
     const SLIVERS: i32 = 400;
     let x = |k: i32| (f64::from(k - SLIVERS / 2) / aspect) as f32;
@@ -194,7 +194,7 @@ pub(super) fn duplicates(count: usize) -> Made {
     Ok(given(scene_of(triangles), inside(0.4, count)))
 }
 
-/// Three sheets of other triangles in one plane, as far as f32 has it.
+/// Three sheets of different triangles in one plane, as far as f32 can represent it.
 pub(super) fn coplanar(count: usize) -> Made {
     let at = |x: f32, y: f32| [x, y, 0.3 * x + 0.2 * y];
     let sheet = |low: f32, high: f32| {
@@ -204,14 +204,14 @@ pub(super) fn coplanar(count: usize) -> Made {
     Ok(from_above(scene_of([(0.0, 1.0), (-0.1, 1.2), (-0.25, 1.05)].map(|(l, h)| sheet(l, h)).concat()), count, 1.0))
 }
 
-/// A terrain without height: flat along z.
+/// A terrain without height, flat along z.
 pub(super) fn flat(count: usize) -> Made {
     let terrain = generate::terrain(200, 1)?.triangles;
     let flat = terrain.into_iter().map(|t| t.map(|p| [p[0], p[2], 0.37])).collect();
     Ok(from_above(scene_of(flat), count, 1.0))
 }
 
-/// Rays within a flat scene's plane.
+/// Rays in a flat scene's plane.
 pub(super) fn in_plane(count: usize) -> Made {
     let mut workload = flat(count)?;
     if let RaySource::Given(rays) = &mut workload.rays {
@@ -222,7 +222,7 @@ pub(super) fn in_plane(count: usize) -> Made {
     Ok(workload)
 }
 
-/// Rays within a tilted triangle's plane, exactly: whole numbers with x + 2y + 3z = 0.
+/// Rays exactly in a tilted triangle's plane: integers with x + 2y + 3z = 0.
 pub(super) fn in_tilted_plane(count: usize) -> Made {
     let on_plane = |r: &mut Random, most: usize| {
         let mut whole = || r.below(2 * most + 1) as f32 - most as f32;
@@ -238,7 +238,7 @@ pub(super) fn in_tilted_plane(count: usize) -> Made {
     Ok(given(scene_of(vec![triangle]), rays.collect()))
 }
 
-/// Triangles two of whose corners are one, or all three.
+/// Triangles with two or three identical vertices.
 pub(super) fn without_area(count: usize) -> Made {
     let triangle = |(i, mut r): (usize, Random)| {
         let [a, b] = [0; 2].map(|_| in_cube(&mut r, 1.0).as_vec3().to_array());
@@ -247,7 +247,7 @@ pub(super) fn without_area(count: usize) -> Made {
     Ok(from_above(scene_of(randoms(500, 11).map(triangle).collect()), count, 2.0))
 }
 
-/// Triangles that are stretches of the x axis.
+/// Degenerate triangles along the x axis.
 pub(super) fn line(count: usize, away: f64) -> Made {
     let triangle = |i: i32| [0.0, 1.0, 0.375].map(|k| [(f64::from(i) + k) as f32, 0.0, 0.0]);
     Ok(from_above(scene_of((0..64).map(triangle).collect()), count, away))
@@ -258,12 +258,12 @@ pub(super) fn one_triangle(count: usize) -> Made {
     Ok(from_above(scene_of(vec![[[-1.0, -0.8, 0.1], [1.0, -1.0, -0.2], [0.1, 1.0, 0.3]]]), count, 2.0))
 }
 
-/// None.
+/// No triangle.
 pub(super) fn no_triangle(count: usize) -> Made {
     Ok(given(scene_of(Vec::new()), inside(1.0, count)))
 }
 
-/// Ten thousand triangles in one cell of a grid, seen from nearby.
+/// Ten thousand triangles in one grid cell, seen from nearby.
 pub(super) fn crowd(count: usize) -> Made {
     const SIZE: f64 = 1e-3;
     let soup = generate::soup(10_000, 1)?.triangles;
@@ -283,7 +283,7 @@ pub(super) fn crowd(count: usize) -> Made {
     Ok(Workload { grid: GridSize::Cells([8; 3]), ..given(scene_of(triangles), rays) })
 }
 
-/// A closed sphere with a closed sphere in it that is 100,000 times smaller, seen from close to it.
+/// A closed sphere containing another one 100,000 times smaller, seen from close to it.
 pub(super) fn tiny_detail(count: usize) -> Made {
     const SIZE: f64 = 1e-5;
     let place = DVec3::new(0.2, 0.1, -0.3);
@@ -298,8 +298,8 @@ pub(super) fn tiny_detail(count: usize) -> Made {
     Ok(given(scene_of(scene.triangles), rays))
 }
 
-/// A wall at the end of a walk of 3,000 cells, along the diagonal of a grid of one layer. It stands close before a
-/// plane: a ray that has not entered its cell by then never does.
+/// A wall at the end of a walk of 3,000 cells, along the diagonal of a grid with one layer. It is just before a plane:
+/// a ray that is not in its cell by then never enters it.
 pub(super) fn long_walk(count: usize) -> Made {
     const SIDE: f32 = 1600.0;
     const CELLS: [u32; 3] = [1600, 1600, 1];
@@ -320,7 +320,7 @@ pub(super) fn long_walk(count: usize) -> Made {
     Ok(Workload { grid: GridSize::Cells(CELLS), ..given(ends(x), rays.collect()) })
 }
 
-/// Triangles each half as large and half as far as the one before: no tree over them is balanced. Rays at those of
+/// Triangles, each half as large and half as far away as the one before, which no BVH can balance. Rays aim at those of
 /// some levels.
 pub(super) fn halving(count: usize, levels: Range<i32>) -> Made {
     let triangle = |i: i32| {
@@ -339,18 +339,18 @@ pub(super) fn halving(count: usize, levels: Range<i32>) -> Made {
     Ok(given(scene, rays))
 }
 
-/// Identical triangles: no tree tells them apart.
+/// Identical triangles, which no BVH can separate.
 pub(super) fn identical(count: usize) -> Made {
     Ok(from_above(scene_of(vec![[[-1.0, -1.0, 0.3], [1.0, -0.8, -0.2], [0.1, 1.0, 0.4]]; 2000]), count, 2.0))
 }
 
-/// A picture of the inside of a closed sphere.
+/// An image of the inside of a closed sphere.
 pub(super) fn picture(width: u32, height: u32, fov_deg: f64) -> Made {
     let eye = DVec3::new(0.05, 0.1, 0.2);
     camera(sphere(3, |p| p)?, eye, DVec3::new(-0.3, 0.1, -1.0), [width, height], fov_deg, GridSize::Auto)
 }
 
-/// A picture along an axis from a point on a plane of the grid.
+/// An image along an axis from a point on a plane of the grid.
 pub(super) fn picture_on_plane(side: u32, fov_deg: f64) -> Made {
     let scene = sphere(3, |p| p)?;
     let planes = Planes::of(&scene, inside(0.5, 8), [16; 3])?;
@@ -358,7 +358,7 @@ pub(super) fn picture_on_plane(side: u32, fov_deg: f64) -> Made {
     camera(scene, eye, eye - DVec3::Z, [side; 2], fov_deg, GridSize::Cells([16; 3]))
 }
 
-/// The paper's box, whose walls are planes of the grid.
+/// The paper's box, whose walls lie in planes of the grid.
 pub(super) fn walls(count: usize) -> Made {
     let side = (count.isqrt() as u32).max(1);
     let scene = generate::cornell_box();

@@ -1,4 +1,4 @@
-//! `stability.html`: one page that needs nothing beside it. Its numbers are the fields of `stability.csv`.
+//! `stability.html`: one page that needs no other files. Its numbers are the fields of `stability.csv`.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use crate::Error;
 use crate::html::{self, escaped};
 use crate::plots::{self, Axis, Mark, Plot, Scale, Series, Stroke};
 
-/// Columns of a case's table, with their headings.
+/// Columns of a case's table, with headings.
 const SHOWN: [(&str, &str); 21] = [
     ("numerics", "numerics"),
     ("accelerator", "accelerator"),
@@ -36,7 +36,7 @@ const SHOWN: [(&str, &str); 21] = [
     ("result", "result"),
 ];
 
-/// What only this page has.
+/// Styles that only this page needs.
 const STYLE: &str = "\
 figure{display:inline-block;margin:.4rem 1rem .4rem 0;vertical-align:top}figcaption{max-width:16rem}img{image-rendering:\
 pixelated;border:1px solid var(--rule);width:16rem}.key{display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 1em;\
@@ -82,7 +82,7 @@ pub(super) fn html(report: &Report) -> Result<String, Error> {
     Ok(html::page("raystep: stability", &(STYLE.to_owned() + &plots::style()), &page))
 }
 
-/// A line a case, linked to its section.
+/// One line per case, linked to its section.
 fn overview(page: &mut String, outcomes: &[Outcome]) {
     *page +=
         "<table><tr><th class=\"l\">case</th><th class=\"l\">what</th><th>runs</th><th>not as expected</th></tr>\n";
@@ -175,7 +175,7 @@ fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Of the first device: the twins walk alike.
+/// Walks on the first device; CPU walks are the same anyway.
 fn walks_plot(walks: &[drift::Walked]) -> Plot {
     let of_first = walks.iter().filter(|walked| walked.place == walks[0].place);
     let mut series: Vec<Series> = (0..)
@@ -185,7 +185,7 @@ fn walks_plot(walks: &[drift::Walked]) -> Plot {
             Series { mark: Mark::None, ..Series::line(walked.rules.name, color, points) }
         })
         .collect();
-    // One lies on the other: dashes show both.
+    // Some curves coincide: dashes show both.
     series.iter_mut().skip(2).for_each(|s| s.stroke = Stroke::Dashed);
     let ends = series.first().map(|s| s.points.clone()).unwrap_or_default();
     series.push(Series::dashed("bound with robust numerics", 6, ends.iter().map(|p| (p.0, drift::BOUND)).collect()));
@@ -198,7 +198,7 @@ fn walks_plot(walks: &[drift::Walked]) -> Plot {
     }
 }
 
-/// Columns of `pipelines.csv` that are shown.
+/// Columns of `pipelines.csv` to show.
 const PROBED: [(&str, &str); 11] = [
     ("device", "device"),
     ("pipeline", "pipeline"),
@@ -248,7 +248,7 @@ fn figure(page: &mut String, picture: &Picture) -> Result<(), Error> {
     Ok(())
 }
 
-/// Words stand at the left of their column.
+/// Text columns are left-aligned.
 fn class_of(column: &str) -> &'static str {
     match column {
         "numerics" | "accelerator" | "schedule" | "triangle_test" | "device" | "pipeline" | "compared_with"

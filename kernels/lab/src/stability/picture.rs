@@ -1,4 +1,4 @@
-//! Where the errors of a run are, as a small PNG.
+//! The errors of a run as a small PNG.
 
 use std::io::Cursor;
 
@@ -7,10 +7,10 @@ use image::{ExtendedColorType, ImageEncoder as _};
 use crate::Error;
 use crate::reference::Verdict;
 
-/// Columns and rows of a map of directions: longitude and latitude.
+/// Columns and rows of a map of directions, longitude by latitude.
 const MAP: [u32; 2] = [128, 64];
 
-/// Longest row of a picture: what is longer is folded.
+/// Maximum width; longer rows are folded.
 const LONGEST: u32 = 128;
 
 const PAPER: [u8; 3] = [250, 250, 247];
@@ -20,16 +20,16 @@ const MISSED: [u8; 3] = [208, 32, 44];
 const FALSE: [u8; 3] = [142, 46, 170];
 const WRONG: [u8; 3] = [235, 130, 20];
 
-/// Colours with their meaning, for a legend.
+/// Colours and their meanings, for a legend.
 pub(super) const LEGEND: [([u8; 3], &str); 5] =
     [(SAME, "right"), (TIE, "undecided"), (MISSED, "missed"), (FALSE, "false hit"), (WRONG, "wrong hit")];
 
-/// Every ray of a run with an error or an undecided ray.
+/// All errors and undecided rays of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
-    /// The runs that look like this.
+    /// The runs with this picture.
     pub(super) ways: Vec<String>,
-    /// Whether a point is a pixel; else it is a direction.
+    /// Whether points are pixels; otherwise they are directions.
     pub(super) is_image: bool,
     width: u32,
     height: u32,
@@ -37,7 +37,7 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// `None` where every ray is right. A case without a camera has no size, and is shown by directions.
+    /// `None` if every ray is right. A case without a camera has no size, and is drawn as a map of directions.
     pub(super) fn of(
         verdicts: &[Verdict],
         size: Option<[u32; 2]>,
@@ -62,7 +62,7 @@ impl Picture {
                 Verdict::False => (3, FALSE),
                 Verdict::Wrong => (3, WRONG),
             };
-            // An error is seen whatever is drawn over it.
+            // Errors stay visible when other rays fall on the same point.
             if let (Some(pixel), Some(worst)) = (pixels.get_mut(at), worst.get_mut(at))
                 && rank >= *worst
             {
@@ -94,7 +94,7 @@ impl Picture {
     }
 }
 
-/// A direction's place on the map: longitude to the right, up at the top.
+/// A direction's position on the map: longitude to the right, up at the top.
 fn place(direction: [f32; 3]) -> usize {
     let [x, y, z] = direction.map(f64::from);
     let length = (x * x + y * y + z * z).sqrt();
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn an_error_is_seen_where_it_is_and_what_is_right_has_no_picture() {
-        let none = || panic!("pixels need no directions");
+        let none = || panic!("images need no directions");
         assert!(Picture::of(&[Verdict::Same; 4], Some([2, 2]), none).is_none());
         let verdicts = [Verdict::Same, Verdict::Tie, Verdict::Missed, Verdict::False];
         let picture = Picture::of(&verdicts, Some([2, 2]), none).expect("errors");
@@ -121,7 +121,7 @@ mod tests {
 
         let up = [0.0, 1.0, 0.0];
         let map = Picture::of(&[Verdict::Missed, Verdict::Same], None, || vec![up, up]).expect("errors");
-        assert_eq!(map.pixels[place(up)], MISSED, "what is right does not hide what is not");
+        assert_eq!(map.pixels[place(up)], MISSED, "correct rays do not hide errors");
         assert!(place(up) < 128 && place([0.0, -1.0, 0.0]) >= 128 * 63);
     }
 }

@@ -1,4 +1,4 @@
-//! Rays in the faces, along the edges and through the corners of a grid's cells.
+//! Rays in the faces, along the edges and through the vertices of a grid's cells.
 
 use raystep_kernels::GridSize;
 use raystep_kernels::options::{Options, Ray, RaySource};
@@ -10,33 +10,33 @@ use crate::rays::Random;
 use crate::stability::make::{self, SEED, given, sphere};
 use crate::stability::{StabilityError, Workload};
 
-/// A grid's planes, in scene units: exact, as they are in traced units.
+/// A grid's planes in scene units; exact, as in traced units.
 pub(super) struct Planes {
     grid: Grid,
     unit: f64,
 }
 
 impl Planes {
-    /// Those of the grid that a run over these rays has.
+    /// The planes of the grid that a run with these rays has.
     pub(super) fn of(scene: &Scene, rays: Vec<Ray>, cells: [u32; 3]) -> Result<Self, StabilityError> {
         let options = Options { grid: GridSize::Cells(cells), shade: false, ..Options::new(RaySource::Given(rays)) };
         let (_, data) = Plan::new(scene, &options, &Limits::CPU)?;
         Ok(Self { grid: data.grid, unit: data.units.scene_units_per_stream_unit() })
     }
 
-    /// Where a plane is.
+    /// The coordinate of a plane.
     pub(super) fn plane(&self, axis: usize, index: i32) -> f32 {
         let traced = self.grid.corner[axis] + self.grid.width[axis] * index as f32;
         (f64::from(traced) * self.unit) as f32
     }
 
-    /// Along a cell's diagonal.
+    /// The diagonal of a cell.
     fn diagonal(&self) -> [f32; 3] {
         self.grid.width
     }
 }
 
-/// In how many axes a ray's origin lies on a plane.
+/// The number of axes in which a ray's origin lies on a plane.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum On {
     /// One: the ray stays in the face.
@@ -53,11 +53,11 @@ const CELLS: u32 = 16;
 pub(super) fn on_planes(count: usize, on: On) -> Result<Workload, StabilityError> {
     let scene = sphere(3, |p| p)?;
     let cells = [CELLS; 3];
-    // The grid depends on how far origins are, roughly: these are as far as those to come.
+    // Origins affect the grid's extent: use origins about as far away as those generated below.
     let planes = Planes::of(&scene, make::inside(0.5, count), cells)?;
     let rays = (0..count).map(|i| {
         let mut random = Random::of(i as u32, SEED + 1);
-        // Planes within half of the sphere's radius.
+        // Planes within half the sphere's radius.
         let origin = [0, 1, 2].map(|axis| planes.plane(axis, 5 + random.below(CELLS as usize - 9) as i32));
         let free = [0; 3].map(|_| random.unit() as f32 - 0.5);
         let sign = [0, 1, 2].map(|bit| if ((i / 3) >> bit) & 1 == 0 { 1.0 } else { -1.0 });
@@ -88,7 +88,7 @@ mod tests {
             let Workload { scene, rays: RaySource::Given(rays), grid: GridSize::Cells(cells) } =
                 on_planes(64, on).expect("a case")
             else {
-                panic!("given rays in a given grid");
+                panic!("input rays in a grid of given size");
             };
             let options = Options { grid: GridSize::Cells(cells), ..Options::new(RaySource::Given(rays.clone())) };
             let (_, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a plan");

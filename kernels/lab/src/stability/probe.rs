@@ -1,8 +1,8 @@
-//! The pipeline probe: the same ray/triangle pairs through every pipeline that has the triangle test in it.
+//! Compares pipelines: traces the same ray/triangle pairs through every pipeline that contains the triangle test.
 //!
-//! One function of the source becomes part of several pipelines, and each is compiled apart: a compiler may contract
-//! or reorder in one and not in the other, and t then differs in its last bits. Grid, tree and none agree bit for bit
-//! on a device only as far as this probe finds no difference there.
+//! The test's source becomes part of several pipelines, and each is compiled separately: a compiler may contract or
+//! reorder in one of them, and t then differs in its last bits. Grid, BVH and `none` agree bit for bit on a device only
+//! if this probe finds no difference there.
 
 use raystep_kernels::export::csv;
 use raystep_kernels::numbers::real::ulps;
@@ -15,17 +15,17 @@ use raystep_kernels::shared::constants::NO_TRIANGLE;
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, Workload, make};
 
-/// A way to compile the triangle test.
+/// A pipeline that contains the triangle test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pipeline {
-    /// Its name in reports: accelerator, schedule, and what else sets it apart.
+    /// Its name in reports: accelerator, schedule, and other differences.
     pub name: String,
-    /// Whether a camera's rays are traced, so that the fused kernel makes them itself; else given ones.
+    /// Whether it traces a camera's rays, which the fused kernel generates itself, or input rays.
     pub is_camera: bool,
     options: Options,
 }
 
-/// What every ray hit, in bits.
+/// The hits of all rays, as bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bits {
     /// Triangle, t, u and v of each ray; [`NO_TRIANGLE`] without a hit.
@@ -35,28 +35,28 @@ pub struct Bits {
 /// How a pipeline's results differ from another's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Difference {
-    /// Rays.
+    /// Rays compared.
     pub rays: u64,
-    /// Rays that hit the same triangle by both: the pairs that are compared.
+    /// Rays that hit the same triangle in both pipelines: these pairs are compared.
     pub pairs: u64,
-    /// Rays that hit another triangle, or none, by one of them.
+    /// Rays that hit another triangle, or none, in one of the pipelines.
     pub other_triangle: u64,
     /// Pairs whose t, u and v differ in any bit.
     pub differing: [u64; 3],
-    /// By how much at most: t in units in the last place, u and v in those of 1, 2⁻²³.
+    /// Largest differences: t in units in the last place, u and v in those of 1, 2⁻²³.
     pub largest: [f64; 3],
 }
 
 /// The scene and rays of the probe, by [`Pipeline::is_camera`].
 ///
 /// # Errors
-/// Where the scene cannot be generated.
+/// If the scene cannot be generated.
 pub fn workloads(rays: usize) -> Result<[Workload; 2], StabilityError> {
     let side = rays.isqrt().max(1) as u32;
     Ok([make::given(make::sphere(3, |p| p)?, make::inside(0.5, rays)), make::picture(side, side, 60.0)?])
 }
 
-/// Every pipeline with a triangle test; the first of each kind of rays is what the others are compared with.
+/// Every pipeline with a triangle test; the others are compared with the first one that traces the same kind of rays.
 #[must_use]
 pub fn pipelines(workloads: &[Workload; 2]) -> Vec<Pipeline> {
     use Accelerator::{Bvh, Grid, None};
@@ -87,7 +87,7 @@ pub fn pipelines(workloads: &[Workload; 2]) -> Vec<Pipeline> {
             }
             add(" fma", Options { contracted: true, ..base.clone() });
             if schedule != Compact {
-                // Stepped, rays are made by a kernel of their own; fused, by the one that traces them.
+                // Stepped schedules generate rays in a separate kernel, `fused` in the kernel that traces them.
                 add(" of a camera", Options { rays: workloads[1].rays.clone(), ..base });
             }
         }
@@ -98,7 +98,7 @@ pub fn pipelines(workloads: &[Workload; 2]) -> Vec<Pipeline> {
 /// Traces the rays through one pipeline.
 ///
 /// # Errors
-/// Where the device fails.
+/// If the device fails.
 pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device) -> Result<Bits, StabilityError> {
     let scene = &workloads[usize::from(pipeline.is_camera)].scene;
     let mut renderer = Renderer::new(scene, &pipeline.options, device).await?;
@@ -110,7 +110,7 @@ pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device
 }
 
 impl Bits {
-    /// Compares ray by ray.
+    /// Compares two results ray by ray.
     #[must_use]
     pub fn difference(&self, base: &Self) -> Difference {
         let mut found = Difference { rays: self.rays.len() as u64, ..Difference::default() };
@@ -137,14 +137,14 @@ impl Bits {
 
 /// Columns of `pipelines.csv`.
 ///
-/// | column | holds |
+/// | column | contents |
 /// |---|---|
 /// | `schema_version` | 1 |
 /// | `device`, `adapter` | as in `stability.csv` |
-/// | `pipeline` | accelerator, schedule, and what else sets it apart |
-/// | `compared_with` | the pipeline, of the same rays on the first device |
+/// | `pipeline` | accelerator, schedule, and other differences |
+/// | `compared_with` | the pipeline on the first device that traced the same rays |
 /// | `rays`, `pairs`, `other_triangle`, `differing_t`, … | see [`Difference`] |
-/// | `t_ulp`, `u_ulp`, `v_ulp` | the largest difference |
+/// | `t_ulp`, `u_ulp`, `v_ulp` | the largest differences |
 pub const COLUMNS: [&str; 14] = [
     "schema_version",
     "device",
@@ -167,12 +167,12 @@ pub const COLUMNS: [&str; 14] = [
 pub struct Row {
     /// What was compared.
     pub difference: Difference,
-    /// The row as it is written, in the order of [`COLUMNS`].
+    /// The row's text, in the order of [`COLUMNS`].
     pub fields: [String; COLUMNS.len()],
 }
 
 impl Row {
-    /// Of a comparison.
+    /// The row of a comparison.
     #[must_use]
     pub fn new(place: &Place, pipeline: &Pipeline, compared_with: &str, difference: Difference) -> Self {
         let [t, u, v] = difference.differing;
@@ -196,7 +196,7 @@ impl Row {
         Self { difference, fields }
     }
 
-    /// A field by its column's name; empty where there is no such column.
+    /// A field by its column's name; empty if there is no such column.
     #[must_use]
     pub fn field(&self, column: &str) -> &str {
         COLUMNS.iter().position(|&c| c == column).map_or("", |i| &self.fields[i])
@@ -206,7 +206,7 @@ impl Row {
 /// Writes `pipelines.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_rows(out: impl std::io::Write, rows: &[Row]) -> std::io::Result<()> {
     csv::write_file(out, &COLUMNS, rows.iter().map(|row| &row.fields[..]))
 }
@@ -224,12 +224,12 @@ mod tests {
         other.rays[1][0] = 3;
         other.rays[3][1] = 6;
         let found = other.difference(&base);
-        assert_eq!((found.rays, found.pairs, found.other_triangle), (4, 2, 1), "nothing hit is nothing to compare");
+        assert_eq!((found.rays, found.pairs, found.other_triangle), (4, 2, 1), "rays without a hit are not compared");
         assert_eq!((found.differing, found.largest), ([1, 1, 0], [2.0, 0.5, 0.0]));
         assert_eq!(base.difference(&base).differing, [0; 3]);
     }
 
-    /// The twins are one program: what differs between pipelines is the compiler's doing, but for the explicit fma.
+    /// All pipelines run the same twins on the CPU, so only explicit fma makes a difference.
     #[test]
     fn the_twins_have_the_same_bits_in_every_pipeline() {
         let workloads = workloads(64).expect("scenes");

@@ -1,4 +1,4 @@
-//! All cases in all ways, and what came of them.
+//! All cases in all configurations, with their results.
 
 use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind};
 
@@ -9,60 +9,60 @@ use crate::reference::Verdict;
 use crate::reporter::Reporter;
 use crate::{Error, Machine};
 
-/// The accelerators that are built as asked for.
+/// The accelerators to compare, without `auto`.
 pub const ACCELERATORS: &[Accelerator] = &[Accelerator::Grid, Accelerator::Bvh, Accelerator::None];
 
-/// What is to be traced.
+/// What to trace.
 #[derive(Clone, Debug)]
 pub struct Wanted {
     /// The cases.
     pub cases: Vec<&'static Case>,
-    /// Of [`ACCELERATORS`].
+    /// Some of [`ACCELERATORS`].
     pub accelerators: Vec<Accelerator>,
-    /// An eighth of the rays.
+    /// Whether to trace only an eighth of the rays.
     pub is_quick: bool,
-    /// Whether pipelines are compared, too.
+    /// Whether to compare pipelines, too.
     pub pipelines: bool,
 }
 
-/// What came of a case.
+/// The results of a case.
 pub struct Outcome {
     /// The case.
     pub case: &'static Case,
-    /// One a way.
+    /// One per configuration.
     pub rows: Vec<Row>,
-    /// Where its errors are.
+    /// Pictures of its errors.
     pub(super) pictures: Vec<Picture>,
-    /// The first ray with an error by robust rules, in words: one is enough to look for the cause with.
+    /// The first ray with an error in robust numerics, as text: a starting point for finding the cause.
     pub first_wrong_ray: Option<String>,
 }
 
-/// All that came of it.
+/// All results.
 pub struct Report {
-    /// One a case.
+    /// One per case.
     pub outcomes: Vec<Outcome>,
-    /// Of the long walk, where that case was asked for.
+    /// The long walk, if that case was requested.
     pub walks: Vec<drift::Walked>,
-    /// Where pipelines were compared.
+    /// Comparisons of pipelines, if requested.
     pub pipelines: Vec<probe::Row>,
 }
 
-/// One row a case and way.
+/// One row per case and configuration.
 const CSV: &str = "stability.csv";
-/// How far tMax is off along a walk.
+/// The error of tMax along a walk.
 const DRIFT: &str = "tmax.csv";
-/// How pipelines differ.
+/// Differences between pipelines.
 const PROBE: &str = "pipelines.csv";
-/// The same with pictures.
+/// The same results with pictures.
 const PAGE: &str = "stability.html";
 
-/// Names of a report's files, the one with all rows first.
+/// Names of a report's files; the one with all rows is first.
 pub const FILES: [&str; 4] = [CSV, DRIFT, PROBE, PAGE];
 
-/// Traces everything that is wanted.
+/// Traces everything requested.
 ///
 /// # Errors
-/// Where a device fails.
+/// If a device fails.
 pub fn measure(wanted: &Wanted, places: &[(Place, Machine)], reporter: &dyn Reporter) -> Result<Report, Error> {
     let Wanted { cases, accelerators, is_quick, pipelines } = wanted;
     let mut outcomes = Vec::new();
@@ -77,7 +77,7 @@ pub fn measure(wanted: &Wanted, places: &[(Place, Machine)], reporter: &dyn Repo
     Ok(Report { outcomes, walks, pipelines })
 }
 
-/// Traces a case in every way that was asked for.
+/// Traces a case in every requested configuration.
 fn one(wanted: &Wanted, case: &'static Case, places: &[(Place, Machine)]) -> Result<Outcome, Error> {
     let rays = if wanted.is_quick { (case.rays / 8).max(1) } else { case.rays };
     let workload = (case.make)(rays)?;
@@ -86,7 +86,7 @@ fn one(wanted: &Wanted, case: &'static Case, places: &[(Place, Machine)]) -> Res
     for (place, machine) in places {
         for &accelerator in ACCELERATORS.iter().filter(|a| wanted.accelerators.contains(a)) {
             for variant in Variant::of(accelerator) {
-                // In f64 one kernel, or a contracted one, has nothing to add to the steps.
+                // In f64, fused or contracted runs would add nothing to the stepped ones.
                 if (variant.schedule == ScheduleKind::Fused || variant.contracted) && place.device == "cpu_f64" {
                     continue;
                 }
@@ -108,7 +108,7 @@ fn one(wanted: &Wanted, case: &'static Case, places: &[(Place, Machine)]) -> Res
     Ok(outcome)
 }
 
-/// Keeps a picture of what went wrong; ways with the same errors share one.
+/// Keeps a picture of the errors; configurations with the same errors share one.
 fn add_picture(pictures: &mut Vec<Picture>, row: &Row, workload: &Workload, verdicts: &[Verdict], judge: &Judge) {
     let size = match &workload.rays {
         RaySource::Camera { width, height, .. } => Some([*width, *height]),
@@ -126,7 +126,7 @@ fn add_picture(pictures: &mut Vec<Picture>, row: &Row, workload: &Workload, verd
 }
 
 impl Report {
-    /// What is not as it must be, in a line.
+    /// What is not as expected, in one line.
     #[must_use]
     pub fn unexpected(&self) -> Option<String> {
         let rows = || self.outcomes.iter().flat_map(|o| &o.rows);
@@ -144,10 +144,10 @@ impl Report {
         ))
     }
 
-    /// Its files, by [name](FILES).
+    /// The report's files, by [name](FILES).
     ///
     /// # Errors
-    /// Where a plot or picture cannot be drawn, or there is not the memory for a file.
+    /// If a plot or picture cannot be drawn, or there is not enough memory for a file.
     pub fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
         let mut files = [CSV, DRIFT, PROBE].map(|name| (name, Vec::new()));
         write_rows(&mut files[0].1, self.outcomes.iter().flat_map(|o| &o.rows))?;

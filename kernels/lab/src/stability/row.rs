@@ -1,24 +1,24 @@
-//! `stability.csv`: one row a case and variant, RFC 4180. What is not known is empty, never 0.
+//! `stability.csv`: one row per case and variant, RFC 4180. Unknown values are empty, never 0.
 //!
-//! | column | holds |
+//! | column | contents |
 //! |---|---|
-//! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
+//! | `schema_version` | [`SCHEMA_VERSION`]; it rises when the meaning of a column changes |
 //! | `case`, `rays`, `triangles` | what was traced |
-//! | `numerics`, `accelerator`, `schedule` | how |
+//! | `numerics`, `accelerator`, `schedule` | how it was traced |
 //! | `triangle_test` | `watertight`; `watertight_fma`, with explicit fma wherever a compiler may contract; `moller_trumbore` |
 //! | `device` | `gpu`, `cpu_f32` or `cpu_f64` |
 //! | `adapter` | the GPU's name |
 //! | `missed`, `false_hits`, `wrong` | rays with an error |
-//! | `undecided` | rays whose hit is not the exact one, where f32 cannot tell |
-//! | `undecided_ceiling` | the most that the error bound allows |
-//! | `undecidable` | rays for which the bound leaves a choice at all |
+//! | `undecided` | rays whose hit is not the exact one, where f32 cannot decide |
+//! | `undecided_ceiling` | the maximum that the error bound allows |
+//! | `undecidable` | rays for which the bound allows more than one result |
 //! | `edge_on` | hits of a triangle that is seen exactly edge-on or has no area |
 //! | `non_finite` | rays with a value in any stream that is not finite |
-//! | `at_bound` | rays that still walked when the bound on passes was reached |
-//! | `passes` | that the run took |
+//! | `at_bound` | rays still active when the pass limit was reached |
+//! | `passes` | passes of the run |
 //! | `t_relative`, `t_ulp`, … | largest errors of t, u and v among hits of the exact triangle, see [`crate::stability::Largest`] |
-//! | `expected` | `pass`; `fail`; `any` where nothing is |
-//! | `result` | `pass`, or `fail` where there is any error or too much is undecided |
+//! | `expected` | `pass`; `fail`; `any` if nothing is expected |
+//! | `result` | `pass`, or `fail` if there is any error or too many rays are undecided |
 
 use std::io::Write;
 
@@ -67,9 +67,9 @@ pub const COLUMNS: [&str; 28] = [
 pub enum Expected {
     /// No errors, and no more undecided than the ceiling allows.
     Pass,
-    /// Errors.
+    /// At least one error.
     Fail,
-    /// Nothing.
+    /// No expectation.
     Any,
 }
 
@@ -95,14 +95,14 @@ pub struct Row {
     pub expected: Expected,
     /// Whether it passed.
     pub passed: bool,
-    /// Whether it has an error that is not a matter of what f32 can tell.
+    /// Whether it has errors, not counting undecided rays.
     pub has_errors: bool,
-    /// The row as it is written, in the order of [`COLUMNS`].
+    /// The row's text, in the order of [`COLUMNS`].
     pub fields: [String; COLUMNS.len()],
 }
 
 impl Row {
-    /// Of a run.
+    /// The row of a run.
     #[must_use]
     pub fn new(case: &Case, triangles: usize, variant: Variant, place: &Place, run: &Run) -> Self {
         let score = &run.score;
@@ -147,7 +147,7 @@ impl Row {
         Self { case: case.name, variant, device: place.device, expected, passed, has_errors, fields }
     }
 
-    /// Whether it is as it must be.
+    /// Whether it is as expected.
     #[must_use]
     pub fn is_as_expected(&self) -> bool {
         match self.expected {
@@ -157,7 +157,7 @@ impl Row {
         }
     }
 
-    /// A field by its column's name; empty where there is no such column.
+    /// A field by its column's name; empty if there is no such column.
     #[must_use]
     pub fn field(&self, column: &str) -> &str {
         COLUMNS.iter().position(|&c| c == column).map_or("", |i| &self.fields[i])
@@ -169,7 +169,7 @@ impl Expected {
         let accelerator = &variant.accelerator;
         match variant.numerics {
             Numerics::Robust => Self::Pass,
-            // In f64 the paper's rules may get by where rounding is what breaks them.
+            // In f64 the paper's numerics may succeed if only rounding breaks them.
             Numerics::Paper if place.device != "cpu_f64" && case.paper.fails_on.contains(accelerator) => Self::Fail,
             Numerics::Paper => Self::Any,
         }
@@ -189,7 +189,7 @@ impl Expected {
 /// Writes `stability.csv`.
 ///
 /// # Errors
-/// Where `out` fails.
+/// If `out` fails.
 pub fn write_rows<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> std::io::Result<()> {
     csv::write_file(out, &COLUMNS, rows.into_iter().map(|row| &row.fields[..]))
 }
@@ -238,7 +238,7 @@ mod tests {
         assert!(!paper("cpu_f32", 0).is_as_expected());
         assert!(paper("cpu_f64", 0).is_as_expected() && paper("cpu_f64", 1).is_as_expected());
         let undecided = row(Numerics::Paper, "gpu", |run| run.score.counts.ties = 900);
-        assert!(!undecided.passed && !undecided.is_as_expected(), "a doubt is no error");
+        assert!(!undecided.passed && !undecided.is_as_expected(), "undecided rays are no errors");
         assert_eq!((paper("gpu", 1).field("expected"), paper("cpu_f64", 1).field("expected")), ("fail", "any"));
     }
 

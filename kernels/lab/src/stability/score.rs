@@ -1,4 +1,4 @@
-//! What became of every ray of a variant.
+//! Verdicts on every ray of a variant.
 
 use raystep_kernels::Stream;
 use raystep_kernels::renderer::{RenderError, Renderer};
@@ -10,10 +10,10 @@ use crate::stability::Truth;
 /// The largest error of a value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Largest {
-    /// By the exact value.
+    /// Relative to the exact value.
     pub relative: Option<f64>,
-    /// In f32's units in the last place of what the arithmetic rounds: for t the depth of the triangle's
-    /// farthest corner, for u and v the sum of the weights, 1.
+    /// In f32's units in the last place of the magnitude that is rounded: for t the depth of the triangle's farthest
+    /// vertex, for u and v the sum of the weights, 1.
     pub ulp: Option<f64>,
 }
 
@@ -32,40 +32,41 @@ impl Largest {
     }
 }
 
-/// All rays of a variant, counted.
+/// All rays of a variant, with counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Score {
-    /// What became of each.
+    /// The verdict on each ray.
     pub verdicts: Vec<Verdict>,
     /// The same, counted.
     pub counts: Counts,
-    /// Rays for which the error bound leaves a choice at all.
+    /// Rays for which the error bound allows more than one result.
     pub undecidable: u64,
-    /// Hits of a triangle that is exactly edge-on or without an area.
+    /// Hits of triangles that are exactly edge-on or without area.
     pub edge_on: u64,
-    /// Rays with a value in any stream that is not a number or infinite.
+    /// Rays with a NaN or infinite value in any stream.
     pub non_finite: u64,
-    /// Of t, among hits of the exact triangle.
+    /// The error of t, among hits of the exact triangle.
     pub t: Largest,
-    /// Of the weight of vertex 1, likewise.
+    /// The error of the weight of vertex 1, likewise.
     pub u: Largest,
-    /// Of the weight of vertex 2, likewise.
+    /// The error of the weight of vertex 2, likewise.
     pub v: Largest,
     /// The first ray with an error, as bits: origin and direction in traced units.
     pub first_error: Option<([f32; 3], [f32; 3])>,
 }
 
 impl Score {
-    /// Judges every ray of a run, given up or not. `judge` keeps what the rays may hit for the next run of the same.
+    /// Judges every ray of a run, complete or not. `judge` keeps what the rays may hit for the next run of the same
+    /// case.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub async fn of(judge: &mut Judge, truth: Truth, renderer: &Renderer) -> Result<Self, RenderError> {
         let traced = Traced::read(renderer).await?;
         judge.prepare(&traced, (0..traced.rays()).collect());
         let mut score = Self { non_finite: non_finite(renderer, traced.rays()).await?, ..Self::default() };
         score.undecidable = judge.candidates().iter().filter(|c| c.is_open()).count() as u64;
-        // Of a closed surface the case itself says that every ray hits it.
+        // For a closed surface, [`Truth`] itself says that every ray hits it.
         for (ray, Judged { hit, candidates, mistake }) in judge.of(&traced, Cracks::Tied).all().enumerate() {
             let [origin, direction] = traced.ray(ray);
             if let Some(h) = hit
@@ -102,7 +103,7 @@ impl Score {
     }
 }
 
-/// What is known of every ray of a case overrules what the bounds leave open.
+/// Applies what is known about every ray of a case to verdicts that the bounds leave open.
 fn known(truth: Truth, verdict: Verdict, is_found: bool) -> Verdict {
     match (truth, is_found) {
         (Truth::Closed, false) => Verdict::Missed,
@@ -152,7 +153,7 @@ mod tests {
 
         let mut largest = Largest::default();
         largest.add(1.0, 0.0, 1.0);
-        assert_eq!((largest.relative, largest.ulp), (None, Some(8_388_608.0)), "nothing is relative to 0");
+        assert_eq!((largest.relative, largest.ulp), (None, Some(8_388_608.0)), "no error is relative to 0");
         largest.add(4.0, 2.0, f64::INFINITY);
         largest.add(f64::NAN, 2.0, 1.0);
         assert_eq!((largest.relative, largest.ulp), (Some(1.0), Some(8_388_608.0)));

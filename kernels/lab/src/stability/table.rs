@@ -1,11 +1,11 @@
-//! The results for people: a line a case, and a line for everything that is not as expected.
+//! The results as text: one line per case, and one for everything that is not as expected.
 
 use raystep_kernels::{Accelerator, Numerics, ScheduleKind};
 
 use super::{Case, Outcome, Row, Truth};
 use crate::text::aligned;
 
-/// A way to trace, in words.
+/// A configuration as text.
 pub(super) fn way(row: &Row) -> String {
     let v = &row.variant;
     let fused = if v.schedule == ScheduleKind::Fused { " fused" } else { "" };
@@ -13,22 +13,22 @@ pub(super) fn way(row: &Row) -> String {
     format!("{} {}{fused}{contracted} {}", v.numerics, v.accelerator, row.device)
 }
 
-/// A run, in words.
+/// A run as text.
 pub(super) fn name(row: &Row) -> String {
     format!("{}, {}", row.case, way(row))
 }
 
-/// All rays with an error; what is not a number is none, as fields of our own always are.
+/// The number of rays with an error; a field that is not a number counts as 0, which never happens with our own.
 fn errors(row: &Row) -> u64 {
     ["missed", "false_hits", "wrong"].iter().filter_map(|c| row.field(c).parse::<u64>().ok()).sum()
 }
 
-/// The most of some runs; a dash where there are none.
+/// The maximum over some runs; a dash if there are none.
 fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64) -> String {
     rows.iter().filter(|row| is_one(row)).map(count).max().map_or("-".into(), |n| n.to_string())
 }
 
-/// A line a case.
+/// One line per case.
 #[must_use]
 pub fn text(outcomes: &[Outcome]) -> String {
     let header =
@@ -71,7 +71,7 @@ pub fn text(outcomes: &[Outcome]) -> String {
     text
 }
 
-/// What there is.
+/// A list of the cases.
 #[must_use]
 pub fn list(cases: &[&'static Case]) -> String {
     let header = ["case", "rays", "undecided", "paper fails on", "what"];
@@ -89,7 +89,7 @@ pub fn list(cases: &[&'static Case]) -> String {
     aligned(&lines, header.len()).concat()
 }
 
-/// What is known of a case's rays, in words.
+/// What is known about a case's rays, as text.
 pub(super) fn truth(case: &Case) -> &'static str {
     match case.truth {
         Truth::Open => "each ray is judged by what it may hit",

@@ -1,34 +1,33 @@
-//! The nodes of a tree in numbers, binary or eight-wide.
+//! Statistics of a BVH's nodes, binary or eight-wide.
 
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::structures::bvh::{MAX_LEAF, MAX_WIDE_LEAF, WideContent};
 
-/// Entries of the histogram of leaf sizes: 0 (only the tree of an empty scene has such a leaf) to the most that any
-/// leaf has.
+/// Entries of the histogram of leaf sizes: from 0 (only in the BVH of an empty scene) to the maximum size of a leaf.
 const SIZES: usize = 1 + if MAX_LEAF > MAX_WIDE_LEAF { MAX_LEAF } else { MAX_WIDE_LEAF } as usize;
 
-/// A tree in numbers. The leaves of a wide tree are slots of its nodes, and count as leaves all the same.
+/// Statistics of a BVH. The leaves of a wide BVH are slots of its nodes, and count as leaves, too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeStats {
-    /// Most children of a node: 2 or 8.
+    /// Maximum number of children of a node: 2 or 8.
     pub width: u32,
     /// Inner nodes.
     pub inner: u64,
     /// Leaves.
     pub leaves: u64,
-    /// How many leaves are at each level: entry 0 is the root's own.
+    /// How many leaves are at each level; entry 0 is the root's level.
     pub depths: Vec<u64>,
     /// How many leaves have 0, 1, … triangles.
     pub sizes: [u64; SIZES],
-    /// Triangles in all leaves; large ones are in several.
+    /// Triangles in all leaves; a triangle may be in several.
     pub references: u64,
-    /// Expected cost of a ray that hits the root's box, in triangle tests (the surface area heuristic of MacDonald
-    /// and Booth, 1990): visits of a node, at the cost of one test each, and tests, each as likely as its box is
-    /// large. `None` where the root's box has no area.
+    /// Expected cost of a ray that hits the root's box, in triangle tests (the surface area heuristic of MacDonald and
+    /// Booth, 1990): visits of a node, which cost as much as a test, and tests, weighted by the areas of their boxes.
+    /// `None` if the root's box has no area.
     pub sah_cost: Option<f64>,
 }
 
-/// A box and what is in it.
+/// A box and its contents.
 struct Visit {
     level: usize,
     min: [f64; 3],
@@ -43,7 +42,7 @@ enum Content {
 }
 
 impl TreeStats {
-    /// Of a scene's tree; `None` without one.
+    /// Statistics of a scene's BVH; `None` without one.
     #[must_use]
     pub fn of(data: &SceneData) -> Option<Self> {
         let is_wide = !data.wide_nodes.is_empty();
@@ -80,7 +79,7 @@ impl TreeStats {
                         stats.depths.resize(visit.level + 1, 0);
                     }
                     stats.depths[visit.level] += 1;
-                    // A binary leaf is a node of its own; a wide one is part of the node above.
+                    // A leaf of a binary BVH is a separate node; in a wide BVH it is part of its parent.
                     let visits = if is_wide { 0.0 } else { 1.0 };
                     cost += (visits + f64::from(count)) * half_area(&visit);
                 }
@@ -108,7 +107,7 @@ fn wide_children(data: &SceneData, index: u32, level: usize) -> impl Iterator<It
     })
 }
 
-/// A wide node has only its children's boxes; the root's own is what holds them.
+/// A wide node has only its children's boxes; the root's own is their union.
 fn wide_root(data: &SceneData) -> Option<Visit> {
     data.wide_nodes.first()?;
     let empty = Visit { level: 0, min: [0.0; 3], max: [0.0; 3], content: Content::Inner(0) };
@@ -151,7 +150,7 @@ mod tests {
             assert_eq!(stats.width, known.width);
             assert_eq!(stats.inner + if is_wide { 0 } else { stats.leaves }, known.nodes, "{schedule}");
             assert_eq!(stats.references, known.references);
-            // The leaves of a wide node are a level below it.
+            // The leaves of a wide node are one level below it.
             assert_eq!(stats.depths.len() as u32, known.depth + u32::from(is_wide));
             assert_eq!(stats.depths.iter().sum::<u64>(), stats.leaves);
             assert_eq!(stats.sizes.iter().sum::<u64>(), stats.leaves);

@@ -1,36 +1,36 @@
-//! Useful lanes: of the threads that a GPU launches together, how many have a ray to work on.
+//! Useful lanes: how many of the threads that a GPU launches together have a ray to work on.
 
 use raystep_kernels::options::features::Features;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Pass, Plan};
 
-/// Threads that run in step. 32 on most GPUs; where a device takes 64, two neighbours of these groups are one.
+/// Threads that run in lockstep: 32 on most GPUs. On devices with 64, two adjacent groups run together.
 pub const LANES: usize = 32;
 
-/// Columns and rows of the pixels that [`LANES`] threads side by side work on, see `tiled_texel` in `live.wgsl`;
-/// workgroups of 8 x 8 in the order of their local index fall into the same tiles.
+/// Columns and rows of the pixels that [`LANES`] adjacent threads work on, see `tiled_texel` in `live.wgsl`; workgroups
+/// of 8 x 8 in local index order fall into the same tiles.
 const TILE: [u32; 2] = [8, 4];
 
 /// How a kernel's threads find their rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Launch {
-    /// A thread for every pixel, in tiles of 8 x 4.
+    /// One thread per pixel, in tiles of 8 x 4.
     Tiles,
-    /// A thread for every entry of a list of the rays that wait for the kernel: every group but the last is full.
+    /// One thread per entry of the list of rays that wait for the kernel: all groups except the last are full.
     List,
 }
 
 impl Launch {
-    /// Of a kernel in a run with these options.
+    /// How a kernel is launched in a run with these options.
     #[must_use]
     pub fn of(kernel: Kernel, features: &Features) -> Self {
         if features.live_lists && kernel.is_walk() { Self::List } else { Self::Tiles }
     }
 }
 
-/// How many of each group of [`LANES`] threads have a ray to work on. Says nothing of how long each of them works:
-/// of kernels that loop, fewer lanes are useful than have work at the start.
+/// How many threads of each group of [`LANES`] have a ray to work on. Says nothing about how long each works: in
+/// kernels that loop, fewer lanes are useful than have work at the start.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lanes {
     /// How the kernel was launched.
@@ -40,8 +40,8 @@ pub struct Lanes {
 }
 
 impl Lanes {
-    /// Of a pass; `tags_before` is the first layer of the `state` stream before it, needed for tiles only. `None`
-    /// where its size is not that of the plan's images.
+    /// Lanes of a pass; `tags_before` is the first layer of the `state` stream before it, needed for tiles only. `None`
+    /// if its size differs from the plan's images.
     #[must_use]
     pub fn of(pass: &Pass, plan: &Plan, tags_before: &[Tag]) -> Option<Self> {
         match Launch::of(pass.kernel, &plan.features) {
@@ -50,7 +50,7 @@ impl Lanes {
         }
     }
 
-    /// Of a list of so many rays, and the threads that were launched for it.
+    /// Lanes of a list with this many rays, and of the threads launched for it.
     fn of_list(rays: u32, threads: u64) -> Self {
         let (rays, width) = (rays as usize, LANES);
         let mut histogram = [0; LANES + 1];
@@ -67,7 +67,7 @@ impl Lanes {
         if tags.len() as u64 != u64::from(width) * u64::from(height) {
             return None;
         }
-        // A kernel for an element's whole course may also make it.
+        // A kernel that traces whole rays may also generate them.
         let makes = plan.features.eye_rays && kernel.role() == Role::Whole;
         let begins = plan.program.course.filter(|_| makes).map(|course| [course.unborn, course.born]);
         let takes = begins.as_ref().map_or(kernel.info().takes, |tags| tags.as_slice());
@@ -76,7 +76,7 @@ impl Lanes {
         let columns = width.next_multiple_of(side) / TILE[0];
         let rows = height.next_multiple_of(side) / TILE[1];
         let mut histogram = [0; LANES + 1];
-        // A row of tiles at a time.
+        // One row of tiles at a time.
         let mut working = vec![0usize; columns as usize];
         for row in 0..rows {
             working.fill(0);
@@ -91,7 +91,7 @@ impl Lanes {
         Some(Self { launch: Launch::Tiles, histogram })
     }
 
-    /// Groups in all.
+    /// The number of groups.
     #[must_use]
     pub fn groups(&self) -> u64 {
         self.histogram.iter().sum()
@@ -103,13 +103,13 @@ impl Lanes {
         (0..).zip(&self.histogram).map(|(lanes, groups)| lanes * groups).sum()
     }
 
-    /// Threads with work a group, on average; 0 without a group.
+    /// Threads with work per group, on average; 0 without a group.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.working() as f64 / self.groups().max(1) as f64
     }
 
-    /// The same of the groups that have work at all: the others end at once, and cost little.
+    /// The mean over groups that have any work: the others end at once, and cost little.
     #[must_use]
     pub fn mean_where_any(&self) -> f64 {
         self.working() as f64 / (self.groups() - self.histogram[0]).max(1) as f64
@@ -162,7 +162,7 @@ mod tests {
 
         let lanes = Lanes::of(&pass(kernels::TRAVERSE_GRID, 796, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.working(), lanes.histogram[32], lanes.histogram[31]), (796, 22, 2));
-        // Workgroups of 8 x 8 cover 40 x 24 pixels, and nobody waits for this kernel.
+        // Workgroups of 8 x 8 cover 40 x 24 pixels, and no ray waits for this kernel.
         let lanes = Lanes::of(&pass(kernels::SHADE, 0, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.groups(), lanes.histogram[0], lanes.mean_where_any()), (30, 30, 0.0));
         assert_eq!(Lanes::of(&pass(kernels::SHADE, 0, 0), &plan, &tags[1..]), None);
@@ -177,7 +177,7 @@ mod tests {
             assert_eq!(lanes.groups(), 64, "every thread launched is in a group");
             assert!(rest == 0 || lanes.histogram[rest] == 1);
         }
-        // Twins launch otherwise, and nothing is said of threads that are not there.
+        // Twins have no threads, so nothing is reported about them.
         let lanes = Lanes::of(&pass(kernels::INTERSECT, 70, 0), &plan, &[]).expect("a list");
         assert_eq!((lanes.groups(), lanes.histogram[0]), (3, 0));
         // Set-up works on every pixel, listed or not; the rays that the fused kernel makes are not yet written.

@@ -4,7 +4,7 @@ use super::Measured;
 use super::text::{columns, distinct, number, percent, table, time};
 use crate::row::Row;
 
-/// The fastest ways of each scene and kind of ray.
+/// The fastest configurations for each scene and kind of ray.
 pub(super) fn answer(machine: &Measured) -> String {
     let rows: Vec<&Row> = machine.timed("meshes").collect();
     let key = |row: &Row| (row.scene.clone(), row.triangles, row.rays_kind.clone(), row.width_px, row.height_px);
@@ -37,7 +37,7 @@ pub(super) fn answer(machine: &Measured) -> String {
     format!("Million rays per second, {size} pixels.\n\n{}", table(&columns(&names), &lines))
 }
 
-/// What the machine is, how often it ran, and how far its times spread.
+/// Describes the machine, how often it ran, and the spread of its times.
 pub(super) fn machine(machine: &Measured) -> String {
     let about = &machine.about;
     let spreads = machine.rows.iter().filter(|row| row.n > 4);
@@ -84,7 +84,7 @@ pub(super) fn machine(machine: &Measured) -> String {
     text
 }
 
-/// Whether ways that must find the same did.
+/// Whether configurations that must find the same hits did so.
 fn agreement(machine: &Measured) -> String {
     let robust: Vec<&Row> = machine.rows.iter().filter(|r| r.hits.is_some() && r.numerics == "robust").collect();
     let key = |r: &Row| (r.section.clone(), r.scene.clone(), r.triangles, r.rays_kind.clone(), r.width_px, r.height_px);

@@ -28,15 +28,15 @@ pub(super) fn tables(machine: &Measured) -> String {
     text
 }
 
-/// What a ray does in each scene. It does the same on every machine, but for the number of rays that were counted:
-/// of the first that has the scene.
+/// What rays do in each scene. It is the same on every machine except for the number of rays counted, so the first
+/// machine that has the scene is used.
 pub(super) fn work(machines: &[Measured]) -> String {
     let mut text = String::new();
     let scenes = distinct(machines.iter().flat_map(|m| m.timed("meshes").map(|r| r.scene.clone())));
     for scene in scenes {
         let of_scene = |m: &'_ Measured| m.timed("meshes").any(|r| r.scene == scene);
         let Some(machine) = machines.iter().find(|m| of_scene(m)) else { continue };
-        // The steps per pass do not change what a ray does.
+        // The number of steps per pass does not change what a ray does.
         let is_wanted = |r: &&Row| {
             r.scene == scene
                 && matches!(

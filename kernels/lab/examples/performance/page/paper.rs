@@ -7,11 +7,11 @@ use super::plot::{self, Axes, Series};
 use super::text::{columns, number, or_dash, percent, table, time};
 use crate::row::Row;
 
-/// Side; seconds of First, Second, both with the 20×20×20 grid, and without a grid.
+/// Side; seconds of First and Second, both with the 20×20×20 grid, and without a grid.
 const PAPER: [(u32, [f64; 3]); 4] =
     [(100, [5.5, 3.0, 1.3]), (256, [22.0, 12.5, 4.3]), (512, [79.0, 46.0, 15.0]), (756, [170.0, 100.0, 31.0])];
 
-/// A way of the paper's section: accelerator, schedule, numerics, grid, steps a pass.
+/// Identifies a configuration of the section: accelerator, schedule, numerics, grid, steps per pass.
 type Key = (&'static str, &'static str, &'static str, &'static str, u32);
 
 const FIRST: Key = ("grid", "first", "paper", "20x20x20", 1);
@@ -30,7 +30,7 @@ fn ns(row: Option<&Row>) -> Option<f64> {
     row.and_then(|r| r.median_device_ns)
 }
 
-/// The largest side at which this was measured.
+/// The largest side at which these were measured.
 fn largest(machine: &Measured, keys: &[Key]) -> Option<u32> {
     PAPER.iter().rev().map(|p| p.0).find(|&side| keys.iter().all(|&key| find(machine, side, key).is_some()))
 }
@@ -68,7 +68,7 @@ pub(super) fn tables(machine: &Measured) -> String {
 
     let plot = format!("{compared}![The paper's tables and ours](performance/{}/paper.svg)\n\n", machine.name);
     if machine.about.kind == "processor" {
-        // On the CPU there are no workgroups, and the rays do the same.
+        // The CPU has no workgroups, and its rays do the same steps.
         return plot;
     }
     let of_side = machine.timed("paper").filter(|r| r.width_px == side);

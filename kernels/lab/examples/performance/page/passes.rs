@@ -1,4 +1,4 @@
-//! What passes cost: bytes, and the passes themselves.
+//! The cost of passes: per byte, and per pass.
 
 use super::Measured;
 use super::text::{columns, distinct, number, or_dash, percent, table, time};
@@ -11,14 +11,14 @@ fn size(probe: &Probe) -> Size {
     (probe.width_px, probe.height_px)
 }
 
-/// Time of one dispatch against its bytes: what it costs, and nanoseconds a byte.
+/// Fits the time of one dispatch against its bytes: fixed cost and nanoseconds per byte.
 fn update(machine: &Measured, of: Size) -> Option<Line> {
     let probes = machine.probed("bytes", "update of textures").filter(|p| size(p) == of);
     let point = |p: &Probe| Some((p.bytes? as f64 / p.passes as f64, p.median_device_ns? / p.passes as f64));
     Line::through(&probes.filter_map(point).collect::<Vec<_>>())
 }
 
-/// Time of a submission against its passes: the slope is an empty pass.
+/// Fits the time of a submission against its passes: the slope is the cost of an empty pass.
 fn empty_pass(machine: &Measured, schedule: &str, of: Size) -> Option<Line> {
     let what = format!("empty pass, {schedule}");
     let probes = machine.probed("bytes", &what).filter(|p| size(p) == of);

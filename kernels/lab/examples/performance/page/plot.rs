@@ -1,4 +1,4 @@
-//! Plots as SVG files, both axes logarithmic.
+//! Log-log plots as SVG files.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use raystep_lab::plots::{self, Axis, Mark, Plot, Scale, Stroke};
 
 use super::text;
 
-/// A line with a name.
+/// A named line.
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) points: Vec<(f64, f64)>,
@@ -15,19 +15,19 @@ pub(super) struct Series {
     pub(super) is_dashed: bool,
 }
 
-/// What the axes mean.
+/// Labels of the axes.
 pub(super) struct Axes {
     pub(super) title: String,
     pub(super) x: &'static str,
     pub(super) y: &'static str,
-    /// How values of y are written; those of x are counts.
+    /// Formats y values; x values are counts.
     pub(super) y_text: fn(f64) -> String,
 }
 
-/// Indices into the palette of plots: blue, vermilion, black, green, purple, light blue, olive.
+/// Indices into the plots' palette: blue, vermilion, black, green, purple, light blue, olive.
 const COLORS: [usize; 7] = [0, 1, 6, 2, 3, 4, 5];
 
-/// Writes a plot; none where there is nothing to show.
+/// Writes a plot, unless there is nothing to show.
 pub(super) fn write(path: &Path, axes: &Axes, series: &[Series]) -> Result<(), String> {
     let points = || series.iter().flat_map(|s| &s.points).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     if points().count() < 2 {

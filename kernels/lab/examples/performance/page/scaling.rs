@@ -8,7 +8,7 @@ use super::text::{columns, count, distinct, number, or_dash, percent, table, tim
 use crate::fit::{Line, crossover};
 use crate::row::Row;
 
-/// A way and its rows, by scene.
+/// The configurations with their rows, one list per configuration.
 fn ways<'a>(machine: &'a Measured, section: &'a str, scene: &str) -> Vec<(String, Vec<&'a Row>)> {
     let rows: Vec<&Row> = machine.timed(section).filter(|r| r.scene == scene).collect();
     let names = distinct(rows.iter().map(|r| r.way()));
@@ -57,12 +57,12 @@ pub(super) fn triangles(machine: &Measured) -> String {
     text
 }
 
-/// Where the fused `b` overtakes the fused `a`, alone and with the time to build it.
+/// Where the fused `b` overtakes the fused `a`, with and without the time to build it.
 fn crossing(ways: &[(String, Vec<&Row>)], a: &str, b: &str, scene: &str) -> String {
     let find = |name: &str| ways.iter().find(|(way, _)| *way == format!("{name}, fused")).map(|(_, rows)| rows);
     let Some((first, second)) = find(a).zip(find(b)) else { return String::new() };
     let at = |y: fn(&Row) -> Option<f64>| {
-        // A way that ended earlier is compared as far as it went.
+        // Compare only as far as both were measured.
         let both = |a: &&Row| {
             let b = second.iter().find(|b| b.triangles == a.triangles)?;
             Some([a.triangles as f64, y(a)?, y(b)?])
@@ -162,7 +162,7 @@ pub(super) fn steps(machine: &Measured) -> String {
     format!("{size}{}![Time against steps per pass](performance/{}/steps.svg)\n", table(&names, &lines), machine.name)
 }
 
-/// Colour by what finds the triangles, dashes by schedule.
+/// Colour by accelerator, dashes by schedule.
 fn series(name: String, points: Vec<(f64, f64)>) -> Series {
     let color = ["bvh", "grid", "none"].iter().position(|a| name.starts_with(a)).unwrap_or(3);
     Series { is_dashed: name.contains("compact"), name, points, color }

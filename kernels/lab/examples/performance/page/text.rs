@@ -1,6 +1,6 @@
-//! Numbers and tables for people.
+//! Formats numbers and tables.
 
-/// Three significant digits; whole numbers in full below a million.
+/// Three significant digits; whole numbers below a million in full.
 pub(super) fn number(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return if x == 0.0 { "0".into() } else { "–".into() };
@@ -20,7 +20,7 @@ pub(super) fn time(ns: f64) -> String {
     }
 }
 
-/// With k and M from a thousand on.
+/// With k and M from a thousand up.
 pub(super) fn count(x: f64) -> String {
     match x {
         x if x < 1e3 => number(x),
@@ -47,12 +47,12 @@ pub(super) fn table(columns: &[String], rows: &[Vec<String>]) -> String {
     text + "\n"
 }
 
-/// The columns' names.
+/// Names of columns.
 pub(super) fn columns(names: &[&str]) -> Vec<String> {
     names.iter().map(|&name| name.to_owned()).collect()
 }
 
-/// Values in order of their first appearance, each once.
+/// Distinct values in order of first appearance.
 pub(super) fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
     values.into_iter().fold(Vec::new(), |mut all, value| {
         if !all.contains(&value) {

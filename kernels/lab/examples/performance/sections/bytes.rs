@@ -1,4 +1,4 @@
-//! Bytes that passes move, against what the device copies, and what a pass costs that moves none.
+//! Bytes that passes move, compared with the device's copy speed, and the cost of a pass that moves none.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::scenes::Viewed;
 
 const SECTION: &str = "bytes";
 
-/// Dispatches of one submission of the copies.
+/// Dispatches per submission of the copies.
 const DISPATCHES: u64 = 16;
 
 pub(super) fn measure(machine: &Machine, deadline: Deadline) -> Result<Vec<Probe>, String> {
@@ -47,7 +47,7 @@ pub(super) fn measure(machine: &Machine, deadline: Deadline) -> Result<Vec<Probe
                     accelerator: accelerator.to_string(),
                     ..probe("run of one step a pass", size, 0)
                 };
-                // One run of each size at least.
+                // At least one run of each size.
                 if deadline.is_over() && !jobs.is_empty() {
                     left_out.push(Probe { reason: Deadline::OVER.into(), ..of_run });
                 } else {
@@ -65,7 +65,7 @@ fn probe(what: &str, (width_px, height_px): (u32, u32), passes: u64) -> Probe {
     Probe { section: SECTION.into(), what: what.into(), width_px, height_px, passes, ..Probe::default() }
 }
 
-/// A copy of one buffer to another.
+/// Copies one buffer to another.
 fn buffers<'a>(gpu: &Gpu, watch: &'a Stopwatch<'a>, is_quick: bool) -> Job<'a> {
     const WGSL: &str = "
 @group(0) @binding(0) var<storage, read> from_words: array<vec4u>;
@@ -94,7 +94,7 @@ fn copy(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     (Probe { bytes: Some(2 * size * DISPATCHES), ..probe("copy of a buffer", (0, 0), DISPATCHES) }, Box::new(repeat))
 }
 
-/// Reads and writes each texel of so many layers, as a kernel updates a stream.
+/// Reads and writes each texel of this many layers, as a kernel updates a stream.
 fn in_place<'a>(gpu: &Gpu, watch: &'a Stopwatch<'a>, size: (u32, u32), count: u32) -> Job<'a> {
     let wgsl = format!(
         "
@@ -124,7 +124,7 @@ fn update(@builtin(global_invocation_id) id: vec3u) {{
     (Probe { bytes: Some(bytes), ..probe("update of textures", size, DISPATCHES) }, Box::new(repeat))
 }
 
-/// Passes for which no ray waits: where only live rays are launched, and where all are.
+/// Passes for which no ray waits: once launching only active rays, once launching all.
 fn empty<'a>(machine: &'a Machine, size: (u32, u32)) -> Result<Vec<Job<'a>>, String> {
     let gpu = machine.gpu().ok_or("no GPU")?;
     let viewed = Viewed::generated("cornell-box", None)?;
@@ -157,7 +157,7 @@ fn options(viewed: &Viewed, accelerator: Accelerator, schedule: ScheduleKind, si
     Options { accelerator, schedule, skip, steps_per_pass, shade, ..Options::new(viewed.primary(size)) }
 }
 
-/// A run of one step a pass, with the bytes of all its passes.
+/// A run with one step per pass, and the bytes of all its passes.
 fn run<'a>(
     machine: &'a Machine,
     viewed: &Viewed,
@@ -185,10 +185,10 @@ fn run<'a>(
     Ok((probe, Box::new(repeat)))
 }
 
-/// Bytes of streams, and of lists of live rays, that a kernel may read and write for one ray.
+/// Bytes of streams and lists of active rays that a kernel may read and write for one ray.
 ///
 /// # Errors
-/// Where the source and what reflection says of it disagree.
+/// If the source and its reflection disagree.
 pub(super) fn bytes_a_ray(variant: &Variant) -> Result<u64, String> {
     let (loads, stores) = (texels(&variant.source, "textureLoad("), texels(&variant.source, "textureStore("));
     for (stream, binding) in variant.streams() {
@@ -201,7 +201,7 @@ pub(super) fn bytes_a_ray(variant: &Variant) -> Result<u64, String> {
     Ok(4 * (loads.len() + stores.len()) as u64 + if is_listed { 8 } else { 0 })
 }
 
-/// Stream and layer of every access in a composed source, once.
+/// Stream and layer of every access in a composed source, each once.
 fn texels(source: &str, call: &str) -> BTreeSet<(String, String)> {
     let accesses = source.match_indices(call).filter_map(|(at, _)| {
         let mut arguments = source[at + call.len()..].splitn(4, ',').map(str::trim);

@@ -1,4 +1,4 @@
-//! Rays a second by kind of ray, and what the rays did.
+//! Rays per second by kind of ray, and their counters.
 
 use raystep_kernels::{Accelerator, ScheduleKind, Skip};
 use raystep_lab::RayKind;
@@ -15,7 +15,7 @@ pub(super) fn measure(meter: &mut Meter<'_>, meshes: &[MeshArg]) -> Result<(), S
         scenes.push(Viewed::read(mesh)?);
     }
     let hits = scenes.iter().map(|viewed| viewed.hits(size, meter.machine)).collect::<Result<Vec<_>, _>>()?;
-    // By kind first: where time runs out, every scene has its primary rays.
+    // By kind first: if time runs out, every scene has at least its primary rays.
     for &kind in RayKind::ALL {
         for (viewed, hits) in scenes.iter().zip(&hits) {
             let Some((rays, counted)) = viewed.rays(kind, size, hits) else { continue };
@@ -26,7 +26,7 @@ pub(super) fn measure(meter: &mut Meter<'_>, meshes: &[MeshArg]) -> Result<(), S
     Ok(())
 }
 
-/// Other schedules take the same steps.
+/// Only one schedule is counted: the others take the same steps.
 fn is_counted(way: &Way) -> bool {
     way.schedule == ScheduleKind::Fused || way.schedule == ScheduleKind::Compact && way.steps == 1
 }

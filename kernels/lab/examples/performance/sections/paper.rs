@@ -1,4 +1,4 @@
-//! The paper's Tables 2 and 3: its schedules, sizes and rules, and then ours on the same rays.
+//! The paper's Tables 2 and 3 with its schedules, sizes and numerics, then our schedules on the same rays.
 
 use raystep_kernels::{Accelerator, GridSize, Numerics, ScheduleKind, Skip};
 

@@ -1,4 +1,4 @@
-//! Time against steps a pass.
+//! Time against steps per pass.
 
 use raystep_kernels::Accelerator::{Bvh, Grid};
 

@@ -1,8 +1,8 @@
-//! §4.2.3 of the paper: tDelta and step do not change along a ray, and it works them out in every pass all the
-//! same, to save memory and since computation may be cheaper than a lookup (Fatahalian et al. 2004).
+//! §4.2.3 of the paper: tDelta and step are constant along a ray, but the paper recomputes them in every pass, to save
+//! memory and because computation may be cheaper than a lookup (Fatahalian et al. 2004).
 //!
-//! The traverse kernel with the paper's rules, as raystep composes it, against two made from its text, which load
-//! what it works out. All rays stay in TRAV, and none leaves the grid, so that every pass has all of them.
+//! Compares the traverse kernel with the paper's numerics, as raystep composes it, with two edited versions that load
+//! these values. All rays stay in TRAV and none leaves the grid, so that every pass processes all of them.
 
 use raystep_kernels::Gpu;
 use raystep_kernels::options::features::Features;
@@ -20,10 +20,10 @@ const SECTION: &str = "tdelta";
 /// Cells along each axis; rays start in the middle.
 const CELLS: i32 = 200;
 const WIDTH: f32 = 0.01;
-/// Passes of a submission: fewer than the steps from the middle to a face.
+/// Passes per submission: fewer than the steps from the middle to a face.
 const PASSES: u64 = 64;
 
-/// Name, what stands for the ray's constants, and what it loads as origin and direction.
+/// Name, source text that provides the ray's constants, and what is loaded as origin and direction.
 type Loading = (&'static str, &'static str, fn(&Rays) -> [&Vec<u32>; 2]);
 
 const VARIANTS: [Loading; 3] = [
@@ -34,7 +34,7 @@ const VARIANTS: [Loading; 3] = [
     (
         "loaded, 3 layers",
         "let delta = load_origin(texel);\n    let ray = GridRay(vec3f(0.0), delta, abs(delta));",
-        // The other is not loaded.
+        // The second stream is not loaded.
         |rays| [&rays.signed_delta, &rays.step],
     ),
 ];
@@ -79,7 +79,7 @@ struct Steps {
     size: (u32, u32),
     pipeline: wgpu::ComputePipeline,
     groups: Vec<wgpu::BindGroup>,
-    /// State and tmax, and what they begin with.
+    /// State and tmax, and their initial values.
     streams: [[wgpu::Texture; 2]; 2],
     bytes_a_ray: u64,
 }
@@ -88,12 +88,12 @@ impl Steps {
     fn new(gpu: &Gpu, size: (u32, u32), (_, ray, constants): &Loading) -> Result<Self, String> {
         let features = Features { grid: true, perspective: true, ..Features::default() };
         let mut variant = Variant::new(kernels::TRAVERSE_GRID, &features).map_err(|e| e.to_string())?;
-        // A ray that is not intersected in between goes on at once.
+        // Rays that are not intersected in between continue at once.
         let source =
             replaced(&variant.source, "let tag = select(ISECT_NO_HIT, ISECT_HIT, has_hit);", "let tag = TRAV;")?;
         let source = replaced(&source, WORKED_OUT, ray)?;
         let (loads_origin, loads_direction) = (ray.contains("load_origin"), ray.contains("load_direction"));
-        // The origin is dead code where constants are worked out, and compilers know it.
+        // If the constants are computed, the origin is dead code, and compilers remove it.
         let needs_origin = loads_origin && *ray != WORKED_OUT;
         let dead = 12 * (u64::from(!needs_origin) + u64::from(!loads_direction));
         let bytes_a_ray = super::bytes::bytes_a_ray(&variant)? - dead;
@@ -128,7 +128,7 @@ impl Steps {
         Ok(Self { size, pipeline, groups, streams, bytes_a_ray })
     }
 
-    /// From the start again: nanoseconds of all passes.
+    /// Starts over and returns the nanoseconds of all passes.
     fn time(&self, gpu: &Gpu, watch: &Stopwatch<'_>) -> Option<u64> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for [now, first] in &self.streams {
@@ -169,7 +169,7 @@ impl Steps {
     }
 }
 
-/// One text for another that must occur exactly once.
+/// Replaces text that must occur exactly once.
 fn replaced(source: &str, from: &str, to: &str) -> Result<String, String> {
     match source.matches(from).count() {
         1 => Ok(source.replace(from, to)),
@@ -177,7 +177,7 @@ fn replaced(source: &str, from: &str, to: &str) -> Result<String, String> {
     }
 }
 
-/// The uniform: a cube about the origin.
+/// The grid uniform: a cube around the origin.
 fn grid() -> [u32; 16] {
     let corner = (-0.5 * WIDTH * CELLS as f32).to_bits();
     let (cells, width, inverse) = (CELLS as u32, WIDTH.to_bits(), (1.0 / WIDTH).to_bits());
@@ -188,7 +188,7 @@ fn grid() -> [u32; 16] {
     words
 }
 
-/// Every stream's words, layer by layer.
+/// The words of every stream, layer by layer.
 #[derive(Default)]
 struct Rays {
     origin: Vec<u32>,
@@ -201,10 +201,10 @@ struct Rays {
 }
 
 impl Rays {
-    /// A camera in the middle, as the paper's setup kernel leaves its rays.
+    /// Rays of a camera in the middle, as the paper's setup kernel leaves them.
     fn new((width, height): (u32, u32)) -> Self {
         let mut rays = Self::default();
-        // A little off the corner of the middle cell.
+        // Slightly off the corner of the middle cell.
         let origin = [0.3, 0.4, 0.6].map(|share| share * WIDTH);
         for axis in 0..3 {
             for pixel in 0..width * height {
@@ -212,7 +212,7 @@ impl Rays {
                 let direction = [at(pixel % width, width), at(pixel / width, height), -1.0][axis];
                 let delta = (WIDTH / direction).abs();
                 let ahead = if direction > 0.0 { WIDTH } else { 0.0 };
-                // The paper's threshold (§4.2.3); 2^100 for its INF, as everywhere in raystep.
+                // The paper's threshold (§4.2.3); INF is 2^100, as everywhere in raystep.
                 let tmax = if direction.abs() < 0.001 { 100f32.exp2() } else { (ahead - origin[axis]) / direction };
                 rays.origin.push(origin[axis].to_bits());
                 rays.direction.push(direction.to_bits());

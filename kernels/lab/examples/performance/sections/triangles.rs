@@ -9,7 +9,7 @@ use crate::scenes::Viewed;
 
 const COUNTS: [u64; 14] = [2, 8, 18, 32, 72, 128, 512, 2_048, 8_192, 32_768, 131_072, 524_288, 2_000_000, 10_000_000];
 
-/// A run without grid and tree is not begun where it is expected to take longer.
+/// A run without an accelerator is skipped if it is expected to take longer than this.
 const MOST_NS: f64 = 0.5e9;
 
 pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
@@ -19,7 +19,7 @@ pub(super) fn measure(meter: &mut Meter<'_>) -> Result<(), String> {
         (false, true) => (8_192, (128, 128)),
         (false, false) => (2_000_000, (256, 256)),
     };
-    // The last time without, by scene: time is proportional to triangles from some hundred on.
+    // The last time without an accelerator, per scene: it is proportional to triangles from a few hundred up.
     let mut without = [None::<(f64, f64)>; 2];
     for &count in COUNTS.iter().filter(|&&count| count <= most) {
         for (scene, without) in ["terrain", "soup"].into_iter().zip(&mut without) {

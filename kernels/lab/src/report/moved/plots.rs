@@ -11,14 +11,14 @@ fn axis_of(column: &str) -> Axis {
     Axis::new(label, Scale::Log)
 }
 
-/// Of robust rules, one column over the other.
+/// Points of the rows with robust numerics: one column over another.
 fn points(rows: &[Row], x: &str, y: &str) -> Vec<(f64, f64)> {
     let of = rows.iter().filter(|r| r.get("numerics") == "robust");
     of.filter_map(|r| Some((r.number(x)?, r.number(y)?))).collect()
 }
 
-/// Errors by what is predicted of each ray: 1 is the bound, and a bound that nothing comes near to by a factor of ten is
-/// none.
+/// Errors divided by the bound of each ray. 1 is the bound; if nothing comes within a factor of ten of it, it is too
+/// loose.
 pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
     let of = |y: &str| points(rows, column, y);
     let mut series = vec![
@@ -38,7 +38,7 @@ pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
     }
 }
 
-/// Errors of t, and, over offsets, what rounding of the scene is predicted to do.
+/// Errors of t, and, over offsets, the predicted rounding error of the scene.
 pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
     let points = |y: &str| points(rows, column, y);
     let mut series = Vec::new();
@@ -49,7 +49,7 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
         (3, "with rounding, median", "rounding", "median"),
     ] {
         series.push(Series::line(name, color, points(&format!("{of}_error_extents_{which}"))));
-        // The scale rounds coordinates by the same share wherever it puts them: there is nothing to follow.
+        // Scaling changes all coordinates by the same factor, so rounding errors do not depend on it.
         if of == "rounding" && column != "scale" {
             let predicted = points(&format!("{of}_bound_extents_{which}"));
             series.push(Series::dashed(format!("predicted, {which}"), color, predicted));
@@ -65,7 +65,7 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
     }
 }
 
-/// Rays with an error, by both rules.
+/// Rays with an error, by both numerics.
 pub(super) fn lost(column: &str, rows: &[Row]) -> Plot {
     let mut series = Vec::new();
     for (color, numerics, mark) in [(0, "robust", Mark::Dot), (1, "paper", Mark::Triangle)] {
