@@ -1,6 +1,7 @@
 //! Who runs the passes: any wgpu adapter, or the twins on the CPU. Both keep the same streams.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub(crate) mod sizes;
 

@@ -5,12 +5,11 @@
 //! none need to. A sample's place depends on its pixel, its number and the seed, not on how many there will be: a
 //! run of 1,024 samples goes through the means of all shorter runs but that of one.
 
-use serde::{Deserialize, Serialize};
-
 use crate::shared::samples::Sampler;
 
 /// Samples of every pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Samples {
     /// How many, from 1 to [`Samples::MOST`]; 1 is the pixel's centre, whatever the rest says.
     pub count: u32,

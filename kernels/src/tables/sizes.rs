@@ -14,9 +14,12 @@ const LONGEST_ROW: u64 = 1 << 15;
 /// Lists of rays that exist at a time: for each of two kernels the one that it works on, and the next.
 pub const LIVE_REGIONS: u64 = 4;
 
-/// Texels between two rows in a buffer: a copy wants them 256 bytes apart.
+/// Bytes that wgpu wants rows in a buffer to be a multiple of apart.
+pub(crate) const ROW_ALIGNMENT: u32 = 256;
+
+/// Texels between two rows in a buffer.
 pub(crate) fn pitch(width: u32) -> u32 {
-    width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4)
+    width.next_multiple_of(ROW_ALIGNMENT / 4)
 }
 
 /// The values that a program's streams begin with.
