@@ -1,4 +1,4 @@
-//! Where passes run: the one file of the renderer that tells devices apart, so that it can be built without `gpu`.
+//! Where passes run. What differs between devices is here, so that few other files mention the feature `gpu`.
 
 #![cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "some are for the GPU alone"))]
 

@@ -256,7 +256,7 @@ impl Renderer {
     }
 
     /// Time of all passes so far on the host's clock, waiting for a GPU included, in nanoseconds: what is known where the
-    /// device's own clock is none. `None` where there is no such clock; see [`Gpu::check_clock`].
+    /// device's own clock is none. `None` where there is no such clock; see [`Gpu::check_clock`](crate::Gpu::check_clock).
     #[must_use]
     pub fn host_ns(&self) -> Option<u64> {
         match &self.executor {
