@@ -8,8 +8,11 @@ step() { printf '\n== %s\n' "$1"; }
 
 RAYSTEP_THOROUGH=1 sh tests/run.sh
 
-step "without threads"
-cargo clippy -p raystep-kernels --no-default-features --locked -- -D warnings
+step "every combination of features"
+for features in "" gpu parallel serde gpu,parallel gpu,serde parallel,serde gpu,parallel,serde; do
+    echo "features: ${features:-none}"
+    cargo clippy -p raystep-kernels --no-default-features --features "$features" --lib --tests --locked -- -D warnings
+done
 
 step "a program outside of the workspace"
 cargo run --quiet --locked --manifest-path tests/outside/Cargo.toml --target-dir target/outside |

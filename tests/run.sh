@@ -1,6 +1,6 @@
 #!/bin/sh
 # Checks for every change, requiring only Rust: formatting, lints as errors, tests, documentation of libraries.
-# tests/full.sh adds long tests, the build without threads, and the documentation of the program.
+# tests/full.sh adds long tests, the library with every combination of features, and the documentation of the program.
 # Installs Mesa's software Vulkan if there is no Vulkan driver, so that GPU code is tested too.
 set -eu
 cd "$(dirname "$0")/.."

@@ -29,6 +29,17 @@
 //! # Ok::<(), raystep_kernels::RenderError>(())
 //! # }).unwrap();
 //! ```
+//!
+//! # Features
+//!
+//! All are on by default, and every combination builds.
+//!
+//! | feature | adds | without it |
+//! |---|---|---|
+//! | `gpu` | [`Device::Gpu`], [`executor::gpu`] and wgpu | rays are traced by the twins; plans still compose and reflect the WGSL, which takes naga |
+//! | `poll-thread` | a thread that polls the GPU, so that futures complete under any executor; turns on `gpu` | the host polls |
+//! | `parallel` | twins and builds of grids and trees on all cores, by rayon | one thread |
+//! | `serde` | `Serialize` for options, summaries and histories; [`export::csv`], [`export::json`], [`export::plan`], [`export::trace_events`] | exports are EXR, npy and text; serde remains a dependency of `raystep-scenes`, which reads glTF |
 
 pub mod compose;
 pub mod executor;
@@ -46,6 +57,7 @@ pub mod shared;
 pub mod structures;
 pub mod tables;
 
+#[cfg(feature = "gpu")]
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, HostPolls, Load, adapters};
 pub use options::samples::Samples;
 pub use options::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};

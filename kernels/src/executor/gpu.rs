@@ -9,6 +9,7 @@ mod device;
 mod error;
 mod fill;
 mod gate;
+mod limits;
 mod load;
 mod picture;
 mod pipelines;

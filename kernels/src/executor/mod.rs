@@ -1,6 +1,7 @@
 //! Runs the passes, on a wgpu adapter or with the twins on the CPU. Both keep the same streams.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub(crate) mod sizes;
 

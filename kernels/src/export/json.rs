@@ -5,9 +5,12 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+#[cfg(feature = "gpu")]
 use crate::executor::gpu::{AdapterSummary, Gpu};
 pub use crate::plan::GridSummary;
-use crate::plan::{Loops, Plan, Structure};
+#[cfg(feature = "gpu")]
+use crate::plan::Loops;
+use crate::plan::{Plan, Structure};
 use crate::program::Program;
 pub use crate::renderer::KernelSummary;
 use crate::renderer::RayHit;
@@ -87,18 +90,21 @@ pub struct AdapterInfo {
     pub loops_end_after: Option<u32>,
 }
 
+#[cfg(feature = "gpu")]
 impl From<&Gpu> for AdapterInfo {
     fn from(gpu: &Gpu) -> Self {
         Self::new(&gpu.info, Some(gpu.loops))
     }
 }
 
+#[cfg(feature = "gpu")]
 impl From<&AdapterSummary> for AdapterInfo {
     fn from(summary: &AdapterSummary) -> Self {
         Self::new(&summary.info, summary.loops)
     }
 }
 
+#[cfg(feature = "gpu")]
 impl AdapterInfo {
     fn new(info: &wgpu::AdapterInfo, loops: Option<Loops>) -> Self {
         let kind = match info.device_type {

@@ -12,13 +12,19 @@
 //! | [`structure`] | text, JSON | the grid or BVH of a run |
 //! | [`trace`] | table, CSV, JSON | the history of one ray, pass by pass |
 //! | [`trace_events`] | JSON | a run as Chrome trace events, for Perfetto |
+//!
+//! CSV and JSON need the feature `serde`.
 
+#[cfg(feature = "serde")]
 pub mod csv;
 pub mod exr;
+#[cfg(feature = "serde")]
 pub mod json;
 pub mod npy;
+#[cfg(feature = "serde")]
 pub mod plan;
 pub mod trace;
+#[cfg(feature = "serde")]
 pub mod trace_events;
 
 pub use crate::plan::structure;

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
 use crate::options::Accelerator;
-use crate::plan::{Because, Plan, Planned, Structure, element};
+use crate::plan::display::element;
+use crate::plan::{Because, Plan, Planned, Structure};
 use crate::program::Kernel;
 use crate::program::schedule::Step;
 use crate::scene_data::SceneData;

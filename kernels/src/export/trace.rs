@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+#[cfg(feature = "serde")]
 use super::csv::known;
 pub use crate::history::*;
 
@@ -44,6 +45,7 @@ impl Trace {
     ///
     /// # Errors
     /// If `out` cannot be written.
+    #[cfg(feature = "serde")]
     pub fn write_csv(&self, out: impl std::io::Write) -> Result<(), csv::Error> {
         let mut csv = super::csv::writer(out);
         csv.write_record([

@@ -3,8 +3,6 @@
 
 use std::ops::ControlFlow;
 
-use serde::Serialize;
-
 use crate::program::Kernel;
 use crate::programs::closest_hit::explain::explain;
 pub use crate::programs::closest_hit::ray_state::RayState;
@@ -13,7 +11,8 @@ use crate::scene_data::SceneData;
 use crate::tables::stream::Stream;
 
 /// The effect of one pass on the ray.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TraceRow {
     /// The pass's index in the run of all rays; `None` for a pass that waits for the last ray's walk, if only this ray
     /// was traced.
@@ -33,7 +32,8 @@ pub struct TraceRow {
 }
 
 /// The history of one ray.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Trace {
     /// Pixel (x, y); for input rays, in the image they fill row by row.
     pub pixel: [u32; 2],

@@ -44,6 +44,17 @@ macro_rules! named {
                 }
             }
         }
+        $crate::named_serde!($type);
+    };
+}
+pub(crate) use named;
+
+/// What [`named`] adds with the feature `serde` of this crate, not of the crate that uses the macro.
+#[cfg(feature = "serde")]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! named_serde {
+    ($type:ident) => {
         impl serde::Serialize for $type {
             fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 serializer.serialize_str(self.name())
@@ -57,4 +68,11 @@ macro_rules! named {
         }
     };
 }
-pub(crate) use named;
+
+/// Nothing, without the feature `serde`.
+#[cfg(not(feature = "serde"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! named_serde {
+    ($type:ident) => {};
+}

@@ -57,7 +57,8 @@ impl ScheduleKind {
 }
 
 /// The grid's resolution.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum GridSize {
     /// From the number of triangles and the scene's extent, see [`automatic_cells`](crate::structures::grid::automatic_cells).
     #[default]

@@ -5,12 +5,11 @@
 //! several, none has to. A sample's position depends on its pixel, its index and the seed, not on the number of
 //! samples: a run of 1,024 samples passes through the means of all shorter runs, except that of one sample.
 
-use serde::{Deserialize, Serialize};
-
 use crate::shared::samples::Sampler;
 
 /// The samples of every pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Samples {
     /// How many, from 1 to [`Samples::MOST`]; a single one is at the pixel's centre, whatever the other fields are.
     pub count: u32,

@@ -5,9 +5,9 @@
 
 mod check;
 mod decide;
-mod display;
+pub(crate) mod display;
 pub(crate) mod grid_build;
-mod limits;
+pub(crate) mod limits;
 mod resolve;
 pub mod structure;
 mod turns;
@@ -37,7 +37,6 @@ pub use check::{MAX_TEXELS, PlanError};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::left_out;
 pub use display::PlanText;
-pub(crate) use display::element;
 pub use limits::{Limits, Loops};
 use resolve::{Resolved, resolve};
 pub use structure::{BvhSummary, GridSummary, Structure, structure_bytes};

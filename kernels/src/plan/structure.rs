@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use serde::Serialize;
-
 use super::Plan;
 use crate::numbers::bytes::Bytes;
 use crate::options::{Accelerator, LEAST_FOR_GRID, MOST_WITHOUT};
@@ -15,7 +13,8 @@ const OF_STRUCTURES: [&str; 7] =
     ["grid_cells", "grid_items", "grid_distances", "bvh_nodes", "bvh_parents", "bvh_items", "wide_nodes"];
 
 /// The acceleration structure, why it was chosen, and its sizes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Structure {
     /// `grid`, `bvh` or `none`.
     pub accelerator: &'static str,
@@ -28,7 +27,8 @@ pub struct Structure {
 }
 
 /// A grid in numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GridSummary {
     /// Cells along x, y and z.
     pub cells: [i32; 3],
@@ -47,7 +47,8 @@ pub struct GridSummary {
 }
 
 /// A BVH in numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BvhSummary {
     /// Most children per inner node: 2 if rays are stepped, 8 in the fused kernel.
     pub width: u32,

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::device::Kept;
 use super::records::Records;
-use super::{Executor, RenderError, Renderer};
-use crate::executor::cpu::CpuExecutor;
-use crate::executor::gpu::Snapshot;
+use super::{RenderError, Renderer};
 use crate::plan::Plan;
 use crate::program::schedule::Cursor;
 use crate::tables::state::StateCounts;
@@ -20,12 +19,6 @@ pub struct Checkpoint {
     records: Records,
     unfinished: u64,
     alone: Option<[u32; 2]>,
-}
-
-enum Kept {
-    Gpu(Box<Snapshot>),
-    Cpu(Box<CpuExecutor<f32>>),
-    CpuF64(Box<CpuExecutor<f64>>),
 }
 
 impl Checkpoint {
@@ -50,11 +43,7 @@ impl Checkpoint {
 
     /// The identity and size in bytes of each part.
     fn parts(&self) -> Vec<(usize, u64)> {
-        let mut parts = match &self.kept {
-            Kept::Gpu(snapshot) => snapshot.parts().collect(),
-            Kept::Cpu(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
-            Kept::CpuF64(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
-        };
+        let mut parts = self.kept.parts();
         parts.push((self.records.kept().as_ptr().addr(), size_of_val(self.records.kept()) as u64));
         parts
     }
@@ -67,11 +56,7 @@ impl Renderer {
     /// If there is no memory for it, or the device fails.
     pub async fn checkpoint(&mut self) -> Result<Checkpoint, RenderError> {
         self.settle().await?;
-        let kept = match &mut self.executor {
-            Executor::Gpu(e) => Kept::Gpu(Box::new(e.snapshot(&self.counts).await?)),
-            Executor::Cpu(e) => Kept::Cpu(Box::new(e.snapshot()?)),
-            Executor::CpuF64(e) => Kept::CpuF64(Box::new(e.snapshot()?)),
-        };
+        let kept = self.executor.snapshot(&self.counts).await?;
         Ok(Checkpoint {
             plan: self.plan.clone(),
             kept,
@@ -92,12 +77,7 @@ impl Renderer {
         if !Arc::ptr_eq(&self.plan, &checkpoint.plan) {
             return Err(RenderError::OtherRun);
         }
-        match (&mut self.executor, &checkpoint.kept) {
-            (Executor::Gpu(e), Kept::Gpu(snapshot)) if snapshot.is_on(e.gpu()) => e.restore(snapshot)?,
-            (Executor::Cpu(e), Kept::Cpu(kept)) => e.restore(kept)?,
-            (Executor::CpuF64(e), Kept::CpuF64(kept)) => e.restore(kept)?,
-            _ => return Err(RenderError::OtherRun),
-        }
+        self.executor.restore(&checkpoint.kept)?;
         self.cursor = checkpoint.cursor.clone();
         self.counts = checkpoint.counts;
         self.records.clone_from(&checkpoint.records);

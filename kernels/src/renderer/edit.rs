@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Executor, RenderError, Renderer};
-use crate::executor::sizes::Sizes;
+use super::{RenderError, Renderer};
 use crate::tables::state::{self, StateCounts};
 use crate::tables::stream::{Region, STATE_TAG, Stream, StreamData};
 
@@ -11,11 +10,7 @@ impl Renderer {
     /// Replaces a stream's values; the next pass works on them. Returns false if the plan left it out or the size
     /// differs.
     pub fn write(&mut self, data: &StreamData) -> bool {
-        let is_written = match &mut self.executor {
-            Executor::Gpu(e) => e.write(data),
-            Executor::Cpu(e) => e.write(data),
-            Executor::CpuF64(e) => e.write(data),
-        };
+        let is_written = self.executor.write(data);
         if is_written && Some(data.stream) == self.plan.program.state_stream() {
             // The counts decide which kernel runs next.
             self.counts = StateCounts::default();
@@ -40,35 +35,15 @@ impl Renderer {
             return Err(RenderError::NoLayer { stream: stream.name(), layer });
         }
         let is_tag = Some(stream) == self.plan.program.state_stream() && layer == STATE_TAG;
-        match &mut self.executor {
+        if is_tag && self.executor.is_gpu() {
             // Counts and lists of live rays depend on every ray's tag.
-            Executor::Gpu(_) if is_tag => {
-                let mut data = self.values(stream).await?;
-                data.bits[y as usize * data.width as usize + x as usize] = bits;
-                self.write(&data);
-            }
-            Executor::Gpu(e) => {
-                e.write_component(stream, layer, x, y, bits);
-            }
-            Executor::Cpu(e) => {
-                e.write_component(stream, layer, x, y, bits);
-                self.counts = e.counts();
-            }
-            Executor::CpuF64(e) => {
-                e.write_component(stream, layer, x, y, bits);
-                self.counts = e.counts();
-            }
+            let mut data = self.values(stream).await?;
+            data.bits[y as usize * data.width as usize + x as usize] = bits;
+            self.write(&data);
+        } else if let Some(counts) = self.executor.write_component(stream, layer, x, y, bits) {
+            self.counts = counts;
         }
         Ok(())
-    }
-
-    /// The current size of each set.
-    fn sizes(&self) -> Sizes {
-        match &self.executor {
-            Executor::Gpu(e) => e.sizes(),
-            Executor::Cpu(e) => e.sizes(),
-            Executor::CpuF64(e) => e.sizes(),
-        }
     }
 
     /// Continues where another run with the same plan is: copies its streams as f32, and its position. The passes that
@@ -83,11 +58,7 @@ impl Renderer {
         other.settle().await?;
         // Until everything is copied, streams and position do not match.
         self.is_ahead = true;
-        match (&mut self.executor, other.sizes()) {
-            (Executor::Gpu(e), sizes) => e.resize(sizes)?,
-            (Executor::Cpu(e), sizes) => e.resize(sizes)?,
-            (Executor::CpuF64(e), sizes) => e.resize(sizes)?,
-        }
+        self.executor.resize(other.executor.sizes())?;
         for planned in &self.plan.clone().streams {
             if self.size(planned.what.info().elements).is_none() {
                 continue;

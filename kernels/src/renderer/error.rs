@@ -2,6 +2,7 @@
 
 use crate::executor::TooMany;
 use crate::executor::cpu::{CpuError, OutOfMemory};
+#[cfg(feature = "gpu")]
 use crate::executor::gpu::GpuError;
 use crate::plan::PlanError;
 use crate::tables::stream::Region;
@@ -13,6 +14,7 @@ pub enum RenderError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The GPU failed.
+    #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The system does not have enough memory for the twins' streams.

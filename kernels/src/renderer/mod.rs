@@ -1,6 +1,7 @@
 //! A run, driven by its caller: pass by pass or to the end, with access to every stream.
 
 mod checkpoint;
+mod device;
 mod edit;
 mod error;
 mod given;
@@ -16,53 +17,24 @@ use std::sync::Arc;
 use raystep_scenes::Scene;
 
 use crate::executor::cpu::CpuExecutor;
-use crate::executor::gpu::{Gpu, GpuExecutor};
+#[cfg(feature = "gpu")]
+use crate::executor::gpu::GpuExecutor;
 use crate::options::{Options, RaySource};
-use crate::plan::{Limits, Plan};
+use crate::plan::Plan;
 use crate::program::schedule::Cursor;
 use crate::program::{Course, Kernel};
 use crate::scene_data::SceneData;
 use crate::tables::elements::{Elements, Size};
 use crate::tables::state::{StateCounts, Tag};
 pub use checkpoint::Checkpoint;
+pub use device::Device;
+use device::Executor;
 pub use error::RenderError;
 use given::GivenRays;
 pub use lists::Lists;
 use records::Records;
 pub use records::{KernelSummary, PassTotals};
 pub use results::{RayHit, found};
-
-/// The device that passes run on.
-#[derive(Clone)]
-pub enum Device {
-    /// A wgpu device.
-    Gpu(Arc<Gpu>),
-    /// The twins in f32. The clock, in nanoseconds from any start, times passes if there is one.
-    Cpu(Option<fn() -> u64>),
-    /// The twins in f64, from the same f32 scene and camera.
-    CpuF64(Option<fn() -> u64>),
-}
-
-impl Device {
-    /// The default device, given the best adapter: that adapter, unless it is software. In that case the twins are
-    /// faster; they use `clock`.
-    #[must_use]
-    pub fn auto(gpu: Arc<Gpu>, clock: Option<fn() -> u64>) -> Self {
-        if gpu.is_software() { Self::Cpu(clock) } else { Self::Gpu(gpu) }
-    }
-
-    /// Whether it is a wgpu device.
-    #[must_use]
-    pub fn is_gpu(&self) -> bool {
-        matches!(self, Self::Gpu(_))
-    }
-}
-
-enum Executor {
-    Gpu(Box<GpuExecutor>),
-    Cpu(CpuExecutor<f32>),
-    CpuF64(CpuExecutor<f64>),
-}
 
 /// One pass that has run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,11 +100,7 @@ impl Renderer {
     /// # Errors
     /// If the scene or options do not fit the device, or the device fails.
     pub async fn new(scene: &Scene, options: &Options, device: &Device) -> Result<Self, RenderError> {
-        let limits = match device {
-            Device::Gpu(gpu) => Limits::from(&**gpu),
-            Device::Cpu(_) | Device::CpuF64(_) => Limits::CPU,
-        };
-        let (plan, data) = Plan::new(scene, options, &limits)?;
+        let (plan, data) = Plan::new(scene, options, &device.limits())?;
         Self::from_plan(plan, data, options, device).await
     }
 
@@ -147,22 +115,12 @@ impl Renderer {
         device: &Device,
     ) -> Result<Self, RenderError> {
         let (plan, data) = (plan.into(), data.into());
-        let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| options.timings);
-        let executor = match device {
-            Device::Gpu(gpu) => {
-                Executor::Gpu(Box::new(GpuExecutor::new(gpu.clone(), &plan, &data, options.timings).await?))
-            }
-            Device::Cpu(clock) => Executor::Cpu(CpuExecutor::new(&plan, timer(clock))?),
-            Device::CpuF64(clock) => Executor::CpuF64(CpuExecutor::new(&plan, timer(clock))?),
-        };
         let given = match &options.rays {
             RaySource::Given(rays) if plan.program.course.is_some() => Some(GivenRays::new(rays, &plan, &data)),
             RaySource::Given(_) | RaySource::Camera { .. } => None,
         };
-        let mut executor = executor;
-        if let (Executor::Gpu(e), Some(given)) = (&mut executor, &given) {
-            e.give(&given.streams);
-        }
+        let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
+        let executor = Executor::new(device, &plan, &data, options.timings, streams).await?;
         let pass_bound = plan.pass_bound;
         let mut renderer = Self {
             plan,
@@ -189,11 +147,7 @@ impl Renderer {
 
     /// Returns to before the first pass, with one ray if it is traced alone.
     fn begin(&mut self) {
-        match &mut self.executor {
-            Executor::Gpu(e) => e.clear(),
-            Executor::Cpu(e) => e.clear(),
-            Executor::CpuF64(e) => e.clear(),
-        }
+        self.executor.clear(self.given.as_ref().map_or(&[], |given| &given.streams));
         self.cursor = Cursor::start();
         self.records.clear();
         self.unfinished = 0;
@@ -202,14 +156,6 @@ impl Renderer {
         let texels = self.plan.width * self.plan.height;
         match &self.given {
             Some(given) => {
-                for data in &given.streams {
-                    // A plan for input rays has these streams; a GPU keeps them, and copies them in `clear`.
-                    let _: bool = match &mut self.executor {
-                        Executor::Gpu(_) => true,
-                        Executor::Cpu(e) => e.write(data),
-                        Executor::CpuF64(e) => e.write(data),
-                    };
-                }
                 let rays = given.exponents.len() as u32;
                 self.count_in(|course| course.born, rays);
                 self.count_in(|course| course.unborn, texels - rays);
@@ -240,11 +186,7 @@ impl Renderer {
     /// it.
     #[must_use]
     pub fn size(&self, elements: &Elements) -> Option<Size> {
-        match &self.executor {
-            Executor::Gpu(e) => e.size(elements),
-            Executor::Cpu(e) => e.size(elements),
-            Executor::CpuF64(e) => e.size(elements),
-        }
+        self.executor.size(elements)
     }
 
     /// The plan, for another run of the same scene and options.
@@ -307,6 +249,7 @@ impl Renderer {
     #[must_use]
     pub fn device_ns(&self) -> Option<u64> {
         match &self.executor {
+            #[cfg(feature = "gpu")]
             Executor::Gpu(e) => e.device_ns(),
             _ => self.records.totals().duration_ns,
         }
@@ -317,12 +260,14 @@ impl Renderer {
     #[must_use]
     pub fn host_ns(&self) -> Option<u64> {
         match &self.executor {
+            #[cfg(feature = "gpu")]
             Executor::Gpu(e) => e.host_ns(),
             _ => self.device_ns(),
         }
     }
 
     /// The GPU executor, if passes run on one.
+    #[cfg(feature = "gpu")]
     #[must_use]
     pub fn gpu(&self) -> Option<&GpuExecutor> {
         match &self.executor {

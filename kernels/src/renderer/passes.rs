@@ -2,9 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Executor, Pass, Progress, RenderError, Renderer};
-use crate::executor::PassResult;
-use crate::executor::gpu::MOST_PASSES;
+use super::{Pass, Progress, RenderError, Renderer};
 use crate::program::Kernel;
 use crate::tables::stream::STATE_TAG;
 
@@ -67,10 +65,7 @@ impl Renderer {
         mut progress: impl FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<(), RenderError> {
         // Enough passes to hide the latency of the read-back, few enough rays to report often.
-        let most = match self.executor {
-            Executor::Gpu(_) => MOST_PASSES,
-            Executor::Cpu(_) | Executor::CpuF64(_) => 1,
-        };
+        let most = self.executor.most_passes();
         let mut batch = 8.min(most);
         while let Some(left_here) = left(self) {
             let submitted = batch.min(left_here);
@@ -140,11 +135,7 @@ impl Renderer {
             return Ok(0);
         }
         self.is_ahead = true;
-        let results: Vec<PassResult> = match &mut self.executor {
-            Executor::Gpu(e) => e.run(&guess, &self.counts).await?,
-            Executor::Cpu(e) => vec![e.run(guess[0], &self.data)?],
-            Executor::CpuF64(e) => vec![e.run(guess[0], &self.data)?],
-        };
+        let results = self.executor.run(&guess, &self.counts, &self.data).await?;
         let mut recorded = 0;
         for result in &results {
             let mut ahead = self.cursor.clone();

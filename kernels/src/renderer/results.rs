@@ -1,6 +1,6 @@
 //! Results of a run so far: the streams, and the image and hits that they contain.
 
-use super::{Executor, RenderError, Renderer};
+use super::{RenderError, Renderer};
 use crate::numbers::units::exp2;
 use crate::programs::closest_hit::streams::{self, HIT_TRIANGLE, STATE_T};
 use crate::renderer::image::Image;
@@ -30,6 +30,7 @@ pub fn found(state: &StreamData, hit: &StreamData, ray: usize) -> Option<(u32, f
 
 impl Renderer {
     /// The texture of a stream, if passes run on a GPU.
+    #[cfg(feature = "gpu")]
     #[must_use]
     pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
         self.gpu()?.texture(stream)
@@ -44,12 +45,7 @@ impl Renderer {
         if self.plan.has_stream(stream) && self.size(elements).is_none() {
             return Err(RenderError::NotCounted { stream: stream.name(), elements: elements.name });
         }
-        let data = match &self.executor {
-            Executor::Gpu(e) => e.read(stream).await?,
-            Executor::Cpu(e) => e.read(stream),
-            Executor::CpuF64(e) => e.read(stream),
-        };
-        data.ok_or(RenderError::NoStream(stream.name()))
+        self.executor.read(stream).await?.ok_or(RenderError::NoStream(stream.name()))
     }
 
     /// One ray's texel after the last pass, one word per layer.
@@ -67,11 +63,7 @@ impl Renderer {
     /// If the plan left one of the streams out, the image has no such pixel, or the device fails.
     pub async fn texels(&self, streams: &[Stream], x: u32, y: u32) -> Result<Vec<Vec<u32>>, RenderError> {
         self.check_part(streams, Region { x, y, width: 1, height: 1 })?;
-        let texels = match &self.executor {
-            Executor::Gpu(e) => e.read_texels(streams, x, y).await?,
-            Executor::Cpu(e) => e.read_texels(streams, x, y),
-            Executor::CpuF64(e) => e.read_texels(streams, x, y),
-        };
+        let texels = self.executor.read_texels(streams, x, y).await?;
         texels.ok_or(RenderError::NoStream(streams.first().map_or("", |s| s.name())))
     }
 
@@ -81,12 +73,7 @@ impl Renderer {
     /// If the plan left it out, the image has no such region, or the device fails.
     pub async fn region(&self, stream: Stream, region: Region) -> Result<StreamData, RenderError> {
         self.check_part(&[stream], region)?;
-        let data = match &self.executor {
-            Executor::Gpu(e) => e.read_region(stream, region).await?,
-            Executor::Cpu(e) => e.read_region(stream, region),
-            Executor::CpuF64(e) => e.read_region(stream, region),
-        };
-        data.ok_or(RenderError::NoStream(stream.name()))
+        self.executor.read_region(stream, region).await?.ok_or(RenderError::NoStream(stream.name()))
     }
 
     pub(super) fn check_part(&self, streams: &[Stream], region: Region) -> Result<(), RenderError> {

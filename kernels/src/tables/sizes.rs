@@ -15,8 +15,11 @@ const LONGEST_ROW: u64 = 1 << 15;
 pub const LIVE_REGIONS: u64 = 4;
 
 /// Bytes between two rows in a buffer: copies require a multiple of 256.
+pub(crate) const ROW_ALIGNMENT: u32 = 256;
+
+/// Texels between two rows in a buffer.
 pub(crate) fn pitch(width: u32) -> u32 {
-    width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4)
+    width.next_multiple_of(ROW_ALIGNMENT / 4)
 }
 
 /// The initial values of a program's streams.

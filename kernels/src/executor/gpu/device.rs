@@ -8,7 +8,7 @@ use super::error::{GpuError, first_line};
 use super::gate::{Gate, Held};
 use super::poller::{HostPolls, Poller};
 use super::probe::loops;
-use crate::plan::{Limits, Loops};
+use crate::plan::Loops;
 
 /// A device, its queue, and its state.
 pub struct Gpu {
@@ -130,12 +130,6 @@ fn rank(info: &wgpu::AdapterInfo) -> (u8, u8) {
         wgpu::DeviceType::Cpu => 4,
     };
     (kind, u8::from(info.backend == wgpu::Backend::Gl))
-}
-
-impl From<&Gpu> for Limits {
-    fn from(gpu: &Gpu) -> Self {
-        Self::of_adapter(&gpu.device.limits(), gpu.loops)
-    }
 }
 
 impl Gpu {

@@ -1,7 +1,5 @@
 //! A ray between two passes: its texels, decoded.
 
-use serde::Serialize;
-
 use super::states::{DONE, STATES};
 use super::streams::{
     ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_ORIGIN, STATE, STATE_CELL,
@@ -12,7 +10,8 @@ use crate::tables::state::Tag;
 use crate::tables::stream::{STATE_TAG, Stream};
 
 /// A ray's texels after some pass, decoded. Lengths and t are in traced units, as in the streams.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RayState {
     /// Origin.
     pub origin: [f32; 3],
@@ -21,7 +20,7 @@ pub struct RayState {
     /// The tag's name.
     pub state: &'static str,
     /// Tag of the state stream.
-    #[serde(skip)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub tag: Tag,
     /// Nearest t so far.
     pub t: Option<f32>,
@@ -40,7 +39,7 @@ pub struct RayState {
     /// Linear colour.
     pub color: Option<[f32; 3]>,
     /// Samples in the pixel's mean; absent if a pixel has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub samples: Option<u32>,
 }
 

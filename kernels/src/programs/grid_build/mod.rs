@@ -75,7 +75,7 @@ fn modules(_: &Features) -> Vec<(&'static str, Cow<'static, str>)> {
 mod device {
     pub(super) mod tests;
 }
-#[cfg(test)]
+#[cfg(all(test, feature = "gpu"))]
 mod soft_f64 {
     mod tests;
 }

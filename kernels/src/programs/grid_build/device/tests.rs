@@ -1,14 +1,15 @@
 //! Compares the whole program, run by the executors, with the host's build.
 
 use std::ops::ControlFlow;
+#[cfg(feature = "gpu")]
 use std::sync::Arc;
 
 use crate::compose::compose;
+#[cfg(feature = "gpu")]
 use crate::executor::gpu::{AdapterChoice, Gpu};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::{Options, RaySource};
-use crate::plan::Limits;
 use crate::plan::grid_build;
 use crate::programs::grid_build::modules;
 use crate::programs::grid_build::streams::FIRST_SPAN;
@@ -29,6 +30,7 @@ pub(crate) fn composed(root: &str, wgsl: &str) -> String {
 }
 
 /// An adapter, or a message that there is none.
+#[cfg(feature = "gpu")]
 pub(crate) fn gpu() -> Option<Arc<Gpu>> {
     match pollster::block_on(Gpu::new(&AdapterChoice::Best)) {
         Ok(gpu) => {
@@ -42,33 +44,11 @@ pub(crate) fn gpu() -> Option<Arc<Gpu>> {
     }
 }
 
-/// All words of a buffer.
-pub(crate) fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
-    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read back"),
-        size: buffer.size(),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
-    gpu.submit([encoder.finish()]);
-    copy.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("a device that answers");
-    gpu.health().expect("a device that works");
-    let view = copy.get_mapped_range(..).expect("mapped");
-    bytemuck::pod_collect_to_vec(&view)
-}
-
 /// A run that builds these lists.
 fn renderer(vertices: &[f32], wanted: &GridData, device: &Device) -> Renderer {
     let options = Options::new(RaySource::Given(Vec::new()));
-    let limits = match device {
-        Device::Gpu(gpu) => Limits::from(&**gpu),
-        Device::Cpu(_) | Device::CpuF64(_) => Limits::CPU,
-    };
     let units = Units::default();
-    let planned = grid_build::of(wanted.grid, wanted.growth, vertices.to_vec(), units, &options, &limits);
+    let planned = grid_build::of(wanted.grid, wanted.growth, vertices.to_vec(), units, &options, &device.limits());
     let (plan, data) = planned.expect("a plan");
     pollster::block_on(Renderer::from_plan(plan, data, &options, device)).expect("a run")
 }
@@ -83,6 +63,7 @@ fn compare(device: &Device) {
     }
 }
 
+#[cfg(feature = "gpu")]
 #[test]
 fn a_device_builds_the_grids_that_the_host_builds() {
     let Some(gpu) = gpu() else { return };
@@ -97,7 +78,9 @@ fn the_twins_build_the_grids_that_the_host_builds() {
 
 #[test]
 fn more_than_fits_is_refused_with_its_number() {
-    let devices = gpu().map(Device::Gpu).into_iter().chain([Device::Cpu(None)]);
+    let devices = [Device::Cpu(None)].into_iter();
+    #[cfg(feature = "gpu")]
+    let devices = devices.chain(gpu().map(Device::Gpu));
     let (_, vertices, wanted) = cases().swap_remove(0);
     for device in devices {
         let mut renderer = renderer(&vertices, &wanted, &device);

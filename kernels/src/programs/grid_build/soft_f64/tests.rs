@@ -2,7 +2,8 @@
 
 use wgpu::util::DeviceExt as _;
 
-use crate::programs::grid_build::device::tests::{composed, gpu, read};
+use crate::executor::gpu::Gpu;
+use crate::programs::grid_build::device::tests::{composed, gpu};
 
 /// Input of the shader: a and b, low word second, the bits of an f32 and of an i32.
 type Given = [u32; 6];
@@ -73,6 +74,24 @@ fn words(value: f64) -> [u32; 2] {
 /// Whether the bits are equal; any NaN equals any other, and if `zeros` is set, so do both zeros.
 fn same(got: f64, wanted: f64, zeros: bool) -> bool {
     got.to_bits() == wanted.to_bits() || (got.is_nan() && wanted.is_nan()) || (zeros && got == 0.0 && wanted == 0.0)
+}
+
+/// All words of a buffer.
+fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
+    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read back"),
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+    gpu.submit([encoder.finish()]);
+    copy.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("a device that answers");
+    gpu.health().expect("a device that works");
+    let view = copy.get_mapped_range(..).expect("mapped");
+    bytemuck::pod_collect_to_vec(&view)
 }
 
 #[test]

@@ -1,0 +1,269 @@
+//! The device that passes run on. Everything that differs between devices is here, so that few other files mention
+//! the feature `gpu`.
+
+#![cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a GPU uses some of them"))]
+
+use std::sync::Arc;
+
+use super::RenderError;
+use crate::executor::PassResult;
+use crate::executor::cpu::CpuExecutor;
+#[cfg(feature = "gpu")]
+use crate::executor::gpu::{Gpu, GpuExecutor, MOST_PASSES, Snapshot};
+use crate::executor::sizes::Sizes;
+use crate::plan::{Limits, Plan};
+use crate::program::Kernel;
+use crate::scene_data::SceneData;
+use crate::tables::elements::{Elements, Size};
+use crate::tables::state::StateCounts;
+use crate::tables::stream::{Region, Stream, StreamData};
+
+/// The device that passes run on.
+#[derive(Clone)]
+pub enum Device {
+    /// A wgpu device.
+    #[cfg(feature = "gpu")]
+    Gpu(Arc<Gpu>),
+    /// The twins in f32. The clock, in nanoseconds from any start, times passes if there is one.
+    Cpu(Option<fn() -> u64>),
+    /// The twins in f64, from the same f32 scene and camera.
+    CpuF64(Option<fn() -> u64>),
+}
+
+impl Device {
+    /// The default device, given the best adapter: that adapter, unless it is software. In that case the twins are
+    /// faster; they use `clock`.
+    #[cfg(feature = "gpu")]
+    #[must_use]
+    pub fn auto(gpu: Arc<Gpu>, clock: Option<fn() -> u64>) -> Self {
+        if gpu.is_software() { Self::Cpu(clock) } else { Self::Gpu(gpu) }
+    }
+
+    /// Whether it is a wgpu device.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        !matches!(self, Self::Cpu(_) | Self::CpuF64(_))
+    }
+
+    /// Its limits.
+    pub(crate) fn limits(&self) -> Limits {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => Limits::from(&**gpu),
+            Self::Cpu(_) | Self::CpuF64(_) => Limits::CPU,
+        }
+    }
+}
+
+/// Runs passes on one device.
+pub(super) enum Executor {
+    #[cfg(feature = "gpu")]
+    Gpu(Box<GpuExecutor>),
+    Cpu(CpuExecutor<f32>),
+    CpuF64(CpuExecutor<f64>),
+}
+
+/// The streams after some pass, kept on the device that they are from.
+pub(super) enum Kept {
+    #[cfg(feature = "gpu")]
+    Gpu(Box<Snapshot>),
+    Cpu(Box<CpuExecutor<f32>>),
+    CpuF64(Box<CpuExecutor<f64>>),
+}
+
+impl Executor {
+    /// With `timed`, passes are timed if the device has a clock.
+    pub(super) async fn new(
+        device: &Device,
+        plan: &Arc<Plan>,
+        data: &SceneData,
+        timed: bool,
+        given: &[StreamData],
+    ) -> Result<Self, RenderError> {
+        let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| timed);
+        Ok(match device {
+            #[cfg(feature = "gpu")]
+            Device::Gpu(gpu) => {
+                let mut executor = GpuExecutor::new(gpu.clone(), plan, data, timed).await?;
+                executor.give(given);
+                Self::Gpu(Box::new(executor))
+            }
+            Device::Cpu(clock) => Self::Cpu(CpuExecutor::new(plan, timer(clock))?),
+            Device::CpuF64(clock) => Self::CpuF64(CpuExecutor::new(plan, timer(clock))?),
+        })
+    }
+
+    /// Resets every stream to its initial value: the input streams to theirs, the others to unwritten values.
+    pub(super) fn clear(&mut self, given: &[StreamData]) {
+        match self {
+            // It keeps copies of the input streams.
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => return e.clear(),
+            Self::Cpu(e) => e.clear(),
+            Self::CpuF64(e) => e.clear(),
+        }
+        for data in given {
+            // A plan for input rays has these streams.
+            let _: bool = self.write(data);
+        }
+    }
+
+    pub(super) fn is_gpu(&self) -> bool {
+        !matches!(self, Self::Cpu(_) | Self::CpuF64(_))
+    }
+
+    /// Most passes per call of [`run`](Self::run) runs.
+    pub(super) fn most_passes(&self) -> usize {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => MOST_PASSES,
+            Self::Cpu(_) | Self::CpuF64(_) => 1,
+        }
+    }
+
+    /// Runs these passes; on a CPU, only the first.
+    pub(super) async fn run(
+        &mut self,
+        passes: &[Kernel],
+        counts: &StateCounts,
+        data: &SceneData,
+    ) -> Result<Vec<PassResult>, RenderError> {
+        Ok(match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.run(passes, counts).await?,
+            Self::Cpu(e) => vec![e.run(passes[0], data)?],
+            Self::CpuF64(e) => vec![e.run(passes[0], data)?],
+        })
+    }
+
+    pub(super) fn size(&self, elements: &Elements) -> Option<Size> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.size(elements),
+            Self::Cpu(e) => e.size(elements),
+            Self::CpuF64(e) => e.size(elements),
+        }
+    }
+
+    /// The current size of each set.
+    pub(super) fn sizes(&self) -> Sizes {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.sizes(),
+            Self::Cpu(e) => e.sizes(),
+            Self::CpuF64(e) => e.sizes(),
+        }
+    }
+
+    pub(super) fn resize(&mut self, sizes: Sizes) -> Result<(), RenderError> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.resize(sizes)?,
+            Self::Cpu(e) => e.resize(sizes)?,
+            Self::CpuF64(e) => e.resize(sizes)?,
+        }
+        Ok(())
+    }
+
+    pub(super) async fn read(&self, stream: Stream) -> Result<Option<StreamData>, RenderError> {
+        Ok(match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.read(stream).await?,
+            Self::Cpu(e) => e.read(stream),
+            Self::CpuF64(e) => e.read(stream),
+        })
+    }
+
+    pub(super) async fn read_texels(
+        &self,
+        streams: &[Stream],
+        x: u32,
+        y: u32,
+    ) -> Result<Option<Vec<Vec<u32>>>, RenderError> {
+        Ok(match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.read_texels(streams, x, y).await?,
+            Self::Cpu(e) => e.read_texels(streams, x, y),
+            Self::CpuF64(e) => e.read_texels(streams, x, y),
+        })
+    }
+
+    pub(super) async fn read_region(&self, stream: Stream, region: Region) -> Result<Option<StreamData>, RenderError> {
+        Ok(match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.read_region(stream, region).await?,
+            Self::Cpu(e) => e.read_region(stream, region),
+            Self::CpuF64(e) => e.read_region(stream, region),
+        })
+    }
+
+    /// Returns false if the plan left the stream out or the size differs.
+    pub(super) fn write(&mut self, data: &StreamData) -> bool {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.write(data),
+            Self::Cpu(e) => e.write(data),
+            Self::CpuF64(e) => e.write(data),
+        }
+    }
+
+    /// Replaces one component of one ray; on a GPU, this must not be its tag. Returns the number of rays in each state if
+    /// that may have changed.
+    pub(super) fn write_component(
+        &mut self,
+        stream: Stream,
+        layer: usize,
+        x: u32,
+        y: u32,
+        bits: u32,
+    ) -> Option<StateCounts> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => {
+                e.write_component(stream, layer, x, y, bits);
+                None
+            }
+            Self::Cpu(e) => {
+                e.write_component(stream, layer, x, y, bits);
+                Some(e.counts())
+            }
+            Self::CpuF64(e) => {
+                e.write_component(stream, layer, x, y, bits);
+                Some(e.counts())
+            }
+        }
+    }
+
+    pub(super) async fn snapshot(&mut self, counts: &StateCounts) -> Result<Kept, RenderError> {
+        Ok(match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => Kept::Gpu(Box::new(e.snapshot(counts).await?)),
+            Self::Cpu(e) => Kept::Cpu(Box::new(e.snapshot()?)),
+            Self::CpuF64(e) => Kept::CpuF64(Box::new(e.snapshot()?)),
+        })
+    }
+
+    /// Fails and changes nothing if the streams are kept on another device.
+    pub(super) fn restore(&mut self, kept: &Kept) -> Result<(), RenderError> {
+        match (self, kept) {
+            #[cfg(feature = "gpu")]
+            (Self::Gpu(e), Kept::Gpu(snapshot)) if snapshot.is_on(e.gpu()) => e.restore(snapshot)?,
+            (Self::Cpu(e), Kept::Cpu(kept)) => e.restore(kept)?,
+            (Self::CpuF64(e), Kept::CpuF64(kept)) => e.restore(kept)?,
+            _ => return Err(RenderError::OtherRun),
+        }
+        Ok(())
+    }
+}
+
+impl Kept {
+    /// Identity and bytes of each part.
+    pub(super) fn parts(&self) -> Vec<(usize, u64)> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(snapshot) => snapshot.parts().collect(),
+            Self::Cpu(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
+            Self::CpuF64(executor) => vec![(std::ptr::from_ref(&**executor).addr(), executor.bytes())],
+        }
+    }
+}
