@@ -1,7 +1,7 @@
 //! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may go another way.
 //!
 //! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal, and
-//! computed floats as near as the kernel's row allows (see [`rounding`](raystep_kernels::programs::closest_hit::rounding)),
+//! computed floats as near as the kernel's row allows (see [`rounding`]),
 //! except for rays that f32 cannot decide.
 
 mod judge;

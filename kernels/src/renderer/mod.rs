@@ -256,7 +256,8 @@ impl Renderer {
     }
 
     /// Time of all passes so far on the host's clock, in nanoseconds, including the wait for a GPU: known even if the
-    /// device's own clock is not valid. `None` if there is no such clock; see [`Gpu::check_clock`].
+    /// device's own clock is not valid. `None` if there is no such clock; see
+    /// [`Gpu::check_clock`](crate::Gpu::check_clock).
     #[must_use]
     pub fn host_ns(&self) -> Option<u64> {
         match &self.executor {
