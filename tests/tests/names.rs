@@ -7,33 +7,14 @@ use std::path::{Path, PathBuf};
 /// anything else asks the plan's program, its rows and roles.
 const MAY_NAME: &[(&str, &[&str])] = &[
     (
-        "what was hit, seen or counted is read from these streams",
-        &[
-            "app/src/commands/dump.rs",
-            "app/src/commands/dump/left_out.rs",
-            "app/src/commands/render.rs",
-            "kernels/lab/src/bench/measure.rs",
-            "kernels/lab/src/judge.rs",
-            "kernels/lab/src/judge/passes.rs",
-            "kernels/lab/src/report/resolved.rs",
-            "kernels/lab/src/stability/drift.rs",
-            "kernels/lab/src/stability/probe.rs",
-            "kernels/lab/src/watertight.rs",
-            "kernels/lab/src/work.rs",
-            "kernels/src/export/json.rs",
-            "kernels/src/renderer/given.rs",
-            "kernels/src/renderer/image.rs",
-            "kernels/src/renderer/results.rs",
-        ],
-    ),
-    (
-        "how far floats of a ray may be off, and what a ray that parts decides",
+        "how far floats of a ray may be off, along its walk too, and what a ray that differs decides",
         &[
             "kernels/lab/src/divergence.rs",
             "kernels/lab/src/parity.rs",
             "kernels/lab/src/rounding.rs",
             "kernels/lab/src/rounding/judge.rs",
             "kernels/lab/src/rounding/nudge.rs",
+            "kernels/lab/src/stability/drift.rs",
         ],
     ),
     (
@@ -43,7 +24,6 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "inspector/src/source.rs",
             "inspector/src/source/marks.rs",
             "inspector/src/ui/panels/kernel.rs",
-            "inspector/src/ui/panels/ray.rs",
             "inspector/src/ui/panels/structure/slice.rs",
             "inspector/src/walk.rs",
             "inspector/src/walk/cells.rs",
@@ -52,14 +32,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "kernels/src/history/mod.rs",
         ],
     ),
-    (
-        "panels about rays alone",
-        &[
-            "inspector/src/ui/panels/compare.rs",
-            "inspector/src/ui/panels/cost.rs",
-            "inspector/src/ui/panels/cost/lanes.rs",
-        ],
-    ),
+    ("panels about rays alone", &["inspector/src/ui/panels/compare.rs"]),
     ("the plan of each program", &["kernels/src/plan/mod.rs", "kernels/src/plan/grid_build.rs"]),
     (
         "the lists of the grid that was built, and the command that builds it",

@@ -13,7 +13,6 @@ use raystep_kernels::export::json::{self, AdapterInfo, RunOptions, StreamSummary
 use raystep_kernels::export::{csv, exr, npy};
 use raystep_kernels::plan::{Bytes, Plan};
 use raystep_kernels::programs;
-use raystep_kernels::programs::closest_hit::{PROGRAM, streams};
 use raystep_kernels::{Kernel, Pass, Renderer, Stream, StreamData};
 use raystep_lab::text::counted;
 use serde::Serialize;
@@ -185,9 +184,12 @@ fn fill(args: &DumpArgs, folder: &TargetFolder) -> Result<String, Error> {
     let mut session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
         options.program = args.program.program;
         options.steps_per_pass = args.run.tuning.steps_per_pass.unwrap_or(1);
-        options.counters = args.counters || named.contains(&streams::COUNTERS);
-        let needs_shading = |s| is_wanted(s) && needs_shading(s, options.schedule);
-        options.shade = PROGRAM.streams().any(needs_shading) || options.samples.count > 1;
+        let program = programs::named(options.program);
+        options.counters = args.counters || program.results.is_some_and(|results| named.contains(&results.counters));
+        options.shade = options.samples.count > 1
+            || program.results.is_some_and(|results| {
+                program.streams().any(|s| is_wanted(s) && needs_shading(s, &results, options.schedule))
+            });
     })?;
     // With many lights, shading takes several passes; how many is only known after running them.
     if !session.options.shade && session.scene.lights.len() as u64 > u64::from(session.chosen.limits().turns) {

@@ -10,7 +10,6 @@ use raystep_kernels::export::csv::{PassWork, PassesCsv};
 use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::trace_events::trace_events;
 use raystep_kernels::export::{exr, json};
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Image, Numerics, RayHit};
 use raystep_lab::judge::{Report, Traced, check_rays};
@@ -150,14 +149,18 @@ fn trace(running: &mut Running, per_pass: bool, progress: &Progress) -> Result<O
         chosen.wait(renderer.run(show))?;
         return Ok(None);
     }
+    let counters = renderer.plan().counters();
     let (mut all, mut before) = (Vec::new(), CounterSums::default());
     while let Some(pass) = chosen.wait(renderer.step())? {
         if matches!(pass.kernel.role(), Role::Enter | Role::Whole) {
             // Counters restart with every sample.
             before = CounterSums::default();
         }
-        let after =
-            CounterSums::of(&chosen.wait(renderer.values(streams::COUNTERS))?, renderer.plan()).unwrap_or_default();
+        let after = match counters {
+            Some(stream) => CounterSums::of(&chosen.wait(renderer.values(stream))?, renderer.plan()),
+            None => None,
+        }
+        .unwrap_or_default();
         all.push(PassWork {
             cells_visited: after.cells_visited.saturating_sub(before.cells_visited),
             triangles_tested: after.triangles_tested.saturating_sub(before.triangles_tested),
@@ -199,10 +202,8 @@ fn judge(report: &Report, running: &Running) -> Result<(), Error> {
 }
 
 fn counters(running: &Running) -> Result<Option<CounterSums>, Error> {
-    if !running.renderer.plan().has_stream(streams::COUNTERS) {
-        return Ok(None);
-    }
-    let values = running.chosen.wait(running.renderer.values(streams::COUNTERS))?;
+    let Some(counters) = running.renderer.plan().counters() else { return Ok(None) };
+    let values = running.chosen.wait(running.renderer.values(counters))?;
     Ok(CounterSums::of(&values, running.renderer.plan()))
 }
 

@@ -15,10 +15,9 @@ mod report;
 use std::ops::ControlFlow;
 
 use raystep_kernels::numbers::parallel::map_ranges;
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
-use raystep_kernels::renderer::{RenderError, Renderer, found};
-use raystep_kernels::tables::stream::{STATE_TAG, Stream, StreamData};
+use raystep_kernels::program::Results;
+use raystep_kernels::renderer::{RenderError, Renderer};
+use raystep_kernels::tables::stream::{Component, STATE_TAG, StreamData};
 
 use crate::Hash;
 use crate::rays::Random;
@@ -32,6 +31,7 @@ const TESTS_A_BATCH: usize = 1 << 24;
 /// The rays of a run and their hits so far.
 pub struct Traced<'a> {
     renderer: &'a Renderer,
+    results: Results,
     /// Origins, directions, states and hits from the run's streams; texels beyond the last ray are unused.
     pub streams: [StreamData; 4],
 }
@@ -55,13 +55,14 @@ impl<'a> Traced<'a> {
     /// # Errors
     /// If the plan omits one of them, or the device fails.
     pub async fn read(renderer: &'a Renderer) -> Result<Self, RenderError> {
+        let results = renderer.results()?;
         let streams = [
-            renderer.values(streams::RAY_ORIGIN).await?,
-            renderer.values(streams::RAY_DIRECTION).await?,
-            renderer.values(streams::STATE).await?,
-            renderer.values(streams::HIT).await?,
+            renderer.values(results.origin).await?,
+            renderer.values(results.direction).await?,
+            renderer.values(results.t.stream).await?,
+            renderer.values(results.triangle.stream).await?,
         ];
-        Ok(Self { renderer, streams })
+        Ok(Self { renderer, results, streams })
     }
 
     /// The number of rays.
@@ -90,17 +91,14 @@ impl<'a> Traced<'a> {
     #[must_use]
     pub fn hit(&self, ray: usize) -> Option<Hit> {
         let [_, _, state, hit] = &self.streams;
-        let (triangle, t) = found(state, hit, ray)?;
-        let exact = |stream: Stream, layer: usize, rounded: f32| {
+        let (triangle, t) = self.results.hit(state, hit, ray)?;
+        let exact = |Component { stream, layer }: Component, rounded: f32| {
             let wide = self.renderer.cpu_f64().and_then(|e| e.component(stream, layer, ray));
             wide.unwrap_or(f64::from(rounded))
         };
-        Some(Hit {
-            triangle,
-            t: exact(streams::STATE, STATE_T, t),
-            u: exact(streams::HIT, 0, hit.get_f32(0, ray)),
-            v: exact(streams::HIT, 1, hit.get_f32(1, ray)),
-        })
+        let weight = |layer| exact(Component { stream: hit.stream, layer }, hit.get_f32(layer, ray));
+        let [u, v] = self.results.weights.map(weight);
+        Some(Hit { triangle, t: exact(self.results.t, t), u, v })
     }
 
     /// Whether a ray's hit, or lack of one, is final.

@@ -2,8 +2,6 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::HIT_TRIANGLE;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::{Device, GridSize, Options, RaySource, RenderError, Renderer};
 use raystep_scenes::Scene;
@@ -44,8 +42,9 @@ pub async fn misses(
         (options.shade, options.grid) = (false, grid);
         let mut renderer = Renderer::new(scene, &options, device).await?;
         renderer.run(|_| ControlFlow::Continue(())).await?;
-        let hit = renderer.values(streams::HIT).await?;
-        let triangles = &hit.layer(HIT_TRIANGLE)[..renderer.plan().rays as usize];
+        let triangle = renderer.results()?.triangle;
+        let hit = renderer.values(triangle.stream).await?;
+        let triangles = &hit.layer(triangle.layer)[..renderer.plan().rays as usize];
         missed += triangles.iter().filter(|&&triangle| triangle == NO_TRIANGLE).count();
     }
     Ok(missed)

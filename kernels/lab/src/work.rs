@@ -2,7 +2,7 @@
 
 mod lanes;
 
-use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, StreamData};
@@ -76,7 +76,7 @@ impl Work {
 #[must_use]
 pub fn costs(counters: &StreamData, rays: usize, by: Measure) -> Option<Vec<u32>> {
     let layer = |layer: usize| &counters.layer(layer)[..rays.min(counters.layer(layer).len())];
-    (counters.stream == streams::COUNTERS).then(|| charged(by, layer(0), layer(1)))
+    programs::are_counters(counters.stream).then(|| charged(by, layer(0), layer(1)))
 }
 
 fn charged(by: Measure, cells: &[u32], triangles: &[u32]) -> Vec<u32> {
@@ -171,6 +171,8 @@ mod tests {
 
     use raystep_kernels::{Device, Options, RaySource, Renderer, ScheduleKind};
     use raystep_scenes::generate;
+
+    use raystep_kernels::programs::closest_hit::streams;
 
     use super::*;
 

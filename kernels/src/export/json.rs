@@ -1,6 +1,5 @@
 //! A run's summary, as values that serialise to JSON. Unknown values are `null`, never 0.
 
-use crate::programs::closest_hit::streams;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -180,7 +179,7 @@ impl CounterSums {
     #[must_use]
     pub fn of(data: &crate::tables::stream::StreamData, plan: &Plan) -> Option<Self> {
         let sum = |layer| data.layer(layer).iter().map(|&n| u64::from(n)).sum();
-        (data.stream == streams::COUNTERS).then(|| Self {
+        plan.program.results.is_some_and(|results| results.counters == data.stream).then(|| Self {
             cells_visited: sum(0),
             triangles_tested: sum(1),
             repeated_tests: plan

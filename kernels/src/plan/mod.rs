@@ -257,6 +257,12 @@ impl Plan {
         self.streams.iter().map(|s| s.bytes).sum::<u64>() + self.buffers.iter().map(|b| b.bytes).sum::<u64>()
     }
 
+    /// The stream of counters, if rays are counted.
+    #[must_use]
+    pub fn counters(&self) -> Option<Stream> {
+        self.program.results.map(|results| results.counters).filter(|&stream| self.has_stream(stream))
+    }
+
     /// Whether the run has this stream.
     #[must_use]
     pub fn has_stream(&self, stream: Stream) -> bool {

@@ -4,6 +4,7 @@
 pub mod breaks;
 pub mod check;
 pub mod kernel;
+pub mod results;
 pub mod schedule;
 pub mod sizes;
 
@@ -18,6 +19,7 @@ use crate::tables::state::{States, Tag};
 use crate::tables::stream::{Stream, StreamInfo};
 pub use check::Fault;
 pub use kernel::{Instance, Kernel, KernelInfo, Twin};
+pub use results::Results;
 
 /// A WGSL module: its name and its text.
 pub type Module = (&'static str, Cow<'static, str>);
@@ -36,6 +38,8 @@ pub struct Program {
     pub states: States,
     /// The states in which elements begin and end; `None` without states.
     pub course: Option<Course>,
+    /// The streams of its results, if it traces rays.
+    pub results: Option<Results>,
     /// Uniforms and storage buffers that its kernels read.
     pub buffers: &'static [BufferInfo],
     /// Lists of elements that wait for a kernel.

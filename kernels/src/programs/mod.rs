@@ -25,5 +25,11 @@ pub fn stream(name: &str) -> Option<Stream> {
     ALL.into_iter().find_map(|program| program.stream(name))
 }
 
+/// Whether a stream holds the costs of rays, of any program.
+#[must_use]
+pub fn are_counters(stream: Stream) -> bool {
+    ALL.into_iter().any(|program| program.results.is_some_and(|results| results.counters == stream))
+}
+
 #[cfg(test)]
 mod tests;

@@ -32,6 +32,9 @@ pub enum RenderError {
     /// The stream is not part of the plan.
     #[error("stream {0:?} is omitted from this run's plan")]
     NoStream(&'static str),
+    /// The program traces no rays.
+    #[error("program {0} traces no rays: it has no image and no hits")]
+    NoRays(&'static str),
     /// The image has no such pixels.
     #[error("{}x{} pixels from {},{} are not in an image of {width}x{height}", region.width, region.height, region.x, region.y)]
     NoPixel {

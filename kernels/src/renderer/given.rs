@@ -3,7 +3,7 @@
 use crate::numbers::units::exp2;
 use crate::options::Ray;
 use crate::plan::Plan;
-use crate::programs::closest_hit::streams::{INPUTS, STATE_T};
+use crate::program::Results;
 use crate::scene_data::{SceneData, traced_ray};
 use crate::shared::constants::INF;
 use crate::tables::stream::{Stream, StreamData};
@@ -15,7 +15,7 @@ pub(super) struct GivenRays {
 }
 
 impl GivenRays {
-    pub(super) fn new(rays: &[Ray], plan: &Plan, data: &SceneData) -> Self {
+    pub(super) fn new(rays: &[Ray], results: &Results, plan: &Plan, data: &SceneData) -> Self {
         let texels = plan.width as usize * plan.height as usize;
         let unwritten = |stream: Stream| StreamData {
             stream,
@@ -23,7 +23,7 @@ impl GivenRays {
             height: plan.height,
             bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
         };
-        let mut streams = INPUTS.map(unwritten);
+        let mut streams = [results.origin, results.direction, results.t.stream].map(unwritten);
         let any_hit = data.features.any_hit;
         let mut exponents = Vec::with_capacity(rays.len());
         for (i, ray) in rays.iter().take(texels).enumerate() {
@@ -35,7 +35,7 @@ impl GivenRays {
             streams[2].bits[i] = plan.program.course.map_or(0, |course| course.born);
             if any_hit {
                 // Hits beyond the ray's end at t = 1 do not count.
-                streams[2].bits[STATE_T * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();
+                streams[2].bits[results.t.layer * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();
             }
             exponents.push(exponent);
         }

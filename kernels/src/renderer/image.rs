@@ -1,7 +1,6 @@
 //! The image: linear light in memory and EXR, sRGB in PNG.
 
 use crate::numbers::srgb::linear_to_srgb;
-use crate::programs::closest_hit::streams::HIT_TRIANGLE;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::StreamData;
 
@@ -17,17 +16,17 @@ pub struct Image {
 }
 
 impl Image {
-    pub(crate) fn from_streams(color: &StreamData, hit: &StreamData) -> Self {
+    pub(crate) fn from_streams(color: &StreamData, triangles: &[u32]) -> Self {
         let pixels = (0..color.width as usize * color.height as usize)
             .map(|i| {
-                let alpha = if hit.get(HIT_TRIANGLE, i) == NO_TRIANGLE { 0.0 } else { 1.0 };
+                let alpha = if triangles[i] == NO_TRIANGLE { 0.0 } else { 1.0 };
                 [color.get_f32(0, i), color.get_f32(1, i), color.get_f32(2, i), alpha]
             })
             .collect();
         Self { width: color.width, height: color.height, pixels }
     }
 
-    /// From the stream `accumulated`.
+    /// From the mean of several samples.
     pub(crate) fn from_mean(mean: &StreamData) -> Self {
         let pixel = |i| [0, 1, 2, 3].map(|layer| mean.get_f32(layer, i));
         let pixels = (0..mean.width as usize * mean.height as usize).map(pixel).collect();

@@ -34,7 +34,7 @@ use given::GivenRays;
 pub use lists::Lists;
 use records::Records;
 pub use records::{KernelSummary, PassTotals};
-pub use results::{RayHit, found};
+pub use results::RayHit;
 
 /// One pass that has run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,8 +116,8 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         let (plan, data) = (plan.into(), data.into());
         let given = match &options.rays {
-            RaySource::Given(rays) if plan.program.course.is_some() => Some(GivenRays::new(rays, &plan, &data)),
-            RaySource::Given(_) | RaySource::Camera { .. } => None,
+            RaySource::Given(rays) => plan.program.results.map(|results| GivenRays::new(rays, &results, &plan, &data)),
+            RaySource::Camera { .. } => None,
         };
         let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
         let executor = Executor::new(device, &plan, &data, options.timings, streams).await?;

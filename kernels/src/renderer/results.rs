@@ -2,9 +2,8 @@
 
 use super::{RenderError, Renderer};
 use crate::numbers::units::exp2;
-use crate::programs::closest_hit::streams::{self, HIT_TRIANGLE, STATE_T};
+use crate::program::Results;
 use crate::renderer::image::Image;
-use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::elements::Size;
 use crate::tables::stream::{Region, Stream, StreamData};
 
@@ -21,14 +20,15 @@ pub struct RayHit {
     pub triangle: u32,
 }
 
-/// The triangle that a ray (y * width + x) hit and t in traced units, from the streams `state` and `hit`.
-#[must_use]
-pub fn found(state: &StreamData, hit: &StreamData, ray: usize) -> Option<(u32, f32)> {
-    let (triangle, t) = (hit.get(HIT_TRIANGLE, ray), state.get_f32(STATE_T, ray));
-    (triangle != NO_TRIANGLE && t < INF).then_some((triangle, t))
-}
-
 impl Renderer {
+    /// The streams that the results of rays are in.
+    ///
+    /// # Errors
+    /// If the program traces no rays.
+    pub fn results(&self) -> Result<Results, RenderError> {
+        self.plan.program.results.ok_or(RenderError::NoRays(self.plan.program.name))
+    }
+
     /// The texture of a stream, if passes run on a GPU.
     #[cfg(feature = "gpu")]
     #[must_use]
@@ -98,12 +98,13 @@ impl Renderer {
     /// # Errors
     /// If the run does not shade, or the device fails.
     pub async fn image(&self) -> Result<Image, RenderError> {
+        let results = self.results()?;
         if self.plan.features.samples {
-            return Ok(Image::from_mean(&self.values(streams::ACCUMULATED).await?));
+            return Ok(Image::from_mean(&self.values(results.mean).await?));
         }
-        let color = self.values(streams::COLOR).await?;
-        let hit = self.values(streams::HIT).await?;
-        Ok(Image::from_streams(&color, &hit))
+        let color = self.values(results.color).await?;
+        let hit = self.values(results.triangle.stream).await?;
+        Ok(Image::from_streams(&color, hit.layer(results.triangle.layer)))
     }
 
     /// Factor from t of ray `index` (y * width + x) in a stream to t of the ray in scene units: the traced unit's size,
@@ -119,11 +120,13 @@ impl Renderer {
     /// # Errors
     /// If the device fails.
     pub async fn hits(&self) -> Result<Vec<Option<RayHit>>, RenderError> {
-        let hit = self.values(streams::HIT).await?;
-        let state = self.values(streams::STATE).await?;
+        let results = self.results()?;
+        let hit = self.values(results.triangle.stream).await?;
+        let t = self.values(results.t.stream).await?;
         let hit_of = |i: usize| {
-            let (triangle, t) = found(&state, &hit, i)?;
-            Some(RayHit { t: f64::from(t) * self.t_scale(i), u: hit.get_f32(0, i), v: hit.get_f32(1, i), triangle })
+            let (triangle, t) = results.hit(&t, &hit, i)?;
+            let [u, v] = results.weights.map(|layer| hit.get_f32(layer, i));
+            Some(RayHit { t: f64::from(t) * self.t_scale(i), u, v, triangle })
         };
         Ok((0..self.plan.rays as usize).map(hit_of).collect())
     }

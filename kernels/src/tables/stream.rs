@@ -159,6 +159,15 @@ impl serde::Serialize for Stream {
     }
 }
 
+/// A layer of a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Component {
+    /// The stream.
+    pub stream: Stream,
+    /// The layer.
+    pub layer: usize,
+}
+
 /// A region of an image, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Region {

@@ -1,7 +1,7 @@
 //! Passes that a dump omits, and their numbers.
 
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::program::Results;
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, ScheduleKind, Stream};
 
@@ -12,9 +12,9 @@ pub(super) const NOT_NEEDED: &str = "it changes none of the requested streams";
 
 /// Whether a stream's values require shading: only shading writes it, shading changes it, or, with the fused kernel, it
 /// holds the rays that are generated for shading.
-pub(super) fn needs_shading(stream: Stream, schedule: ScheduleKind) -> bool {
-    let is_ray = [streams::RAY_ORIGIN, streams::RAY_DIRECTION].contains(&stream);
-    [streams::STATE, streams::COLOR, streams::ACCUMULATED].contains(&stream) || is_ray && !schedule.is_stepped()
+pub(super) fn needs_shading(stream: Stream, results: &Results, schedule: ScheduleKind) -> bool {
+    let is_ray = [results.origin, results.direction].contains(&stream);
+    [results.t.stream, results.color, results.mean].contains(&stream) || is_ray && !schedule.is_stepped()
 }
 
 /// Passes of the full run that this one omits. They keep their numbers.
@@ -78,6 +78,7 @@ mod tests {
                     variant.is_some_and(|v| v.written_streams().any(|written| written == stream))
                 };
                 let LeftOut { first, last } = LeftOut::of(&without);
+                let results = with.program.results.expect("a program that traces rays");
                 for planned in &with.streams {
                     // A first write does not matter if it is overwritten.
                     let is_written = without.schedule.kernels().into_iter().any(|k| writes(Some(k), planned.what));
@@ -85,7 +86,7 @@ mod tests {
                         && !writes(last, planned.what)
                         && (!writes(first, planned.what) || is_written);
                     assert_eq!(
-                        needs_shading(planned.what, schedule),
+                        needs_shading(planned.what, &results, schedule),
                         !can_do_without,
                         "{schedule} {accelerator}: {}",
                         planned.what.name()

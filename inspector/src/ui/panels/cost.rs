@@ -7,7 +7,6 @@ use curve::Curve;
 use egui::{RichText, ScrollArea, Ui};
 use egui_extras::{Column, TableBuilder};
 use lanes::LanesView;
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_lab::work::{CostOrder, Measure, costs};
 use serde::{Deserialize, Serialize};
 
@@ -179,7 +178,7 @@ impl Cost {
             self.sorted = None;
         }
         let is_at_end = cx.model.next.is_none() && cx.model.place == cx.model.passes.len();
-        let has_counters = cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(streams::COUNTERS));
+        let has_counters = cx.model.opened.as_ref().is_some_and(|opened| opened.plan.counters().is_some());
         if let Some(wanted) = of
             && is_at_end
             && has_counters
@@ -212,7 +211,7 @@ impl Cost {
                 }
             }
         });
-        if !cx.model.opened.as_ref().is_some_and(|opened| opened.plan.has_stream(streams::COUNTERS)) {
+        if cx.model.opened.as_ref().is_none_or(|opened| opened.plan.counters().is_none()) {
             ui.label("This run has no counters. Enable them in the options to see the cost of rays.");
             if ui.button("Options").clicked() {
                 cx.todo.push(Command::Show(PaneKind::Options));
@@ -325,7 +324,8 @@ fn sort(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
         if renderer.next_kernel().is_some() {
             return Ok(Box::new((of, None::<Sorted>)) as _);
         }
-        let counters = job.session.stream(streams::COUNTERS).await.map_err(|error| error.to_string())?;
+        let Some(counters) = renderer.plan().counters() else { return Ok(Box::new((of, None::<Sorted>)) as _) };
+        let counters = job.session.stream(counters).await.map_err(|error| error.to_string())?;
         let sorted = costs(&counters, rays, of.measure).map(|costs| {
             let order = CostOrder::new(costs);
             let dearest = [0.01, 0.1].map(|share| order.share_of_dearest(share));

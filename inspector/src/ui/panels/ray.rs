@@ -3,7 +3,7 @@
 use egui::{Color32, RichText};
 use egui_extras::{Column, TableBuilder};
 use raystep_kernels::export::trace::{Trace, TraceRow};
-use raystep_kernels::programs::closest_hit::states;
+use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
 use crate::draw::stream::state_color;
@@ -119,6 +119,7 @@ impl RayView {
             table = table.scroll_to_row(row, Some(egui::Align::Center));
         }
         self.shown = current;
+        let states = cx.model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
         let mut chosen = None;
         table
             .header(height, |mut header| {
@@ -146,7 +147,7 @@ impl RayView {
                             }
                             ui.horizontal(|ui| {
                                 if c == 2 {
-                                    let [r, g, b] = state_color(states::STATES, row.after.tag);
+                                    let [r, g, b] = state_color(states, row.after.tag);
                                     let (rect, _) = ui.allocate_exact_size(egui::vec2(7.0, 12.0), egui::Sense::hover());
                                     ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
                                 }

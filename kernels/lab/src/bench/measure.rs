@@ -7,7 +7,6 @@ use raystep_kernels::export::csv::RunContext;
 use raystep_kernels::export::json::{CounterSums, hit_count};
 use raystep_kernels::export::structure::{Structure, structure_bytes};
 use raystep_kernels::plan::Plan;
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind};
 
 use super::{Details, Measured, SCHEMA_VERSION, SummaryRow, Wanted, tuning_text, useful_steps_per_thread};
@@ -210,12 +209,10 @@ impl<'a> Bench<'a> {
     fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
         let (scene, machine) = (&group.subject.scene, self.machine());
         let (plan, data) = Plan::new(scene, options, &machine.limits()).ok()?;
-        if !plan.has_stream(streams::COUNTERS) {
-            return None;
-        }
+        let counters = plan.counters()?;
         let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device)).ok()?;
         machine.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
-        CounterSums::of(&machine.wait(renderer.values(streams::COUNTERS)).ok()?, renderer.plan())
+        CounterSums::of(&machine.wait(renderer.values(counters)).ok()?, renderer.plan())
     }
 
     /// Times everything that is built, interleaved, and drops it.

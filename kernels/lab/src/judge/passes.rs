@@ -8,7 +8,6 @@
 use std::ops::{ControlFlow, Range};
 
 use raystep_kernels::numbers::parallel::map_ranges;
-use raystep_kernels::programs::closest_hit::{states, streams};
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Pass, Plan, RenderError, Renderer};
 
@@ -72,7 +71,7 @@ impl Judgement {
 /// Why the rays of a run cannot be judged, in one line; `None` if they can.
 #[must_use]
 pub fn why_not(plan: &Plan) -> Option<&'static str> {
-    let needed = [streams::RAY_ORIGIN, streams::RAY_DIRECTION, streams::STATE, streams::HIT];
+    let Some(results) = plan.program.results else { return Some("not judged: the program traces no rays") };
     if plan.features.any_hit {
         Some("not judged: rays end at the first hit found, which may not be the nearest")
     } else if plan.features.samples {
@@ -80,7 +79,7 @@ pub fn why_not(plan: &Plan) -> Option<&'static str> {
             "not judged: with several samples per pixel, only the last one's rays are available; trace with one \
               sample",
         )
-    } else if !needed.into_iter().all(|stream| plan.has_stream(stream)) {
+    } else if !results.of_hits().into_iter().all(|stream| plan.has_stream(stream)) {
         Some("not judged: the rays are generated within a kernel, and are not in a stream")
     } else {
         None
@@ -139,9 +138,10 @@ pub async fn judge_passes(
         }
         let part = AGAIN + (WHOLE - AGAIN) * i as u64 / places.len() as u64;
         renderer.run_to(place, |_| progress(part, WHOLE)).await?;
-        let now = renderer.values(streams::STATE).await?;
+        let now = renderer.values(renderer.results()?.t.stream).await?;
         for wrong in judgement.wrong.iter_mut().filter(|wrong| wrong.resolved_by.is_none()) {
-            wrong.resolved_by = states::STATES.is_decided(now.get(STATE_TAG, wrong.ray)).then_some(place);
+            wrong.resolved_by =
+                renderer.plan().program.states.is_decided(now.get(STATE_TAG, wrong.ray)).then_some(place);
         }
     }
     judgement.wrong.sort_by_key(|wrong| (wrong.resolved_by.unwrap_or(usize::MAX), wrong.ray));
@@ -158,7 +158,7 @@ fn places(passes: &[Pass], most: usize) -> Vec<usize> {
     let mut before = 0;
     let mut all = Vec::new();
     for (pass, place) in passes.iter().zip(1..) {
-        let now = states::STATES.decided(&pass.counts);
+        let now = pass.kernel.program().states.decided(&pass.counts);
         if now != before {
             all.push(place);
         }
@@ -172,6 +172,8 @@ fn places(passes: &[Pass], most: usize) -> Vec<usize> {
 mod tests {
     use raystep_kernels::{Accelerator, Device, GridSize, Numerics, Options, RaySource, ScheduleKind};
     use raystep_scenes::generate;
+
+    use raystep_kernels::programs::closest_hit::{states, streams};
 
     use super::*;
 
@@ -205,7 +207,7 @@ mod tests {
         assert_eq!((robust.rays, robust.counts.rays(), robust.wrong.len()), (64 * 64, 64 * 64, 0));
         assert_eq!(robust.counts.errors(), 0);
         assert!(robust.counts.same > 4000, "{robust:?}");
-        let counts: Vec<u64> = passes.iter().map(|pass| states::STATES.decided(&pass.counts)).collect();
+        let counts: Vec<u64> = passes.iter().map(|pass| pass.kernel.program().states.decided(&pass.counts)).collect();
         assert!(counts.is_sorted() && counts[0] == 0, "{counts:?}");
         assert_eq!(counts.last(), Some(&(64 * 64)));
 

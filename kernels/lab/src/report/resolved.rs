@@ -7,7 +7,6 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use raystep_kernels::programs::closest_hit::{states, streams};
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKind};
 
@@ -193,7 +192,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
             .set("pass_index", r.pass)
             .set("kernel", passes[r.pass].kernel.name())
             .set("time_ns", ends_ns[r.pass])
-            .set("resolved_rays", states::STATES.decided(&passes[r.pass].counts))
+            .set("resolved_rays", passes[r.pass].kernel.program().states.decided(&passes[r.pass].counts))
             .set("judged_resolved_rays", resolved.len())
             .set("judged_wrong_rays", count(Verdict::is_error))
             .set("judged_undecided_rays", count(|v| v == Verdict::Tie))
@@ -279,7 +278,7 @@ fn read_back(
     let mut before = 0;
     renderer.restart();
     for (index, pass) in passes.iter().enumerate() {
-        let now = states::STATES.decided(&pass.counts);
+        let now = pass.kernel.program().states.decided(&pass.counts);
         let is_last = index + 1 == passes.len();
         if now == before && !is_last {
             continue;
@@ -287,8 +286,8 @@ fn read_back(
         work.reporter.part("reading back", index as u64, passes.len() as u64);
         work.machine().wait(renderer.run_to(index + 1, |_| ControlFlow::Continue(())))?;
         if now != before || is_last {
-            let tags = work.machine().wait(renderer.values(streams::STATE))?;
-            let is_done = |&ray: &usize| states::STATES.is_decided(tags.get(STATE_TAG, ray));
+            let tags = work.machine().wait(renderer.values(renderer.results()?.t.stream))?;
+            let is_done = |&ray: &usize| renderer.plan().program.states.is_decided(tags.get(STATE_TAG, ray));
             read.push(ReadBack { pass: index, is_resolved: judge.sample().iter().map(is_done).collect() });
         }
         before = now;

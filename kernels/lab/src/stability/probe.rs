@@ -7,8 +7,6 @@
 use raystep_kernels::export::csv;
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::{HIT_TRIANGLE, STATE_T};
 use raystep_kernels::renderer::{Device, Renderer};
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 
@@ -103,9 +101,12 @@ pub async fn run(pipeline: &Pipeline, workloads: &[Workload; 2], device: &Device
     let scene = &workloads[usize::from(pipeline.is_camera)].scene;
     let mut renderer = Renderer::new(scene, &pipeline.options, device).await?;
     renderer.run(|_| std::ops::ControlFlow::Continue(())).await?;
-    let (state, hit) = (renderer.values(streams::STATE).await?, renderer.values(streams::HIT).await?);
+    let results = renderer.results()?;
+    let (t, hit) = (renderer.values(results.t.stream).await?, renderer.values(results.triangle.stream).await?);
+    let [u, v] = results.weights;
     let rays = renderer.plan().rays as usize;
-    let of = |ray| [hit.get(HIT_TRIANGLE, ray), state.get(STATE_T, ray), hit.get(0, ray), hit.get(1, ray)];
+    let of =
+        |ray| [hit.get(results.triangle.layer, ray), t.get(results.t.layer, ray), hit.get(u, ray), hit.get(v, ray)];
     Ok(Bits { rays: (0..rays).map(of).collect() })
 }
 

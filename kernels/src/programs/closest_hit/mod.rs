@@ -34,9 +34,10 @@ use ray_state::RayState;
 use rounding::Rounding;
 
 use crate::options::features::Features;
-use crate::program::{Course, Kernel, Program};
+use crate::program::{Course, Kernel, Program, Results};
 use crate::scene_data::SceneData;
 use crate::shared::{self, constants};
+use crate::tables::stream::Component;
 
 /// The program.
 pub static PROGRAM: Program = Program {
@@ -52,6 +53,16 @@ pub static PROGRAM: Program = Program {
         born: states::TRAV_SETUP,
         given_up: states::BACKGROUND,
         done: states::DONE,
+    }),
+    results: Some(Results {
+        origin: streams::RAY_ORIGIN,
+        direction: streams::RAY_DIRECTION,
+        t: Component { stream: streams::STATE, layer: streams::STATE_T },
+        triangle: Component { stream: streams::HIT, layer: streams::HIT_TRIANGLE },
+        weights: [0, 1],
+        color: streams::COLOR,
+        mean: streams::ACCUMULATED,
+        counters: streams::COUNTERS,
     }),
     buffers: buffers::BUFFERS,
     lists: &kernels::LISTS,

@@ -54,6 +54,7 @@ pub static PROGRAM: Program = Program {
     streams: &streams::STREAMS,
     states: States(&[]),
     course: None,
+    results: None,
     buffers: &buffers::BUFFERS,
     lists: &[],
     kernels: &kernels::KERNELS,

@@ -1,7 +1,6 @@
 //! Useful lanes: of every 32 threads that a GPU runs together, the number that have a ray to process.
 
 use egui::Ui;
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Kernel, Pass, Plan};
 use raystep_lab::text::counted;
@@ -142,7 +141,10 @@ fn count(job: JobContext<'_>, of: Of, kernel: Kernel) -> JobFuture<'_> {
         if job.session.place() != of.place || renderer.next_kernel() != Some(kernel) {
             return Ok(Box::new((of, None::<Lanes>)) as _);
         }
-        let state = job.session.stream(streams::STATE).await.map_err(|error| error.to_string())?;
+        let Some(states) = renderer.plan().program.state_stream() else {
+            return Ok(Box::new((of, None::<Lanes>)) as _);
+        };
+        let state = job.session.stream(states).await.map_err(|error| error.to_string())?;
         let lanes = Lanes::of(&ahead(of.place, kernel, 0), renderer.plan(), state.layer(STATE_TAG));
         Ok(Box::new((of, lanes)) as _)
     })

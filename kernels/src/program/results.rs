@@ -1,0 +1,40 @@
+//! Where the results of a program's rays are, so that images, hits and costs are read alike from every such program.
+
+use crate::shared::constants::{INF, NO_TRIANGLE};
+use crate::tables::stream::{Component, Stream, StreamData};
+
+/// The streams of a program that traces rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Results {
+    /// Origin of each ray: x, y, z.
+    pub origin: Stream,
+    /// Its direction: x, y, z.
+    pub direction: Stream,
+    /// t of the nearest hit so far, [`INF`] without one. Its stream holds the tags, too.
+    pub t: Component,
+    /// The triangle that was hit, [`NO_TRIANGLE`] without a hit.
+    pub triangle: Component,
+    /// Barycentric weights of vertices 1 and 2, in the stream of the triangle.
+    pub weights: [usize; 2],
+    /// The ray's colour: r, g, b in linear light.
+    pub color: Stream,
+    /// The mean of a pixel's samples: r, g, b, and the share of samples that hit.
+    pub mean: Stream,
+    /// Costs: cells or nodes visited, triangles tested, tests repeated.
+    pub counters: Stream,
+}
+
+impl Results {
+    /// The streams that every ray's hit follows from: origin, direction, t and triangle.
+    #[must_use]
+    pub fn of_hits(&self) -> [Stream; 4] {
+        [self.origin, self.direction, self.t.stream, self.triangle.stream]
+    }
+
+    /// The triangle that a ray (y * width + x) hit and t in traced units, from the streams of t and of the triangle.
+    #[must_use]
+    pub fn hit(&self, t: &StreamData, triangle: &StreamData, ray: usize) -> Option<(u32, f32)> {
+        let (triangle, t) = (triangle.get(self.triangle.layer, ray), t.get_f32(self.t.layer, ray));
+        (triangle != NO_TRIANGLE && t < INF).then_some((triangle, t))
+    }
+}
