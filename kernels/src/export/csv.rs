@@ -74,8 +74,8 @@ pub enum Timer {
         /// Smallest step seen.
         resolution_ns: Option<f64>,
     },
-    /// The host's clock around the whole run: the device has none, or not a valid one, see
-    /// [`crate::ClockCheck`]. No pass has a time.
+    /// The host's clock around the whole run: the device has none, or not a valid one, see [`crate::ClockCheck`].
+    /// No pass has a time.
     Host {
         /// Smallest step seen.
         resolution_ns: Option<f64>,

@@ -24,7 +24,7 @@ pub enum Count {
         /// Name of the stream.
         in_stream: &'static str,
     },
-    /// `each` elements for every `per` elements of another set, the last of which may be incomplete: totals of blocks,
+    /// `each` elements for every block of `per` elements of another set; the last block may have fewer. Totals of blocks,
     /// for example.
     Per {
         /// Name of the other set.
