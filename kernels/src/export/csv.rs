@@ -17,7 +17,7 @@
 //! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stay for the next pass |
 //! | `threads_launched` | by this pass, with or without a ray to work on; see [`Pass::threads_launched`] |
 //! | `cells_visited`, `triangles_tested` | by this pass (with a BVH, nodes); known if counters were requested |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that does not agree with the host's, so that only the whole run has a time; empty if nothing was timed |
+//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: only the whole run has a time; empty if nothing was timed |
 //! | `timer_resolution_ns` | smallest step of that clock |
 //! | `valid` | `true` if the timer gave a duration, `false` if it failed to; empty if nothing was timed |
 //! | `host_run_ns` | time of the whole run on the host's clock, including the wait for the device; known if `timer_source` is `host` |

@@ -11,8 +11,8 @@ use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
 use crate::structures::Structure;
 
 /// If the adapter ends no loop, walks through a BVH can wait for the next dispatch only if they may take more than this
-/// many times [`Limits::turns`]. Only a ray made for the purpose meets all boxes of a BVH, and it costs nothing but time;
-/// code that can wait makes `fused` 15% slower for every ray on an H200.
+/// many times [`Limits::turns`]. Only a ray made for the purpose meets all boxes of a BVH, and it costs only time; code
+/// that can wait makes `fused` 15% slower for every ray on an H200.
 const BUDGETS_OF_A_TREE: u64 = 16;
 
 /// The loops that may take too many iterations.
