@@ -30,7 +30,7 @@ fn feature_sets() -> Vec<Features> {
         let in_cell = grid && !robust;
         let base = Features { robust, watertight: robust, in_cell, grid, bvh, ..Features::default() };
         sets.push(base);
-        // Without one of the robust rules at a time.
+        // One of the robust rules changed at a time.
         let without: [fn(&mut Features); 4] =
             [|f| f.watertight = false, |f| f.contracted = true, |f| f.drifting = f.grid, |f| f.in_cell = f.grid];
         for change in without.into_iter().filter(|_| robust) {

@@ -117,8 +117,8 @@ pub(super) fn line_of(text: &str, at: usize) -> usize {
     text[..at].matches('\n').count() + 1
 }
 
-/// The start of the comment lines right above a byte offset; without any, the start of its own line if only spaces
-/// precede it there, else the offset itself.
+/// If only spaces precede a byte offset on its line, the start of that line, or of the comment lines right above it;
+/// else the offset itself.
 pub(super) fn with_comment_above(text: &str, at: usize) -> usize {
     let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
     if !text[line..at].trim().is_empty() {

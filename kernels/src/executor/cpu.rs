@@ -69,7 +69,7 @@ impl<R: Precision> Rows<R> {
     fn resize(&mut self, size: Option<Size>) -> Result<(), OutOfMemory> {
         let count = size.map_or(0, |size| size.texels() as usize * self.layout.stride);
         let bytes = (count * size_of::<R::Bits>()) as u64;
-        // No memory, so no elements.
+        // If the allocation fails, the set is left without elements.
         (self.size, self.texels) = (None, Vec::new());
         self.texels.try_reserve_exact(count).map_err(|_| OutOfMemory { bytes })?;
         self.texels.resize(count, R::Bits::default());

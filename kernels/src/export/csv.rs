@@ -16,8 +16,8 @@
 //! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
 //! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stay for the next pass |
 //! | `threads_launched` | by this pass, with or without a ray to work on; see [`Pass::threads_launched`] |
-//! | `cells_visited`, `triangles_tested` | by this pass, with a BVH nodes; known if counters were requested |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or an invalid one compared with the host's, and only the whole run has a time; empty if nothing was timed |
+//! | `cells_visited`, `triangles_tested` | by this pass (with a BVH, nodes); known if counters were requested |
+//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: only the whole run has a time; empty if nothing was timed |
 //! | `timer_resolution_ns` | smallest step of that clock |
 //! | `valid` | `true` if the timer gave a duration, `false` if it failed to; empty if nothing was timed |
 //! | `host_run_ns` | time of the whole run on the host's clock, including the wait for the device; known if `timer_source` is `host` |
@@ -74,7 +74,8 @@ pub enum Timer {
         /// Smallest step seen.
         resolution_ns: Option<f64>,
     },
-    /// The host's clock around the whole run: the device's is not valid, see [`crate::ClockCheck`]. No pass has a time.
+    /// The host's clock around the whole run: the device has none, or not a valid one, see [`crate::ClockCheck`].
+    /// No pass has a time.
     Host {
         /// Smallest step seen.
         resolution_ns: Option<f64>,

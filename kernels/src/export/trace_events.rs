@@ -28,7 +28,7 @@ use crate::tables::state::{COUNT, StateCounts};
 const PROCESS: u32 = 1;
 /// The track of passes.
 const PASSES: u32 = 1;
-/// The track of a run that was timed only by the host.
+/// The track of gaps between passes.
 const GAPS: u32 = 2;
 /// The track of a run that only the host has timed.
 const HOST: u32 = 3;

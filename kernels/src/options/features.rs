@@ -1,4 +1,4 @@
-//! The options of the kernels that are decided at composition, and why a run does without some of them.
+//! The options of the kernels, decided when their WGSL is composed.
 
 use crate::shared::grid_walk::WalkRules;
 use crate::shared::samples::Sampler;

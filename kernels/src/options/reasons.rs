@@ -28,9 +28,9 @@ pub struct Run<'a> {
     pub accelerator: Accelerator,
 }
 
-/// The schedule takes single steps.
+/// The schedule moves rays in passes of steps.
 pub const STEPPED: Reason = (Because::Options, "the schedule steps");
-/// The schedule takes no single steps.
+/// The schedule traces rays in one kernel, not in passes of steps.
 pub const FUSED: Reason = (Because::Options, "--schedule fused");
 /// One kernel both steps and tests.
 pub const MANY_STEPS: Reason = (Because::Options, "several steps per pass are taken in one kernel");

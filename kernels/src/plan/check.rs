@@ -116,7 +116,8 @@ pub enum PlanError {
     Shader(#[from] ShaderError),
 }
 
-/// Most texels of all textures together: two words each need a 32-bit index, and products of a row a sign bit.
+/// Most texels of all textures together: kernels compute a texel's position in its texture as i32, and the index of its
+/// two words as u32.
 pub const MAX_TEXELS: u64 = 1 << 30;
 
 pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32, u64), PlanError> {

@@ -21,7 +21,7 @@ pub(super) struct Resolved {
     pub(super) features: Features,
     /// The structure.
     pub(super) structure: Structure,
-    /// Corners in traced units, nine floats a triangle.
+    /// Corners in traced units, nine floats per triangle.
     pub(super) vertices: Vec<f32>,
 }
 

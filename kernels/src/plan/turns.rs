@@ -10,9 +10,9 @@ use crate::options::features::Features;
 use crate::shared::constants::{NODES_A_STEP, TURNS_A_TEST};
 use crate::structures::Structure;
 
-/// Most budgets that a BVH's iterations may take before walks resume, if the adapter ends no loop. Only a ray made for
-/// the purpose meets all boxes of a BVH, which then costs nothing but time; code that can wait makes every ray of
-/// `fused` 15% slower on an H200.
+/// If the adapter ends no loop, walks through a BVH can wait for the next dispatch only if they may take more than this
+/// many times [`Limits::turns`]. Only a ray made for the purpose meets all boxes of a BVH, and it costs only time; code
+/// that can wait makes `fused` 15% slower for every ray on an H200.
 const BUDGETS_OF_A_TREE: u64 = 16;
 
 /// The loops that may take too many iterations.
@@ -59,7 +59,7 @@ impl Walk<'_> {
     /// Most cells that a ray visits in the grid.
     fn cells(&self) -> u64 {
         let sum = self.structure.cells_along_axes();
-        // As in `fused`: with the paper's rules, a ray may wrap around the grid's faces again and again.
+        // As in `fused`: with the paper's rules, a ray may wrap over a face of the grid again and again.
         if self.features.in_cell { 4 * sum + 64 } else { sum + 2 }
     }
 

@@ -90,7 +90,7 @@ pub struct Cursor {
     path: Vec<usize>,
     /// Number of iterations of the walk's loop that have begun; with several samples per pixel, in this sample.
     pub iteration: u32,
-    /// Number of complete samples per pixel; 0 if a pixel has one.
+    /// Number of complete samples per pixel; always 0 in a run with one sample per pixel.
     pub samples: u32,
 }
 

@@ -72,7 +72,7 @@ pub(super) enum Kept {
 }
 
 impl Executor {
-    /// With `timed`, passes are timed if the device has a clock.
+    /// With `timed`, passes are timed if the device has a clock. `given` are the input streams.
     pub(super) async fn new(
         device: &Device,
         plan: &Arc<Plan>,
@@ -112,7 +112,7 @@ impl Executor {
         !matches!(self, Self::Cpu(_) | Self::CpuF64(_))
     }
 
-    /// Most passes per call of [`run`](Self::run) runs.
+    /// Most passes per call of [`run`](Self::run).
     pub(super) fn most_passes(&self) -> usize {
         match self {
             #[cfg(feature = "gpu")]

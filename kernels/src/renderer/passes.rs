@@ -140,7 +140,7 @@ impl Renderer {
         for result in &results {
             let mut ahead = self.cursor.clone();
             if ahead.next(&self.plan.schedule, &self.counts) != Some(result.kernel) {
-                // Passes that were submitted ahead for rays that have already left.
+                // The remaining passes were submitted ahead, for rays that have already left.
                 if results[recorded..].iter().any(|r| r.counts != self.counts) {
                     return Err(RenderError::Overshoot(self.pass_count()));
                 }
@@ -198,8 +198,8 @@ impl Renderer {
         self.plan.program.states.walking(&self.counts)
     }
 
-    /// Number of elements whose result is known; for a program without states, in proportion to the passes that have
-    /// run.
+    /// Number of rays whose hit is decided; for a program without states, the share of its elements that corresponds to
+    /// the share of its passes that have run.
     fn decided(&self) -> u64 {
         if self.plan.program.course.is_some() {
             return self.plan.program.states.decided(&self.counts);

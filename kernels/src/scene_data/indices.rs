@@ -22,8 +22,8 @@ impl SceneData {
     /// - With a grid: there is an offset for every cell and one more, offsets do not decrease, and the last one is
     ///   within the items; items are triangles; there is a byte of distance for every cell, 0 if the cell has a list.
     /// - With a BVH: each node but the root is the child of exactly one node, which comes before it, so there are
-    ///   neither cycles nor shared children; the entries of its leaves exist; no path from the root has more nodes than
-    ///   the kernel's stack has entries, plus one.
+    ///   neither cycles nor shared children; the entries of its leaves exist; a path from the root has at most one node
+    ///   more than the kernel's stack has entries.
     /// - With neither, there are as many triangles as the kernel counts.
     #[must_use]
     pub fn indices_hold(&self, features: &Features) -> bool {

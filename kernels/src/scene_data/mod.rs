@@ -68,7 +68,7 @@ pub struct SceneData {
     pub bvh_items: Vec<u32>,
     /// Nodes of the wide BVH.
     pub wide_nodes: Vec<WideNode>,
-    /// Nodes on its longest path.
+    /// Nodes on the longest path through the wide BVH.
     pub wide_depth: u32,
     /// Corners and ids as the fused kernel reads them.
     pub packed_triangles: Vec<[u32; 12]>,

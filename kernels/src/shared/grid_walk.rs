@@ -216,7 +216,7 @@ impl Grid {
         // In f32 as in the paper, and so without overflow for a cell far away.
         let ([x, y, z], [nx, ny, nz]) = (cell.map(|c| c as f32), self.cells.map(|c| c as f32));
         let index = x + nx * (y + ny * z);
-        // Beyond 2²⁴ cells f32 rounds both to the same number; the integers guard the arrays' end.
+        // Beyond 2²⁴ cells f32 may round index and count to the same number; the integers guard the arrays' end.
         let in_arrays = self.cell_index(cell) < self.cells.iter().product::<i32>() as u32;
         index < nx * ny * nz && cell.iter().all(|&c| c >= 0) && in_arrays
     }

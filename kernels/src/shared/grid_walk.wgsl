@@ -163,7 +163,7 @@ fn is_index_in_range(cell: vec3i) -> bool {
     // In f32 as in the paper, and so without overflow for a cell far away.
     let index = f32(cell.x) + f32(grid.cells.x) * (f32(cell.y) + f32(grid.cells.y) * f32(cell.z));
     let count = f32(grid.cells.x) * f32(grid.cells.y) * f32(grid.cells.z);
-    // Beyond 2^24 cells f32 rounds both to the same number; the integers guard the arrays' end.
+    // Beyond 2^24 cells f32 may round index and count to the same number; the integers guard the arrays' end.
     let in_arrays = cell_index(cell) < u32(grid.cells.x * grid.cells.y * grid.cells.z);
     return index < count && all(cell >= vec3i(0)) && in_arrays;
 }

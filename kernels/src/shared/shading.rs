@@ -36,7 +36,7 @@ pub struct Light {
     pub kind: u32,
     /// Direction in which the light travels; length 1.
     pub direction: [f32; 3],
-    /// Cosine of the half angle of a spot's cone.
+    /// Cosine of the half angle of a spot's outer cone, beyond which it is dark.
     pub cos_outer: f32,
     /// Linear colour.
     pub color: [f32; 3],

@@ -21,11 +21,12 @@ use crate::numbers::units::exp2;
 ///
 /// Seen from the node's centre, the child in slot s lies towards positive x, y and z if bits 2, 1 and 0 of s are set,
 /// and towards negative if they are clear, as far as eight slots allow. So a ray enters children roughly by ascending
-/// `s ^ octant`, where these bits of octant are set if its direction is negative.
+/// `s ^ octant`, where these bits of octant are set if its direction is negative; the walk stores the complement of
+/// this octant, and takes the highest bit first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct WideNode {
-    /// Lower corner of the planes, traced units.
+    /// Plane 0 along x, y and z, traced units.
     pub origin: [f32; 3],
     /// Biased exponents of the planes' spacing along x, y and z.
     pub exponents: [u8; 3],

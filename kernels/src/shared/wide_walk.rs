@@ -29,7 +29,7 @@ pub fn with_trail_child(word: u32, level: u32, child: u32) -> u32 {
 pub struct WideRay<R> {
     origin: Vec3<R>,
     inverse: Vec3<R>,
-    /// Bits 2, 1, 0: the direction is positive along x, y, z.
+    /// Bits 2, 1, 0: the direction is not negative along x, y, z.
     octant: u32,
     negative: [bool; 3],
 }

@@ -3,7 +3,7 @@
 //
 // Boxes are grown on the host by more than the rounding errors of the test here, so it needs no epsilon.
 
-// Five words per node, see WideNode in bvh/wide_node.rs.
+// Five words per node, see WideNode in wide_node.rs.
 @group(1) @binding(20) var<storage, read> wide_nodes: array<vec4u>;
 
 // Words of a restart trail, eight levels each; its last level; and what stands for none of a group's children.
@@ -29,7 +29,7 @@ struct WideRay {
     origin: vec3f,
     // 1 / direction, kept finite.
     inverse: vec3f,
-    // Bits 2, 1, 0: the direction is positive along x, y, z.
+    // Bits 2, 1, 0: the direction is not negative along x, y, z.
     octant: u32,
     negative: vec3<bool>,
 }

@@ -24,8 +24,8 @@ pub enum Count {
         /// Name of the stream.
         in_stream: &'static str,
     },
-    /// `each` elements for every `per` elements of another set, the last of which may be incomplete: totals of blocks,
-    /// for example.
+    /// `each` elements for every block of `per` elements of another set; the last block may have fewer. For example,
+    /// totals of blocks.
     Per {
         /// Name of the other set.
         of: &'static str,

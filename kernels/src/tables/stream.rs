@@ -25,7 +25,7 @@ pub enum Texel {
 pub enum Meaning {
     /// A float.
     Float,
-    /// A float, the t of a ray, so that [`INF`](crate::shared::constants::INF) is never reached.
+    /// A float, the t of a ray; [`INF`](crate::shared::constants::INF) stands for no hit, or a plane never reached.
     Distance,
     /// A float: linear light. Three layers of it, the first of a stream, are a colour.
     Light,

@@ -1,8 +1,7 @@
 //! Checks whether a device's timestamps are valid times.
 //!
-//! The timestamps of some drivers are not: they tell when a command was recorded or started, not when it was done. So
-//! the device runs arithmetic that takes long enough to be measured on the host's clock too, and the two measurements
-//! are compared.
+//! Those of some drivers are not: they tell when a command was recorded or started, not when it was done. So the device
+//! runs arithmetic that takes long enough to be measured on the host's clock too, and the two results are compared.
 //!
 //! The host's time begins right before the submission and ends once its results are known, so it covers all of the
 //! work. A correct device time is therefore no longer, except for the drift between the two clocks. It is shorter by
@@ -30,7 +29,7 @@ const TRIES: u32 = 5;
 /// Workgroups of the first submission.
 const FEWEST_GROUPS: u32 = 16;
 
-/// More than any device computes in that time; ends the search if the host's clock stands still.
+/// More workgroups than any device computes in that time; ends the search if the host's clock stands still.
 const MOST_GROUPS: u32 = 1 << 22;
 
 /// Workgroups per row of the dispatch: every adapter allows at least 65,535.
@@ -56,8 +55,9 @@ fn clock(@builtin(local_invocation_index) lane: u32, @builtin(workgroup_id) grou
 ";
 
 impl Gpu {
-    /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. To be called once, before
-    /// creating anything that is to be timed; without it, no pass on this device has a time.
+    /// Compares the device's clock with the host's: `now`, in nanoseconds from any start. Only the first call has
+    /// an effect, and it must come before creating anything that is to be timed; without it, no pass on this device has
+    /// a time.
     ///
     /// # Errors
     /// If the device is lost or refuses.
@@ -89,8 +89,8 @@ async fn check(gpu: &Arc<Gpu>, period_ns: f64, now: fn() -> u64) -> Result<Clock
         // If the device reports a long time, it is the host's clock that fails to measure it.
         let is_long = one.host_ns >= LONG_ENOUGH_NS || one.device_ns.is_some_and(|ns| ns > 4 * LONG_ENOUGH_NS);
         if !is_long && groups < MOST_GROUPS {
-            // Lengthen by the measured ratio, but at most fourfold: short submissions mostly wait. One that took long
-            // before was delayed, and is not compared.
+            // Lengthen by the measured ratio, but at least twofold and at most fourfold: short submissions mostly wait.
+            // An earlier one that took long with less work was delayed, and is not compared.
             let factor = LONG_ENOUGH_NS.div_ceil(one.host_ns.max(1)).clamp(2, 4) as u32;
             groups = (groups * factor).min(MOST_GROUPS);
             (best, tries) = (None, 0);

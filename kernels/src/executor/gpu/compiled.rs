@@ -108,7 +108,8 @@ fn shader_module(device: &wgpu::Device, variant: &Variant, is_proved: bool) -> w
     // - Cells, by the shader: `enter_grid` clamps to the grid, or its `inside` is false; so is that of `advance` and
     //   `leap` outside of the grid, or outside of the arrays with the paper's rules. NaN takes the same branches.
     // - The stack, by `SceneData::indices_hold`: at most one group of siblings waits per level, and none at the root's.
-    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan has its size.
+    // - Texels, by the shader: threads outside of `state` return at once, and every stream of a plan has the size of
+    //   `state`.
     // - Loops, by the proof: lists are finite, and the nodes form one tree, each visited at most once. By the shader:
     //   every step of a walk advances along one axis until it leaves the grid, or its iterations are bounded.
     #[allow(unsafe_code)]

@@ -1,5 +1,5 @@
-//! Reads back from the GPU without blocking: a future that is ready once the device has been polled often enough, by
-//! whoever polls according to `poller.rs`.
+//! Reads back from the GPU without blocking: a future that is ready once the device has been polled often enough.
+//! `poller.rs` decides who polls.
 
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ fn map(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: u64) -> oneshot::Receiver<Result
 
 impl Drop for Readback {
     fn drop(&mut self) {
-        // Ends the mapping, or cancels it where it is still pending: the buffer can be copied to again.
+        // Ends the mapping, or cancels it if it is still pending: the buffer can be copied to again.
         self.buffer.unmap();
     }
 }

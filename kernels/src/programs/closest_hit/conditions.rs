@@ -1,7 +1,7 @@
 //! What every condition of a kernel's file means for a ray's streams before and after the pass.
 //!
-//! A condition is named by its own text, so a kernel that changes makes a test fail before a line is marked wrongly.
-//! A condition with one text has one meaning in its file. `None` is for what the streams do not tell.
+//! A condition is identified by its text, so if a kernel changes, a test fails before a line is marked wrongly.
+//! The same text always means the same in a file. `None` is for what the streams do not tell.
 
 use super::ray_state::RayState;
 use super::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV, TRAV_SETUP, UNWRITTEN};
@@ -24,9 +24,9 @@ pub struct Case<'a> {
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
-    /// What is between its parentheses, spaces made one.
+    /// The text between its parentheses, with single spaces.
     pub text: &'static str,
-    /// Whether it held; of a loop, whether its body ran at all.
+    /// Whether it was true; for a loop, whether its body ran at all.
     pub held: fn(&Case) -> Option<bool>,
 }
 
@@ -34,7 +34,7 @@ const fn row(text: &'static str, held: fn(&Case) -> Option<bool>) -> Condition {
     Condition { text, held }
 }
 
-/// A ray that has streams lies in the image.
+/// Always false: a ray that has texels is inside the image.
 const OUTSIDE: &str = "any(texel >= textureDimensions(state))";
 
 pub(super) const OF_GENERATE: &[Condition] = &[
@@ -45,7 +45,7 @@ pub(super) const OF_GENERATE: &[Condition] = &[
 pub(super) const OF_SETUP: &[Condition] = &[
     row(OUTSIDE, |_| Some(false)),
     row("textureLoad(state, texel, 0).x != TRAV_SETUP", |c| Some(!c.was(&[TRAV_SETUP]))),
-    // The one way to BACKGROUND where there is a grid; without one, this line is left out.
+    // With a grid, the only way to BACKGROUND; without one, this line is left out.
     row("!walk.inside", |c| Some(c.is(&[BACKGROUND]))),
 ];
 
@@ -62,7 +62,7 @@ pub(super) const OF_TRAVERSE_BVH: &[Condition] = &[
 ];
 
 pub(super) const OF_INTERSECT: &[Condition] = &[
-    // Of the cells before this one there is nothing in the streams.
+    // The streams hold nothing about earlier cells.
     row("var step = 0; step < bound && walk.inside; step++", |_| None),
     row("index == cell", |_| None),
     row("low < high", |_| None),
@@ -106,7 +106,7 @@ pub(super) const OF_ACCUMULATE: &[Condition] = &[
     row("samples < f32(sampling.samples)", |c| Some(c.is(&[UNWRITTEN]))),
 ];
 
-// Of a kernel that takes several steps, only what lies around them.
+// Of a kernel that takes several steps, only the conditions before and after the steps.
 pub(super) const OF_WALK: &[Condition] = &[
     row(OUTSIDE, |_| Some(false)),
     row("place.tag != TRAV && place.tag != ISECT_NO_HIT && place.tag != ISECT_HIT", |c| {
@@ -134,17 +134,18 @@ impl Case<'_> {
         self.after.t != self.before.t
     }
 
-    /// Whether the search for a repeated test goes on in the next pass: nothing else leaves a ray at the item of its list.
+    /// Whether the search for a repeated test continues in the next pass: nothing else leaves a ray at the same item of
+    /// its list.
     fn searches_on(&self) -> bool {
         self.after.item == self.before.item && self.is(&[ISECT_NO_HIT, ISECT_HIT])
     }
 
-    /// Another triangle at the same t counts too: the order of hits is (t, triangle).
+    /// A different triangle at the same t counts too: hits are ordered by (t, triangle).
     fn has_new_hit(&self) -> bool {
         self.has_nearer_hit() || self.after.triangle != self.before.triangle
     }
 
-    /// Whether a condition held; `None` where the streams do not tell, or the table does not know it.
+    /// Whether a condition was true; `None` if the streams do not tell, or the table does not contain it.
     #[must_use]
     pub fn held(&self, kernel: Kernel, text: &str) -> Option<bool> {
         of(kernel).iter().find(|c| c.text == text).and_then(|c| (c.held)(self))

@@ -1,4 +1,4 @@
-//! Twin of `intersect.wgsl`: tests the ray against triangles in its list.
+//! Twin of `intersect.wgsl`: tests the ray against one triangle of its list.
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::grid_lists::list_ended;
@@ -61,7 +61,7 @@ fn repetition<R: Real>(
             keep_scan(texels, scene, index, walk.tmax);
             return None;
         }
-        // At most as many iterations as a list of fewer than 2³² entries needs.
+        // One iteration for the cell, and at most the bit length of its list for the binary search.
         turns += 1 + 32 - scene.list(index).1.leading_zeros();
         if is_listed(scene, triangle, index) {
             keep_scan(texels, scene, NO_CELL, Vec3::splat(R::zero()));

@@ -3,8 +3,9 @@
 // robust keeps the nearest hit and accepts it once it lies within the cells walked; paper accepts a hit only inside its
 // own cell, and needs one more step to notice the list's delimiter (Listing 2).
 //
-// counters: searches along the walk whether an earlier cell listed the triangle too. resumes_scan: if that may take
-// more loop iterations than a dispatch allows, it continues in the next, and the triangle is tested when it ends.
+// counters: repeats the walk from its start to find out whether an earlier cell listed the triangle too. resumes_scan:
+// if this search may take more loop iterations than a dispatch allows, it continues in the next one, and the triangle
+// is tested when the search ends.
 
 import package::constants::{INF, NOBODY, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
@@ -81,7 +82,7 @@ fn repetition(texel: vec2u, triangle: u32, cell: u32, origin: vec3f, direction: 
             keep_scan(texel, index, walk.tmax);
             return NOT_KNOWN_YET;
         }
-        // At most as many iterations as a list of fewer than 2^32 entries needs.
+        // One iteration for the cell, and at most the bit length of its list for the binary search.
         @if(resumes_scan) turns += 1u + 32u - countLeadingZeros(grid_cells[index + 1u] - grid_cells[index]);
         if (is_listed(triangle, index)) {
             @if(resumes_scan) keep_scan(texel, NO_CELL, vec3f(0.0));

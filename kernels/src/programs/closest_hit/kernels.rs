@@ -25,7 +25,7 @@ const TRAVERSE_LIST: usize = 1;
 
 // A kernel is two files, x.wgsl and x.rs, and one row here.
 kernels! {
-    /// Makes eye rays.
+    /// Generates eye rays.
     GENERATE generate of RAYS, twin: element, {
         takes: &[UNWRITTEN],
         sends: &[
@@ -99,7 +99,7 @@ kernels! {
         },
         breaks: breaks::OF_TRAVERSE_GRID,
     }
-    /// Moves a ray to its next node of the tree.
+    /// Moves a ray to its next node of the BVH.
     TRAVERSE_BVH traverse_bvh of RAYS, twin: element, {
         takes: &[TRAV],
         sends: &[
@@ -156,7 +156,7 @@ kernels! {
         },
         breaks: breaks::OF_INTERSECT,
     }
-    /// Takes a ray several steps on.
+    /// Advances a ray by several steps.
     WALK walk of RAYS, twin: element, {
         takes: &[TRAV, ISECT_NO_HIT, ISECT_HIT],
         sends: &[
@@ -187,7 +187,7 @@ kernels! {
         },
         breaks: breaks::OF_WALK,
     }
-    /// Takes a ray from its start to its hit.
+    /// Traces a ray from its start to its hit.
     FUSED fused of RAYS, twin: element, {
         takes: &[TRAV_SETUP, TRAV, ISECT_NO_HIT, ISECT_HIT],
         sends: &[
@@ -217,7 +217,7 @@ kernels! {
         counts: Counts::Anew,
         resumes: |features| features.resumes,
         list: None,
-        // Where a walk resumes, it indexes by what its streams hold, which anybody may have written.
+        // A walk that resumes takes indices from its streams, which the caller may have edited.
         proof: Proof::new(|data, features| !features.resumes && data.indices_hold(features)),
         colour: [200, 80, 140],
         why_absent: |_| STEPPED,

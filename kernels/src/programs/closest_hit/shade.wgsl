@@ -26,7 +26,7 @@ struct Light {
     kind: u32,
     // Direction in which the light travels.
     direction: vec3f,
-    // Cosine of the half angle of a spot's cone.
+    // Cosine of the half angle of a spot's outer cone, beyond which it is dark.
     cos_outer: f32,
     color: vec3f,
     // 1 / (cosine of the inner half angle - cos_outer).

@@ -6,11 +6,11 @@ use crate::tables::state::{StateInfo, StateRole, States, Tag};
 pub const UNWRITTEN: Tag = 0;
 /// Waits for the set-up kernel.
 pub const TRAV_SETUP: Tag = 1;
-/// Goes on to the next voxel or node.
+/// Continues to the next cell or node.
 pub const TRAV: Tag = 2;
-/// Tests the triangles of its voxel; nothing hit so far.
+/// Tests the triangles of its cell or leaf; nothing hit so far.
 pub const ISECT_NO_HIT: Tag = 3;
-/// Tests the triangles of its voxel; the nearest hit so far is kept.
+/// Tests the triangles of its cell or leaf; the nearest hit so far is kept.
 pub const ISECT_HIT: Tag = 4;
 /// Waits to be shaded from its hit.
 pub const SHADE: Tag = 5;

@@ -3,9 +3,9 @@
 //! ```text
 //! ray_origin    f32  x  y  z             traced units
 //! ray_direction f32  x  y  z             traced units per unit of t; not normalised
-//! state         u32  tag  nearest-t  cell  item      while lights are summed: item is 2³¹ + how many
+//! state         u32  tag  nearest-t  cell  item      while lights are summed, item is 2³¹ + their number
 //! tmax          f32  x  y  z             t
-//! previous      u32  node                index of the tree's node before this one
+//! previous      u32  node                index of the BVH's previous node
 //! hit           u32  u  v  triangle      u, v as f32 bits
 //! color         f32  r  g  b             linear light
 //! counters      u32  cells  triangles  repeated
@@ -19,11 +19,11 @@
 //! parameter of `origin + t * direction`; a camera's direction has length 1 along the view axis, so t
 //! of a primary ray is its depth.
 //!
-//! The last three are what a ray needs to go on in the next dispatch, where a walk or a search may take more loop turns
-//! than one dispatch has (see [`crate::plan::Limits`]).
+//! With the last three, a ray continues in the next dispatch if a walk or a search may take more loop iterations than
+//! one dispatch allows (see [`crate::plan::Limits`]).
 //!
-//! With several samples a pixel, every sample's ray uses the same texels: all streams but `accumulated` hold the
-//! latest sample's, at the end of a run the last one's. Only `color` is given the mean then.
+//! With several samples per pixel, the rays of all samples use the same texels: all streams but `accumulated` hold the
+//! values of the latest sample. At the end of a run, only `color` is replaced by the mean.
 
 use super::elements::RAYS;
 use crate::options::reasons::{Because, EYE_RAYS, FUSED, NO_SHADE, ONE_SAMPLE, Reason, Run};
@@ -45,7 +45,7 @@ pub const ACCUMULATED_SAMPLES: usize = 4;
 /// No ray waits for another dispatch.
 const NO_WALK_WAITS: Reason = (Because::Options, "no walk needs more loop iterations than one dispatch allows");
 
-/// Why what a step of a walk keeps is left out.
+/// Why a stream that only steps of a walk need is left out.
 fn of_steps(run: &Run<'_>) -> Reason {
     if run.is_fused() { FUSED } else { run.other_accelerator() }
 }
@@ -59,10 +59,10 @@ fn of_tmax(run: &Run<'_>) -> Reason {
 }
 
 streams! {
-    /// Where the ray starts.
+    /// Origin of the ray.
     RAY_ORIGIN of RAYS: "ray_origin" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units",
         unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
-    /// Where it goes.
+    /// Direction of the ray.
     RAY_DIRECTION of RAYS: "ray_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
         unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
     /// Tag, nearest t, cell, item offset.
@@ -86,10 +86,10 @@ streams! {
     /// Mean colour and coverage of the samples so far, and their number.
     ACCUMULATED of RAYS: "accumulated" F32 &["r", "g", "b", "a", "samples"], meaning: &[Light, Light, Light, Float, Float], unit: "linear light, share of samples that hit, count",
         unwritten: &[0; 5], why_absent: |_| ONE_SAMPLE;
-    /// Where in the grid a ray waits for the next dispatch of `fused`, where that does not follow from its cell.
+    /// Where in the grid a ray waits for the next dispatch of `fused`: what its cell's index does not tell.
     PLACE of RAYS: "place" U32 &["x", "y", "z", "left", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Id, Id, Count, Distance, Distance, Distance], unit: "cell coordinates, count of cells, t as f32 bits",
         unwritten: &[0; 7], why_absent: |_| NO_WALK_WAITS;
-    /// Where in the wide tree it does: the child entered last on each level.
+    /// Where in the wide BVH a ray waits for the next dispatch: the child entered last on each level.
     TRAIL of RAYS: "trail" U32 &["levels_0", "levels_8", "levels_16", "levels_24"], meaning: &[Id; 4], unit: "child entered last, 4 bits per level",
         unwritten: &[0; 4], why_absent: |_| NO_WALK_WAITS;
     /// Where the search for repeated tests waits for the next dispatch.
@@ -97,5 +97,5 @@ streams! {
         unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "no search for repeated tests needs more loop iterations than one dispatch allows");
 }
 
-/// The streams that rays from outside begin with.
+/// The streams in which the caller supplies rays.
 pub static INPUTS: [Stream; 3] = [RAY_ORIGIN, RAY_DIRECTION, STATE];

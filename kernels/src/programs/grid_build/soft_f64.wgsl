@@ -5,8 +5,8 @@
 // are those of Hauser's SoftFloat: significands have ten extra bits, of which the lowest is sticky.
 //
 // **No subnormals**: as inputs or results they are replaced by 0. The grid's build has none: its inputs are f32, whose
-// lowest bit is 2^-149 or more; it adds them, and multiplies at most three such sums (one of them halved). Each result
-// is thus a multiple of 2^-448, also after rounding; no quotient is below 2^-149 / 2^130. All are 0 or far above
+// lowest bit is 2^-149 or more; it adds them, and multiplies at most three such sums (one with a halved term). Each
+// result is thus a multiple of 2^-448, also after rounding; no quotient is below 2^-149 / 2^130. All are 0 or far above
 // 2^-1022, and far below 2^1024.
 //
 // NaN and infinities are handled as in IEEE 754, but not which NaN results.

@@ -1,17 +1,17 @@
 //! The streams of the build, in one table. All hold u32.
 //!
 //! ```text
-//! of triangles   box                     low and high cell of the triangle's own box
-//!                first_span              how many spans it has, then where they begin
-//! of spans       span_triangle           whose box it is a piece of
+//! of triangles   box                     first and last cell of the triangle's bounding box
+//!                first_span              number of its spans, then index of the first
+//! of spans       span_triangle           the triangle whose box it is part of
 //!                span_cell               its first cell
 //!                mask                    a bit for each of its cells that the triangle overlaps
-//!                first_reference         how many these are, then where they begin
+//!                first_reference         number of these, then index of the first reference
 //! of references  cell_even  cell_odd     1-D index of the cell; sorted from one to the other
 //!                triangle_even …_odd     the triangle
-//! of tallies     tally                   how often a digit is in a block, then where it goes
+//! of tallies     tally                   how often a digit occurs in a block, then where its references go
 //! of cells       begin  end              where its references are
-//!                start                   how many these are, then where its list starts
+//!                start                   number of these, then where its list starts
 //! ```
 //!
 //! The other streams hold sums of blocks of 16,384 elements, and the sum of all.

@@ -44,7 +44,7 @@ pub fn distances(grid: &Grid, cells: &[u32]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
-/// Limits each cell of `to` to one more than the three nearest cells of the neighbouring row `from`.
+/// Limits each cell of `to` to one more than any of the three cells next to it in the neighbouring row `from`.
 fn spread(from: &[u8], nearest: &mut [u8], to: &mut [u8]) {
     nearest.copy_from_slice(from);
     for (n, next) in nearest.iter_mut().zip(&from[1..]) {
