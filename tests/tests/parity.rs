@@ -274,7 +274,7 @@ fn room(way: Way) -> Options {
     Options { counters: true, grid: GridSize::Cells([7, 7, 9]), ..options }
 }
 
-/// Every row's breaks: the comparison must name the kernel.
+/// For every break in the kernels' rows, the comparison must name the broken kernel.
 #[test]
 fn a_broken_kernel_is_named() {
     let scene = scene("cornell-box.gltf");
@@ -298,7 +298,7 @@ fn a_broken_kernel_is_named() {
     }
 }
 
-/// What only runs with other scenes or rays compile: several lights, and rays that end at any hit.
+/// Code that is compiled only for other scenes or rays: several lights, and rays that end at any hit.
 #[test]
 fn a_kernel_broken_for_other_rays_is_named() {
     let lights = scene("lights.gltf");

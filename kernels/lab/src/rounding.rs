@@ -1,8 +1,9 @@
-//! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may go another way.
+//! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may take another
+//! path.
 //!
-//! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal, and
-//! computed floats as near as the kernel's row allows (see [`rounding`]),
-//! except for rays that f32 cannot decide.
+//! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal,
+//! and computed floats must agree within the bounds in the kernel's row (see [`rounding`]). Rays that f32 cannot decide
+//! are exempt.
 
 mod judge;
 mod nudge;
@@ -68,7 +69,7 @@ impl Rounding<'_> {
         own(self.kernel).map_or(rounding::NONE, |own| own.rounding)
     }
 
-    /// By how much a float that the kernel computes may be multiplied wrongly.
+    /// The factor by which the error of one computation is multiplied.
     fn times(&self, each: Each) -> u64 {
         u64::from(match each {
             Each::Pass => 1,
