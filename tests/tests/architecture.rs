@@ -1,5 +1,5 @@
-//! The picture in `docs/architecture.md`: the crates and the floors of `kernels/src`, the arrows between them, and a run
-//! through them. It is drawn from the sources; the test fails if the file differs from the drawing.
+//! The picture in `docs/architecture.md`: the crates and the floors of `kernels/src`, the arrows between them, and a
+//! run through them. It is drawn from the sources; the test fails if the file differs from the drawing.
 
 mod draw;
 

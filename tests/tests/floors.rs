@@ -1,5 +1,5 @@
-//! The floors of `kernels/src`: no module uses one on a higher floor, and modules of a folder do not use each other in a
-//! circle.
+//! The floors of `kernels/src`: no module uses one on a higher floor, and modules of a folder do not use each other in
+//! a circle.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
