@@ -29,8 +29,8 @@ fn in_a_row(plan: &Plan, rays: usize) -> Plan {
 
 impl Rounding<'_> {
     /// Which of `rays` have, in `after`, the result of a ray whose components differ by up to 4 roundings of the
-    /// largest, along any combination of axes. Needs memory for these rays' streams once more, or for those of all rays if the
-    /// kernel generates them itself.
+    /// largest, along any combination of axes. Needs memory for these rays' streams once more, or for those of all
+    /// rays if the kernel generates them itself.
     pub(super) fn are_nearly(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, CpuError> {
         // A kernel that generates rays derives them from their pixels; other rays can be stored anywhere.
         let is_gathered = !self.data.features.eye_rays;
