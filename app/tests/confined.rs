@@ -165,7 +165,7 @@ fn png_head(side: u32) -> Vec<u8> {
     [b"\x89PNG\r\n\x1a\n\0\0\0\r", &body[..], &crc.to_be_bytes(), b"\0\0\0\x01IDATx"].concat()
 }
 
-/// Runs with limited address space.
+/// Runs with at most this many MiB of address space.
 #[cfg(unix)]
 fn limited(place: &Place, mib: u64, arguments: &[&str]) -> Outcome {
     let shell = format!("ulimit -v {}; exec \"$0\" \"$@\"", mib * 1024);

@@ -93,7 +93,7 @@ fn trace_tells_a_life_that_ends_at_the_dumped_hit() {
     assert!(first.stdout.contains(" passes, in ") && !first.stdout.contains("last "), "{first:?}");
     let typed = ["trace", &cornell_box(), "--ray", "0,0,5,0,0,-1"];
     let whole = place.ok(&[&typed[..], &common[2..]].concat()).stdout;
-    // If the scene has a single ray, its passes are known, including those in which it waits for its kernel.
+    // If the run has a single ray, its passes are known, including those in which it waits for its kernel.
     assert!(whole.contains(" passes, in ") && !whole.contains("only this ray was traced"), "{whole}");
     place.fails(2, "--ray is a single ray: omit one of them", &[&typed[..], &["--all-rays"]].concat());
 }

@@ -4,9 +4,9 @@
 //! defaults and ranges. Programs call the functions beside it.
 //!
 //! The same numbers give the same scene everywhere: random numbers come from a seeded SplitMix64, and the coordinates
-//! of [`soup`], [`terrain`] and [`icosphere`] use only operations that IEEE 754 rounds exactly (+ − × ÷ √), so they
-//! have the same bits on every machine. [`sphere_flake`], [`hair`] and [`tiny_in_room`] also use sines and cosines,
-//! whose last bit may differ between systems.
+//! of [`soup`], [`terrain`] and [`icosphere`] use only operations whose rounding IEEE 754 prescribes (+ − × ÷ √), so
+//! they have the same bits on every machine. [`sphere_flake`], [`hair`] and [`tiny_in_room`] also use sines and
+//! cosines, whose last bit may differ between systems.
 //!
 //! No generator allocates memory for more than [`MAX_TRIANGLES`].
 

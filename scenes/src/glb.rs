@@ -53,9 +53,9 @@ pub enum WriteError {
 
 /// `scene` as the bytes of a GLB.
 ///
-/// Memory: the file itself, 4 bytes per triangle, and, while vertices are shared, about 35 bytes per triangle of the
-/// current primitive. Materials without triangles are kept; [`Scene::notes`] are not written, nor is a light's range,
-/// which [`Scene`] does not store.
+/// Memory: the file itself, 4 bytes per triangle, and, if vertices are shared, about 35 more bytes per triangle of
+/// the current primitive. Materials without triangles are kept; [`Scene::notes`] are not written, nor is a light's
+/// range, which [`Scene`] does not store.
 ///
 /// # Errors
 /// More than 4 GiB; positions that are not finite; colours outside \[0, 1\]; lists of the wrong length.

@@ -84,7 +84,7 @@ fn the_knot_is_closed_and_faces_outward() {
 
 #[test]
 fn the_same_numbers_give_the_same_bits() {
-    // These need only operations that IEEE 754 rounds exactly, so the hashes hold on every machine.
+    // These need only operations whose rounding IEEE 754 prescribes, so the hashes hold on every machine.
     assert_eq!(hash(&generate::cornell_box()), CORNELL_BOX);
     assert_eq!(hash(&generate::soup(1_000, 1).unwrap()), SOUP);
     assert_eq!(hash(&generate::terrain(2_000, 1).unwrap()), TERRAIN);

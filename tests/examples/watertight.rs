@@ -1,4 +1,4 @@
-//! `cargo run --release -p raystep-tests --example watertight -- [RAYS]`: rays from inside a closed mesh at its
+//! `cargo run --release -p raystep-tests --example watertight -- [RAYS]`: rays from inside a closed mesh, aimed at its
 //! vertices and edges, at scales from 1e-6 to 1e6, through grid and BVH, on the GPU and on the CPU; prints the number
 //! of misses.
 

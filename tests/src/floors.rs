@@ -1,12 +1,12 @@
-//! The modules of the crates and the arrows between them, as the sources have them, and the floors of `kernels/src`.
+//! Reads from the sources which modules of the crates use which others, and lists the floors of `kernels/src`.
 //!
-//! Arrows are drawn from the paths in the sources, with re-exports followed to the module that has the item. Code for
-//! tests only is left out, and so are a folder's own file and the modules below it: they are one thing.
+//! The paths in the sources are resolved to the module that defines the item, through re-exports. Test code is ignored.
+//! A folder's own file and the modules below it count as one.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The modules of `kernels/src`, lowest first: each may name those in its own line and in the lines before.
+/// The modules of `kernels/src`, lowest first: each may use those in its own line and in the lines before.
 pub const FLOORS: &[&[&str]] = &[
     &["numbers"],
     &["shared"],
@@ -24,7 +24,7 @@ pub const FLOORS: &[&[&str]] = &[
     &["export"],
 ];
 
-/// The crates, lowest first: folder, and name in paths.
+/// The crates, lowest first, each with its folder and its name in paths.
 pub const CRATES: [(&str, &str); 5] = [
     ("scenes/src", "raystep_scenes"),
     ("kernels/src", KERNELS),
@@ -33,39 +33,39 @@ pub const CRATES: [(&str, &str); 5] = [
     ("app/src", "raystep"),
 ];
 
-/// The crate that has floors.
+/// The crate with floors.
 pub const KERNELS: &str = "raystep_kernels";
 
-/// A path in a source file: names separated by `::`, the first one a crate's.
+/// A path in a source file: names separated by `::`, starting with a crate.
 pub type Names = Vec<String>;
 
 /// A module of a crate.
 #[derive(Default)]
 pub struct Module {
-    /// Its file, from the repository's root on.
+    /// Its file, relative to the repository's root.
     pub file: String,
     /// Its code, without comments, strings and tests.
     code: String,
-    /// Where the names that it imports or re-exports come from.
+    /// The names that it imports or re-exports, with their full paths.
     imports: BTreeMap<String, Names>,
-    /// Every path in its code, and the line.
+    /// Every path in its code, with its line.
     paths: Vec<(usize, Names)>,
 }
 
 /// Modules by their paths.
 pub type Modules = BTreeMap<Names, Module>;
 
-/// An arrow between two modules, with where it is drawn.
+/// A use of one module by another, with its place in the sources.
 pub struct Arrow {
-    /// The module that names something.
+    /// The module that uses an item.
     pub from: Names,
-    /// The module that has it.
+    /// The module that defines it.
     pub to: Names,
     /// File, line, and both paths.
     pub place: String,
 }
 
-/// The code of a file without comments, strings and what is compiled for tests only; lines stay where they are.
+/// The code of a file without comments, strings and test code; line numbers are preserved.
 fn code_of(text: &str) -> String {
     let mut code = String::new();
     let mut rest = text;
@@ -87,7 +87,7 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Where a string ends that begins here.
+/// The length of the string literal at the start of `text`.
 fn string_end(text: &str) -> usize {
     let mut escaped = false;
     let is_end = |(_, c): &(usize, char)| {
@@ -98,7 +98,7 @@ fn string_end(text: &str) -> usize {
     text.char_indices().skip(1).find(is_end).map_or(text.len(), |(at, _)| at + 1)
 }
 
-/// Where an item ends that begins here: at its semicolon, or at the brace that closes its block.
+/// The length of the item at the start of `text`: up to its semicolon, or the brace that closes its block.
 fn item_end(text: &str) -> usize {
     let mut depth = 0;
     for (at, c) in text.char_indices() {
@@ -114,7 +114,7 @@ fn item_end(text: &str) -> usize {
     text.len()
 }
 
-/// The paths of a use tree such as `a::{b, c::{self, d as e}}`, each with the name that it gets.
+/// The paths of a use tree such as `a::{b, c::{self, d as e}}`, each with the name that it introduces.
 fn expand(tree: &str, before: &[String], all: &mut Vec<(String, Names)>) {
     let tree = tree.trim();
     let mut depth = 0;
@@ -144,7 +144,7 @@ fn expand(tree: &str, before: &[String], all: &mut Vec<(String, Names)>) {
     }
 }
 
-/// A path as it is written in `module`, from its crate on; `None` for a path to other crates than `modules` has.
+/// The absolute path for a path written in `module`; `None` if it leads to a crate that is not in `modules`.
 fn absolute(written: &[String], module: &[String], modules: &Modules) -> Option<Names> {
     let (first, rest) = written.split_first()?;
     let mut base = match first.as_str() {
@@ -165,7 +165,7 @@ fn absolute(written: &[String], module: &[String], modules: &Modules) -> Option<
     Some(base)
 }
 
-/// The module that has what an absolute path names, re-exports followed.
+/// The module that defines the item at an absolute path; follows re-exports, at most `depth` of them.
 fn owner(path: &[String], modules: &Modules, depth: usize) -> Names {
     let mut at = Vec::new();
     for (i, name) in path.iter().enumerate() {
@@ -183,7 +183,7 @@ fn owner(path: &[String], modules: &Modules, depth: usize) -> Names {
     at
 }
 
-/// The module that is in a file, which is named from the repository's root on.
+/// The module in a file, given by its path relative to the repository's root.
 fn module_of(file: &str) -> Names {
     let inside = |(folder, name)| Some((name, file.strip_prefix(folder)?.strip_prefix('/')?));
     let (name, path) = CRATES.into_iter().find_map(inside).unwrap_or(("", file));
@@ -192,7 +192,7 @@ fn module_of(file: &str) -> Names {
     [name].into_iter().chain(path.split('/')).filter(|name| !name.is_empty()).map(str::to_owned).collect()
 }
 
-/// Reads modules from their files, each a name and a text.
+/// Reads modules from files, given by name and text.
 #[must_use]
 pub fn modules_of(files: &[(String, String)]) -> Modules {
     let mut modules = Modules::new();
@@ -220,8 +220,8 @@ pub fn modules_of(files: &[(String, String)]) -> Modules {
     modules
 }
 
-/// Every path that code names: as written, the line, and the name that a `use` gives it. Out of `use` only those that
-/// begin with a crate or at it.
+/// Every path in code: as written, with its line and the name that a `use` introduces. Outside of `use`, only paths
+/// that start with `crate`, `super` or the name of a crate.
 fn paths_in(code: &str) -> Vec<(Names, usize, Option<String>)> {
     let line_of = |at: usize| 1 + code[..at].matches('\n').count();
     let mut all = Vec::new();
@@ -252,7 +252,7 @@ fn paths_in(code: &str) -> Vec<(Names, usize, Option<String>)> {
 #[must_use]
 pub fn arrows_of(modules: &Modules) -> Vec<Arrow> {
     let mut arrows = Vec::new();
-    // A crate's root re-exports from everywhere.
+    // Crate roots are ignored, since they re-export from everywhere.
     for (from, module) in modules.iter().filter(|(from, _)| from.len() > 1) {
         for (line, path) in &module.paths {
             let place = format!("{}:{line}: {} -> {}", module.file, from.join("::"), path.join("::"));
@@ -262,7 +262,7 @@ pub fn arrows_of(modules: &Modules) -> Vec<Arrow> {
     arrows
 }
 
-/// Whether a module has this item: a function, type or constant, or with its type's name before it a method.
+/// Whether a module defines this item: a function, type or constant, or a method, written as `Type::method`.
 #[must_use]
 pub fn defines(module: &Module, item: &str) -> bool {
     let code = module.code.as_str();
@@ -278,7 +278,7 @@ pub fn defines(module: &Module, item: &str) -> bool {
     })
 }
 
-/// Whether two words stand beside each other.
+/// Whether code contains these two words, one after the other.
 fn has_words(code: &str, first: &str, second: &str) -> bool {
     let both = format!("{first} {second}");
     code.match_indices(&both)
@@ -289,7 +289,7 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// The sources of a crate: names from the repository's root on, and texts, without files for tests only.
+/// The source files of a crate, except test files: paths relative to the repository's root, and texts.
 #[must_use]
 pub fn sources(folder: &str) -> Vec<(String, String)> {
     let mut files = Vec::new();

@@ -56,10 +56,10 @@ fn run(
     block_on(Some(gpu), compare_each(gpu, scene, options, limits, change, is_enough)).expect("a comparison")
 }
 
-/// A kernel's WGSL, changed. Breaks are written on one line each, so spaces do not count.
+/// A kernel's WGSL with `from` replaced by `to`, ignoring white space, since each break is written on one line.
 ///
 /// # Panics
-/// Where `from` is not in it.
+/// If the WGSL does not contain `from`.
 #[must_use]
 pub fn change(source: &str, from: &str, to: &str) -> String {
     let changed = replace_ignoring_layout(source, from, to);
@@ -67,7 +67,7 @@ pub fn change(source: &str, from: &str, to: &str) -> String {
     changed
 }
 
-/// Replaces every place where the letters of `from` follow one another, whatever white space lies between.
+/// Replaces every occurrence of `from`, whatever white space is between its characters.
 fn replace_ignoring_layout(source: &str, from: &str, to: &str) -> String {
     let wanted: Vec<char> = from.chars().filter(|c| !c.is_whitespace()).collect();
     let mut out = String::new();

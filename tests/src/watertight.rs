@@ -13,7 +13,7 @@ pub fn closed_mesh(scale: f64) -> Scene {
     watertight::closed_mesh(scale).expect("a small mesh")
 }
 
-/// Traces rays from a few origins inside at vertices and edges, and returns how many miss.
+/// Traces rays from a few origins inside, aimed at vertices and edges, and returns how many miss.
 #[must_use]
 pub fn misses(device: &Device, scene: &Scene, way: Way, count: usize, grid: GridSize, seed: u64) -> usize {
     block_on(gpu_of(device), watertight::misses(device, scene, way, count, grid, seed)).expect("a run")

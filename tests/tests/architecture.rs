@@ -1,5 +1,5 @@
-//! The picture of `docs/architecture.md`: the crates and the floors of `kernels/src`, the arrows between them, and a
-//! run through them. It is drawn from the sources, and the file that is kept must be what they say.
+//! The picture in `docs/architecture.md`: the crates and the floors of `kernels/src`, the arrows between them, and a
+//! run through them. It is drawn from the sources; the test fails if the file differs from the drawing.
 
 mod draw;
 
@@ -10,10 +10,10 @@ use raystep_tests::floors::{CRATES, FLOORS, KERNELS, Modules, Names, arrows_of, 
 
 const FILE: &str = "docs/images/architecture.svg";
 
-/// What to do where the file is not what is drawn.
+/// What to do if the file differs from the drawing.
 const AGAIN: &str = "UPDATE_SNAPSHOTS=1 cargo test -p raystep-tests architecture draws it again: look at it";
 
-/// Where a frame of `raystep render` goes, in this order.
+/// The stops of a frame of `raystep render`, in order.
 const STOPS: &[Stop] = &[
     Stop::at(&[("raystep::scene_file", "read")], "bytes of the scene's file"),
     Stop::at(&[("raystep_scenes::load", "load")], "triangles, lights, camera"),
@@ -41,13 +41,13 @@ const STOPS: &[Stop] = &[
 
 /// A stop of a run.
 struct Stop {
-    /// Modules and items, more than one where options decide which.
+    /// Modules and items; more than one if options select between them.
     items: &'static [(&'static str, &'static str)],
     /// What it makes or does.
     about: &'static str,
-    /// The stop from which it goes on where there are more passes.
+    /// The stop at which the run continues if there are more passes.
     turns_to: Option<usize>,
-    /// Whether options can leave it out.
+    /// Whether options decide if the run has this stop.
     is_optional: bool,
 }
 
@@ -60,7 +60,7 @@ impl Stop {
         self.items.len() + 1
     }
 
-    /// What a reader looks for: types by their names, functions with their modules.
+    /// Labels that a reader can search for: names of types, and functions with their modules.
     fn labels(&self) -> impl Iterator<Item = String> {
         self.items.iter().map(|(module, item)| {
             let is_function = item.starts_with(char::is_lowercase);
@@ -74,17 +74,17 @@ impl Stop {
 struct Row {
     /// Its modules, by their paths.
     modules: Vec<Names>,
-    /// Whether it is a floor of the kernels, or else a crate.
+    /// Whether it is a floor of the kernels; otherwise it is a crate.
     is_floor: bool,
-    /// A name, and what is in it, for each.
+    /// For each module its name and the modules in it; for a crate, its folder and a description.
     parts: Vec<(String, Vec<String>)>,
 }
 
-/// What the picture shows.
+/// The contents of the picture.
 struct Picture {
-    /// Highest first.
+    /// The bands, highest first.
     rows: Vec<Row>,
-    /// Names that a row takes from one below it: how many.
+    /// For each pair of a row and a lower one: how many names the first uses from the second.
     uses: BTreeMap<(usize, usize), usize>,
     /// The row of each stop.
     stops: Vec<usize>,
@@ -127,7 +127,7 @@ impl Picture {
         let rows = rows(modules);
         let mut uses = BTreeMap::new();
         for arrow in arrows_of(modules) {
-            // An arrow up fails the floors' test.
+            // Arrows to higher floors are left to the test of floors, which rejects them.
             if let (Some(from), Some(to)) = (row_of(&arrow.from, &rows), row_of(&arrow.to, &rows))
                 && from < to
             {
@@ -140,7 +140,7 @@ impl Picture {
     }
 }
 
-/// Stops that the sources do not have.
+/// Items of stops that do not exist in the sources.
 fn missing(modules: &Modules) -> Vec<String> {
     let items = STOPS.iter().flat_map(|stop| stop.items);
     let is_missing = |(module, item): &&(&str, &str)| !modules.get(&path_of(module)).is_some_and(|m| defines(m, item));
@@ -163,7 +163,7 @@ fn the_picture_of_the_architecture_is_what_the_sources_say() {
         return;
     }
     let kept = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{FILE}: {e}; {AGAIN}"));
-    // A checkout may end lines in its own way.
+    // A checkout may change line ends.
     assert!(kept.lines().eq(drawn.lines()), "{FILE} is not what the sources say; {AGAIN}");
 }
 

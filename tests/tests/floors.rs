@@ -1,13 +1,14 @@
-//! The floors of `kernels/src`: no module reaches up, and no modules side by side reach each other in a circle.
+//! The floors of `kernels/src`: no module uses one on a higher floor, and modules of a folder do not use each other in
+//! a circle.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use raystep_tests::floors::{FLOORS, Names, arrows_of, modules_of, sources};
 
-/// A circle among `nodes`, as the arrows that make it up.
+/// A circle of arrows, if there is one, as the values of its arrows.
 fn circle<'a>(arrows: &BTreeMap<(&'a str, &'a str), &'a str>) -> Option<Vec<&'a str>> {
-    // What nobody in the rest reaches is in no circle.
+    // An arrow that no other one leads to, or continues, is not part of a circle.
     let mut rest: BTreeSet<(&str, &str)> = arrows.keys().copied().collect();
     loop {
         let (starts, ends): (BTreeSet<_>, BTreeSet<_>) = rest.iter().copied().unzip();
@@ -29,7 +30,7 @@ fn circle<'a>(arrows: &BTreeMap<(&'a str, &'a str), &'a str>) -> Option<Vec<&'a 
     }
 }
 
-/// Arrows up, circles, and modules without a floor.
+/// Arrows to a higher floor, circles, and modules without a floor.
 fn faults(files: &[(String, String)], floors: &[&[&str]]) -> Vec<String> {
     let modules = modules_of(files);
     let arrows = arrows_of(&modules);
@@ -44,7 +45,7 @@ fn faults(files: &[(String, String)], floors: &[&[&str]]) -> Vec<String> {
     for arrow in arrows.iter().filter(|arrow| floor(&arrow.to) > floor(&arrow.from)) {
         faults.push(format!("up: {}", arrow.place));
     }
-    // Modules side by side: the two ways part at them.
+    // Each arrow counts between the two modules of the innermost common folder in which its paths differ.
     let mut siblings: BTreeMap<&[String], BTreeMap<(&str, &str), &str>> = BTreeMap::new();
     for arrow in &arrows {
         let common = arrow.from.iter().zip(&arrow.to).take_while(|(a, b)| a == b).count();

@@ -1,10 +1,10 @@
-//! What one program's kernels, streams and states are called is known to that program, and to what is about its results.
+//! Names of a program's kernels, streams and states appear only in that program and in files about its results.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files outside of `programs/` that may name something of `closest_hit`, and why. A list that only gets shorter:
-/// anything else asks the plan's program, its rows and roles.
+/// Files outside `programs/` that may name something of `closest_hit`, and why. The list should only get shorter: all
+/// other files use the plan's program, its rows and roles.
 const MAY_NAME: &[(&str, &[&str])] = &[
     (
         "how far floats of a ray may be off, along its walk too, and what a ray that differs decides",
@@ -40,7 +40,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Sources of the crates, without what is compiled for tests only.
+/// Sources of the crates, without test code.
 fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
         if entry.is_dir() {
@@ -51,7 +51,7 @@ fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
     }
 }
 
-/// Whether code, comments and tests apart, names a module of a program.
+/// Whether code, ignoring comments and tests, names a module of a program.
 fn names_a_program(text: &str) -> bool {
     let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or(text);
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));

@@ -15,7 +15,7 @@ use raystep_tests::parity::Parity;
 use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files, thorough};
 
-/// Every kernel by every rule, in every launch that it has.
+/// Configurations that cover every kernel with both numerics, in each of its launch modes.
 const WAYS: [Way; 23] = {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, First, Fused, Second};
@@ -46,7 +46,7 @@ const WAYS: [Way; 23] = {
     ]
 };
 
-/// A room, nothing, a plane, and what there is to hit or miss by little.
+/// A room, an empty scene, a plane, and scenes with hits and misses near edges.
 const FEW: [&str; 6] =
     ["cornell-box.gltf", "empty.gltf", "flat.gltf", "single-triangle.gltf", "primitives.gltf", "teapot.glb"];
 
@@ -82,7 +82,7 @@ impl Found {
     }
 }
 
-/// Every way with this accelerator.
+/// The configurations with this accelerator.
 fn ways(accelerator: Accelerator) -> impl Iterator<Item = Way> + Clone {
     WAYS.into_iter().filter(move |way| way.accelerator == accelerator)
 }
@@ -92,7 +92,7 @@ fn part_of<T>(all: &[T]) -> &[T] {
     if thorough() { all } else { &all[..all.len() / 2] }
 }
 
-/// As many loop turns a dispatch as the adapter allows.
+/// Compares with as many loop iterations per dispatch as the adapter allows.
 fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     let mut found = Found::default();
     for file in scene_files() {
@@ -101,27 +101,27 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
             continue;
         }
         for way in ways(accelerator) {
-            // Hundreds of passes each, which differ in their launch only: some scenes are enough for that.
+            // These take hundreds of passes each and differ only in their launch: a few scenes are enough.
             if way.is_stepped() && way.steps == 1 && way != STEPPED && !FEW.contains(&file.as_str()) {
                 continue;
             }
-            // What the paper's rules do to a ray depends on the scene still less.
+            // The paper's numerics depend even less on the scene.
             if !thorough() && way.numerics == Numerics::Paper && !FEW.contains(&file.as_str()) {
                 continue;
             }
-            // Not whole workgroups; not so many rays that the many passes of a step each take long.
+            // Not a multiple of the workgroup size; few enough rays for many passes of one step.
             let mut options = way.of(&options(&scene, 45, 37));
             options.counters = true;
             let label = format!("{file} {way}");
             found.add(&label, parity::compare(gpu, &scene, &options));
             if way.schedule == ScheduleKind::Fused {
-                // Now the kernel makes its rays itself.
+                // Without shading, the kernel generates its rays itself.
                 options.shade = false;
                 found.add(&label, parity::compare(gpu, &scene, &options));
             }
         }
     }
-    // Several samples a pixel, by either sampler and either kind of camera.
+    // Several samples per pixel, with both samplers and both kinds of camera.
     for (file, sampler) in [("cornell-box.gltf", Sampler::Sobol), ("lights.gltf", Sampler::Random)] {
         let scene = scene(file);
         for way in ways(accelerator).filter(|way| *way == STEPPED || way.steps != 1 || !way.is_stepped()) {
@@ -142,7 +142,7 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
             found.add(&format!("{file} {way} any hit"), parity::compare(gpu, &scene, &options));
         }
     }
-    // Without one of the robust rules, and as a compiler that contracts has them.
+    // Without one of the robust rules, and with all of them contracted, as by a compiler.
     for file in part_of(&["cornell-box.gltf", "primitives.gltf"]) {
         let scene = scene(file);
         for way in ways(accelerator).filter(|way| way.numerics == Numerics::Robust && way.skip == Skip::Off) {
@@ -158,14 +158,14 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     found
 }
 
-/// With so few loop turns a dispatch that whatever can wait does, between any two steps.
+/// Compares with so few loop iterations per dispatch that everything that can continue in a later dispatch does.
 fn in_parts_of_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     let mut found = Found::default();
     for &(file, turns) in
         part_of(&[("cornell-box.gltf", 1), ("primitives.gltf", 6), ("cornell-box.gltf", 30), ("lights.gltf", 6)])
     {
         let scene = scene(file);
-        // A triangle or node a pass waits for nothing; a cell's, only where repeated tests are counted.
+        // Passes of one triangle or node never need to continue; those of one cell do if repeated tests are counted.
         let waits = |way: &Way| way.accelerator == Accelerator::Grid || way.steps > 1 || !way.is_stepped();
         for way in ways(accelerator).filter(waits) {
             let options = Options { counters: true, ..way.of(&options(&scene, 21, 13)) };
@@ -178,7 +178,7 @@ fn in_parts_of_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
         }
     }
     if accelerator == STEPPED.accelerator {
-        // A light a pass.
+        // One light per pass.
         let lights = scene("lights.gltf");
         let options = STEPPED.of(&options(&lights, 21, 13));
         found.add("lights", parity::compare_in_turns(gpu, &lights, &options, 1));
@@ -193,7 +193,7 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
         let whole = in_whole_passes(&gpu, accelerator);
         (whole, in_parts_of_passes(&gpu, accelerator))
     };
-    // Side by side: where software is the GPU, each waits for one core most of the time.
+    // In parallel: with software Vulkan, each comparison waits for a single core most of the time.
     let (mut found, mut in_parts) = (Found::default(), Found::default());
     std::thread::scope(|scope| {
         let all = [Accelerator::Grid, Accelerator::Bvh, Accelerator::None];
@@ -209,9 +209,10 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     let Found { sum, failures } = found;
     println!("{} passes, {} components: {} equal but for rounding", sum.passes, sum.components, sum.tolerated);
     assert!(failures.is_empty(), "{} breaches:\n{}", failures.len(), failures.join("\n"));
-    // A ray is near an edge or a face by less than some 40 roundings of 2⁻²⁴ once in 10,000 tests of one triangle
-    // that fills the view; most are farther. Of the small pictures that are traced in parts an eighth lies in the middle
-    // row or column, where rays meet edges and planes of symmetric scenes: a few of these, once in some 24 passes each.
+    // In 10,000 tests of one triangle that fills the view, one ray is nearer to an edge or a face than some 40
+    // roundings of 2⁻²⁴. In the small images that are traced in parts, an eighth of the rays are in the middle row or
+    // column, where they meet edges and planes of symmetric scenes: a few of these are undecided, each once in some 24
+    // passes.
     for (name, most, (undecided, rays)) in [("whole passes", 10_000, whole), ("parts of passes", 1_000, parts)] {
         println!("{undecided} of {rays} rays undecided in {name}");
         assert!(rays > 0, "no ray was compared in {name}");
@@ -220,15 +221,15 @@ fn every_kernel_agrees_with_its_twin_after_every_pass() {
     for kernel in PROGRAM.kernels().filter(|kernel| kernel.role() != Role::Count) {
         assert!(sum.kernels.contains(&kernel), "no ray was ever in {}", kernel.name());
     }
-    // The table of transitions is what happens: nothing else, and all of it.
+    // The table of transitions has exactly those that occur.
     let listed: BTreeSet<_> = PROGRAM.transitions().map(|(kernel, t)| (t.from, kernel, t.to)).collect();
     let name = |tag| states::STATES.name(tag);
     let named = |ways: Vec<&(u32, Kernel, u32)>| {
         ways.iter().map(|w| format!("{} {} {}", name(w.0), w.1.name(), name(w.2))).collect::<Vec<_>>()
     };
     assert_eq!(named(sum.transitions.difference(&listed).collect()), [""; 0], "taken, but not listed");
-    // The grid's box is a margin larger than the scene, so no hit of a real scene is left over when a ray leaves it:
-    // see the next test.
+    // The grid's box is larger than the scene by a margin, so in real scenes no ray leaves it with a kept hit: see the
+    // next test.
     let missing = named(listed.difference(&sum.transitions).collect());
     assert_eq!(missing, ["TRAV traverse_grid SHADE"], "listed, but never taken");
 }
@@ -256,7 +257,7 @@ fn a_hit_that_is_kept_survives_leaving_the_grid() {
     }
 }
 
-/// Changes a kernel's WGSL, and only that.
+/// Changes only a kernel's WGSL.
 fn change(kernel: Kernel, from: &str, to: &str) -> impl FnOnce(&mut Plan) {
     move |plan| {
         let variant = plan.variants.iter_mut().find(|v| v.kernel == kernel).expect("in the plan");
@@ -268,13 +269,13 @@ fn compare_broken(options: &Options, kernel: Kernel, from: &str, to: &str) -> Pa
     parity::compare_broken(&gpu(), &scene("cornell-box.gltf"), options, change(kernel, from, to))
 }
 
-/// The room in cells, not so many that the eye lies on a plane, where floor and ceil agree.
+/// The room, with a grid resolution at which the eye does not lie on a plane, where floor and ceil would agree.
 fn room(way: Way) -> Options {
     let options = way.of(&options(&scene("cornell-box.gltf"), 40, 40));
     Options { counters: true, grid: GridSize::Cells([7, 7, 9]), ..options }
 }
 
-/// Every row's breaks: the comparison must name the kernel.
+/// For every break in the kernels' rows, the comparison must name the broken kernel.
 #[test]
 fn a_broken_kernel_is_named() {
     let scene = scene("cornell-box.gltf");
@@ -298,7 +299,7 @@ fn a_broken_kernel_is_named() {
     }
 }
 
-/// What only runs with other scenes or rays compile: several lights, and rays that end at any hit.
+/// Code that is compiled only for other scenes or rays: several lights, and rays that end at any hit.
 #[test]
 fn a_kernel_broken_for_other_rays_is_named() {
     let lights = scene("lights.gltf");
@@ -318,8 +319,8 @@ fn a_kernel_broken_for_other_rays_is_named() {
     }
 }
 
-/// As a GPU may round that contracts or divides otherwise: t is off by a rounding, or distances to planes are. No ray
-/// may be taken for broken, and the few that go another way for it must be found.
+/// Emulates a GPU that contracts or divides differently: t, or distances to planes, are off by one rounding. No ray may
+/// count as broken, and the few that take another path because of it must be found.
 #[test]
 fn other_rounding_is_not_broken() {
     use Accelerator::{Bvh, Grid};
@@ -342,7 +343,8 @@ fn other_rounding_is_not_broken() {
     assert!(tolerated > 0 && undecided > 0, "{tolerated} tolerated, {undecided} undecided");
 }
 
-/// A kernel that loses a ray from a list, or books it wrongly, does its own work right: the next one shows it.
+/// A kernel that loses a ray from a list leaves its own streams correct, so the next kernel shows the error. Other
+/// errors in lists and counts show in the kernel itself.
 #[test]
 fn broken_lists_and_books_show() {
     let [one, several] = [1, 8].map(|steps| room(Way::new(Accelerator::Grid, ScheduleKind::Compact, steps)));
@@ -352,7 +354,7 @@ fn broken_lists_and_books_show() {
         (&several, kernels::SETUP, kernels::WALK),
         (&several, kernels::WALK, kernels::WALK),
     ] {
-        // The last of a workgroup's rays takes another one's place.
+        // A workgroup's last ray overwrites another one in the list.
         let found = compare_broken(options, kernel, "first_ray[list] + place", "first_ray[list] + min(place, 254u)");
         assert_eq!(found.breaches.first().map(|b| b.kernel), Some(named), "{} loses a ray", kernel.name());
     }

@@ -74,7 +74,7 @@ fn a_broken_kernel_of_a_build_is_named() {
     for kernel in PROGRAM.kernels() {
         let row = kernel.info();
         assert!(!row.breaks.is_empty(), "nothing breaks {}", row.name);
-        // Wherever it stands.
+        // Once per row, however often the program contains the kernel: all its variants are broken.
         for broken in row.breaks.iter().filter(|_| rows.insert(row.name)) {
             let mut options = build(&scene, GridSize::Auto);
             (broken.run)(&mut options);

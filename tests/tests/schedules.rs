@@ -63,8 +63,8 @@ fn the_first_dozen_passes_are_those_of_the_schedule() {
         let renderer = traced(&scene, &options, &Device::Cpu(Option::None));
         let passes: String = renderer.passes().iter().take(12).map(|p| letter(p.kernel)).collect();
         assert_eq!(passes, expected, "{file} {way}");
-        // The executors ran what the plan has, and nothing is planned that never runs. Counting runs within another
-        // kernel's pass.
+        // Every kernel in the plan is in the schedule, and every one of them ran. Counting has no step of its own: it
+        // runs within another kernel's pass.
         let variants = renderer.plan().variants.iter().map(|v| v.kernel);
         let planned: Vec<Kernel> = variants.filter(|kernel| kernel.role() != Role::Count).collect();
         assert_eq!(renderer.plan().schedule.kernels(), planned, "{file} {way}");

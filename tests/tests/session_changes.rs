@@ -47,7 +47,7 @@ async fn both_ways(session: &mut Session, watch: Watch) -> Vec<Fired> {
     }
     assert_eq!(session.place(), 0, "no more matches: at the start");
     back.reverse();
-    // Going back starts from the end itself, where a watch does not fire.
+    // Going back starts at the end, so it does not stop there.
     forward.retain(|fired| fired.place < last);
     assert_eq!(forward, back, "{watch:?}");
     forward

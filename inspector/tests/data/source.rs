@@ -160,7 +160,7 @@ fn what_the_device_is_not_given_is_left_out_and_all_else_of_a_body_has_a_mark() 
             for (line, still) in lines.iter().zip(&still) {
                 assert_eq!(still.mark == Mark::LeftOut, line.mark == Mark::LeftOut, "{}", line.text);
                 assert!(matches!(still.mark, Mark::Plain | Mark::LeftOut), "{}", line.text);
-                // A separate statement chosen by an option is in the plan's source, unchanged, or it is not.
+                // A statement that an option chooses is in the plan's source unless its line is marked as left out.
                 let choice = line
                     .text
                     .trim()

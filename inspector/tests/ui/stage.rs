@@ -236,7 +236,7 @@ impl Stage {
         self.nodes().iter().filter_map(line).collect::<Vec<_>>().join("\n")
     }
 
-    /// Shows another stream, or only one of its components, as a user does it.
+    /// Shows another stream, or only one of its components, as a user does.
     pub(crate) fn show_stream(&mut self, stream: Stream, layer: &str) {
         self.click(Role::ComboBox, "stream");
         self.frames(2);

@@ -24,11 +24,11 @@ pub struct LayerDifference {
     pub one_sided: u64,
     /// The first ray that differs, y * width + x.
     pub first: Option<usize>,
-    /// Of rays where both sides are ordinary floats.
+    /// Differences of rays where both sides are ordinary floats.
     pub floats: Option<FloatDifference>,
 }
 
-/// How far apart ordinary floats are.
+/// How far apart ordinary floats are, among those that differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FloatDifference {
     /// Largest difference in units in the last place.

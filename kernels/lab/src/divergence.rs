@@ -44,7 +44,7 @@ pub fn divergence_bytes(plan: &Plan) -> u64 {
 /// `progress` is called after every pass and may stop the comparison.
 ///
 /// # Errors
-/// If the device fails, memory runs out (see [`divergence_bytes`]), or `progress` stopped it.
+/// If the device fails, there is not enough memory (see [`divergence_bytes`]), or `progress` stopped it.
 pub async fn divergence(
     renderer: &mut Renderer,
     mut progress: impl FnMut(&DivergenceProgress) -> ControlFlow<()>,

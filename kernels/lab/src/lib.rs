@@ -6,13 +6,14 @@
 //! |---|---|
 //! | [`mod@reference`] | f64 brute force with exact predicates, and the error bound of f32 |
 //! | [`judge`] | comparing a run's hits with that: all rays, a sample, or after each pass |
-//! | [`rounding`], [`parity`], [`divergence`] | what rounding may change in one pass; device against CPU reference kernels, pass by pass |
+//! | [`rounding`] | what rounding may change in one pass |
+//! | [`parity`], [`divergence`], [`lockstep`] | device against CPU reference kernels, pass by pass |
 //! | [`compare`], [`layer_stats`] | a stream of two runs compared; statistics of one stream |
-//! | [`rays`], [`ways`], [`watertight`] | rays to trace, configurations to trace them with, and a closed mesh that no ray may leave |
+//! | [`rays`], [`ways`], [`watertight`] | rays, configurations, and a closed mesh that no ray may leave |
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
 //! | [`work`], [`structure_stats`] | the cost of rays and use of launched threads; lists of a grid, nodes of a BVH |
 //! | [`mod@bench`], [`report`], [`stability`] | the measuring commands of the command line |
-//! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver for progress |
+//! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver of progress |
 //! | [`plots`], [`html`], [`text`], [`hash`] | the parts of their output files |
 
 pub mod bench;

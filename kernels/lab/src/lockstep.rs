@@ -1,12 +1,13 @@
-//! Two runs of a program whose arithmetic has only one result, compared bit for bit after every pass: where they first
-//! differ. Programs whose floats may be rounded otherwise are compared by [`crate::divergence`].
+//! Compares two runs of a program bit for bit after every pass, and finds where they first differ. This needs a program
+//! whose arithmetic has the same result on every device; [`crate::divergence`] compares programs whose floats may be
+//! rounded differently.
 
 use std::fmt;
 use std::ops::ControlFlow;
 
 use raystep_kernels::{Kernel, Progress, RenderError, Renderer, Stream};
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lockstep {
     /// Passes compared.
@@ -20,7 +21,7 @@ pub struct Lockstep {
 /// A component that differs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unequal {
-    /// The pass after which it does.
+    /// The pass after which it differs.
     pub pass: usize,
     /// The kernel of that pass.
     pub kernel: Kernel,
@@ -28,11 +29,11 @@ pub struct Unequal {
     pub stream: Stream,
     /// Its layer.
     pub layer: usize,
-    /// The element: its place in the stream, row by row.
+    /// The element's index in the stream, row by row.
     pub element: usize,
-    /// The bits of the run that is judged.
+    /// The bits in the run under test.
     pub ours: u32,
-    /// Those of the other.
+    /// The bits in the reference run.
     pub reference: u32,
 }
 
@@ -49,12 +50,12 @@ impl fmt::Display for Unequal {
     }
 }
 
-/// Runs both from their start, the second of which is on the CPU reference, to their end or the first difference.
+/// Runs both from the start to the end or to the first difference. `reference` must run on the CPU reference kernels.
 ///
-/// `progress` is called after every pass and may stop.
+/// `progress` is called after every pass and may stop the comparison.
 ///
 /// # Errors
-/// Where a run fails, the system has not the memory, or `progress` said so.
+/// If a run fails, there is not enough memory, or `progress` stopped it.
 pub async fn lockstep(
     ours: &mut Renderer,
     reference: &mut Renderer,

@@ -15,7 +15,7 @@ use raystep_scenes::Scene;
 
 use crate::rounding::{Rounding, Verdict};
 
-/// A component that differs by more than it may.
+/// A component that differs by more than is allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Breach {
     /// The kernel after which it differs.
@@ -24,7 +24,7 @@ pub struct Breach {
     pub pass: usize,
     /// Stream and layer.
     pub component: (Stream, usize),
-    /// The ray's place, y * width + x.
+    /// The ray's index, y * width + x.
     pub ray: usize,
     /// The GPU's bits.
     pub gpu: u32,
@@ -45,32 +45,32 @@ impl fmt::Display for Breach {
     }
 }
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Clone, Debug, Default)]
 pub struct Parity {
     /// Passes compared.
     pub passes: usize,
     /// Components compared.
     pub components: u64,
-    /// Components that differ, but by no more than they may.
+    /// Components that differ by no more than is allowed.
     pub tolerated: u64,
-    /// Rays that went another way where f32 cannot decide.
+    /// Rays that took another path because f32 cannot decide.
     pub undecided: u64,
     /// Kernels that were compared on at least one ray.
     pub kernels: Vec<Kernel>,
     /// Rays that passes worked on, summed.
     pub rays: u64,
-    /// Those of them in passes whose walks, searches or sums of light may go on in the next dispatch.
+    /// Those of them in passes whose walks, searches or sums of light may continue in the next dispatch.
     pub rays_in_parts: u64,
-    /// Every way from a state to the next that a ray was seen to take.
+    /// Every transition between states that was observed.
     pub transitions: BTreeSet<(Tag, Kernel, Tag)>,
-    /// What differs by more, at most 20 a kernel.
+    /// Components that differ by more than is allowed, at most 20 per kernel.
     pub breaches: Vec<Breach>,
-    /// Passes after which the books do not say how many rays are in each state.
+    /// Passes after which the recorded numbers of rays in each state are wrong.
     pub miscounts: Vec<String>,
 }
 
-/// A comparison that could not be made.
+/// Why a comparison failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ParityError {
     /// The scene could not be planned.
@@ -82,24 +82,24 @@ pub enum ParityError {
     /// The twin cannot run.
     #[error(transparent)]
     Twin(#[from] CpuError),
-    /// The executors do not have the same streams, by the name of one.
+    /// The executors do not have the same streams; the name of one that differs.
     #[error("stream {0}: device and CPU reference do not both have it in the same size")]
     Unlike(&'static str),
 }
 
 impl Parity {
-    /// Whether anything differs by more than it may.
+    /// Whether anything differs by more than is allowed.
     #[must_use]
     pub fn is_broken(&self) -> bool {
         !self.breaches.is_empty() || !self.miscounts.is_empty()
     }
 }
 
-/// Runs a scene on the GPU and compares every pass with the twin, until `is_enough`. `change` may alter the plan
-/// first: a comparison that cannot fail proves nothing.
+/// Runs a scene on the GPU and compares every pass with the twin, until `is_enough`. `change` may modify the plan
+/// first: a deliberately broken plan shows that the comparison can fail.
 ///
 /// # Errors
-/// Where the scene cannot be planned or traced, or memory is short.
+/// If the scene cannot be planned or traced, or there is not enough memory.
 pub async fn compare(
     gpu: &Arc<Gpu>,
     scene: &Scene,
@@ -117,14 +117,14 @@ pub async fn compare(
     let mut twin = CpuExecutor::<f32>::new(&plan, None).map_err(CpuError::from)?;
     let mut found = Parity::default();
 
-    // What no kernel writes keeps the poison on both sides and shows where it should not.
+    // Values that no kernel writes stay poisoned on both sides, so that reading one has a visible effect.
     let makes_rays =
         renderer.next_kernel().is_some_and(|kernel| kernel.role() == Role::Source) || plan.features.eye_rays;
     let mut before = Vec::new();
     for &stream in &streams {
         let mut values = renderer.values(stream).await?;
-        // Some streams begin with what they are cleared to: which kernel is next, how many samples there are, and that
-        // no search has begun.
+        // Some streams must keep their initial values: which kernel is next, the number of samples, and that no search
+        // has begun.
         if makes_rays && ![streams::STATE, streams::ACCUMULATED, streams::SCAN].contains(&stream) {
             values.bits.fill(0x7fc0_dead);
             in_both(renderer.write(&values), stream)?;
@@ -165,7 +165,7 @@ fn record(
     if rules.plan.features.turns > 0 {
         found.rays_in_parts += u64::from(pass.rays_in);
     }
-    // A kernel that makes its rays itself finds them unwritten.
+    // For a kernel that generates its rays itself, they are unwritten before.
     let unwritten = [states::UNWRITTEN, states::TRAV, states::ISECT_NO_HIT, states::ISECT_HIT];
     let active = if rules.data.features.eye_rays && pass.kernel.role() == Role::Whole {
         &unwritten[..]

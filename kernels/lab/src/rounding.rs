@@ -1,8 +1,9 @@
-//! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may go another way.
+//! What rounding may change in one pass: how far floats may be off after a kernel, and which rays may take another
+//! path.
 //!
-//! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal, and
-//! computed floats as near as the kernel's row allows (see [`rounding`]),
-//! except for rays that f32 cannot decide.
+//! Two executors start from the same streams. After the pass, integers and floats that are only copied must be equal,
+//! and computed floats must agree within the bounds in the kernel's row (see [`rounding`]). Rays that f32 cannot decide
+//! are exempt.
 
 mod judge;
 mod nudge;
@@ -26,7 +27,7 @@ use raystep_kernels::tables::stream::{Stream, StreamData};
 use crate::reference::{Possible, possible};
 pub use judge::{Component, Judged, Verdict, judging_bytes};
 
-/// What a ray is made of.
+/// The streams of a ray.
 const RAY: [Stream; 2] = [streams::RAY_DIRECTION, streams::RAY_ORIGIN];
 
 /// The rays before a pass, and what f32 can decide about them.
@@ -43,7 +44,7 @@ pub struct Rounding<'a> {
 }
 
 impl Rounding<'_> {
-    /// A component before the pass; 0 where the run does not have the stream.
+    /// A component before the pass; 0 if the run does not have the stream.
     fn component(&self, stream: Stream, layer: usize, ray: usize) -> u32 {
         self.before.iter().find(|s| s.stream == stream).map_or(0, |s| s.get(layer, ray))
     }
@@ -52,7 +53,7 @@ impl Rounding<'_> {
         [0, 1, 2].map(|layer| f32::from_bits(self.component(stream, layer, ray)))
     }
 
-    /// Origin and direction: from the streams, or those that the kernel makes itself.
+    /// Origin and direction: from the streams, or as the kernel generates them itself.
     fn ray(&self, ray: usize) -> [[f32; 3]; 2] {
         if self.data.features.eye_rays {
             let (x, y) = (ray as u32 % self.plan.width, ray as u32 / self.plan.width);
@@ -68,7 +69,7 @@ impl Rounding<'_> {
         own(self.kernel).map_or(rounding::NONE, |own| own.rounding)
     }
 
-    /// By how much a float that the kernel computes may be multiplied wrongly.
+    /// The factor by which the error of one computation is multiplied.
     fn times(&self, each: Each) -> u64 {
         u64::from(match each {
             Each::Pass => 1,
@@ -98,7 +99,7 @@ impl Rounding<'_> {
         }
     }
 
-    /// The triangle that the pass tests, or `hit`, the one that a pass of many tests ends with, as f64 sees it.
+    /// The triangle that the pass tests, or `hit`, the result of a pass with many tests, tested in f64.
     fn tested(&self, ray: usize, hit: u32) -> Option<Possible> {
         let (cell, item) =
             (self.component(streams::STATE, STATE_CELL, ray), self.component(streams::STATE, STATE_ITEM, ray));
@@ -114,7 +115,7 @@ impl Rounding<'_> {
         }
     }
 
-    /// Whether the node's box is met or missed by less than it was grown by.
+    /// Whether the ray hits or misses the node's box by less than the box was grown by.
     fn grazes_a_box(&self, ray: usize, origin: [f64; 3], direction: [f64; 3]) -> bool {
         let [origin, direction] = [origin, direction].map(Vec3::<f64>::from);
         let inverse = finite_inverse(direction);
@@ -144,7 +145,7 @@ impl Rounding<'_> {
     }
 
     /// Whether f32 cannot tell in which cell the ray's walk begins. The entry point lies on a face of the
-    /// grid's box: that axis is clamped, the other two may be near a plane by chance.
+    /// grid's box: that axis is clamped; on the other two, the point may be near a plane by chance.
     fn walk_may_begin_elsewhere(&self, ray: usize) -> bool {
         let ([origin, direction], grid) = (self.ray(ray).map(|v| v.map(f64::from)), &self.data.grid);
         let (mut enter, mut axis) = (0.0, None);
@@ -158,8 +159,8 @@ impl Rounding<'_> {
         self.near_plane([0, 1, 2].map(|a| origin[a] + direction[a] * enter), axis)
     }
 
-    /// Whether f32 cannot tell in which cell a leap over empty ones ends. It ends on a face of the empty cube: two
-    /// faces that are crossed at nearly the same t are near the point where they are, too.
+    /// Whether f32 cannot tell in which cell a leap over empty ones ends. It ends on a face of the empty cube. If
+    /// two faces are crossed at nearly the same t, the point is near both.
     fn leap_may_end_elsewhere(&self, ray: usize) -> bool {
         let (grid, cell) = (&self.data.grid, self.component(streams::STATE, STATE_CELL, ray));
         let distance = self.data.empty_distance(cell);
@@ -175,8 +176,8 @@ impl Rounding<'_> {
         self.near_plane((origin + direction * t).to_array(), axis)
     }
 
-    /// Whether rounding alone may send the ray another way in this pass; `None` where only rays next to it can tell,
-    /// see [`nudge`].
+    /// Whether rounding alone may make the ray take another path in this pass; `None` if only neighbouring rays can
+    /// tell, see [`nudge`].
     fn is_undecided(&self, ray: usize) -> Option<bool> {
         let [origin, direction] = self.ray(ray).map(|v| v.map(f64::from));
         let at = |t: f64| [0, 1, 2].map(|a| origin[a] + direction[a] * t);

@@ -38,8 +38,8 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<f64> {
     Line::through(&logarithms).map(|line| line.slope)
 }
 
-/// The 95% confidence interval of a proportion of which `count` of `of` were observed (Wilson 1927). Unlike the normal
-/// approximation it is useful for 0% and 100%, and never leaves 0 to 1. `None` if `of` is 0.
+/// The 95% confidence interval of a proportion, if `count` of `of` were observed (Wilson 1927). Unlike the normal
+/// approximation it is useful at 0% and 100%, and never leaves 0 to 1. `None` if `of` is 0.
 #[must_use]
 pub fn wilson(count: u64, of: u64) -> Option<[f64; 2]> {
     // The normal distribution's quantile at 97.5%.

@@ -22,7 +22,7 @@ pub fn closed_mesh(scale: f64) -> Result<Scene, GenerateError> {
     Ok(scene)
 }
 
-/// Traces rays from a few origins inside at vertices and edges, and returns how many miss.
+/// Traces rays from a few origins inside, aimed at vertices and edges, and returns how many miss.
 ///
 /// # Errors
 /// If the device fails or the mesh does not fit it.

@@ -23,9 +23,9 @@ pub(super) const STRANDS: Parameter = Parameter {
 
 const COLORS: [[f32; 3]; 4] = [[0.42, 0.20, 0.08], [0.55, 0.29, 0.11], [0.66, 0.40, 0.17], [0.33, 0.14, 0.06]];
 
-/// A ball of radius 1 with `strands` hairs: ribbons along quadratic Bézier curves that leave the ball vertically, sway,
-/// hang down, and taper to a point. A ribbon is several hundred times longer than wide and not aligned with any axis,
-/// so boxes and cells around its triangles are nearly empty.
+/// A ball of radius 1 with `strands` hairs: ribbons along quadratic Bézier curves that leave the ball at right angles
+/// to its surface, sway, hang down, and taper to a point. A ribbon is dozens of times longer than wide, or more if
+/// there are more of them, and not aligned with any axis, so boxes and cells around its triangles are nearly empty.
 ///
 /// # Errors
 /// More than [`MAX_TRIANGLES`].

@@ -59,8 +59,8 @@ pub(super) fn sphere(subdivisions: u64, mut each: impl FnMut([Vec3; 3])) {
         for b in a + 1..12 {
             for c in b + 1..12 {
                 let t = [a, b, c].map(corner);
-                // An icosahedron's edge is 1.05 radii long and its next longer distance 1.7: three mutual neighbours
-                // form a face.
+                // An icosahedron's edge is 1.05 radii long and other vertices are at least 1.7 apart: three mutual
+                // neighbours form a face.
                 if (0..3).all(|k| t[k].distance_squared(t[(k + 1) % 3]) < 1.5) {
                     let outward = (t[1] - t[0]).cross(t[2] - t[0]).dot(t[0]) > 0.0;
                     divide(if outward { t } else { [t[0], t[2], t[1]] }, subdivisions, &mut each);

@@ -15,7 +15,7 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::io::Cursor;
 
-/// Maximum width and height; more than any adapter supports.
+/// Maximum width and height; no known adapter has larger textures.
 const MAX_SIDE: u32 = 32_768;
 /// Bytes of a texel here, plus those of the kernels' copy: linear, 16 bits per channel.
 const TEXEL_BYTES: u64 = 4 + 8;

@@ -1,4 +1,4 @@
-//! Draws the picture: bands that form stairs, so that arrows from above reach each of them at its step.
+//! Draws the picture: the bands form stairs, so that arrows from above can reach each band at its step.
 
 use plotters::backend::SVGBackend;
 use plotters::coord::Shift;
@@ -15,25 +15,25 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 type Point = (i32, i32);
 
-/// All letters have one width, whichever of these fonts a viewer has: at most [`LETTER`] of a size of 12 pixels.
+/// Monospaced fonts; in each of them a letter is at most [`LETTER`] wide at a size of 12 pixels.
 const CODE: &str = "ui-monospace, Menlo, Consolas, monospace";
 const PROSE: &str = "system-ui, Helvetica, Arial, sans-serif";
 const LETTER: f64 = 7.3;
 
 const WIDTH: i32 = 900;
-/// Where columns begin.
+/// Left ends of the columns.
 const MARGIN: i32 = 12;
 const FLOORS_AT: i32 = 38;
 const NAMES_AT: i32 = 48;
 const MODULES_AT: i32 = 140;
 const LABELS_AT: i32 = 334;
 const RUN_AT: i32 = 522;
-/// Between two stops.
+/// Distance between two stops.
 const PITCH: i32 = 14;
-/// Where the highest band ends, and by how much each is longer than the one above it.
+/// The right end of the highest band, and how much longer each band is than the one above it.
 const STAIRS_AT: i32 = 706;
 const STEP: i32 = 11;
-/// The top of the highest band, the height of a line, and what a band has around its lines.
+/// The top of the highest band, the height of a line, the margin above and below a band's lines, and the legend.
 const TOP: i32 = 58;
 const LINE: i32 = 16;
 const PADDING: i32 = 14;
@@ -49,8 +49,8 @@ const KERNELS: RGBColor = RGBColor(190, 208, 231);
 const CRATE: RGBColor = RGBColor(244, 238, 224);
 const RUN: RGBColor = RGBColor(190, 75, 0);
 
-/// A dot for so many uses at least, and its radius. A few sizes and not one for each number, so that not every change
-/// of a `use` changes the picture.
+/// Minimum number of uses for a dot, and its radius. There are only a few sizes, so that most changes of a `use` do not
+/// change the picture.
 const DOTS: [(usize, i32); 3] = [(1, 2), (5, 3), (25, 5)];
 
 struct Style {
@@ -68,7 +68,7 @@ const NUMBER: Style = Style { font: PROSE, size: 12, color: RUN, is_bold: true }
 const NOTE: Style = Style { font: PROSE, size: 13, color: FAINT, is_bold: false };
 const TITLE: Style = Style { font: PROSE, size: 17, color: INK, is_bold: true };
 
-/// A band with its place.
+/// A band with its position.
 struct Band<'a> {
     row: &'a Row,
     /// Each part's name and lines.
@@ -124,14 +124,14 @@ fn bands(picture: &Picture) -> Vec<Band<'_>> {
         let modules: usize = parts.iter().map(|(_, lines)| lines.len().max(1)).sum();
         let bottom = top + LINE * modules.max(labels) as i32 + PADDING;
         bands.push(Band { row, parts, top, bottom, right: STAIRS_AT + STEP * i as i32 });
-        // Crates stand apart from the floors.
+        // A larger gap separates crates from the floors.
         let next = picture.rows.get(i + 1);
         top = bottom + if next.is_some_and(|next| next.is_floor && row.is_floor) { 2 } else { 6 };
     }
     bands
 }
 
-/// Words in lines from the column of modules on.
+/// Breaks words into lines that fit between the column of modules and `end`.
 fn wrapped(words: &[String], end: i32) -> Vec<String> {
     let most = (f64::from(end - MODULES_AT - 8) / LETTER) as usize;
     let mut lines: Vec<String> = Vec::new();
@@ -145,7 +145,7 @@ fn wrapped(words: &[String], end: i32) -> Vec<String> {
 }
 
 fn text(area: &Area<'_>, text: &str, at: Point, style: &Style, h: HPos) -> Drawn {
-    // plotters writes sizes divided by this.
+    // plotters divides font sizes by this factor.
     let font = (style.font, f64::from(style.size) * 1.24).into_font();
     let font = if style.is_bold { font.style(FontStyle::Bold) } else { font };
     area.draw(&Text::new(text.to_owned(), at, font.color(&style.color).pos(Pos::new(h, VPos::Center))))?;
@@ -153,7 +153,7 @@ fn text(area: &Area<'_>, text: &str, at: Point, style: &Style, h: HPos) -> Drawn
 }
 
 fn line(area: &Area<'_>, points: &[Point], style: ShapeStyle) -> Drawn {
-    // Piece by piece: some viewers fill a longer line as if it were a shape.
+    // One segment at a time: some viewers fill longer lines like shapes.
     for pair in points.windows(2).filter(|pair| pair[0] != pair[1]) {
         area.draw(&PathElement::new([pair[0], pair[1]], style))?;
     }
@@ -171,7 +171,7 @@ fn dashed(area: &Area<'_>, from: Point, to: Point, style: ShapeStyle) -> Drawn {
     Ok(())
 }
 
-/// An arrowhead with its tip here; `dx` and `dy` say where it points.
+/// An arrowhead with its tip at (x, y), pointing along (dx, dy).
 fn head(area: &Area<'_>, (x, y): Point, (dx, dy): Point, size: i32, color: RGBColor) -> Drawn {
     let (back_x, back_y) = (x - dx * size, y - dy * size);
     let half = (size + 1) / 2;
@@ -206,7 +206,7 @@ fn draw_band(area: &Area<'_>, band: &Band<'_>, i: usize) -> Drawn {
     Ok(())
 }
 
-/// What all floors belong to, at their left.
+/// The bar at the left of all floors, labelled with their crate.
 fn draw_kernels(area: &Area<'_>, bands: &[Band<'_>]) -> Drawn {
     let floors = || bands.iter().filter(|band| band.row.is_floor);
     let (Some(first), Some(last)) = (floors().next(), floors().next_back()) else { return Ok(()) };
@@ -218,7 +218,7 @@ fn draw_kernels(area: &Area<'_>, bands: &[Band<'_>]) -> Drawn {
     Ok(())
 }
 
-/// From each band a line to the right, from its dots down to the steps of those that it uses.
+/// From each band a line to the right, with a dot above the step of each band that it uses and an arrow down to it.
 fn arrows(area: &Area<'_>, picture: &Picture, bands: &[Band<'_>]) -> Drawn {
     let style = ARROW.stroke_width(1);
     for (i, band) in bands.iter().enumerate() {
@@ -258,7 +258,7 @@ fn labels(area: &Area<'_>, picture: &Picture, bands: &[Band<'_>]) -> Drawn {
     Ok(())
 }
 
-/// The way from stop to stop: from each up or down, then on in time.
+/// The path from stop to stop: from each one up or down, then to the right.
 fn run(area: &Area<'_>, picture: &Picture, bands: &[Band<'_>]) -> Drawn {
     const RADIUS: i32 = 9;
     let style = RUN.stroke_width(2);

@@ -1,4 +1,4 @@
-//! Where two measured curves cross.
+//! Straight lines through times, and where two measured curves cross.
 
 pub(crate) use raystep_lab::statistics::Line;
 

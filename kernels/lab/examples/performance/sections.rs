@@ -3,7 +3,7 @@
 //! | section | asks |
 //! |---|---|
 //! | `paper` | the paper's Tables 2 and 3, and the same with each of our schedules |
-//! | `resolution` | is time proportional to the number of rays? |
+//! | `resolution` | time against rays: is it a straight line? |
 //! | `steps` | time against steps per pass |
 //! | `bytes` | bytes that passes move, compared with the device's copy speed; cost of an empty pass |
 //! | `tdelta` | §4.2.3: recompute tDelta in every pass, or load it? |

@@ -141,7 +141,7 @@ impl DivergenceMap {
         Self { width, height, kernels: Vec::new(), classes: [const { None }; 5], refused: None }
     }
 
-    /// Begins the next pass.
+    /// Adds a pass, whose rays are recorded next.
     pub(super) fn begin(&mut self, kernel: Kernel) {
         self.kernels.push(kernel);
     }

@@ -6,7 +6,7 @@ use raystep_kernels::export::json::CheckSummary;
 
 use crate::reference::{Counts, Mistake, Verdict};
 
-/// How many mistakes are kept.
+/// Maximum number of mistakes kept.
 const MOST_MISTAKES: usize = 64;
 
 /// What a comparison found.

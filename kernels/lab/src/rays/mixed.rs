@@ -36,8 +36,8 @@ pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-/// Rays with an end, like shadow rays: from one point of the scene's box or surface to another one, which lies at t =
-/// 1.
+/// Rays with an end, like shadow rays: from one point of the scene's box or surface to another one, which lies
+/// at t = 1.
 #[must_use]
 pub fn segments(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     let (from, to) = (mixed(scene, 3 * count, seed), mixed(scene, 3 * count, seed + 1));

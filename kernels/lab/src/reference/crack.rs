@@ -43,9 +43,9 @@ impl BruteForce<'_> {
             && self.is_closed_around(origin, direction, t, 0.25 * gap)
     }
 
-    /// Whether every edge that is within f32's error belongs to two of the triangles there, with the same two vertices.
-    /// Some meshes only look closed, for example at a vertex in the middle of a longer edge: they have a gap as wide as
-    /// a rounding error, which no triangle test can close.
+    /// Whether every edge that the ray is nearer to than f32's error belongs to two of the triangles there, with the
+    /// same two vertices. Some meshes only look closed, for example at a vertex in the middle of a longer edge: they
+    /// have a gap as wide as a rounding error, which no triangle test can close.
     fn is_joined(&self, origin: [f32; 3], direction: [f32; 3], candidates: &Candidates, t: f64) -> bool {
         let (o, d) = (wide(origin), wide(direction));
         let mut open: Vec<[[u32; 3]; 2]> = Vec::new();

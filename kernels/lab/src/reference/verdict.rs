@@ -7,9 +7,9 @@ pub enum Verdict {
     Same,
     /// Not the exact result, but f32 cannot decide.
     Tie,
-    /// Nothing was hit although the ray hits something.
+    /// No hit was found although the exact ray hits a triangle.
     Missed,
-    /// Something was hit although the ray hits nothing.
+    /// A hit was found although the exact ray hits nothing.
     False,
     /// A triangle that is not the nearest, or t is off by more than its bound.
     Wrong,

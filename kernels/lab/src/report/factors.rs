@@ -1,4 +1,4 @@
-//! Changes one numerical rule at a time: its cost, and the rays it saves.
+//! Exchanges one numerical rule at a time, and measures what it costs and which rays it saves.
 //!
 //! Rays start inside the scene's box, so that the rules for origins outside do not hide the others, and are aimed where
 //! the rules differ. The grid is finer than the automatic one.
@@ -93,7 +93,7 @@ fn ways(rays: &RaySource, cells: GridSize) -> Vec<Way> {
     ways
 }
 
-/// Whether the rule matters with this accelerator.
+/// Whether walks through this accelerator use the rule.
 fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
     match rule {
         Rule::TMax | Rule::Acceptance | Rule::CellGrowth => accelerator == Accelerator::Grid,

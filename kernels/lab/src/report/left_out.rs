@@ -1,4 +1,5 @@
-//! What the plan saves by omitting unneeded work: the same rays with and without everything put back, interleaved.
+//! What the plan saves by omitting unneeded work: traces the same rays with the plan as it is and with everything put
+//! back, interleaved.
 
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};

@@ -1,4 +1,4 @@
-//! Two outcomes of one pass, ray by ray.
+//! Compares two outcomes of one pass, ray by ray.
 
 use raystep_kernels::executor::cpu::CpuError;
 use raystep_kernels::plan::Plan;
@@ -10,20 +10,20 @@ use raystep_kernels::tables::stream::{Stream, StreamData};
 
 use super::Rounding;
 
-/// Rays whose neighbours are looked at together: a bound on the memory that takes.
+/// Number of rays whose neighbours are traced together, which limits the memory for them.
 const TOGETHER: usize = 4096;
 
-/// Layer of the `counters` stream: tests of a triangle that an earlier cell held, too.
+/// Layer of the `counters` stream: repeated tests of a triangle that was in an earlier cell's list, too.
 const REPEATED: (Stream, usize) = (streams::COUNTERS, 2);
 
 /// What the differences of a ray's components mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
-    /// Floats are off by no more than rounding may make of them.
+    /// Floats differ within the rounding bound.
     Rounding,
-    /// They are off by more, or integers differ, and f32 cannot tell which is right.
+    /// Floats differ by more, or integers differ, and f32 cannot tell which is right.
     Tie,
-    /// The same, and f32 can tell.
+    /// The same, but f32 can tell.
     Breach,
 }
 
@@ -34,18 +34,18 @@ pub struct Component {
     pub stream: Stream,
     /// Its layer there.
     pub layer: usize,
-    /// The bits of the outcome that is judged.
+    /// The bits in the outcome under test.
     pub ours: u32,
-    /// The twin's.
+    /// The twin's bits.
     pub twin: u32,
-    /// A float that is off by no more than rounding may make of it.
+    /// Whether it is a float that differs within the rounding bound.
     pub is_allowed: bool,
 }
 
 /// A ray with differences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judged<'a> {
-    /// The ray's place, y * width + x.
+    /// The ray's index, y * width + x.
     pub ray: usize,
     /// What they mean together.
     pub verdict: Verdict,
@@ -53,25 +53,25 @@ pub struct Judged<'a> {
     pub components: &'a [Component],
 }
 
-/// Most bytes of memory that [`Rounding::judge`] takes for a pass of this plan.
+/// Maximum memory, in bytes, of [`Rounding::judge`] for a pass of this plan.
 #[must_use]
 pub fn judging_bytes(plan: &Plan) -> u64 {
     let rays = u64::from(plan.width) * u64::from(plan.height);
     let is_pixel = plan.features.eye_rays;
     let components: u64 = plan.streams.iter().map(|s| s.what.layers() as u64).sum();
-    // Streams before and after, their twin's, and the part that is moved; where rays are the scene's own, that, too.
+    // Streams before and after, the twin's, and the moved part; if the kernel generates rays, also a copy of the scene.
     let nearby = if is_pixel { rays } else { rays.min(TOGETHER as u64) } * 4 * (3 * components + 3);
     let scene: u64 = if is_pixel { plan.buffers.iter().map(|b| b.bytes).sum() } else { 0 };
     rays * size_of::<usize>() as u64 + nearby + scene
 }
 
 impl Rounding<'_> {
-    /// Compares an outcome of the pass with the f32 twin's: of each stream that is compared, theirs and the twin's.
-    /// `is_compared` says which components count. `each` gets every ray that differs: those with nothing but
-    /// rounding first, by their place, then the others.
+    /// Compares an outcome of the pass with the f32 twin's; `after` has both for every compared stream. `is_compared`
+    /// selects components. `each` gets every ray that differs, in the order of their indices: first those that differ
+    /// only by rounding, then the others.
     ///
     /// # Errors
-    /// Where the twin cannot run for rays next to those that part: the system has not the memory.
+    /// If there is not enough memory to run the twin for neighbouring rays.
     pub fn judge(
         &self,
         after: &[[&StreamData; 2]],
@@ -119,16 +119,17 @@ impl Rounding<'_> {
         Ok(())
     }
 
-    /// Which of these rays rounding alone may send another way; `after` is where they went.
+    /// Which of these rays may take another path by rounding alone; `after` has the streams after the pass.
     fn may_part(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, CpuError> {
-        // All of them or none: it depends on the kernel.
+        // It depends on the kernel whether this is known for all of them or for none.
         match rays.iter().map(|&ray| self.is_undecided(ray)).collect() {
             Some(are) => Ok(are),
             None => self.are_nearly(rays, after),
         }
     }
 
-    /// The count of repeated tests walks from the start again, through another first cell perhaps.
+    /// Whether only the number of repeated tests differs, because its search, which repeats the walk from the start,
+    /// may begin in another cell.
     fn is_other_count(&self, ray: usize, components: &[Component]) -> bool {
         self.row().ties == Ties::Triangle
             && components.iter().filter(|c| !c.is_allowed).all(|c| (c.stream, c.layer) == REPEATED)

@@ -1,5 +1,5 @@
-//! Rays next to a ray: where a pass takes many decisions, what a device made of a ray must be what becomes of a ray
-//! whose components are off by no more than a division, a product and a sum may make of them.
+//! Neighbouring rays, for passes that take many decisions. There, the device's result for a ray must be that of some
+//! ray whose components differ by no more than the rounding of a division, a product and a sum.
 
 use std::sync::Arc;
 
@@ -13,10 +13,11 @@ use raystep_kernels::tables::stream::{Stream, StreamData};
 
 use super::{RAY, Rounding};
 
-/// How far, in half units in the last place of the largest component, and what is moved, an index into [`RAY`].
+/// Distance, in half units in the last place of the largest component, and the stream to change, as an index into
+/// [`RAY`].
 const MOVES: [(f32, usize); 4] = [(1.0, 0), (4.0, 0), (1.0, 1), (4.0, 1)];
 
-/// The plan of a run with so many rays, in one row.
+/// The plan of a run with this many rays, in one row.
 fn in_a_row(plan: &Plan, rays: usize) -> Plan {
     let mut plan = Plan { width: rays as u32, height: 1, rays: rays as u64, ..plan.clone() };
     let size = plan.size();
@@ -27,11 +28,11 @@ fn in_a_row(plan: &Plan, rays: usize) -> Plan {
 }
 
 impl Rounding<'_> {
-    /// Which of `rays` went, in `after`, where one goes whose components are off by up to 4 roundings of the largest,
-    /// along any combination of axes. Takes the memory of these rays' streams once more, or of all rays' where the
-    /// kernel makes them itself.
+    /// Which of `rays` have, in `after`, the result of a ray whose components differ by up to 4 roundings of the
+    /// largest, along any combination of axes. Needs memory for these rays' streams once more, or for those of all
+    /// rays if the kernel generates them itself.
     pub(super) fn are_nearly(&self, rays: &[usize], after: &[&StreamData]) -> Result<Vec<bool>, CpuError> {
-        // Rays that the kernel makes itself are known by their pixels; others can stand anywhere.
+        // A kernel that generates rays derives them from their pixels; other rays can be stored anywhere.
         let is_gathered = !self.data.features.eye_rays;
         let (plan, before);
         let (plan, before) = if is_gathered {
@@ -65,7 +66,7 @@ impl Rounding<'_> {
         Ok(are)
     }
 
-    /// The streams after the twin's pass, for rays one part of which is moved.
+    /// The streams after the twin's pass, with `part` of every ray changed.
     fn after_moving(
         &self,
         part: Stream,
@@ -102,13 +103,13 @@ impl Rounding<'_> {
     }
 }
 
-/// A vector moved along each axis by a share of its largest component.
+/// A vector changed along each axis by a share of its largest component.
 fn nudged(v: [f32; 3], by: [f32; 3]) -> [f32; 3] {
     let largest = v.iter().fold(0.0f32, |m, c| m.max(c.abs()));
     [0, 1, 2].map(|axis| v[axis] + by[axis] * largest)
 }
 
-/// The texels of some rays, one after the other.
+/// The texels of some rays, in one row.
 fn gathered(stream: &StreamData, rays: &[usize]) -> StreamData {
     let bits = (0..stream.stream.layers()).flat_map(|layer| rays.iter().map(move |&ray| stream.get(layer, ray)));
     StreamData { stream: stream.stream, width: rays.len() as u32, height: 1, bits: bits.collect() }

@@ -1,5 +1,6 @@
-//! The error of tMax along a walk of 3,000 cells. Computed from the cell's coordinates, the error is no larger at the
-//! end than at the beginning; accumulated, it grows at worst with the square of the number of cells.
+//! The error of tMax along a walk of 3,000 cells. If tMax is computed from the cell's coordinates, its error is no
+//! larger at the end than at the beginning; if it is accumulated, the error grows at worst with the square of the
+//! number of cells.
 
 use std::ops::ControlFlow;
 

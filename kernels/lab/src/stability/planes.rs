@@ -1,4 +1,4 @@
-//! Rays in the faces, along the edges and through the vertices of a grid's cells.
+//! Rays in the faces, along the edges and through the corners of a grid's cells.
 
 use raystep_kernels::GridSize;
 use raystep_kernels::options::{Options, Ray, RaySource};

@@ -32,7 +32,7 @@ impl Largest {
     }
 }
 
-/// All rays of a variant, with counts.
+/// The verdicts on all rays of a variant, their counts, and the largest errors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Score {
     /// The verdict on each ray.

@@ -49,7 +49,7 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
         (3, "with rounding, median", "rounding", "median"),
     ] {
         series.push(Series::line(name, color, points(&format!("{of}_error_extents_{which}"))));
-        // Scaling changes all coordinates by the same factor, so rounding errors do not depend on it.
+        // Relative to the extent, the predicted rounding error is the same at every scale, so it is not plotted.
         if of == "rounding" && column != "scale" {
             let predicted = points(&format!("{of}_bound_extents_{which}"));
             series.push(Series::dashed(format!("predicted, {which}"), color, predicted));
