@@ -158,7 +158,7 @@ const HEADS: [(&str, &str); 7] = [
 /// What stands in for the last two where a program has no rays.
 const ELEMENT_HEADS: [(&str, &str); 2] = [
     ("elements", "total over its passes: an element counts in every pass that works on it"),
-    ("elements/µs", "elements worked on per µs of device time"),
+    ("per µs", "elements worked on per µs of device time"),
 ];
 
 fn table(ui: &mut Ui, kernels: &[KernelTimes], has_rays: bool) {

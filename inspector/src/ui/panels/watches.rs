@@ -57,7 +57,7 @@ impl Panel for Watches {
             ui.separator();
             ui.strong("Edits");
             if cx.model.edits.is_empty() {
-                ui.weak("None. You can edit a texel of the selected ray; tracing continues from there.");
+                ui.weak("None. You can edit a texel of the selected ray or element; the run continues from there.");
             }
             for edit in &cx.model.edits {
                 let (name, layer) = (edit.stream.name(), edit.stream.info().layers[edit.layer]);

@@ -27,20 +27,20 @@ const fn row(tag: Tag, name: &'static str, role: StateRole, colour: [u8; 3], mea
 pub const STATES: States = States(&[
     row(UNWRITTEN, "UNWRITTEN", StateRole::Unborn, [40, 40, 46], "no ray yet"),
     row(TRAV_SETUP, "TRAV_SETUP", StateRole::Active, [190, 174, 212], "waits for the set-up kernel"),
-    row(TRAV, "TRAV", StateRole::Active, [56, 108, 176], "continues to the next voxel or node"),
+    row(TRAV, "TRAV", StateRole::Active, [56, 108, 176], "continues to the next cell or node"),
     row(
         ISECT_NO_HIT,
         "ISECT_NO_HIT",
         StateRole::Active,
         [253, 192, 134],
-        "tests its voxel's triangles, nothing hit yet",
+        "tests the triangles of its cell or leaf, nothing hit yet",
     ),
     row(
         ISECT_HIT,
         "ISECT_HIT",
         StateRole::Active,
         [240, 120, 40],
-        "tests its voxel's triangles, the nearest hit is kept",
+        "tests the triangles of its cell or leaf, the nearest hit is kept",
     ),
     row(SHADE, "SHADE", StateRole::Resolved, [127, 201, 127], "waits to be shaded from its hit"),
     row(
