@@ -1,9 +1,9 @@
 //! The graph as SVG 1.1. Arrowheads are drawn, as not every viewer knows markers.
 
-use std::fmt::Write as _;
-
 use raystep_kernels::Kernel;
 use raystep_lab::text::counted;
+use svg::node::element::{Group, Line, Polygon, Rectangle, Text, Title};
+use svg::{Document, Node as _};
 
 use super::{Access, DataFlow, Edge, Node, NodeKind};
 
@@ -30,47 +30,47 @@ impl DataFlow {
     #[must_use]
     pub fn svg(&self, current: Option<Kernel>, rays: &[(Kernel, u64)]) -> String {
         let [width, height] = self.size;
-        let mut out = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{0}\" viewBox=\"0 0 {width} {0}\" \
-             font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-            height + LEGEND
-        );
+        let mut out = Document::new()
+            .set("width", width)
+            .set("height", height + LEGEND)
+            .set("viewBox", format!("0 0 {width} {}", height + LEGEND))
+            .set("font-family", "sans-serif")
+            .set("font-size", 12)
+            .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "#ffffff"));
         // What is faded lies below.
         let is_faded = |edge: &&Edge| current.is_some_and(|k| self.nodes[edge.kernel].kind != NodeKind::Kernel(k));
         for edge in self.edges.iter().filter(|e| is_faded(e)) {
-            self.edge(&mut out, edge, FADED);
+            out.append(self.edge(edge, FADED));
         }
         for edge in self.edges.iter().filter(|e| !is_faded(e)) {
-            self.edge(&mut out, edge, color(edge.access));
+            out.append(self.edge(edge, color(edge.access)));
         }
         for node in &self.nodes {
-            self.node(&mut out, node, current, rays);
+            out.append(self.node(node, current, rays));
         }
         let mut x = 16.0;
         let y = height + LEGEND / 2.0 - 4.0;
         for access in [Access::Read, Access::Write, Access::Update] {
             let [kernel, data] = [[x, y], [x + 40.0, y]];
-            arrow(&mut out, access, kernel, data, color(access));
+            out.append(arrow(Group::new(), access, kernel, data, color(access)));
             let name = format!("kernel {}", access.verb());
-            text(&mut out, [x + 48.0, y + 4.0], "start", "#222222", &name);
+            out.append(text([x + 48.0, y + 4.0], "start", "#222222", &name));
             x += 190.0;
         }
-        out.push_str("</svg>\n");
-        out
+        format!("{out}\n")
     }
 
     fn points(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         [x * self.size[0], y * self.size[1]]
     }
 
-    fn edge(&self, out: &mut String, edge: &Edge, color: &str) {
+    fn edge(&self, edge: &Edge, color: &str) -> Group {
         let (kernel, data) = (&self.nodes[edge.kernel].label, &self.nodes[edge.data].label);
-        let _ = write!(out, "<g><title>{kernel}: {} {data}</title>", edge.access.verb());
-        arrow(out, edge.access, self.points(edge.at_kernel), self.points(edge.at_data), color);
-        out.push_str("</g>\n");
+        let group = Group::new().add(Title::new(format!("{kernel}: {} {data}", edge.access.verb())));
+        arrow(group, edge.access, self.points(edge.at_kernel), self.points(edge.at_data), color)
     }
 
-    fn node(&self, out: &mut String, node: &Node, current: Option<Kernel>, rays: &[(Kernel, u64)]) {
+    fn node(&self, node: &Node, current: Option<Kernel>, rays: &[(Kernel, u64)]) -> Group {
         let (min, max) = (self.points(node.min), self.points(node.max));
         let [width, height] = [max[0] - min[0], max[1] - min[1]];
         let is_current = current.is_some_and(|k| node.kind == NodeKind::Kernel(k));
@@ -79,7 +79,7 @@ impl DataFlow {
             NodeKind::Stream(_) => ("#dcefe6", "#12352a", height / 2.0),
             NodeKind::Buffer(_) => ("#ececec", "#222222", 0.0),
         };
-        let stroke = if is_current { "stroke=\"#b00020\" stroke-width=\"4\"" } else { "stroke=\"#888888\"" };
+        let (stroke, stroke_width) = if is_current { ("#b00020", 4) } else { ("#888888", 1) };
         let detail = match node.kind {
             NodeKind::Kernel(kernel) => {
                 let found = rays.iter().find(|(k, _)| *k == kernel);
@@ -87,41 +87,35 @@ impl DataFlow {
             }
             _ => node.detail.clone(),
         };
-        let _ = writeln!(
-            out,
-            "<g><title>{}: {}</title><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" \
-             rx=\"{corner}\" fill=\"{fill}\" {stroke}/>",
-            node.label,
-            escaped(&node.about),
-            min[0],
-            min[1],
-        );
+        let rectangle = Rectangle::new()
+            .set("x", n(min[0]))
+            .set("y", n(min[1]))
+            .set("width", n(width))
+            .set("height", n(height))
+            .set("rx", corner)
+            .set("fill", fill)
+            .set("stroke", stroke)
+            .set("stroke-width", stroke_width);
+        let title = Title::new(format!("{}: {}", node.label, node.about));
         let middle = (min[0] + max[0]) / 2.0;
         let first = if detail.is_empty() { 24.0 } else { 17.0 };
-        text(out, [middle, min[1] + first], "middle", ink, &node.label);
-        if !detail.is_empty() {
-            text(out, [middle, min[1] + 32.0], "middle", ink, &detail);
-        }
-        out.push_str("</g>\n");
+        let group = Group::new().add(title).add(rectangle);
+        let group = group.add(text([middle, min[1] + first], "middle", ink, &node.label));
+        if detail.is_empty() { group } else { group.add(text([middle, min[1] + 32.0], "middle", ink, &detail)) }
     }
 }
 
-/// A line with a head wherever data goes.
-fn arrow(out: &mut String, access: Access, kernel: [f32; 2], data: [f32; 2], color: &str) {
-    let ([x1, y1], [x2, y2]) = (kernel, data);
-    let _ = write!(
-        out,
-        "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\" stroke-width=\"1.5\"/>"
-    );
+/// Adds a line with a head wherever data goes.
+fn arrow(mut group: Group, access: Access, kernel: [f32; 2], data: [f32; 2], color: &str) -> Group {
+    let ([x1, y1], [x2, y2]) = (kernel.map(n), data.map(n));
+    let line = Line::new().set("x1", x1).set("y1", y1).set("x2", x2).set("y2", y2);
+    group.append(line.set("stroke", color).set("stroke-width", 1.5));
     let mut head = |[x, y]: [f32; 2], [fx, fy]: [f32; 2]| {
         let length = (x - fx).hypot(y - fy).max(1e-6);
         let (dx, dy) = ((x - fx) / length * HEAD, (y - fy) / length * HEAD);
         let (left, right) = ([x - dx - dy * 0.4, y - dy + dx * 0.4], [x - dx + dy * 0.4, y - dy - dx * 0.4]);
-        let _ = write!(
-            out,
-            "<polygon points=\"{x:.1},{y:.1} {:.1},{:.1} {:.1},{:.1}\" fill=\"{color}\" stroke=\"none\"/>",
-            left[0], left[1], right[0], right[1]
-        );
+        let points = [[x, y], left, right].map(|p| format!("{},{}", n(p[0]), n(p[1])));
+        group.append(Polygon::new().set("points", points.join(" ")).set("fill", color));
     };
     if access != Access::Write {
         head(kernel, data);
@@ -129,16 +123,14 @@ fn arrow(out: &mut String, access: Access, kernel: [f32; 2], data: [f32; 2], col
     if access != Access::Read {
         head(data, kernel);
     }
+    group
 }
 
-fn text(out: &mut String, [x, y]: [f32; 2], anchor: &str, ink: &str, label: &str) {
-    let _ = write!(
-        out,
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"{ink}\" stroke=\"none\">{}</text>",
-        escaped(label)
-    );
+fn text([x, y]: [f32; 2], anchor: &str, ink: &str, label: &str) -> Text {
+    Text::new(label).set("x", n(x)).set("y", n(y)).set("text-anchor", anchor).set("fill", ink)
 }
 
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+/// A tenth of a point is precise enough.
+fn n(value: f32) -> f32 {
+    (value * 10.0).round() / 10.0
 }

@@ -35,13 +35,14 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
         sheet.line(DVec2::new(low.x, y), DVec2::new(high.x, y), "grid");
     }
     let count = walk.cells.len().max(walk.nodes.len());
-    let fills = if walk.structure == Structure::Tree { "fill-opacity=\".05\"" } else { "" };
+    let is_tree = walk.structure == Structure::Tree;
     for square in &picture.squares {
         let (min, max) = (place(square.min), place(square.max));
         let at = DVec2::new(min.x, max.y);
         let color = viridis(square.visits.first().copied().unwrap_or(0), count);
-        let class = if fills.is_empty() { "cell" } else { "" };
-        sheet.rect(at, (max - min).abs(), class, &format!("fill=\"{color}\" stroke=\"{color}\" {fills}"));
+        let (class, opacity) = if is_tree { ("node", ".05") } else { ("cell", ".42") };
+        let colors = [("fill", color.as_str()), ("stroke", color.as_str()), ("fill-opacity", opacity)];
+        sheet.rect(at, (max - min).abs(), class, &colors);
     }
     for triangle in &picture.triangles {
         let class = match triangle.outcome {
@@ -68,7 +69,7 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
     }
     for square in picture.squares.iter().filter(|square| square.is_current) {
         let (min, max) = (place(square.min), place(square.max));
-        sheet.rect(DVec2::new(min.x, max.y), (max - min).abs(), "current", "");
+        sheet.rect(DVec2::new(min.x, max.y), (max - min).abs(), "current", &[]);
     }
     for square in picture.squares.iter().filter(|_| walk.structure == Structure::Grid) {
         let (min, max) = (place(square.min), place(square.max));
@@ -82,6 +83,6 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
         sheet.circle(place(hit), 4.2, "dot-hit", "nearest hit");
     }
     sheet.unclip();
-    sheet.rect(corner, size, "frame", "");
+    sheet.rect(corner, size, "frame", &[]);
     sheet.y = corner.y + size.y + 26.0;
 }

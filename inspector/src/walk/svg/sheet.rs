@@ -1,12 +1,14 @@
 //! The sheet that a drawing is written on.
 
-use std::fmt::{Display, Write as _};
-
 use glam::DVec2;
+use svg::node::element::{Circle, ClipPath, Group, Line, Polygon, Rectangle, Style, Text, Title};
+use svg::{Document, Node};
 
 /// An SVG file under construction.
 pub(super) struct Sheet {
-    body: String,
+    body: Group,
+    /// Groups that are open, the innermost last.
+    groups: Vec<Group>,
     style: String,
     pub(super) width: f64,
     /// Left margin; the right one has the same width.
@@ -48,95 +50,85 @@ impl Sheet {
              .dot-hit{{fill:{hit}}}.dot-farther{{fill:{paper};stroke:{hit};stroke-width:1.5}}.dot-missed{{fill:{missed}}}\
              .bar{{fill:{bar}}}.bar-exit{{fill:{ray}}}"
         );
-        Self { body: String::new(), style, width, left: 24.0, y: 16.0, clips: 0 }
+        Self { body: Group::new(), groups: Vec::new(), style, width, left: 24.0, y: 16.0, clips: 0 }
+    }
+
+    /// Adds an element to the innermost open group.
+    fn add(&mut self, element: impl Into<Box<dyn Node>>) {
+        self.groups.last_mut().unwrap_or(&mut self.body).append(element);
     }
 
     pub(super) fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
-        let _ = writeln!(self.body, "<text x=\"{}\" y=\"{}\" class=\"{class}\">{}</text>", N(x), N(y), escaped(text));
+        self.add(Text::new(printable(text)).set("x", n(x)).set("y", n(y)).set("class", class));
     }
 
     pub(super) fn line(&mut self, from: DVec2, to: DVec2, class: &str) {
-        let [a, b, c, d] = [from.x, from.y, to.x, to.y].map(N);
-        let _ = writeln!(self.body, "<line x1=\"{a}\" y1=\"{b}\" x2=\"{c}\" y2=\"{d}\" class=\"{class}\"/>");
+        let line = Line::new().set("x1", n(from.x)).set("y1", n(from.y)).set("x2", n(to.x)).set("y2", n(to.y));
+        self.add(line.set("class", class));
     }
 
-    /// `more` is inserted into the element verbatim: attributes, or nothing.
-    pub(super) fn rect(&mut self, min: DVec2, size: DVec2, class: &str, more: &str) {
-        let [x, y, w, h] = [min.x, min.y, size.x.max(0.0), size.y.max(0.0)].map(N);
-        let _ = writeln!(
-            self.body,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" class=\"{class}\"{}{more}/>",
-            if more.is_empty() { "" } else { " " }
-        );
+    /// `more` are attributes beside those of the class.
+    pub(super) fn rect(&mut self, min: DVec2, size: DVec2, class: &str, more: &[(&str, &str)]) {
+        let rect = rectangle(min, size).set("class", class);
+        self.add(more.iter().fold(rect, |rect, &(name, value)| rect.set(name, value)));
     }
 
     pub(super) fn circle(&mut self, at: DVec2, radius: f64, class: &str, title: &str) {
-        let [x, y, r] = [at.x, at.y, radius].map(N);
-        let _ = write!(self.body, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" class=\"{class}\">");
-        let _ = writeln!(self.body, "<title>{}</title></circle>", escaped(title));
+        let circle = Circle::new().set("cx", n(at.x)).set("cy", n(at.y)).set("r", n(radius));
+        self.add(circle.set("class", class).add(Title::new(printable(title))));
     }
 
     pub(super) fn polygon(&mut self, points: &[DVec2], class: &str, title: &str) {
-        let mut list = String::new();
-        for p in points {
-            let _ = write!(list, "{},{} ", N(p.x), N(p.y));
-        }
-        let _ = write!(self.body, "<polygon points=\"{}\" class=\"{class}\">", list.trim_end());
-        let _ = writeln!(self.body, "<title>{}</title></polygon>", escaped(title));
+        let list: Vec<String> = points.iter().map(|p| format!("{},{}", n(p.x), n(p.y))).collect();
+        let polygon = Polygon::new().set("points", list.join(" "));
+        self.add(polygon.set("class", class).add(Title::new(printable(title))));
     }
 
     /// Clips everything drawn until [`unclip`](Self::unclip) to a rectangle.
     pub(super) fn clip(&mut self, min: DVec2, size: DVec2) {
         self.clips += 1;
-        let id = self.clips;
-        let [x, y, w, h] = [min.x, min.y, size.x.max(0.0), size.y.max(0.0)].map(N);
-        let _ = writeln!(
-            self.body,
-            "<clipPath id=\"clip{id}\"><rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/></clipPath>\
-             <g clip-path=\"url(#clip{id})\">"
-        );
+        let id = format!("clip{}", self.clips);
+        self.add(ClipPath::new().set("id", id.as_str()).add(rectangle(min, size)));
+        self.groups.push(Group::new().set("clip-path", format!("url(#{id})")));
     }
 
     pub(super) fn unclip(&mut self) {
-        self.body.push_str("</g>\n");
+        if let Some(group) = self.groups.pop() {
+            self.add(group);
+        }
     }
 
-    pub(super) fn finish(self) -> String {
-        let [w, h] = [self.width, self.y + 12.0].map(N);
-        format!(
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" \
-             height=\"{h}\" viewBox=\"0 0 {w} {h}\">\n<style>{}</style>\n<rect width=\"{w}\" height=\"{h}\" \
-             class=\"paper\"/>\n{}</svg>\n",
-            self.style, self.body
-        )
+    pub(super) fn finish(mut self) -> String {
+        while !self.groups.is_empty() {
+            self.unclip();
+        }
+        let [w, h] = [self.width, self.y + 12.0].map(n);
+        let document = Document::new()
+            .set("width", w)
+            .set("height", h)
+            .set("viewBox", format!("0 0 {w} {h}"))
+            .add(Style::new(self.style))
+            .add(Rectangle::new().set("width", w).set("height", h).set("class", "paper"))
+            .add(self.body);
+        format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{document}\n")
     }
+}
+
+fn rectangle(min: DVec2, size: DVec2) -> Rectangle {
+    let [x, y, w, h] = [min.x, min.y, size.x.max(0.0), size.y.max(0.0)].map(n);
+    Rectangle::new().set("x", x).set("y", y).set("width", w).set("height", h)
 }
 
 /// A number with the precision that a drawing needs.
-struct N(f64);
-
-impl Display for N {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // No drawing is that large; SVG has no infinities or NaN.
-        let v = if self.0.is_finite() { self.0.clamp(-1e6, 1e6) } else { 0.0 };
-        write!(f, "{}", (v * 100.0).round() / 100.0)
-    }
+fn n(value: f64) -> f64 {
+    // No drawing is that large; SVG has no infinities or NaN.
+    let value = if value.is_finite() { value.clamp(-1e6, 1e6) } else { 0.0 };
+    (value * 100.0).round() / 100.0
 }
 
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            // XML does not allow such characters.
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
+/// XML does not allow control characters.
+fn printable(text: &str) -> String {
+    text.replace(char::is_control, " ")
 }
 
 /// Four significant digits.

@@ -41,21 +41,21 @@ fn cells(sheet: &mut Sheet, strip: &Strip, spacing: Spacing) {
             let height = (strip.tmax_height(*tmax).min(1.0) * BARS).max(1.0);
             let at = x + wide * 0.5 + (axis as f64 - 1.5) * bar;
             let class = if axis == cell.exit_axis { "bar-exit" } else { "bar" };
-            sheet.rect(DVec2::new(at + 0.5, top + BARS - height), DVec2::new(bar - 1.0, height), class, "");
+            sheet.rect(DVec2::new(at + 0.5, top + BARS - height), DVec2::new(bar - 1.0, height), class, &[]);
             if strip.tmax_height(*tmax) > 1.0 {
                 // Truncated.
                 for gap in [6.0, 10.0] {
-                    sheet.rect(DVec2::new(at, top + gap), DVec2::new(bar, 2.0), "paper", "");
+                    sheet.rect(DVec2::new(at, top + gap), DVec2::new(bar, 2.0), "paper", &[]);
                 }
             }
             if bar >= 8.0 {
                 sheet.text(at + bar * 0.5, top + BARS + 11.0, "small middle", ["x", "y", "z"][axis]);
             }
         }
-        let fill = format!("fill=\"{color}\" stroke=\"{color}\"");
-        sheet.rect(DVec2::new(x, cells_top), DVec2::new(wide, CELL), "cell", &fill);
+        let colors = [("fill", color.as_str()), ("stroke", color.as_str())];
+        sheet.rect(DVec2::new(x, cells_top), DVec2::new(wide, CELL), "cell", &colors);
         if cell.is_current {
-            sheet.rect(DVec2::new(x, cells_top), DVec2::new(wide, CELL), "current", "");
+            sheet.rect(DVec2::new(x, cells_top), DVec2::new(wide, CELL), "current", &[]);
         }
         if wide >= 12.0 {
             sheet.text(x + wide * 0.5, cells_top + 14.0, "letter", &cell.letters);
@@ -87,10 +87,10 @@ fn nodes(sheet: &mut Sheet, strip: &Strip) {
         let at = DVec2::new(left, top + node.line as f64 * LINE);
         let size = DVec2::new((right - left).max(1.0), LINE - 2.0);
         let color = viridis(node.visit, strip.nodes.len());
-        let fill = if node.is_met { format!("fill=\"{color}\"") } else { "fill=\"none\"".into() };
-        sheet.rect(at, size, "cell", &format!("{fill} stroke=\"{color}\""));
+        let fill = if node.is_met { color.as_str() } else { "none" };
+        sheet.rect(at, size, "cell", &[("fill", fill), ("stroke", color.as_str())]);
         if node.is_current {
-            sheet.rect(at, size, "current", "");
+            sheet.rect(at, size, "current", &[]);
         }
         let name = node.node.to_string();
         if size.x > 7.0 * name.len() as f64 + 8.0 {
