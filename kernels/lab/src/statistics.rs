@@ -1,4 +1,7 @@
-//! Statistics of counts and times: intervals of proportions, fitted lines, mean errors.
+//! Statistics of counts and times: intervals, tests, fitted lines, mean errors.
+
+pub mod interval;
+pub mod proportion;
 
 /// `y = intercept + slope * x`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,25 +39,6 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<f64> {
     let is_positive = |p: &&(f64, f64)| p.0 > 0.0 && p.1 > 0.0;
     let logarithms: Vec<_> = points.iter().filter(is_positive).map(|p| (p.0.ln(), p.1.ln())).collect();
     Line::through(&logarithms).map(|line| line.slope)
-}
-
-/// The 95% confidence interval of a proportion, if `count` of `of` were observed (Wilson 1927). Unlike the normal
-/// approximation it is useful at 0% and 100%, and never leaves 0 to 1. `None` if `of` is 0.
-#[must_use]
-pub fn wilson(count: u64, of: u64) -> Option<[f64; 2]> {
-    // The normal distribution's quantile at 97.5%.
-    const Z: f64 = 1.959_963_984_540_054;
-    if of == 0 {
-        return None;
-    }
-    let (n, p) = (of as f64, count as f64 / of as f64);
-    let scale = 1.0 / (1.0 + Z * Z / n);
-    let middle = p + Z * Z / (2.0 * n);
-    let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
-    // At 0% and 100% one end is exact.
-    let low = if count == 0 { 0.0 } else { (middle - half) * scale };
-    let high = if count >= of { 1.0 } else { (middle + half) * scale };
-    Some([low, high])
 }
 
 /// The root mean square; `None` without values.
@@ -139,19 +123,6 @@ mod tests {
         let with_zero = [&falls[..], &[(256.0, 0.0)]].concat();
         assert!(power_law(&with_zero).is_some_and(|b| is_near(b, -0.5)));
         assert_eq!((power_law(&falls[..1]), power_law(&[(1.0, 0.0), (2.0, 0.0)])), (None, None));
-    }
-
-    #[test]
-    fn wilsons_interval_is_the_published_one() {
-        // Newcombe, "Two-sided confidence intervals for the single proportion", 1998, table I, method 3.
-        for (count, of, low, high) in
-            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
-        {
-            let [l, h] = wilson(count, of).expect("an interval");
-            assert!((l - low).abs() < 5e-5 && (h - high).abs() < 5e-5, "{count} of {of}: {l} to {h}");
-        }
-        assert_eq!(wilson(20, 20).map(|[_, high]| high), Some(1.0));
-        assert_eq!(wilson(0, 0), None);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use plot::{Curve, Plot};
 use raystep_kernels::{Options, Plan, Renderer};
 use raystep_lab::judge::{Judgement, judge_passes};
 use raystep_lab::reference::Verdict;
-use raystep_lab::statistics::wilson;
+use raystep_lab::statistics::proportion::exact_interval;
 use raystep_lab::text::counted;
 use scales::grouped;
 
@@ -286,7 +286,7 @@ fn verdicts(
         ui.label(format!("{} of the wrong rays never resolved", grouped(unresolved as u64)));
     }
     if judged < judgement.rays {
-        let between = wilson(wrong as u64, judged).map_or_else(String::new, |[low, high]| {
+        let between = exact_interval(wrong as u64, judged).map_or_else(String::new, |[low, high]| {
             format!("{:.1} to {:.1} wrong per million rays, with 95% confidence", 1e6 * low, 1e6 * high)
         });
         ui.label(format!("a random sample of {} rays", grouped(judgement.rays))).on_hover_text(between);

@@ -13,6 +13,7 @@ use super::work::{SEED, Work};
 use crate::Error;
 use crate::judge::{self, Cracks, Traced, sample};
 use crate::reference::{Counts, Possible, Verdict};
+use crate::statistics::proportion::exact_interval;
 
 /// The correct hits, computed for the first run and kept for later runs.
 #[derive(Default)]
@@ -95,7 +96,7 @@ impl Judged {
     pub(super) fn fill(&self, row: Row) -> Row {
         let (rays, errors) = (self.counts.rays(), self.counts.errors());
         let million = |share: f64| 1e6 * share;
-        let interval = crate::statistics::wilson(errors, rays);
+        let interval = exact_interval(errors, rays);
         row.set("judged_rays", rays)
             .set("missed", self.counts.missed)
             .set("false_hits", self.counts.false_hits)

@@ -32,7 +32,8 @@ use super::work::{SEED, Work};
 use crate::Error;
 use crate::meter::Ended;
 use crate::rays::{Aim, aimed};
-use crate::statistics::{quantile, wilson};
+use crate::statistics::proportion::exact_interval;
+use crate::statistics::quantile;
 use crate::subject::Subject;
 
 pub(super) const COLUMNS: &[&str] = &[
@@ -254,7 +255,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
             Place::Scaled(by) => row.set("scale", by),
         };
         let (missed, of) = (judged.counts.missed, judged.counts.rays());
-        let lost = wilson(missed, of);
+        let lost = exact_interval(missed, of);
         let row = judged
             .fill(row)
             .set("lost_per_million", (of > 0).then(|| 1e6 * missed as f64 / of as f64))

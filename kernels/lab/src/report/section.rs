@@ -38,7 +38,7 @@ pub const SECTIONS: &[Section] = &[
         name: "factors",
         title: "Factors",
         what: "Wrong rays over time with robust numerics, with one rule at a time replaced by the paper's. Bars are \
-               95% intervals (Wilson).",
+               exact 95% intervals (Clopper and Pearson).",
         file: "factors.csv",
         columns: factors::COLUMNS,
         run: factors::run,
