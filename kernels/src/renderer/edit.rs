@@ -18,6 +18,7 @@ impl Renderer {
         }
         is_written
     }
+
     /// Replaces one component of one ray; the next pass works on it.
     ///
     /// # Errors
