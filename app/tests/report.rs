@@ -181,7 +181,7 @@ fn a_quick_report_is_complete() {
     for (name, rows) in &tables {
         assert!(!rows.is_empty(), "{name} is empty");
         assert!(
-            rows.iter().all(|r| r["schema_version"] == "1" && r["scene"] == "cornell-box" && r["adapter"] == "cpu")
+            rows.iter().all(|r| r["schema_version"] == "2" && r["scene"] == "cornell-box" && r["adapter"] == "cpu")
         );
     }
     check_page(&place, "out", &tables);

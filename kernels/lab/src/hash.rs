@@ -58,9 +58,10 @@ impl Hash {
     }
 }
 
+/// With the name of its method, so that no program takes it for a number.
 impl fmt::Display for Hash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:016x}", self.0)
+        write!(f, "fnv1a64:{:016x}", self.0)
     }
 }
 
@@ -71,9 +72,9 @@ mod tests {
     #[test]
     fn hashes_are_the_published_ones() {
         // Test vectors of draft-eastlake-fnv: FNV-1a of "", "a" and "foobar".
-        assert_eq!(Hash::default().to_string(), "cbf29ce484222325");
-        assert_eq!(Hash::of(b"a").to_string(), "af63dc4c8601ec8c");
-        assert_eq!(Hash::of(b"foobar").to_string(), "85944171f73967e8");
+        assert_eq!(Hash::default().to_string(), "fnv1a64:cbf29ce484222325");
+        assert_eq!(Hash::of(b"a").to_string(), "fnv1a64:af63dc4c8601ec8c");
+        assert_eq!(Hash::of(b"foobar").to_string(), "fnv1a64:85944171f73967e8");
     }
 
     #[test]

@@ -14,7 +14,8 @@
 //! | [`work`], [`structure_stats`] | the cost of rays and use of launched threads; lists of a grid, nodes of a BVH |
 //! | [`mod@bench`], [`report`], [`stability`] | the measuring commands of the command line |
 //! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver of progress |
-//! | [`plots`], [`html`], [`text`], [`hash`] | the parts of their output files |
+//! | [`tidy`] | their CSV files: one name for one thing, and a schema |
+//! | [`plots`], [`html`], [`text`], [`hash`] | the parts of their pages |
 
 pub mod bench;
 pub mod compare;
@@ -39,6 +40,7 @@ pub mod statistics;
 pub mod structure_stats;
 pub mod subject;
 pub mod text;
+pub mod tidy;
 mod wait;
 pub mod watertight;
 pub mod ways;

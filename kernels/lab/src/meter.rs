@@ -1,5 +1,6 @@
 //! Times runs. Runs to be compared are interleaved (run 1 of each, run 2 of each, and so on), so that a temporary
-//! slowdown of the machine affects all of them; the first runs warm up and do not count.
+//! slowdown of the machine affects all of them; the first runs warm up and do not count. The order within a round is
+//! random, and reversed in the next round, so that no run always follows the same other one.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -7,6 +8,7 @@ use std::time::{Duration, Instant};
 use raystep_kernels::{Device, Load, Progress, RenderError, Renderer};
 
 use crate::machine::Machine;
+use crate::rays::Random;
 use crate::statistics::{Spread, median};
 
 /// A machine that can time runs.
@@ -24,6 +26,17 @@ pub struct Time {
     pub wall_ns: u64,
     /// By the device's clock; `None` if it has none, or the time is not valid.
     pub device_ns: Option<u64>,
+}
+
+/// A counted run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// The round, from 0: runs of the same round are compared.
+    pub round: usize,
+    /// Its position in the round, from 0.
+    pub place: usize,
+    /// Its time.
+    pub time: Time,
 }
 
 /// How a run ended.
@@ -48,21 +61,23 @@ pub struct Turns {
     pub all: Option<Duration>,
     /// Time limit for the counted runs of each.
     pub each: Option<Duration>,
+    /// Seed of the orders within rounds.
+    pub seed: u64,
 }
 
 impl Turns {
     /// A fixed number of runs of each, without time limits.
     #[must_use]
     pub fn of(warmups: usize, repeats: usize) -> Self {
-        Self { warmups, repeats, fewest: repeats, all: None, each: None }
+        Self { warmups, repeats, fewest: repeats, all: None, each: None, seed: 0 }
     }
 }
 
 /// The times of one subject's runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Times {
-    /// The counted runs.
-    pub runs: Vec<Time>,
+    /// The counted runs, one a round.
+    pub runs: Vec<Run>,
     /// Whether a run was stopped; no more were made after it.
     pub is_given_up: bool,
 }
@@ -71,13 +86,13 @@ impl Times {
     /// Nanoseconds of each run by the device's clock; `None` for a run without a valid time.
     #[must_use]
     pub fn device_ns(&self) -> Vec<Option<u64>> {
-        self.runs.iter().map(|run| run.device_ns).collect()
+        self.runs.iter().map(|run| run.time.device_ns).collect()
     }
 
     /// Nanoseconds of each run by the host's clock.
     #[must_use]
     pub fn wall_ns(&self) -> Vec<f64> {
-        self.runs.iter().map(|run| run.wall_ns as f64).collect()
+        self.runs.iter().map(|run| run.time.wall_ns as f64).collect()
     }
 }
 
@@ -177,21 +192,28 @@ pub fn in_turn<T, E>(
     let mut times = vec![Times::default(); subjects.len()];
     let mut spent = vec![Duration::ZERO; subjects.len()];
     let begin = Instant::now();
+    let mut random = Random::new(turns.seed);
+    let mut order: Vec<usize> = (0..subjects.len()).collect();
     for turn in 0..turns.warmups + turns.repeats {
         let counting = turn.checked_sub(turns.warmups);
+        match counting {
+            Some(round) if round % 2 == 1 => order.reverse(),
+            _ => random.shuffle(&mut order),
+        }
         let is_extra = counting.is_some_and(|done| done >= turns.fewest);
         if is_extra && turns.all.is_some_and(|all| begin.elapsed() > all) {
             break;
         }
-        for ((subject, times), spent) in subjects.iter_mut().zip(&mut times).zip(&mut spent) {
+        for (place, &i) in order.iter().enumerate() {
+            let (subject, times, spent) = (&mut subjects[i], &mut times[i], &mut spent[i]);
             if times.is_given_up || is_extra && turns.each.is_some_and(|each| *spent > each) {
                 continue;
             }
             let start = Instant::now();
-            match run(subject)? {
-                Ended::GivenUp => times.is_given_up = true,
-                Ended::Done(time) if counting.is_some() => times.runs.push(time),
-                Ended::Done(_) => {}
+            match (run(subject)?, counting) {
+                (Ended::GivenUp, _) => times.is_given_up = true,
+                (Ended::Done(time), Some(round)) => times.runs.push(Run { round, place, time }),
+                (Ended::Done(_), None) => {}
             }
             if counting.is_some() {
                 *spent += start.elapsed();
@@ -217,10 +239,36 @@ mod tests {
             done(order.len() as u64)
         });
         let times = times.expect("no error");
-        assert_eq!(order, ['a', 'b', 'a', 'b', 'a', 'b']);
-        assert_eq!(times.iter().map(Times::wall_ns).collect::<Vec<_>>(), [[3.0, 5.0], [4.0, 6.0]]);
+        assert_eq!(times.iter().map(|times| times.runs.len()).collect::<Vec<_>>(), [2, 2]);
+        assert!(order.chunks(2).all(|round| round.contains(&'a') && round.contains(&'b')), "{order:?}");
+        assert!(times.iter().flat_map(Times::wall_ns).all(|ns| ns > 2.0), "{times:?}");
         let failed = in_turn(&mut [1, 2], Turns::of(0, 1), |n| if *n == 2 { Err(*n) } else { Ok(Ended::GivenUp) });
         assert_eq!(failed, Err(2));
+    }
+
+    #[test]
+    fn the_order_is_random_and_reversed_in_every_other_round() {
+        let orders = |seed| {
+            let mut order = Vec::new();
+            let run = |subject: &mut u32| {
+                order.push(*subject);
+                done(1)
+            };
+            let times = in_turn(&mut [0, 1, 2, 3], Turns { seed, ..Turns::of(0, 8) }, run).expect("no error");
+            for (subject, times) in times.iter().enumerate() {
+                for Run { round, place, .. } in &times.runs {
+                    assert_eq!(order[4 * round + place], subject as u32);
+                }
+            }
+            order
+        };
+        let first = orders(1);
+        for pair in first.chunks(8) {
+            assert!(pair[..4].iter().eq(pair[4..].iter().rev()), "{pair:?}");
+        }
+        assert_ne!(first[..8], first[8..16]);
+        assert_eq!(first, orders(1));
+        assert_ne!(first, orders(2));
     }
 
     #[test]

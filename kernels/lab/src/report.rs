@@ -11,20 +11,20 @@ mod page;
 mod resolved;
 mod samples;
 mod section;
-mod table;
 mod work;
 
 use std::io;
 
 use page::{Part, Scene};
 use raystep_kernels::GridSize;
-use table::{SCHEMA_VERSION, Table};
+
 use work::Work;
 
 use crate::Error;
 use crate::meter::Meter;
 use crate::reporter::Reporter;
 use crate::subject::{Size, Subject};
+use crate::tidy::{SCHEMA_VERSION, Table};
 pub use page::About;
 pub use section::{SECTIONS, Section};
 

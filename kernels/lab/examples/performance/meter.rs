@@ -254,6 +254,7 @@ impl Meter<'_> {
             fewest: 1,
             all: Some(self.deadline.left()),
             each: Some(budget),
+            seed: 0,
         };
         let times = in_turn(ready, turns, |r| {
             let run = match &mut r.replay {
@@ -272,7 +273,7 @@ impl Meter<'_> {
         let device = Valid::of(&times.device_ns());
         (row.n, row.invalid) = (device.ns.len(), device.invalid);
         [row.median_device_ns, row.p05_device_ns, row.p95_device_ns] = median_p05_p95(&device);
-        let wall: Vec<_> = times.runs.iter().map(|run| run.device_ns.map(|_| run.wall_ns)).collect();
+        let wall: Vec<_> = times.runs.iter().map(|run| run.time.device_ns.map(|_| run.time.wall_ns)).collect();
         row.median_wall_ns = Valid::of(&wall).median();
         match self.machine.wait(ready.renderer.hits()) {
             Ok(hits) => row.hits = Some(hit_count(&hits)),

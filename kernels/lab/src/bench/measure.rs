@@ -240,8 +240,8 @@ impl<'a> Bench<'a> {
         let Ready { group, is_any_hit, mut row, details, renderer, .. } = ready;
         // If the device has no reliable clock, the host's times are used.
         let needs_device = self.machine().timer().times_passes();
-        let is_valid = |time: &&Time| time.device_ns.is_some() || !needs_device;
-        let valid: Vec<Time> = times.runs.iter().filter(is_valid).copied().collect();
+        let is_valid = |time: &Time| time.device_ns.is_some() || !needs_device;
+        let valid: Vec<Time> = times.runs.iter().map(|run| run.time).filter(is_valid).collect();
         row.invalid = times.runs.len() - valid.len();
         let device_ns: Vec<f64> = valid.iter().filter_map(|time| time.device_ns).map(|ns| ns as f64).collect();
         let wall_ns: Vec<f64> = valid.iter().map(|time| time.wall_ns as f64).collect();

@@ -32,6 +32,14 @@ impl Random {
         if count == 0 { 0 } else { self.0.u64(..count as u64) as usize }
     }
 
+    /// Puts values into a random order.
+    pub fn shuffle<T>(&mut self, values: &mut [T]) {
+        // Fisher and Yates, by our own draws: these are the same on 32-bit machines.
+        for i in (1..values.len()).rev() {
+            values.swap(i, self.below(i + 1));
+        }
+    }
+
     /// Uniform on the unit sphere: Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972. It needs neither
     /// sine nor cosine, which differ between machines.
     pub fn on_sphere(&mut self) -> DVec3 {

@@ -8,12 +8,12 @@ use raystep_kernels::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, 
 
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};
-use super::table::{Row, Table};
 use super::work::{Built, SEED, Work};
 use crate::Error;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::rays::{Aim, Planes, aimed};
 use crate::statistics::quantile;
+use crate::tidy::{Row, Table};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",

@@ -9,11 +9,11 @@ use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
 
 use super::judge::Judge;
 use super::page::{Part, WHISKERS, number};
-use super::table::{Row, Table};
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
 use crate::plots::{Axis, Bars, Plot, Scale, Series};
 use crate::statistics::quantile;
+use crate::tidy::{Row, Table};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",

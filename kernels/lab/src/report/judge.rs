@@ -8,12 +8,12 @@
 
 use raystep_kernels::Renderer;
 
-use super::table::Row;
 use super::work::{SEED, Work};
 use crate::Error;
 use crate::judge::{self, Cracks, Traced, sample};
 use crate::reference::{Counts, Possible, Verdict};
 use crate::statistics::proportion::exact_interval;
+use crate::tidy::Row;
 
 /// The correct hits, computed for the first run and kept for later runs.
 #[derive(Default)]

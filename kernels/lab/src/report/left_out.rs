@@ -5,11 +5,11 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
 
 use super::page::{Part, WHISKERS, number};
-use super::table::{Row, Table};
 use super::work::Work;
 use crate::Error;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::statistics::{low_and_high, quantile};
+use crate::tidy::{Row, Table};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",

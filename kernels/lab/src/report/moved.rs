@@ -27,7 +27,6 @@ use raystep_scenes::Scene;
 
 use super::judge::{Judge, Judged};
 use super::page::{Part, number};
-use super::table::{Row, Table};
 use super::work::{SEED, Work};
 use crate::Error;
 use crate::meter::Ended;
@@ -35,6 +34,7 @@ use crate::rays::{Aim, aimed};
 use crate::statistics::proportion::exact_interval;
 use crate::statistics::quantile;
 use crate::subject::Subject;
+use crate::tidy::{Row, Table};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",

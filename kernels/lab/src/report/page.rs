@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use super::section::SECTIONS;
-use super::table::Row;
 use crate::html::{self, escaped};
 use crate::plots;
 use crate::subject::Size;
+use crate::tidy::Row;
 
 /// A section's results for one scene.
 #[derive(Clone, Debug, Default)]

@@ -12,13 +12,13 @@ use raystep_kernels::{Accelerator, Numerics, Options, Pass, Renderer, ScheduleKi
 
 use super::judge::Judge;
 use super::page::{Part, number};
-use super::table::{Row, Table};
 use super::work::{TESTS_PER_PASS, Work};
 use crate::Error;
 use crate::meter::Ended;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::reference::Verdict;
 use crate::statistics::median;
+use crate::tidy::{Row, Table};
 use crate::ways::{MISSES_ALL, misses_all};
 
 pub(super) const COLUMNS: &[&str] = &[

@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
 
 use super::page::{Part, number};
-use super::table::{Row, Table};
 use super::work::{SEED, Work};
 use crate::Error;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::statistics::{power_law, root_mean_square};
+use crate::tidy::{Row, Table};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",

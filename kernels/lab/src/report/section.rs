@@ -1,10 +1,10 @@
 //! The table of a report's sections, in page order.
 
 use super::page::Part;
-use super::table::Table;
 use super::work::Work;
 use super::{factors, grid, left_out, moved, resolved, samples};
 use crate::Error;
+use crate::tidy::Table;
 
 /// A section: one CSV file, and a part of the page for every scene.
 #[derive(Clone, Copy, Debug)]

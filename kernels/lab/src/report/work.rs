@@ -9,11 +9,11 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{GridSize, Options, Progress, RaySource, Renderer};
 
-use super::table::Row;
 use crate::meter::{self, Ended, Meter, Time, Turns, in_turn, ratios};
 use crate::reporter::Reporter;
 use crate::statistics::{low_and_high, median};
 use crate::subject::{Size, Subject};
+use crate::tidy::Row;
 use crate::{Error, Machine};
 
 /// Seed of all random numbers: the same in every run of every version.
@@ -194,7 +194,7 @@ impl Work<'_> {
         let times = in_turn(renderers, turns, |renderer| self.run(renderer))?;
         let of_one = |times: meter::Times| match times.is_given_up {
             true => Times { runs: Vec::new(), is_given_up: true },
-            false => Times { runs: times.runs.iter().map(|&time| self.ns(time)).collect(), is_given_up: false },
+            false => Times { runs: times.runs.iter().map(|run| self.ns(run.time)).collect(), is_given_up: false },
         };
         Ok(times.into_iter().map(of_one).collect())
     }

@@ -1,7 +1,7 @@
 //! The plots of offset and scale.
 
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::report::table::Row;
+use crate::tidy::Row;
 
 fn axis_of(column: &str) -> Axis {
     let label = match column {

@@ -1,35 +1,42 @@
-//! A CSV file in memory; the page shows its fields as they are written.
+//! CSV files in memory: one row an observation, one name for one thing in all files ([`columns`]), raw numbers with
+//! their unit in the column's name, unknown values empty. [`package`] describes a folder of them for programs.
+
+pub mod columns;
+pub mod package;
 
 use std::io::{self, Write};
 
 use raystep_kernels::export::csv;
 
+use crate::Hash;
+
 /// Schema version of all files; it rises when the meaning of a column changes.
-pub(super) const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// The rows of one file.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
-    pub(super) columns: &'static [&'static str],
-    pub(super) rows: Vec<Row>,
+pub struct Table {
+    pub(crate) columns: &'static [&'static str],
+    pub(crate) rows: Vec<Row>,
 }
 
 /// A row: one field per column, empty if unknown.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Row {
+pub struct Row {
     columns: &'static [&'static str],
     fields: Vec<String>,
 }
 
 /// Types that a field can hold.
-pub(super) trait Field {
+pub trait Field {
+    /// As it is written.
     fn text(&self) -> String;
 }
 
 macro_rules! displayed {
     ($($type:ty),*) => { $(impl Field for $type { fn text(&self) -> String { self.to_string() } })* };
 }
-displayed!(u32, u64, usize, i32, bool, &str, String);
+displayed!(u32, u64, usize, i32, bool, &str, String, Hash);
 
 impl Field for f64 {
     /// Six digits, more than any measurement here needs; NaN and infinity are empty.
@@ -51,12 +58,12 @@ impl<T: Field> Field for Option<T> {
 }
 
 impl Table {
-    pub(super) fn new(columns: &'static [&'static str]) -> Self {
+    pub(crate) fn new(columns: &'static [&'static str]) -> Self {
         Self { columns, rows: Vec::new() }
     }
 
     /// Writes RFC 4180.
-    pub(super) fn write(&self, out: impl Write) -> io::Result<()> {
+    pub(crate) fn write(&self, out: impl Write) -> io::Result<()> {
         let mut writer = csv::writer(out);
         writer.write_record(self.columns)?;
         for row in &self.rows {
@@ -68,7 +75,7 @@ impl Table {
 
 impl Row {
     /// An empty row with these columns.
-    pub(super) fn new(columns: &'static [&'static str]) -> Self {
+    pub(crate) fn new(columns: &'static [&'static str]) -> Self {
         Self { columns, fields: vec![String::new(); columns.len()] }.set("schema_version", SCHEMA_VERSION)
     }
 
@@ -79,7 +86,7 @@ impl Row {
     }
 
     /// Fills a field.
-    pub(super) fn set(mut self, column: &str, value: impl Field) -> Self {
+    pub(crate) fn set(mut self, column: &str, value: impl Field) -> Self {
         if let Some(place) = self.place(column) {
             self.fields[place] = value.text();
         }
@@ -87,17 +94,17 @@ impl Row {
     }
 
     /// A field as it is written.
-    pub(super) fn get(&self, column: &str) -> &str {
+    pub(crate) fn get(&self, column: &str) -> &str {
         self.place(column).map_or("", |place| &self.fields[place])
     }
 
     /// A field as a number; `None` if it is unknown.
-    pub(super) fn number(&self, column: &str) -> Option<f64> {
+    pub(crate) fn number(&self, column: &str) -> Option<f64> {
         self.get(column).parse().ok()
     }
 
     /// Whether each of these columns has this value.
-    pub(super) fn is(&self, wanted: &[(&str, &str)]) -> bool {
+    pub(crate) fn is(&self, wanted: &[(&str, &str)]) -> bool {
         wanted.iter().all(|(column, value)| self.get(column) == *value)
     }
 }
@@ -112,10 +119,10 @@ mod tests {
         assert_eq!(texts, ["0", "1", "0.3", "1234570", "1e-20", "1e20", "", "", "-2.5"]);
         const COLUMNS: &[&str] = &["schema_version", "a", "b"];
         let row = Row::new(COLUMNS).set("b", "x, \"y\"").set("a", None::<u64>);
-        assert_eq!((row.get("a"), row.number("a"), row.number("schema_version")), ("", None, Some(1.0)));
+        assert_eq!((row.get("a"), row.number("a"), row.number("schema_version")), ("", None, Some(2.0)));
         assert!(row.is(&[("b", "x, \"y\""), ("a", "")]));
         let (mut file, table) = (Vec::new(), Table { columns: COLUMNS, rows: vec![row] });
         table.write(&mut file).expect("memory");
-        assert_eq!(String::from_utf8_lossy(&file), "schema_version,a,b\r\n1,,\"x, \"\"y\"\"\"\r\n");
+        assert_eq!(String::from_utf8_lossy(&file), "schema_version,a,b\r\n2,,\"x, \"\"y\"\"\"\r\n");
     }
 }

@@ -1,0 +1,155 @@
+//! The columns of all CSV files: one name for one thing, with type, unit and meaning. A file's schema follows from its
+//! columns' names.
+
+/// What a column's fields are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Text.
+    Text,
+    /// A whole number.
+    Integer,
+    /// A number.
+    Number,
+    /// `true` or `false`.
+    Boolean,
+}
+
+impl Kind {
+    /// Its name in Frictionless Table Schema.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Text => "string",
+            Self::Integer => "integer",
+            Self::Number => "number",
+            Self::Boolean => "boolean",
+        }
+    }
+
+    /// Whether it can hold a field; an empty one is unknown and always can.
+    #[must_use]
+    pub fn holds(self, field: &str) -> bool {
+        field.is_empty()
+            || match self {
+                Self::Text => true,
+                Self::Integer => field.parse::<i128>().is_ok(),
+                Self::Number => field.parse::<f64>().is_ok_and(f64::is_finite),
+                Self::Boolean => matches!(field, "true" | "false"),
+            }
+    }
+}
+
+/// A column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its name.
+    pub name: &'static str,
+    /// The type of its fields.
+    pub kind: Kind,
+    /// What it holds.
+    pub what: &'static str,
+}
+
+/// The column with this name; `None` if no file has one.
+#[must_use]
+pub fn column(name: &str) -> Option<&'static Column> {
+    COLUMNS.iter().find(|column| column.name == name)
+}
+
+const fn text(name: &'static str, what: &'static str) -> Column {
+    Column { name, kind: Kind::Text, what }
+}
+
+const fn count(name: &'static str, what: &'static str) -> Column {
+    Column { name, kind: Kind::Integer, what }
+}
+
+const fn number(name: &'static str, what: &'static str) -> Column {
+    Column { name, kind: Kind::Number, what }
+}
+
+const fn truth(name: &'static str, what: &'static str) -> Column {
+    Column { name, kind: Kind::Boolean, what }
+}
+
+/// All columns.
+pub const COLUMNS: &[Column] = &[
+    // Keys.
+    count("schema_version", "version of the columns' meanings, the same in all files"),
+    text("run_id", "identifies one invocation of the command, in all its files"),
+    text("configuration", "identifies what was run, within run_id"),
+    text("section", "section of the report"),
+    text("scene", "name of the scene"),
+    text("scene_hash", "hash of all files the scene was read from, with the method as prefix"),
+    text("adapter", "name of the GPU adapter, or cpu for the CPU reference kernels"),
+    // What was run.
+    text("accelerator", "acceleration structure: grid, bvh or none"),
+    text("schedule", "how walks are divided into passes: first, second, compact or fused"),
+    text("numerics", "robust or paper"),
+    text("rule", "numerical rule replaced by the paper's; empty if none"),
+    text("stratum", "group of rays that were chosen in the same way"),
+    count("rays", "rays traced in a run"),
+    count("seed", "seed of rays and orders"),
+    truth("is_automatic", "whether the grid's resolution is the automatic one"),
+    // Times.
+    text("clock", "gpu_timestamp, cpu_clock, or host if the device has no valid clock"),
+    count("runs", "counted runs with a valid time"),
+    count("invalid_runs", "counted runs whose time was missing, 0 or negative"),
+    count("round", "round of interleaved runs, from 0; runs of the same round are compared"),
+    count("place", "position in the round, from 0; the order is random"),
+    number("time_ns", "time of a run, in nanoseconds, by the clock"),
+    number("wall_ns", "the same by the host's clock, including waits for the device"),
+    number("median_ns", "median time of a run, in nanoseconds"),
+    number("low_ns", "lower end of the interval of the median"),
+    number("high_ns", "upper end of the interval of the median"),
+    number("min_ns", "shortest run"),
+    number("max_ns", "longest run"),
+    number("ns_per_ray", "median time divided by rays"),
+    text("interval_method", "order_statistics or bootstrap; empty without an interval"),
+    number("interval_level", "probability that the interval covers the true median"),
+    number("time_ratio", "median of the ratios of runs in the same round, to the configuration in ratio_to"),
+    number("time_ratio_low", "lower end of its interval"),
+    number("time_ratio_high", "upper end of its interval"),
+    text("ratio_to", "the configuration that ratios are relative to"),
+    number("build_s", "seconds for planning, mostly for building the structure"),
+    number("start_s", "seconds for allocating, uploading and compiling"),
+    // Verdicts of f64 brute force.
+    count("judged_rays", "rays compared with f64 brute force"),
+    count("missed", "rays that should hit and do not"),
+    count("false_hits", "rays that hit and should not"),
+    count("wrong_hits", "rays that hit another triangle, or at a wrong t"),
+    count("undecided", "rays for which f32 cannot decide, and another result than the exact one was found"),
+    count("wrong_rays", "missed, false and wrong hits"),
+    number("wrong_per_million", "wrong rays per million judged"),
+    number("wrong_per_million_low", "lower end of its exact 95% interval (Clopper and Pearson)"),
+    number("wrong_per_million_high", "upper end; if none is wrong, the one-sided 95% bound"),
+    count("at_bound", "rays that were not resolved when the run was stopped"),
+    // Work.
+    count("passes", "passes of a run"),
+    number("cells_per_ray", "cells or nodes visited, per ray"),
+    number("tests_per_ray", "triangles tested, per ray"),
+    count("structure_bytes", "bytes of the grid or BVH"),
+    count("hits", "rays that hit something"),
+    text("hits_hash", "hash of all hits: equal hashes mean equal bits"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_fields_have_types() {
+        for (i, column) in COLUMNS.iter().enumerate() {
+            assert!(COLUMNS[..i].iter().all(|other| other.name != column.name), "{} twice", column.name);
+            assert!(
+                !column.what.is_empty()
+                    && column.name.bytes().all(|b| b.is_ascii_lowercase() || b == b'_' || b.is_ascii_digit())
+            );
+        }
+        assert!(Kind::Integer.holds("12") && Kind::Integer.holds("") && !Kind::Integer.holds("1.5"));
+        assert!(Kind::Number.holds("1e-20") && !Kind::Number.holds("NaN") && !Kind::Number.holds("x"));
+        assert!(Kind::Boolean.holds("true") && !Kind::Boolean.holds("1"));
+        assert_eq!(column("median_ns").map(|c| c.kind), Some(Kind::Number));
+        assert_eq!(column("p05_device_ns"), None);
+    }
+}
