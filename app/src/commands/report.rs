@@ -11,11 +11,12 @@ use raystep_lab::report::{self, About, SECTIONS, Section, Wanted};
 use raystep_lab::text::visible;
 use raystep_lab::{Machine, Size};
 
-use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, parse_grid, parse_size};
+use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, parse_grid, parse_size, whole};
 use crate::commands::{distinct, input};
 use crate::device;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
+use crate::session::run_id;
 use crate::terminal::Progress;
 
 /// Report error against run time: CSV files, plots and a page
@@ -47,6 +48,13 @@ pub(crate) struct ReportArgs {
     /// Use fewer rays and repeats
     #[arg(long)]
     quick: bool,
+    /// Seed of rays, orders and samples
+    #[arg(long, value_name = "N", default_value_t = report::SEED, allow_negative_numbers = true,
+          value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
+    seed: u32,
+    /// Also write DIR/rays.csv: every judged ray, with its verdict, error and error bound
+    #[arg(long)]
+    rays_csv: bool,
     /// Write only these sections
     #[arg(long = "section", value_name = "A,B…", value_delimiter = ',',
           value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
@@ -115,8 +123,15 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
     }
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
-    let wanted = Wanted { sections: args.sections(), size: args.size(), grid: args.grid, is_quick: args.quick };
-    let report = report::measure(&wanted, &subjects, &meter, progress)?;
+    let wanted = Wanted {
+        sections: args.sections(),
+        size: args.size(),
+        grid: args.grid,
+        is_quick: args.quick,
+        seed: args.seed,
+        has_rays: args.rays_csv,
+    };
+    let report = report::measure(&wanted, &subjects, run_id(), &meter, progress)?;
     progress.stage("writing");
     let files = report.files(&about(&meter.machine)).map_err(Error::failed)?;
     files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))

@@ -13,6 +13,68 @@ use crate::Hash;
 /// Schema version of all files; it rises when the meaning of a column changes.
 pub const SCHEMA_VERSION: u32 = 2;
 
+/// The number of columns in groups of columns.
+#[must_use]
+pub const fn count(groups: &[&[&str]]) -> usize {
+    let (mut sum, mut group) = (0, 0);
+    while group < groups.len() {
+        sum += groups[group].len();
+        group += 1;
+    }
+    sum
+}
+
+/// Groups of columns as one: `&joined::<{ count(GROUPS) }>(GROUPS)`.
+#[must_use]
+pub const fn joined<const N: usize>(groups: &[&[&'static str]]) -> [&'static str; N] {
+    let mut all = [""; N];
+    let (mut at, mut group) = (0, 0);
+    while group < groups.len() {
+        let mut column = 0;
+        while column < groups[group].len() {
+            all[at] = groups[group][column];
+            at += 1;
+            column += 1;
+        }
+        group += 1;
+    }
+    all
+}
+
+/// Columns that identify what a row is about.
+pub const KEYS: &[&str] = &["schema_version", "run_id", "scene", "scene_hash", "adapter", "configuration"];
+
+/// Columns of times.
+pub const TIMES: &[&str] = &[
+    "runs",
+    "invalid_runs",
+    "median_ns",
+    "low_ns",
+    "high_ns",
+    "min_ns",
+    "max_ns",
+    "interval_method",
+    "interval_level",
+    "clock",
+];
+
+/// Columns of a ratio of times.
+pub const RATIO: &[&str] = &["ratio_to", "time_ratio", "time_ratio_low", "time_ratio_high"];
+
+/// Columns of verdicts on rays.
+pub const VERDICTS: &[&str] = &[
+    "judged_rays",
+    "missed",
+    "false_hits",
+    "wrong_hits",
+    "undecided",
+    "wrong_rays",
+    "wrong_per_million",
+    "wrong_per_million_low",
+    "wrong_per_million_high",
+    "at_bound",
+];
+
 /// The rows of one file.
 #[derive(Clone, Debug)]
 pub struct Table {

@@ -7,52 +7,41 @@ use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
 
-use super::judge::Judge;
-use super::page::{Part, WHISKERS, number};
+use super::judge::{Drawn, Judge};
+use super::page::{Part, number};
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
 use crate::plots::{Axis, Bars, Plot, Scale, Series};
 use crate::statistics::quantile;
-use crate::tidy::{Row, Table};
+use crate::tidy::{KEYS, Row, TIMES, Table, VERDICTS, count, joined};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "schema_version",
-    "scene",
-    "adapter",
-    "accelerator",
-    "resolution_factor",
-    "is_automatic",
-    "cells_x",
-    "cells_y",
-    "cells_z",
-    "cells",
-    "leaps",
-    "references",
-    "structure_bytes",
-    "build_s",
-    "rays",
-    "repeats",
-    "median_ns",
-    "low_ns",
-    "high_ns",
-    "ns_per_ray",
-    "trace_ratio",
-    "view_s",
-    "view_with_build_s",
-    "paid_off_rays",
-    "passes",
-    "judged_rays",
-    "missed",
-    "false_hits",
-    "wrong_hits",
-    "undecided",
-    "wrong_rays",
-    "wrong_per_million",
-    "wrong_per_million_low",
-    "wrong_per_million_high",
-    "at_bound",
-    "clock",
+const GROUPS: &[&[&str]] = &[
+    KEYS,
+    &[
+        "accelerator",
+        "resolution_factor",
+        "is_automatic",
+        "cells_x",
+        "cells_y",
+        "cells_z",
+        "cells",
+        "leaps",
+        "references",
+        "structure_bytes",
+        "build_s",
+        "rays",
+        "ns_per_ray",
+        "trace_ratio",
+        "view_s",
+        "view_with_build_s",
+        "paid_off_rays",
+        "passes",
+    ],
+    TIMES,
+    VERDICTS,
 ];
+
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
 const SHOWN: &[&str] = &[
     "accelerator",
@@ -65,7 +54,7 @@ const SHOWN: &[&str] = &[
     "structure_bytes",
     "build_s",
     "rays",
-    "repeats",
+    "runs",
     "median_ns",
     "low_ns",
     "high_ns",
@@ -87,6 +76,14 @@ struct Way {
 }
 
 impl Way {
+    /// Part of a configuration's id.
+    fn id(&self) -> String {
+        match self.factor {
+            Some(factor) => format!("grid-{factor:.3}"),
+            None => self.options.accelerator.to_string(),
+        }
+    }
+
     fn name(&self) -> String {
         match self.factor {
             Some(factor) => format!("the grid at {factor:.3} times the automatic resolution"),
@@ -109,8 +106,9 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             }
         }
     }
+    let names: Vec<String> = built.iter().map(|(way, _)| work.configuration(&[&way.id()])).collect();
     let mut renderers: Vec<_> = built.iter_mut().map(|(_, b)| &mut b.renderer).collect();
-    let times = work.time_in_turn(&mut renderers, work.either(3, 9))?;
+    let times = work.time_in_turn(&names, &mut renderers, work.either(3, 9))?;
     let mut judges = [Judge::default(), Judge::default()];
     for ((way, ready), times) in built.iter().zip(&times) {
         // Without an accelerator there may be fewer rays, and then the correct hits differ, too.
@@ -119,13 +117,14 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         if times.is_given_up {
             part.notes.push(format!("{}: {}", way.name(), judged.given_up()));
         }
-        table.rows.push(judged.fill(row(work, way, ready, times)));
+        let (of, rays) = (judge.sample().len(), ready.renderer.plan().rays as usize);
+        table.rows.push(judged.fill(row(work, way, ready, times), Drawn::of_pixels(of, rays)));
     }
     compare(&mut table.rows[first..]);
     let rows = &table.rows[first..];
-    part.figure(time_plot(rows).svg()?, WHISKERS);
-    part.figure(bytes_plot(rows).svg()?, "");
-    part.figure(bars(rows).svg()?, "");
+    part.figure("time", time_plot(rows).svg()?, "");
+    part.figure("bytes", bytes_plot(rows).svg()?, "");
+    part.figure("build", bars(rows).svg()?, "");
     part.table(rows, SHOWN);
     say(work, rows, &mut part);
     Ok(part)
@@ -143,11 +142,13 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
         part.prose.push(format!(
             "The ratio is relative to the automatic resolution, {} × {} × {}; the fastest resolution takes {} of its \
              time. Wrong rays at any resolution: at most {}.",
-            number(automatic.get("cells_x")),
-            number(automatic.get("cells_y")),
-            number(automatic.get("cells_z")),
-            number(fastest.get("trace_ratio")),
-            number(rows.iter().map(|r| r.get("wrong_rays")).max_by_key(|n| n.parse().unwrap_or(0u64)).unwrap_or("0")),
+            number("cells_x", automatic),
+            number("cells_y", automatic),
+            number("cells_z", automatic),
+            number("trace_ratio", fastest),
+            rows.iter()
+                .max_by_key(|r| r.number("wrong_rays").unwrap_or(0.0) as u64)
+                .map_or_else(|| "?".into(), |row| number("wrong_rays", row)),
         ));
     }
     part.prose.push(format!(
@@ -246,6 +247,7 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
     let view_s = median.filter(|_| plan.rays == view_rays(work)).map(|ns| ns / 1e9);
     let row = work
         .row(COLUMNS)
+        .set("configuration", work.configuration(&[&way.id()]))
         .set("accelerator", way.options.accelerator.name())
         .set("resolution_factor", way.factor)
         .set("is_automatic", way.factor.map(|_| way.options.grid == GridSize::Auto))
@@ -263,7 +265,7 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
         .set("view_with_build_s", view_s.map(|s| s + built.build_s))
         .set("passes", built.renderer.pass_count())
         .set("clock", work.clock());
-    times.fill(row)
+    times.fill(row, work.seed())
 }
 
 /// Adds the columns that compare rows, for those that traced the whole view.

@@ -8,11 +8,11 @@
 
 use raystep_kernels::Renderer;
 
-use super::work::{SEED, Work};
+use super::work::Work;
 use crate::Error;
 use crate::judge::{self, Cracks, Traced, sample};
 use crate::reference::{Counts, Possible, Verdict};
-use crate::statistics::proportion::exact_interval;
+use crate::statistics::proportion::{at_most, exact_interval};
 use crate::tidy::Row;
 
 /// The correct hits, computed for the first run and kept for later runs.
@@ -54,7 +54,7 @@ impl Judge {
     /// Judges a run that is over, or as far as it got.
     pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
         let traced = work.machine().wait(Traced::read(renderer))?;
-        self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), SEED));
+        self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), work.seed()));
         let walking = (0..traced.rays()).filter(|&ray| !traced.is_decided(ray)).count() as u64;
         let mut judged = Judged { at_bound: renderer.unfinished().max(walking), ..Judged::default() };
         let verdicts = self.0.of(&traced, Cracks::Missed);
@@ -92,22 +92,71 @@ impl Judged {
         format!("stopped, too slow or endless: {} rays were unresolved and are not judged", self.at_bound)
     }
 
-    /// Fills the verdict columns.
-    pub(super) fn fill(&self, row: Row) -> Row {
-        let (rays, errors) = (self.counts.rays(), self.counts.errors());
-        let million = |share: f64| 1e6 * share;
-        let interval = exact_interval(errors, rays);
-        row.set("judged_rays", rays)
-            .set("missed", self.counts.missed)
-            .set("false_hits", self.counts.false_hits)
-            .set("wrong_hits", self.counts.wrong)
-            .set("undecided", self.counts.ties)
-            .set("wrong_rays", errors)
-            .set("wrong_per_million", (rays > 0).then(|| million(errors as f64 / rays as f64)))
-            .set("wrong_per_million_low", interval.map(|i| million(i[0])))
-            .set("wrong_per_million_high", interval.map(|i| million(i[1])))
-            .set("at_bound", self.at_bound)
+    /// Fills the columns of verdicts.
+    pub(super) fn fill(&self, row: Row, drawn: Drawn) -> Row {
+        fill(row, &self.counts, drawn).set("at_bound", self.at_bound)
     }
+
+    /// The verdicts on some rays, counted.
+    pub(super) fn counts_of(&self, judge: &Judge, is_wanted: impl Fn(usize) -> bool) -> Counts {
+        let mut counts = Counts::default();
+        let of = judge.sample().iter().zip(&self.verdicts).filter(|(ray, _)| is_wanted(**ray));
+        of.filter_map(|(_, verdict)| *verdict).for_each(|verdict| counts.add(verdict));
+        counts
+    }
+
+    /// Rays that are wrong here and right there, and the other way round.
+    pub(super) fn discordant(&self, other: &Self) -> [u64; 2] {
+        let is_wrong = |verdict: &Option<Verdict>| verdict.is_some_and(Verdict::is_error);
+        let mut count = [0; 2];
+        for (one, two) in self.verdicts.iter().zip(&other.verdicts) {
+            match (is_wrong(one), is_wrong(two)) {
+                (true, false) => count[0] += 1,
+                (false, true) => count[1] += 1,
+                _ => {}
+            }
+        }
+        count
+    }
+}
+
+/// How judged rays were chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Drawn {
+    /// Independently at random, or one at random in each of many parts, which only makes counts more certain
+    /// (Hoeffding 1956): they have an interval.
+    AtRandom,
+    /// All that there are: nothing is estimated, so there is no interval.
+    Census,
+}
+
+impl Drawn {
+    /// How a sample of all pixels' centres was drawn.
+    pub(super) fn of_pixels(judged: usize, rays: usize) -> Self {
+        if judged < rays { Self::AtRandom } else { Self::Census }
+    }
+}
+
+/// Fills the columns of verdicts.
+pub(super) fn fill(row: Row, counts: &Counts, drawn: Drawn) -> Row {
+    let (rays, errors) = (counts.rays(), counts.errors());
+    let million = |share: f64| 1e6 * share;
+    let [low, high] =
+        bounds(errors, rays).filter(|_| drawn == Drawn::AtRandom).map_or([None; 2], |ends| ends.map(Some));
+    row.set("judged_rays", rays)
+        .set("missed", counts.missed)
+        .set("false_hits", counts.false_hits)
+        .set("wrong_hits", counts.wrong)
+        .set("undecided", counts.ties)
+        .set("wrong_rays", errors)
+        .set("wrong_per_million", (rays > 0).then(|| million(errors as f64 / rays as f64)))
+        .set("wrong_per_million_low", low.map(million))
+        .set("wrong_per_million_high", high.map(million))
+}
+
+/// The interval of a share: exact and two-sided at 95%; if nothing was observed, from 0 to the one-sided bound.
+pub(super) fn bounds(count: u64, of: u64) -> Option<[f64; 2]> {
+    if count == 0 { at_most(0, of).map(|high| [0.0, high]) } else { exact_interval(count, of) }
 }
 
 #[cfg(test)]
@@ -117,6 +166,7 @@ mod tests {
     use raystep_kernels::{Device, GridSize, Options};
     use raystep_scenes::generate;
 
+    use super::super::record::Record;
     use super::*;
     use crate::machine::now_ns;
     use crate::meter::Meter;
@@ -130,7 +180,10 @@ mod tests {
         let subject = Subject { camera: scene.cameras[0].clone(), scene, hash: Hash::default(), file: String::new() };
         let meter = Meter::new(Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() });
         let (subject, meter, size) = (&subject, &meter, Size { width: 16, height: 16 });
-        let work = Work { subject, meter, size, grid: GridSize::Auto, is_quick: true, reporter: &Silent };
+        let record = Record::new("test".into(), 1, false);
+        let (section, record) = ("test", &record);
+        let work =
+            Work { subject, meter, size, grid: GridSize::Auto, is_quick: true, reporter: &Silent, section, record };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.build(&options).expect("a plan").renderer;
         let mut judge = Judge::default();

@@ -4,17 +4,20 @@
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
 
-use super::page::{Part, WHISKERS, number};
+use super::page::{Part, number};
 use super::work::Work;
 use crate::Error;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::statistics::{low_and_high, quantile};
+use crate::statistics::quantile;
 use crate::tidy::{Row, Table};
 
 pub(super) const COLUMNS: &[&str] = &[
     "schema_version",
+    "run_id",
     "scene",
+    "scene_hash",
     "adapter",
+    "configuration",
     "accelerator",
     "schedule",
     "rays",
@@ -31,7 +34,7 @@ pub(super) const COLUMNS: &[&str] = &[
     "start_s",
     "kept_start_s",
     "start_ratio",
-    "repeats",
+    "runs",
     "median_ns",
     "kept_median_ns",
     "time_ratio",
@@ -82,13 +85,13 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         }
     }
     let rows = &table.rows[first..];
-    part.figure(plot(rows).svg()?, WHISKERS);
+    part.figure("time", plot(rows).svg()?, "");
     part.table(rows, SHOWN);
     let differing = rows.iter().max_by_key(|r| r.number("differing_hits").unwrap_or(0.0) as u64);
     if let Some(row) = differing {
         part.prose.push(format!(
             "A ratio above 1 is the saving from omitting. Hits that differ in bits: at most {}. Times are {}.",
-            number(row.get("differing_hits")),
+            number("differing_hits", row),
             work.clock_in_words()
         ));
         part.prose.push(
@@ -128,12 +131,14 @@ fn one(
     let [Some(mut without), Some(mut with)] = last else {
         return Err(Error::NothingBuilt);
     };
-    let times = work.time_in_turn(&mut [&mut without, &mut with], work.either(5, 21))?;
+    let name = |what| work.configuration(&[accelerator.name(), schedule.name(), what]);
+    let names = [name("left-out"), name("put-back")];
+    let times = work.time_in_turn(&names, &mut [&mut without, &mut with], work.either(6, 20))?;
     if times.iter().any(|times| times.is_given_up) {
         return Err(Error::GivenUp);
     }
-    let ratios = times[1].ratios(&times[0]);
-    let [low, high] = low_and_high(&ratios);
+    let ratio = times[1].ratio(&times[0], work.seed());
+    let interval = ratio.and_then(|(_, interval)| interval);
     let (hits, kept_hits) = (work.machine().wait(without.hits())?, work.machine().wait(with.hits())?);
     let differing = differing(&hits, &kept_hits);
     if !differing.is_empty() {
@@ -154,6 +159,7 @@ fn one(
     let put_back = put_back(without.plan(), with.plan());
     Ok(work
         .row(COLUMNS)
+        .set("configuration", name("left-out"))
         .set("accelerator", accelerator.name())
         .set("schedule", schedule.name())
         .set("rays", without.plan().rays)
@@ -170,12 +176,12 @@ fn one(
         .set("start_s", start(0))
         .set("kept_start_s", start(1))
         .set("start_ratio", start(1).zip(start(0)).map(|(kept, s)| kept / s))
-        .set("repeats", ratios.len())
+        .set("runs", times[0].runs())
         .set("median_ns", times[0].median())
         .set("kept_median_ns", times[1].median())
-        .set("time_ratio", quantile(&ratios, 0.5))
-        .set("time_ratio_low", low)
-        .set("time_ratio_high", high)
+        .set("time_ratio", ratio.map(|(median, _)| median))
+        .set("time_ratio_low", interval.map(|i| i.low))
+        .set("time_ratio_high", interval.map(|i| i.high))
         .set("differing_hits", differing.len())
         .set("first_differing_rays", first_of(&differing))
         .set("clock", work.clock()))

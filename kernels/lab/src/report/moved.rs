@@ -25,57 +25,50 @@ use glam::DVec3;
 use raystep_kernels::{Numerics, Options, Ray, RaySource};
 use raystep_scenes::Scene;
 
-use super::judge::{Judge, Judged};
+use super::judge::{Drawn, Judge, Judged};
 use super::page::{Part, number};
-use super::work::{SEED, Work};
+use super::work::Work;
 use crate::Error;
 use crate::meter::Ended;
 use crate::rays::{Aim, aimed};
 use crate::statistics::proportion::exact_interval;
 use crate::statistics::quantile;
 use crate::subject::Subject;
-use crate::tidy::{Row, Table};
+use crate::tidy::{KEYS, Row, Table, VERDICTS, count, joined};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "schema_version",
-    "scene",
-    "adapter",
-    "offset_extents",
-    "scale",
-    "numerics",
-    "rays",
-    "judged_rays",
-    "missed",
-    "false_hits",
-    "wrong_hits",
-    "undecided",
-    "wrong_rays",
-    "wrong_per_million",
-    "wrong_per_million_low",
-    "wrong_per_million_high",
-    "at_bound",
-    "lost_per_million",
-    "lost_per_million_low",
-    "lost_per_million_high",
-    "measured_rays",
-    "t_error_extents_largest",
-    "t_error_extents_median",
-    "t_bound_extents_largest",
-    "t_bound_extents_median",
-    "t_largest_by_bound",
-    "t_error_by_own_bound_largest",
-    "t_bound_extents_of_largest_error",
-    "t_step_extents_largest",
-    "t_largest_by_step",
-    "rounding_rays",
-    "rounding_error_extents_largest",
-    "rounding_error_extents_median",
-    "rounding_bound_extents_largest",
-    "rounding_bound_extents_median",
-    "rounding_largest_by_bound",
-    "rounding_error_by_own_bound_largest",
-    "rounding_beyond_bound_rays",
+const GROUPS: &[&[&str]] = &[
+    KEYS,
+    &[
+        "offset_extents",
+        "scale",
+        "numerics",
+        "rays",
+        "lost_per_million",
+        "lost_per_million_low",
+        "lost_per_million_high",
+        "measured_rays",
+        "t_error_extents_largest",
+        "t_error_extents_median",
+        "t_bound_extents_largest",
+        "t_bound_extents_median",
+        "t_largest_by_bound",
+        "t_error_by_own_bound_largest",
+        "t_bound_extents_of_largest_error",
+        "t_step_extents_largest",
+        "t_largest_by_step",
+        "rounding_rays",
+        "rounding_error_extents_largest",
+        "rounding_error_extents_median",
+        "rounding_bound_extents_largest",
+        "rounding_bound_extents_median",
+        "rounding_largest_by_bound",
+        "rounding_error_by_own_bound_largest",
+        "rounding_beyond_bound_rays",
+    ],
+    VERDICTS,
 ];
+
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
 /// Where the scene is placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,12 +108,11 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
         }
     }
     let rows = &table.rows[first..];
-    part.figure(plots::by_bound(column, rows).svg()?, "");
-    part.figure(plots::errors(column, rows).svg()?, "");
-    part.figure(plots::lost(column, rows).svg()?, "");
-    let mut columns = vec![column, "numerics"];
-    columns.extend(&COLUMNS[7..COLUMNS.len()]);
-    columns.retain(|c| !matches!(*c, "at_bound" | "wrong_rays" | "wrong_hits" | "false_hits" | "missed"));
+    part.figure("bound", plots::by_bound(column, rows).svg()?, "");
+    part.figure("error", plots::errors(column, rows).svg()?, "");
+    part.figure("wrong", plots::lost(column, rows).svg()?, "");
+    let is_shown = |c: &&str| !KEYS.contains(c) && !matches!(*c, "offset_extents" | "scale" | "at_bound");
+    let columns: Vec<&str> = std::iter::once(column).chain(COLUMNS.iter().copied().filter(is_shown)).collect();
     part.table(rows, &columns);
     say(rows, &mut part);
     Ok(part)
@@ -130,18 +122,18 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
 fn say(rows: &[Row], part: &mut Part) {
     let ends = |column: &str| {
         let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
-        let mut all: Vec<(f64, &str)> = robust.filter_map(|r| Some((r.number(column)?, r.get(column)))).collect();
+        let mut all: Vec<(f64, &Row)> = robust.filter_map(|r| Some((r.number(column)?, r))).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         Some((*all.first()?, *all.last()?))
     };
     let share = |column: &str| {
-        let ((_, least), (most, most_text)) = ends(column)?;
+        let ((_, least), (most, most_row)) = ends(column)?;
         let verdict = match most {
             m if m > 1.0 => ": the bound does not hold",
             m if m < 0.1 => ": the bound is too loose",
             _ => "",
         };
-        Some(format!("{} to {} of its own bound{verdict}", number(least), number(most_text)))
+        Some(format!("{} to {} of its own bound{verdict}", number(column, least), number(column, most_row)))
     };
     if let Some(share) = share("t_error_by_own_bound_largest") {
         part.prose.push(format!(
@@ -159,7 +151,7 @@ fn say(rows: &[Row], part: &mut Part) {
     if let Some((_, (_, of_step))) = ends("t_largest_by_step") {
         part.prose.push(format!(
             "The largest error is at most {} times one rounding, 2⁻²⁴, of the largest depth.",
-            number(of_step)
+            number("t_largest_by_step", of_step)
         ));
     }
 }
@@ -175,7 +167,7 @@ struct Here {
 impl Here {
     fn new(work: &Work<'_>, count: usize) -> Result<Self, Error> {
         let scene = &work.subject.scene;
-        let rays = aimed(scene, Aim::Anywhere, count, SEED);
+        let rays = aimed(scene, Aim::Anywhere, count, work.seed());
         let options = Options { shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.build(&options)?.renderer;
         work.machine().wait(renderer.run(|_| ControlFlow::Continue(())))?;
@@ -200,6 +192,14 @@ fn extent(scene: &Scene) -> f64 {
 }
 
 impl Place {
+    /// Part of a configuration's id.
+    fn id(self) -> String {
+        match self {
+            Self::Moved(by) => format!("moved-{by:e}"),
+            Self::Scaled(by) => format!("scaled-{by:e}"),
+        }
+    }
+
     /// The point after moving or scaling; exact.
     fn exact(self, point: DVec3, extent: f64) -> DVec3 {
         match self {
@@ -231,7 +231,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
     }
     // The first half keeps the original directions; the second half is aimed at the edges of the moved scene.
     let again = here.rays.iter().map(|r| Ray { origin: place.point(r.origin, here.extent), ..*r });
-    let edges = aimed(&scene, Aim::Edges, here.rays.len(), SEED + 1);
+    let edges = aimed(&scene, Aim::Edges, here.rays.len(), work.seed() + 1);
     let rays: Vec<Ray> = again.chain(edges).collect();
     let Subject { camera, hash, file, .. } = work.subject;
     let subject = Subject { scene, camera: camera.clone(), hash: *hash, file: file.clone() };
@@ -250,6 +250,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
         let measured = measure(&judged, &judge, extent(&subject.scene) / unit);
         let rounding = rounding(&judged, &judge, &renderer, here, place, &subject.scene, &rays);
         let row = work.row(COLUMNS).set("numerics", numerics.name()).set("rays", rays.len());
+        let row = row.set("configuration", work.configuration(&[&place.id(), numerics.name()]));
         let row = match place {
             Place::Moved(by) => row.set("offset_extents", by),
             Place::Scaled(by) => row.set("scale", by),
@@ -257,7 +258,7 @@ fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut
         let (missed, of) = (judged.counts.missed, judged.counts.rays());
         let lost = exact_interval(missed, of);
         let row = judged
-            .fill(row)
+            .fill(row, Drawn::AtRandom)
             .set("lost_per_million", (of > 0).then(|| 1e6 * missed as f64 / of as f64))
             .set("lost_per_million_low", lost.map(|i| 1e6 * i[0]))
             .set("lost_per_million_high", lost.map(|i| 1e6 * i[1]));

@@ -1,7 +1,9 @@
-//! `index.html`: one page that needs no other files. Its numbers are copied from the CSV files.
+//! `index.html`: one page that needs no other files. The answer for each scene is on its first screen; its numbers are
+//! fields of the CSV files, in units for people.
 
 use std::fmt::Write as _;
 
+use super::human::{cell, data};
 use super::section::SECTIONS;
 use crate::html::{self, escaped};
 use crate::plots;
@@ -11,6 +13,12 @@ use crate::tidy::Row;
 /// A section's results for one scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
+    /// Sentences for the top of the scene, as HTML.
+    pub(super) lead: Vec<String>,
+    /// Figures for the top of the scene, side by side.
+    lead_figures: Vec<Figure>,
+    /// A table for the top of the scene, as HTML.
+    lead_table: String,
     /// Paragraphs, as HTML.
     pub(super) prose: Vec<String>,
     /// Missing results with reasons, and other notes, as plain text.
@@ -20,59 +28,96 @@ pub(super) struct Part {
     tables: Vec<String>,
 }
 
-/// What the whiskers of times show.
-pub(super) const WHISKERS: &str =
-    "Whiskers show the 5th to the 95th percentile, or the full range for fewer than 20 repeats.";
-
 /// A plot with its caption.
 #[derive(Clone, Debug)]
 struct Figure {
+    /// Part of its file's name.
+    name: &'static str,
     svg: String,
     caption: String,
 }
 
 impl Part {
-    /// Adds a plot, if there is one.
-    pub(super) fn figure(&mut self, svg: Option<String>, caption: &str) {
-        self.figures.extend(svg.map(|svg| Figure { svg, caption: caption.to_owned() }));
+    /// Adds a plot, if there is one. The caption says what is shown, of how many measurements, and by which method; the
+    /// page adds scene, adapter and seed.
+    pub(super) fn figure(&mut self, name: &'static str, svg: Option<String>, caption: impl Into<String>) {
+        self.figures.extend(svg.map(|svg| Figure { name, svg, caption: caption.into() }));
     }
 
-    /// Adds a table with some of the columns.
+    /// Adds a plot to the top of the scene.
+    pub(super) fn lead_figure(&mut self, name: &'static str, svg: Option<String>, caption: impl Into<String>) {
+        self.lead_figures.extend(svg.map(|svg| Figure { name, svg, caption: caption.into() }));
+    }
+
+    /// Sets the table at the top of the scene: names of columns, and cells as HTML.
+    pub(super) fn lead_table(&mut self, names: &[&str], rows: &[Vec<String>]) {
+        self.lead_table = table(names, rows, "lead");
+    }
+
+    /// Adds a folded table with some of the columns.
     pub(super) fn table<'a>(&mut self, rows: impl IntoIterator<Item = &'a Row>, columns: &[&str]) {
         let rows: Vec<&Row> = rows.into_iter().collect();
+        let is_empty = |column: &&&str| rows.iter().all(|row| row.get(column).is_empty());
+        let columns: Vec<&str> = columns.iter().filter(|c| !is_empty(c)).copied().collect();
         if rows.is_empty() {
             return;
         }
-        // Numbers are right-aligned, words left-aligned.
-        let is_words =
-            |column: &str| rows.iter().any(|row| row.number(column).is_none() && !row.get(column).is_empty());
-        let class: Vec<&str> = columns.iter().map(|c| if is_words(c) { " class=\"l\"" } else { "" }).collect();
-        let mut html = String::from("<div class=\"wide\"><table><tr>");
-        // Writing to a string cannot fail.
-        for (column, class) in columns.iter().zip(&class) {
-            let _ = write!(html, "<th{class}>{}</th>", escaped(&column.replace('_', " ")));
-        }
-        html += "</tr>\n";
-        for row in rows {
-            html += "<tr>";
-            for (column, class) in columns.iter().zip(&class) {
-                let _ = write!(html, "<td{class}>{}</td>", escaped(row.get(column)));
-            }
-            html += "</tr>\n";
-        }
-        html += "</table></div>\n";
-        self.tables.push(html);
+        let names: Vec<String> = columns.iter().map(|c| name_of(c)).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let cells = |row: &&Row| columns.iter().map(|c| cell(c, row.get(c))).collect();
+        let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
+        let count = crate::text::counted(rows.len(), "row");
+        self.tables
+            .push(format!("<details><summary>Table, {count}</summary>{}</details>\n", table(&names, &cells, "")));
     }
 
-    /// The plots, to be written to files.
-    pub(super) fn svgs(&self) -> impl Iterator<Item = &str> {
-        self.figures.iter().map(|f| f.svg.as_str())
+    /// The plots, to be written to files, with the parts of their names.
+    pub(super) fn svgs(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        self.lead_figures.iter().chain(&self.figures).map(|f| (f.name, f.svg.as_str()))
     }
 }
 
+/// A column's name for people: units are with the numbers.
+fn name_of(column: &str) -> String {
+    let bare = column.strip_suffix("_ns").or_else(|| column.strip_suffix("_s")).unwrap_or(column);
+    let bare = bare.strip_suffix("_bytes").filter(|b| *b != "structure").unwrap_or(bare);
+    bare.replace('_', " ")
+}
+
+/// A table of HTML cells. Numbers are right-aligned, words left-aligned.
+fn table(names: &[&str], rows: &[Vec<String>], class: &str) -> String {
+    let is_number = |cell: &String| {
+        let text = cell.strip_prefix("<data value=\"").unwrap_or(cell);
+        cell.is_empty() || text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '−' | '+' | '≤'))
+    };
+    let left: Vec<bool> = (0..names.len()).map(|c| !rows.iter().filter_map(|r| r.get(c)).all(is_number)).collect();
+    let class_of = |c: usize| if left[c] { " class=\"l\"" } else { "" };
+    // Writing to a string cannot fail.
+    let mut html = format!("<div class=\"wide\"><table class=\"{class}\"><tr>");
+    for (c, name) in names.iter().enumerate() {
+        let _ = write!(html, "<th{}>{}</th>", class_of(c), escaped(name));
+    }
+    html += "</tr>\n";
+    for row in rows {
+        html += "<tr>";
+        for (c, cell) in row.iter().enumerate() {
+            let _ = write!(html, "<td{}>{cell}</td>", class_of(c));
+        }
+        html += "</tr>\n";
+    }
+    html + "</table></div>\n"
+}
+
 /// A field of a CSV in a paragraph, as HTML.
-pub(super) fn number(field: &str) -> String {
-    format!("<b class=\"n\">{}</b>", if field.is_empty() { "?" } else { field })
+pub(super) fn number(column: &str, row: &Row) -> String {
+    let field = row.get(column);
+    if field.is_empty() { "?".into() } else { format!("<b>{}</b>", cell(column, field)) }
+}
+
+/// A number that is in `about.csv`.
+fn about_number(value: usize) -> String {
+    let text = value.to_string();
+    data(&text, &super::human::field("", &text))
 }
 
 /// A scene of the report.
@@ -83,79 +128,124 @@ pub(super) struct Scene {
     pub(super) triangles: usize,
     /// Image size.
     pub(super) size: Size,
+    /// Start of its files' names.
+    pub(super) slug: String,
     /// By section, in their order; sections that were not requested are missing.
     pub(super) parts: Vec<(&'static str, Part)>,
+}
+
+impl Scene {
+    /// The figures' files.
+    pub(super) fn svgs(&self) -> impl Iterator<Item = (String, &str)> {
+        self.parts.iter().flat_map(move |(section, part)| {
+            part.svgs().map(move |(name, svg)| (svg_name(&self.slug, section, name), svg))
+        })
+    }
+}
+
+/// A figure's file: the same in every report of the same scenes.
+fn svg_name(slug: &str, section: &str, name: &str) -> String {
+    format!("{slug}-{section}-{name}.svg")
 }
 
 /// Machine and command: names with values.
 pub type About = Vec<(&'static str, String)>;
 
 /// The page.
-pub(super) fn html(about: &About, scenes: &[Scene]) -> String {
-    let mut page = String::from(
-        "<h1>Error against run time</h1>\n<p>The cost of each choice in a ray tracer, in time and in wrong rays. A \
-         ray is wrong if its hit differs from that of f64 brute force with exact predicates at edges, and f32 could \
-         have decided it; a ray that f32 cannot decide is called undecided and is not an error. Every number in \
-         tables, text and legends is in a CSV file beside this page, in the same form; notes have numbers of their \
-         own. Compare times only within this report.</p>\n<table>\n",
-    );
+pub(super) fn html(about: &About, scenes: &[Scene], seed: u32) -> String {
+    let value = |wanted: &str| about.iter().find(|(name, _)| *name == wanted).map_or("", |(_, value)| value);
+    let common = format!("{}; seed {}.", value("adapter"), data(&seed.to_string(), &seed.to_string()));
+    let mut page = String::from("<h1>Error against run time</h1>\n");
+    if scenes.len() > 1 {
+        let link = |(i, scene): (usize, &Scene)| format!("<a href=\"#scene-{i}\">{}</a>", escaped(&scene.name));
+        let links: Vec<String> = scenes.iter().enumerate().map(link).collect();
+        let _ = writeln!(page, "<p class=\"nav\">{}</p>", links.join(" · "));
+    }
+    for (i, scene) in scenes.iter().enumerate() {
+        of_scene(&mut page, i, scene, &common);
+    }
+    page += "<h2 class=\"s\" id=\"about\">About this report</h2>\n<p>A ray is wrong if its hit differs from that of f64 \
+             brute force with exact predicates at edges, and f32 could have decided it. A ray that f32 cannot decide is \
+             called undecided; it is not an error. Every number is a field of a CSV file beside this page; \
+             <a href=\"datapackage.json\">datapackage.json</a> describes their columns, and every timed run is in \
+             <a href=\"runs.csv\">runs.csv</a>. Compare times only within this report.</p>\n<table>\n";
     for (name, value) in about {
         let _ = writeln!(page, "<tr><th class=\"l\">{name}</th><td class=\"l a\">{}</td></tr>", escaped(value));
     }
-    page += "</table>\n<p>";
-    for (i, scene) in scenes.iter().enumerate() {
-        let _ = write!(page, "<a href=\"#scene-{i}\">{}</a>: ", escaped(&scene.name));
-        for (key, _) in &scene.parts {
-            let title = SECTIONS.iter().find(|s| s.name == *key).map_or("", |s| s.title);
-            let _ = write!(page, "<a href=\"#{key}-{i}\">{}</a> · ", title.to_lowercase());
-        }
-        page += "<br>";
-    }
-    page += "</p>\n";
-    for (i, scene) in scenes.iter().enumerate() {
-        let _ = write!(
-            page,
-            "<h2 class=\"s\" id=\"scene-{i}\">{}</h2>\n<p>{}: {} triangles; views of {} × {} pixels.</p>\n",
-            escaped(&scene.name),
-            escaped(&scene.file),
-            number(&scene.triangles.to_string()),
-            number(&scene.size.width.to_string()),
-            number(&scene.size.height.to_string())
-        );
-        for (key, part) in &scene.parts {
-            section(&mut page, i, key, part);
-        }
-    }
+    page += "</table>\n";
     html::page(super::KNOWN_BY, &style(), &page)
 }
 
-fn section(page: &mut String, scene: usize, key: &str, part: &Part) {
-    let Some(section) = SECTIONS.iter().find(|s| s.name == key) else { return };
+fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
     let _ = write!(
         page,
-        "<h3 id=\"{key}-{scene}\">{}</h3>\n<p>{} All of it is in <code>{}</code>.</p>\n",
-        section.title, section.what, section.file
+        "<h2 class=\"s\" id=\"scene-{i}\">{}</h2><span class=\"note\">{} triangles, {} × {} pixels · {}</span>\n",
+        escaped(&scene.name),
+        about_number(scene.triangles),
+        about_number(scene.size.width as usize),
+        about_number(scene.size.height as usize),
+        escaped(&scene.file),
     );
-    for paragraph in &part.prose {
-        let _ = writeln!(page, "<p>{paragraph}</p>");
+    let parts = || scene.parts.iter().map(|(_, part)| part);
+    for sentence in parts().flat_map(|part| &part.lead) {
+        let _ = writeln!(page, "<p class=\"lead\">{sentence}</p>");
     }
-    for Figure { svg, caption } in &part.figures {
-        let _ = writeln!(page, "<figure>{}<figcaption>{}</figcaption></figure>", plots::inline(svg), escaped(caption));
+    let caption = |figure: &Figure| format!("{} {}, {common}", figure.caption, escaped(&scene.name));
+    *page += "<div class=\"pair\">";
+    for (key, part) in &scene.parts {
+        part.lead_figures.iter().for_each(|figure| drawn(page, &scene.slug, key, figure, &caption(figure)));
     }
-    part.tables.iter().for_each(|table| *page += table);
-    if !part.notes.is_empty() {
-        *page += "<p class=\"note\">Notes:</p><ul class=\"note\">";
-        for note in &part.notes {
-            let _ = write!(page, "<li>{}</li>", escaped(note));
+    *page += "</div>\n";
+    parts().for_each(|part| *page += &part.lead_table);
+    let link = |(key, _): &(&'static str, Part)| {
+        let title = SECTIONS.iter().find(|s| s.name == *key).map_or("", |s| s.title);
+        format!("<a href=\"#{key}-{i}\">{title}</a>")
+    };
+    let links: Vec<String> = scene.parts.iter().map(link).collect();
+    let _ = writeln!(page, "<p class=\"nav\">{} · <a href=\"#about\">About</a></p>", links.join(" · "));
+    for (key, part) in &scene.parts {
+        let Some(section) = SECTIONS.iter().find(|s| s.name == *key) else { continue };
+        let _ = write!(
+            page,
+            "<section><h3 id=\"{key}-{i}\">{}</h3>\n<p>{} Data: <a href=\"{2}\">{2}</a>.</p>\n",
+            section.title, section.what, section.file
+        );
+        for paragraph in &part.prose {
+            let _ = writeln!(page, "<p>{paragraph}</p>");
         }
-        *page += "</ul>\n";
+        part.figures.iter().for_each(|figure| drawn(page, &scene.slug, key, figure, &caption(figure)));
+        part.tables.iter().for_each(|table| *page += table);
+        if !part.notes.is_empty() {
+            *page += "<ul class=\"note\">";
+            for note in &part.notes {
+                let _ = write!(page, "<li>{}</li>", escaped(note));
+            }
+            *page += "</ul>\n";
+        }
+        *page += "</section>\n";
     }
+}
+
+fn drawn(page: &mut String, slug: &str, section: &str, figure: &Figure, caption: &str) {
+    let file = svg_name(slug, section, figure.name);
+    let _ = writeln!(
+        page,
+        "<figure>{}<figcaption>{caption} <a href=\"{file}\">SVG</a></figcaption></figure>",
+        plots::inline(&figure.svg),
+    );
 }
 
 /// Styles that only this page needs.
 fn style() -> String {
-    "h2.s{border-top:2px solid var(--head);padding-top:1rem;font-size:1.4rem}h3{font-size:1.15rem;margin:2rem 0 .3rem}\
-     figure{margin:.6rem 0}td.a{white-space:normal}ul{max-width:50rem;font-size:.85rem}"
+    "body{margin:1rem auto}h1{font-size:1.05rem;font-weight:600;margin:0;color:var(--dim)}\
+     h2.s{border-top:2px solid var(--head);padding-top:.6rem;font-size:1.3rem;margin:.4rem 0 0;display:block}\
+     h3{font-size:1.15rem;margin:2rem 0 .3rem}figure{margin:.4rem 0}td.a{white-space:normal}\
+     ul{max-width:50rem;font-size:.85rem}p.lead{font-size:1.06rem;max-width:none;margin:.35rem 0}\
+     .pair{display:flex;gap:1rem;align-items:flex-start}.pair figure{flex:1 1 0;min-width:0}\
+     table.lead{font-size:.88rem;margin:.3rem 0}.nav{font-size:.85rem;max-width:none}summary{cursor:pointer;font-size:.85rem}\
+     section{break-inside:avoid-page}@media(max-width:900px){.pair{display:block}}\
+     @media print{body{max-width:none;margin:0}.nav{display:none}details::details-content{content-visibility:visible;\
+     height:auto}figure,tr{break-inside:avoid}}"
         .to_owned()
         + &plots::style()
 }
@@ -166,17 +256,18 @@ mod tests {
 
     #[test]
     fn names_are_text_and_numbers_are_fields() {
-        const COLUMNS: &[&str] = &["schema_version", "scene", "rays_per_s"];
-        let row = Row::new(COLUMNS).set("scene", "<b>").set("rays_per_s", 12.5);
+        const COLUMNS: &[&str] = &["schema_version", "scene", "median_ns", "rule"];
+        let row = Row::new(COLUMNS).set("scene", "<b>").set("median_ns", 12_500.0);
         let mut part = Part::default();
         part.table([&row], COLUMNS);
         part.notes.push("a < b".into());
         let size = Size { width: 3, height: 2 };
         let parts = vec![(SECTIONS[0].name, part)];
-        let scenes = [Scene { name: "<x>".into(), file: "1 & 2".into(), triangles: 7, size, parts }];
-        let page = html(&vec![("command", "raystep \"x\"".into())], &scenes);
-        assert!(page.contains("<th class=\"l\">scene</th>") && page.contains("<th>rays per s</th>"), "{page}");
-        assert!(page.contains("<td class=\"l\">&lt;b&gt;</td><td>12.5</td>") && page.contains("a &lt; b"));
+        let (name, file, slug) = ("<x>".into(), "1 & 2".into(), "x".into());
+        let scenes = [Scene { name, file, slug, triangles: 7, size, parts }];
+        let page = html(&vec![("command", "raystep \"x\"".into())], &scenes, 5);
+        assert!(page.contains("<th class=\"l\">scene</th><th>median</th></tr>"), "{page}");
+        assert!(page.contains("<data value=\"12500\">12.5 µs</data>") && page.contains("a &lt; b"));
         assert!(page.contains("raystep &quot;x&quot;") && !page.contains("<x>") && page.contains("1 &amp; 2"));
     }
 }

@@ -18,30 +18,32 @@ use crate::meter::Ended;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::reference::Verdict;
 use crate::statistics::median;
-use crate::tidy::{Row, Table};
+use crate::tidy::{KEYS, Row, Table, count, joined};
 use crate::ways::{MISSES_ALL, misses_all};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "schema_version",
-    "scene",
-    "adapter",
-    "accelerator",
-    "schedule",
-    "numerics",
-    "rays",
-    "judged_rays",
-    "pass_index",
-    "kernel",
-    "time_ns",
-    "resolved_rays",
-    "judged_resolved_rays",
-    "judged_wrong_rays",
-    "judged_undecided_rays",
-    "is_last",
-    "run_ns",
-    "run_ratio",
-    "clock",
+const GROUPS: &[&[&str]] = &[
+    KEYS,
+    &[
+        "accelerator",
+        "schedule",
+        "numerics",
+        "rays",
+        "judged_rays",
+        "pass_index",
+        "kernel",
+        "time_ns",
+        "resolved_rays",
+        "judged_resolved_rays",
+        "judged_wrong_rays",
+        "judged_undecided_rays",
+        "is_last",
+        "run_ns",
+        "run_ratio",
+        "clock",
+    ],
 ];
+
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
 const SHOWN: &[&str] = &[
     "accelerator",
@@ -111,11 +113,11 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     }
     let rows = &table.rows[first..];
     for accelerator in ["grid", "bvh", "none"] {
-        part.figure(resolved_plot(accelerator, rows).svg()?, "");
+        part.figure(accelerator, resolved_plot(accelerator, rows).svg()?, "");
     }
     let wrong = wrong_plot(rows);
     if rows.iter().any(|r| r.number("judged_wrong_rays").is_some_and(|n| n > 0.0)) {
-        part.figure(wrong.svg()?, "");
+        part.figure("wrong", wrong.svg()?, "");
     }
     part.table(rows.iter().filter(|r| r.get("is_last") == "true"), SHOWN);
     let robust = rows.iter().filter(|r| r.is(&[("is_last", "true"), ("numerics", "robust")]));
@@ -123,8 +125,8 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     if let Some(row) = most_wrong {
         part.prose.push(format!(
             "With robust numerics, at most {} of {} judged rays were resolved wrongly.",
-            number(row.get("judged_wrong_rays")),
-            number(row.get("judged_rays"))
+            number("judged_wrong_rays", row),
+            number("judged_rays", row)
         ));
     }
     part.prose.push(format!(
@@ -169,7 +171,8 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         None => run_ns,
         Some(_) => {
             let mut plain = work.start(&planned, &Options { timings: false, ..options })?.renderer;
-            let times = work.time_in_turn(&mut [&mut plain], work.either(3, 5))?;
+            let name = work.configuration(&[accelerator.name(), schedule.name(), numerics.name()]);
+            let times = work.time_in_turn(&[name], &mut [&mut plain], work.either(3, 5))?;
             if times[0].is_given_up {
                 return given_up();
             }
@@ -184,6 +187,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         let resolved: Vec<Verdict> = resolved.filter_map(|(verdict, _)| *verdict).collect();
         let count = |is: fn(Verdict) -> bool| resolved.iter().filter(|v| is(**v)).count();
         work.row(COLUMNS)
+            .set("configuration", work.configuration(&[accelerator.name(), schedule.name(), numerics.name()]))
             .set("accelerator", accelerator.name())
             .set("schedule", schedule.name())
             .set("numerics", numerics.name())

@@ -10,33 +10,35 @@ use std::time::{Duration, Instant};
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
 
 use super::page::{Part, number};
-use super::work::{SEED, Work};
+use super::work::Work;
 use crate::Error;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::statistics::{power_law, root_mean_square};
-use crate::tidy::{Row, Table};
+use crate::tidy::{KEYS, Row, Table, count, joined};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "schema_version",
-    "scene",
-    "adapter",
-    "sampler",
-    "samples",
-    "width_px",
-    "height_px",
-    "time_ns",
-    "rmse",
-    "is_plotted",
-    "slope",
-    "edge_pixels",
-    "edges_rmse",
-    "edges_is_plotted",
-    "edges_slope",
-    "reference_samples",
-    "reference_rmse",
-    "edges_reference_rmse",
-    "clock",
+const GROUPS: &[&[&str]] = &[
+    KEYS,
+    &[
+        "sampler",
+        "samples",
+        "width_px",
+        "height_px",
+        "time_ns",
+        "rmse",
+        "is_plotted",
+        "slope",
+        "edge_pixels",
+        "edges_rmse",
+        "edges_is_plotted",
+        "edges_slope",
+        "reference_samples",
+        "reference_rmse",
+        "edges_reference_rmse",
+        "clock",
+    ],
 ];
+
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
 const SHOWN: &[&str] = &[
     "sampler",
@@ -66,6 +68,13 @@ enum Of {
 
 /// Column names for errors of all pixels, or of edge pixels.
 impl Of {
+    fn figure(self) -> &'static str {
+        match self {
+            Self::All => "pixels",
+            Self::Edges => "edges",
+        }
+    }
+
     fn column(self, name: &str) -> String {
         match self {
             Self::All => name.to_owned(),
@@ -101,7 +110,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     fit(rows);
     say(work, rows, &mut part);
     for of in [Of::All, Of::Edges] {
-        part.figure(plot(of, rows).svg()?, "");
+        part.figure(of.figure(), plot(of, rows).svg()?, "");
     }
     part.table(rows.iter(), SHOWN);
     Ok(part)
@@ -138,7 +147,7 @@ fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Refere
     let each = 2 * most;
     let mut halves = Vec::new();
     for half in 0..2 {
-        let samples = Samples { count: each, sampler: Sampler::Sobol, seed: SEED + 1 + half };
+        let samples = Samples { count: each, sampler: Sampler::Sobol, seed: work.seed() + 1 + half };
         let mut renderer = work.build(&options(work, samples))?.renderer;
         if !run_to(work, &mut renderer, each, begin)? {
             return Ok(None);
@@ -192,7 +201,7 @@ fn one(
     begin: Instant,
     part: &mut Part,
 ) -> Result<Vec<Row>, Error> {
-    let samples = Samples { count: most, sampler, seed: SEED };
+    let samples = Samples { count: most, sampler, seed: work.seed() };
     let mut renderer = work.build(&options(work, samples))?.renderer;
     let mut rows = Vec::new();
     // Warm up once. Do not start at 1: one of several samples is anywhere in its pixel, whereas an image with a single
@@ -216,6 +225,7 @@ fn one(
         let plotted = |i: usize| Some(errors[i]? > 0.0 && errors[i]? > CLEARLY * reference.error[i]?);
         rows.push(
             work.row(COLUMNS)
+                .set("configuration", work.configuration(&[sampler.name(), &count.to_string()]))
                 .set("sampler", sampler.name())
                 .set("samples", count)
                 .set("width_px", image.width)
@@ -267,15 +277,14 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
         for sampler in Sampler::ALL {
             let of_sampler = || rows.iter().filter(|r| r.get("sampler") == sampler.name());
             let Some(row) = of_sampler().find(|r| r.number(&of.column("slope")).is_some()) else { continue };
-            let slope = number(row.get(&of.column("slope")));
-            let dropped: Vec<&str> =
-                of_sampler().filter(|r| r.get(&of.column("is_plotted")) != "true").map(|r| r.get("samples")).collect();
+            let slope = number(&of.column("slope"), row);
+            let dropped: Vec<&Row> = of_sampler().filter(|r| r.get(&of.column("is_plotted")) != "true").collect();
             let dropped = match dropped.first() {
                 Some(first) => format!(
                     " From {} samples on, the reference's own error, {}, is more than a tenth of the error, so these \
                      are not plotted.",
-                    number(first),
-                    number(row.get(&of.column("reference_rmse")))
+                    number("samples", first),
+                    number(&of.column("reference_rmse"), row)
                 ),
                 None => String::new(),
             };
@@ -289,10 +298,10 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
         part.prose.push(format!(
             "{} × {} pixels, {} of them at edges. The reference has {} samples per pixel with other seeds. Times are \
              {}, divided equally among a run's samples.",
-            number(row.get("width_px")),
-            number(row.get("height_px")),
-            number(row.get("edge_pixels")),
-            number(row.get("reference_samples")),
+            number("width_px", row),
+            number("height_px", row),
+            number("edge_pixels", row),
+            number("reference_samples", row),
             work.clock_in_words()
         ));
     }

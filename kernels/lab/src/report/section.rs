@@ -2,7 +2,7 @@
 
 use super::page::Part;
 use super::work::Work;
-use super::{factors, grid, left_out, moved, resolved, samples};
+use super::{grid, left_out, moved, resolved, samples};
 use crate::Error;
 use crate::tidy::Table;
 
@@ -17,6 +17,10 @@ pub struct Section {
     pub what: &'static str,
     /// Its CSV.
     pub file: &'static str,
+    /// What a row of it is.
+    pub row: &'static str,
+    /// How long it typically takes, in seconds on two cores.
+    pub seconds: f64,
     /// The CSV's columns.
     pub columns: &'static [&'static str],
     /// Measures a scene: adds rows, and returns the text of the page.
@@ -31,17 +35,10 @@ pub const SECTIONS: &[Section] = &[
         what: "Rays with a final hit after each pass, over the time since the start: one run with timed passes, and \
                one that is read back after each pass.",
         file: "resolved.csv",
+        row: "a pass of a configuration",
+        seconds: 8.0,
         columns: resolved::COLUMNS,
         run: resolved::run,
-    },
-    Section {
-        name: "factors",
-        title: "Factors",
-        what: "Wrong rays over time with robust numerics, with one rule at a time replaced by the paper's. Bars are \
-               exact 95% intervals (Clopper and Pearson).",
-        file: "factors.csv",
-        columns: factors::COLUMNS,
-        run: factors::run,
     },
     Section {
         name: "moved",
@@ -49,6 +46,8 @@ pub const SECTIONS: &[Section] = &[
         what: "The scene moved away from the origin: error of t along the rays, as a distance relative to the \
                scene's extent.",
         file: "moved.csv",
+        row: "a place and a set of rules",
+        seconds: 6.0,
         columns: moved::COLUMNS,
         run: moved::moved,
     },
@@ -57,6 +56,8 @@ pub const SECTIONS: &[Section] = &[
         title: "Scale",
         what: "The same for the scaled scene.",
         file: "scaled.csv",
+        row: "a scale and a set of rules",
+        seconds: 8.0,
         columns: moved::COLUMNS,
         run: moved::scaled,
     },
@@ -66,6 +67,8 @@ pub const SECTIONS: &[Section] = &[
         what: "Time, memory and building time over the resolution of the grid, all with the same hits; and the cost \
                of a structure before its first ray.",
         file: "grid.csv",
+        row: "a structure or resolution",
+        seconds: 12.0,
         columns: grid::COLUMNS,
         run: grid::run,
     },
@@ -75,6 +78,8 @@ pub const SECTIONS: &[Section] = &[
         what: "Root mean square error of the image over time, from two samples per pixel: how fast it converges to \
                the limit of infinitely many samples.",
         file: "samples.csv",
+        row: "a number of samples",
+        seconds: 20.0,
         columns: samples::COLUMNS,
         run: samples::run,
     },
@@ -84,6 +89,8 @@ pub const SECTIONS: &[Section] = &[
         what: "The parts that the plan omits because this scene and view do not need them, restored: the same rays \
                with and without, interleaved.",
         file: "left_out.csv",
+        row: "an accelerator and a schedule",
+        seconds: 15.0,
         columns: left_out::COLUMNS,
         run: left_out::run,
     },

@@ -9,22 +9,20 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{GridSize, Options, Progress, RaySource, Renderer};
 
-use crate::meter::{self, Ended, Meter, Time, Turns, in_turn, ratios};
+use super::record::{RUN_COLUMNS, Record};
+use crate::meter::{Ended, Meter, Time, Turns, in_turn};
 use crate::reporter::Reporter;
-use crate::statistics::{low_and_high, median};
+use crate::statistics::interval::{self, Interval};
+use crate::statistics::{median, quantile};
 use crate::subject::{Size, Subject};
 use crate::tidy::Row;
 use crate::{Error, Machine};
 
-/// Seed of all random numbers: the same in every run of every version.
-pub(super) const SEED: u32 = 2007;
-
 /// Time limit of one run.
 const LONGEST_RUN: Duration = Duration::from_secs(20);
 
-/// Time limit for the repeats of one configuration, after the first [`FEWEST`].
-const REPEATS_TAKE: Duration = Duration::from_secs(2);
-const FEWEST: usize = 3;
+/// Time limit for the repeats of one configuration, after the first [`interval::FEWEST`].
+const REPEATS_TAKE: Duration = Duration::from_secs(1);
 
 /// Pass limit of one run: with the paper's numerics a walk may never end.
 const MOST_PASSES: usize = 100_000;
@@ -42,6 +40,10 @@ pub(super) struct Work<'a> {
     pub(super) grid: GridSize,
     pub(super) is_quick: bool,
     pub(super) reporter: &'a dyn Reporter,
+    /// The section that is measured.
+    pub(super) section: &'static str,
+    /// Runs and rays of all sections.
+    pub(super) record: &'a Record,
 }
 
 /// A plan that can be started many times.
@@ -64,7 +66,7 @@ pub(super) struct Built {
 /// Times of a configuration.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times {
-    /// One per counted run; `None` if the clock had no valid time.
+    /// One per round; `None` if the clock had no valid time.
     runs: Vec<Option<f64>>,
     /// Whether a run was stopped: then there are no times, and the streams are incomplete.
     pub(super) is_given_up: bool,
@@ -75,21 +77,53 @@ impl Times {
         self.runs.iter().copied().flatten().collect()
     }
 
+    /// The number of runs with a time.
+    pub(super) fn runs(&self) -> usize {
+        self.known().len()
+    }
+
     /// The median.
     pub(super) fn median(&self) -> Option<f64> {
         median(&self.known())
     }
 
-    /// Each run divided by the other's run next to it.
-    pub(super) fn ratios(&self, to: &Self) -> Vec<f64> {
-        ratios(&self.runs, &to.runs)
+    /// The times in the rounds that satisfy a condition.
+    pub(super) fn in_rounds(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let wanted = self.runs.iter().enumerate().map(|(round, time)| time.filter(|_| is_wanted(round)));
+        Self { runs: wanted.collect(), is_given_up: self.is_given_up }
     }
 
-    /// Fills the time columns.
-    pub(super) fn fill(&self, row: Row) -> Row {
+    /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
+    pub(super) fn ratio(&self, to: &Self, seed: u32) -> Option<(f64, Option<Interval>)> {
+        let pairs = || self.runs.iter().zip(&to.runs).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+        let ratios: Vec<f64> = pairs().map(|(a, b)| a / b).collect();
+        let interval = interval::of_ratio(&pairs().collect::<Vec<_>>(), u64::from(seed));
+        Some((interval.map_or(median(&ratios)?, |interval| interval.median), interval))
+    }
+
+    /// Fills the columns of times.
+    pub(super) fn fill(&self, row: Row, seed: u32) -> Row {
         let known = self.known();
-        let [low, high] = low_and_high(&known);
-        row.set("repeats", known.len()).set("median_ns", self.median()).set("low_ns", low).set("high_ns", high)
+        let interval = interval::of_median(&known, u64::from(seed));
+        row.set("runs", known.len())
+            .set("invalid_runs", self.runs.len() - known.len())
+            .set("median_ns", self.median())
+            .set("low_ns", interval.map(|i| i.low))
+            .set("high_ns", interval.map(|i| i.high))
+            .set("min_ns", quantile(&known, 0.0))
+            .set("max_ns", quantile(&known, 1.0))
+            .set("interval_method", interval.map(|i| i.method.name()))
+            .set("interval_level", interval.map(|i| i.level))
+    }
+
+    /// Fills the columns of the ratio to another configuration.
+    pub(super) fn fill_ratio(&self, to: &Self, name: &str, row: Row, seed: u32) -> Row {
+        let ratio = self.ratio(to, seed);
+        let interval = ratio.and_then(|(_, interval)| interval);
+        row.set("ratio_to", ratio.map(|_| name))
+            .set("time_ratio", ratio.map(|(median, _)| median))
+            .set("time_ratio_low", interval.map(|i| i.low))
+            .set("time_ratio_high", interval.map(|i| i.high))
     }
 }
 
@@ -99,9 +133,19 @@ impl Work<'_> {
         &self.meter.machine
     }
 
-    /// A row with the columns that identify scene and device.
+    /// A row with the columns that identify report, scene and adapter.
     pub(super) fn row(&self, columns: &'static [&'static str]) -> Row {
-        Row::new(columns).set("scene", &*self.subject.scene.name).set("adapter", self.machine().name())
+        self.record.row(columns, &self.subject.scene.name, self.subject.hash, &self.machine().name())
+    }
+
+    /// Seed of all random numbers.
+    pub(super) fn seed(&self) -> u32 {
+        self.record.seed
+    }
+
+    /// The id of a configuration of this section.
+    pub(super) fn configuration(&self, parts: &[&str]) -> String {
+        std::iter::once(self.section).chain(parts.iter().copied()).collect::<Vec<_>>().join("/").replace(' ', "-")
     }
 
     /// One ray through the centre of each pixel.
@@ -187,15 +231,42 @@ impl Work<'_> {
         }
     }
 
-    /// Interleaves as many runs as there is time for. A stopped one has no times.
-    pub(super) fn time_in_turn(&self, renderers: &mut [&mut Renderer], repeats: usize) -> Result<Vec<Times>, Error> {
+    /// Interleaves as many runs as there is time for, and records them under the names of their configurations. A
+    /// stopped one has no times.
+    pub(super) fn time_in_turn(
+        &self,
+        names: &[String],
+        renderers: &mut [&mut Renderer],
+        repeats: usize,
+    ) -> Result<Vec<Times>, Error> {
         let all = Some(REPEATS_TAKE * renderers.len() as u32);
-        let turns = Turns { all, fewest: FEWEST, ..Turns::of(1, repeats) };
-        let times = in_turn(renderers, turns, |renderer| self.run(renderer))?;
-        let of_one = |times: meter::Times| match times.is_given_up {
-            true => Times { runs: Vec::new(), is_given_up: true },
-            false => Times { runs: times.runs.iter().map(|run| self.ns(run.time)).collect(), is_given_up: false },
-        };
-        Ok(times.into_iter().map(of_one).collect())
+        let fewest = interval::FEWEST.min(repeats);
+        let turns = Turns { all, fewest, seed: u64::from(self.seed()), ..Turns::of(1, repeats) };
+        let of = ((1 + repeats) * renderers.len()) as u64;
+        let mut done = 0;
+        let times = in_turn(renderers, turns, |renderer| {
+            self.reporter.part("timing", done, of);
+            done += 1;
+            self.run(renderer)
+        })?;
+        let mut all = Vec::new();
+        for (name, times) in names.iter().zip(times) {
+            if times.is_given_up {
+                all.push(Times { runs: Vec::new(), is_given_up: true });
+                continue;
+            }
+            self.record.add_runs(times.runs.iter().map(|run| {
+                self.row(RUN_COLUMNS)
+                    .set("section", self.section)
+                    .set("configuration", &**name)
+                    .set("round", run.round)
+                    .set("place", run.place)
+                    .set("time_ns", self.ns(run.time))
+                    .set("wall_ns", run.time.wall_ns)
+                    .set("clock", self.clock())
+            }));
+            all.push(Times { runs: times.runs.iter().map(|run| self.ns(run.time)).collect(), is_given_up: false });
+        }
+        Ok(all)
     }
 }

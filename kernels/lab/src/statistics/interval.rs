@@ -15,6 +15,17 @@ pub enum Method {
     Bootstrap,
 }
 
+impl Method {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OrderStatistics => "order_statistics",
+            Self::Bootstrap => "bootstrap",
+        }
+    }
+}
+
 /// A confidence interval of a median.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {

@@ -1,0 +1,97 @@
+//! Numbers for people, on pages: scaled units and few digits. Every number keeps the field of its CSV file in a `data`
+//! element, so that pages can be compared with the files.
+
+use crate::html::escaped;
+
+/// Three significant digits, with commas between thousands.
+pub(super) fn digits(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude >= 1e15 || (magnitude > 0.0 && magnitude < 1e-4) {
+        return format!("{value:.1e}");
+    }
+    if magnitude >= 100.0 {
+        return thousands(value.round());
+    }
+    let decimals = match magnitude {
+        m if m >= 10.0 => 1,
+        m if m >= 1.0 => 2,
+        m if m == 0.0 => 0,
+        m => (2.0 - m.log10().floor()) as usize,
+    };
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A whole number with commas between thousands.
+fn thousands(value: f64) -> String {
+    let text = format!("{:.0}", value.abs());
+    let mut out = String::new();
+    for (i, digit) in text.chars().enumerate() {
+        if i > 0 && (text.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    if value < 0.0 { format!("−{out}") } else { out }
+}
+
+/// A time in the unit that suits it: "120 ns", "4.4 ms".
+pub(super) fn time(ns: f64) -> String {
+    let units = [(1e9, "s"), (1e6, "ms"), (1e3, "µs"), (1.0, "ns")];
+    let (scale, unit) = units.into_iter().find(|(scale, _)| ns.abs() >= *scale).unwrap_or((1.0, "ns"));
+    format!("{} {unit}", digits(ns / scale))
+}
+
+/// Bytes in the unit that suits them, in powers of 1000: "61 MB".
+pub(super) fn bytes(count: f64) -> String {
+    let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB"), (1.0, "B")];
+    let (scale, unit) = units.into_iter().find(|(scale, _)| count >= *scale).unwrap_or((1.0, "B"));
+    format!("{} {unit}", digits(count / scale))
+}
+
+/// A field in the form that its column's name asks for.
+pub(super) fn field(column: &str, text: &str) -> String {
+    let Ok(value) = text.parse::<f64>() else { return text.to_owned() };
+    match column {
+        c if c.ends_with("_ns") || c.starts_with("ns_") => time(value),
+        c if c.ends_with("_s") => time(value * 1e9),
+        c if c.ends_with("_bytes") || c.contains("_bytes_") => bytes(value),
+        _ if text.bytes().all(|b| b.is_ascii_digit()) => thousands(value),
+        _ => digits(value),
+    }
+}
+
+/// A field of a CSV file as HTML: shown for people, with the field itself for programs.
+pub(super) fn cell(column: &str, text: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    data(text, &field(column, text))
+}
+
+/// A field of a CSV file, shown as something else.
+pub(super) fn data(text: &str, shown: &str) -> String {
+    format!("<data value=\"{}\">{}</data>", escaped(text), escaped(shown))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_few_digits_and_the_unit_that_suits_them() {
+        let shown = [0.0, 0.0001234, 0.5, 1.0, 3.14159, 42.0, 120.4, 36864.0, -1516200000.0, 1e-9];
+        let expected = ["0", "0.000123", "0.5", "1", "3.14", "42", "120", "36,864", "−1,516,200,000", "1.0e-9"];
+        assert_eq!(shown.map(digits), expected);
+        assert_eq!(
+            [120.3, 4.43e6, 1.5162e9, 0.5, 23681.6].map(time),
+            ["120 ns", "4.43 ms", "1.52 s", "0.5 ns", "23.7 µs"]
+        );
+        assert_eq!([61_234_567.0, 512.0].map(bytes), ["61.2 MB", "512 B"]);
+        assert_eq!(field("judged_rays", "36864"), "36,864");
+        assert_eq!(field("build_s", "0.0044"), "4.4 ms");
+        assert_eq!(field("accelerator", "bvh"), "bvh");
+        assert_eq!(cell("median_ns", "120"), "<data value=\"120\">120 ns</data>");
+        assert_eq!(cell("median_ns", ""), "");
+    }
+}

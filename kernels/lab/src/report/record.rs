@@ -1,0 +1,93 @@
+//! What the sections of a report share beyond their own rows: every timed run, and on request every judged ray.
+
+use std::cell::RefCell;
+
+use crate::Hash;
+use crate::tidy::{Row, Table};
+
+/// File of all timed runs.
+pub(super) const RUNS: &str = "runs.csv";
+
+pub(super) const RUN_COLUMNS: &[&str] = &[
+    "schema_version",
+    "run_id",
+    "section",
+    "scene",
+    "scene_hash",
+    "adapter",
+    "configuration",
+    "round",
+    "place",
+    "time_ns",
+    "wall_ns",
+    "clock",
+];
+
+/// File of all judged rays.
+pub(super) const RAYS: &str = "rays.csv";
+
+pub(super) const RAY_COLUMNS: &[&str] = &[
+    "schema_version",
+    "run_id",
+    "section",
+    "scene",
+    "scene_hash",
+    "adapter",
+    "configuration",
+    "ray",
+    "stratum",
+    "verdict",
+    "found_triangle",
+    "found_t",
+    "exact_triangle",
+    "exact_t",
+    "t_error",
+    "t_bound",
+];
+
+/// Tables that grow while sections run.
+#[derive(Debug)]
+pub(super) struct Record {
+    /// Identifies this report.
+    pub(super) run_id: String,
+    /// Seed of rays, orders and bootstraps.
+    pub(super) seed: u32,
+    runs: RefCell<Table>,
+    rays: Option<RefCell<Table>>,
+}
+
+impl Record {
+    pub(super) fn new(run_id: String, seed: u32, has_rays: bool) -> Self {
+        let rays = has_rays.then(|| RefCell::new(Table::new(RAY_COLUMNS)));
+        Self { run_id, seed, runs: RefCell::new(Table::new(RUN_COLUMNS)), rays }
+    }
+
+    /// An empty row with the columns that identify report, scene and adapter.
+    pub(super) fn row(&self, columns: &'static [&'static str], scene: &str, hash: Hash, adapter: &str) -> Row {
+        let row = Row::new(columns).set("run_id", &*self.run_id).set("scene", scene).set("adapter", adapter);
+        row.set("scene_hash", hash)
+    }
+
+    /// Adds timed runs.
+    pub(super) fn add_runs(&self, rows: impl IntoIterator<Item = Row>) {
+        self.runs.borrow_mut().rows.extend(rows);
+    }
+
+    /// Whether single rays are recorded.
+    pub(super) fn has_rays(&self) -> bool {
+        self.rays.is_some()
+    }
+
+    /// Adds judged rays, if they are recorded.
+    pub(super) fn add_rays(&self, rows: impl IntoIterator<Item = Row>) {
+        if let Some(rays) = &self.rays {
+            rays.borrow_mut().rows.extend(rows);
+        }
+    }
+
+    /// The files, with what their rows are.
+    pub(super) fn into_tables(self) -> Vec<(&'static str, &'static str, Table)> {
+        let rays = self.rays.map(|rays| (RAYS, "a ray judged in one configuration", rays.into_inner()));
+        [(RUNS, "a timed run", self.runs.into_inner())].into_iter().chain(rays).collect()
+    }
+}
