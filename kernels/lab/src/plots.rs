@@ -6,6 +6,7 @@
 
 mod axis;
 mod draw;
+pub mod precision;
 
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, VPos};
@@ -27,6 +28,19 @@ pub enum Mark {
     Triangle,
     /// Squares.
     Square,
+}
+
+/// Marks of a [precision] diagram.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A disc.
+    Disc,
+    /// A square.
+    Square,
+    /// A triangle that points up.
+    Up,
+    /// A triangle that points down.
+    Down,
 }
 
 /// How points are connected.

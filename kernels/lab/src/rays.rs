@@ -19,6 +19,7 @@
 mod aimed;
 mod mixed;
 mod random;
+mod view;
 
 use glam::DVec3;
 use raystep_kernels::named;
@@ -32,6 +33,7 @@ use raystep_scenes::{Bounds, Camera, Light, Projection, Scene};
 pub use aimed::{Aim, Planes, aimed};
 pub use mixed::{at_edges, mixed, segments};
 pub use random::Random;
+pub use view::view;
 
 /// Distance of origins from the surface, as a share of the largest coordinate of the scene's box.
 pub const SURFACE_OFFSET: f64 = 1.0 / (1u32 << 16) as f64;

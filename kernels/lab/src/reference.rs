@@ -18,11 +18,13 @@
 
 mod crack;
 mod exact;
+mod rational;
 mod verdict;
 
 use glam::DVec3;
 use raystep_kernels::numbers::parallel::map_ranges;
 
+pub use rational::error_of_t;
 pub use verdict::{Counts, Mistake, Verdict};
 
 const U: f64 = 1.0 / (1u64 << 24) as f64;

@@ -2,8 +2,7 @@
 //!
 //! Blocks while it waits for the device, and reads the host's clock: intended for a command line.
 
-#![allow(dead_code)] // until the sections choices and rules are in
-
+mod choices;
 mod grid;
 mod human;
 mod judge;
@@ -12,6 +11,7 @@ mod moved;
 mod page;
 mod record;
 mod resolved;
+mod rules;
 mod samples;
 mod section;
 mod work;

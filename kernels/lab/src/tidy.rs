@@ -2,6 +2,7 @@
 //! their unit in the column's name, unknown values empty. [`package`] describes a folder of them for programs.
 
 pub mod columns;
+mod of_time;
 pub mod package;
 
 use std::io::{self, Write};
@@ -9,6 +10,7 @@ use std::io::{self, Write};
 use raystep_kernels::export::csv;
 
 use crate::Hash;
+pub use of_time::is_of_time;
 
 /// Schema version of all files; it rises when the meaning of a column changes.
 pub const SCHEMA_VERSION: u32 = 2;

@@ -5,6 +5,8 @@
 pub enum Scale {
     /// Evenly.
     Linear,
+    /// Evenly, over the values only: for ratios, whose 0 is as far as infinity.
+    Ratio,
     /// Logarithmic; values that are not above 0 are not shown.
     Log,
     /// Logarithmic, with a place for 0 below the lowest decade.
@@ -18,7 +20,7 @@ impl Scale {
     pub(super) fn has(self, value: f64) -> bool {
         value.is_finite()
             && match self {
-                Self::Linear | Self::Names(_) => true,
+                Self::Linear | Self::Ratio | Self::Names(_) => true,
                 Self::Log => value > 0.0,
                 Self::LogWithZero => value >= 0.0,
             }
@@ -66,6 +68,11 @@ impl Axis {
         if let Scale::Names(names) = scale {
             return Ranged { scale, text, low: 0.5, high: names.len() as f64 + 0.5 };
         }
+        if scale == Scale::Ratio {
+            let (low, high) = span(&mut values.into_iter());
+            let room = (0.04 * (high - low)).max(0.01);
+            return Ranged { scale, text, low: low - room, high: high + room };
+        }
         if scale == Scale::Linear {
             let (low, high) = span(&mut values.into_iter());
             // Start at 0 if that is not far.
@@ -89,7 +96,7 @@ impl Ranged {
     /// The position of a value, from 0 to 1.
     pub(super) fn part(&self, value: f64) -> f64 {
         let value = match self.scale {
-            Scale::Linear | Scale::Names(_) => value,
+            Scale::Linear | Scale::Ratio | Scale::Names(_) => value,
             Scale::LogWithZero if value <= 0.0 => self.low,
             Scale::Log | Scale::LogWithZero => value.max(f64::MIN_POSITIVE).log10(),
         };
@@ -100,7 +107,7 @@ impl Ranged {
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let mut values = match self.scale {
             Scale::Names(names) => return (1..).map(f64::from).zip(names.iter().map(|&n| n.to_owned())).collect(),
-            Scale::Linear => self.even(),
+            Scale::Linear | Scale::Ratio => self.even(),
             Scale::Log | Scale::LogWithZero => self.decades(),
         };
         if self.scale == Scale::LogWithZero {

@@ -16,6 +16,12 @@ use super::{Random, ray};
 pub enum Aim<'a> {
     /// Middles of edges, corners, and points along edges.
     Edges,
+    /// Corners.
+    Corners,
+    /// Middles of edges.
+    Middles,
+    /// Any points of edges.
+    Along,
     /// Points of triangles in a cell's face, every other one on an edge of the cell if there is one.
     Faces(&'a Planes),
     /// Any direction.
@@ -28,6 +34,9 @@ impl Aim<'_> {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Edges => "edges",
+            Self::Corners => "corners",
+            Self::Middles => "edge_middles",
+            Self::Along => "along_edges",
             Self::Faces(_) => "faces",
             Self::Anywhere => "anywhere",
         }
@@ -91,6 +100,9 @@ pub fn aimed(scene: &Scene, aim: Aim<'_>, count: usize, seed: u32) -> Vec<Ray> {
         let origin = origin.as_vec3().as_dvec3();
         let direction = match aim {
             Aim::Edges => on_edge(scene, i, &mut random) - origin,
+            Aim::Corners => on_edge(scene, 0, &mut random) - origin,
+            Aim::Middles => on_edge(scene, 1, &mut random) - origin,
+            Aim::Along => on_edge(scene, 2, &mut random) - origin,
             Aim::Faces(planes) => in_face(scene, planes, i, &mut random) - origin,
             Aim::Anywhere => random.on_sphere(),
         };

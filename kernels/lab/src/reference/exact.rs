@@ -39,7 +39,7 @@ fn sides(origin: [f32; 3], direction: [f32; 3], corners: [[f32; 3]; 3]) -> [Sign
 }
 
 /// `value * 2^149`, an integer for every finite f32.
-fn integer(value: f32) -> BigInt {
+pub(super) fn integer(value: f32) -> BigInt {
     let bits = value.to_bits();
     let (exponent, fraction) = ((bits >> 23) & 0xff, bits & 0x7f_ffff);
     let magnitude = match exponent.cmp(&0) {

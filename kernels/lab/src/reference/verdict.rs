@@ -16,6 +16,18 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Same => "same",
+            Self::Tie => "undecided",
+            Self::Missed => "missed",
+            Self::False => "false_hit",
+            Self::Wrong => "wrong_hit",
+        }
+    }
+
     /// Whether it is an error; a tie is not.
     #[must_use]
     pub fn is_error(self) -> bool {

@@ -15,7 +15,7 @@ pub(super) fn digits(value: f64) -> String {
     let decimals = match magnitude {
         m if m >= 10.0 => 1,
         m if m >= 1.0 => 2,
-        m if m == 0.0 => 0,
+        0.0 => 0,
         m => (2.0 - m.log10().floor()) as usize,
     };
     let text = format!("{value:.decimals$}");
@@ -56,6 +56,7 @@ pub(super) fn field(column: &str, text: &str) -> String {
         c if c.ends_with("_ns") || c.starts_with("ns_") => time(value),
         c if c.ends_with("_s") => time(value * 1e9),
         c if c.ends_with("_bytes") || c.contains("_bytes_") => bytes(value),
+        c if c.contains("per_million") && value > 0.0 => digits(format!("{value:.1e}").parse().unwrap_or(value)),
         _ if text.bytes().all(|b| b.is_ascii_digit()) => thousands(value),
         _ => digits(value),
     }

@@ -8,10 +8,11 @@
 
 use raystep_kernels::Renderer;
 
+use super::record::RAY_COLUMNS;
 use super::work::Work;
 use crate::Error;
 use crate::judge::{self, Cracks, Traced, sample};
-use crate::reference::{Counts, Possible, Verdict};
+use crate::reference::{Counts, Possible, Verdict, error_of_t};
 use crate::statistics::proportion::{at_most, exact_interval};
 use crate::tidy::Row;
 
@@ -30,11 +31,24 @@ pub(super) struct Right {
     pub(super) exact: Possible,
 }
 
+/// Errors of t by rational arithmetic, relative to each ray's bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Witness {
+    /// Hits compared.
+    pub(super) rays: usize,
+    /// The largest error of a computed t.
+    pub(super) error_by_bound: Option<f64>,
+    /// The largest error of the f64 reference's t.
+    pub(super) reference_error_by_bound: Option<f64>,
+}
+
 /// What a run found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Judged {
     /// One per ray of the sample; `None` if the ray is not resolved.
     pub(super) verdicts: Vec<Option<Verdict>>,
+    /// Triangle and t that were found, in traced units.
+    pub(super) found: Vec<Option<(u32, f64)>>,
     /// The same, counted.
     pub(super) counts: Counts,
     /// Every hit of the exact triangle.
@@ -61,6 +75,7 @@ impl Judge {
         for (place, &ray) in self.sample().iter().enumerate() {
             if !traced.is_decided(ray) {
                 judged.verdicts.push(None);
+                judged.found.push(None);
                 continue;
             }
             let judge::Judged { hit, candidates, mistake } = verdicts.judge(place);
@@ -71,6 +86,7 @@ impl Judge {
             }
             judged.counts.add(mistake.verdict);
             judged.verdicts.push(Some(mistake.verdict));
+            judged.found.push(hit.map(|hit| (hit.triangle, hit.t)));
         }
         Ok(judged)
     }
@@ -78,6 +94,61 @@ impl Judge {
     /// The rays that are judged.
     pub(super) fn sample(&self) -> &[usize] {
         self.0.sample()
+    }
+
+    /// Adds every judged ray to `rays.csv`, if that is requested. `stratum` names a ray's group.
+    pub(super) fn record(
+        &self,
+        work: &Work<'_>,
+        renderer: &Renderer,
+        judged: &Judged,
+        configuration: &str,
+        stratum: impl Fn(usize) -> &'static str,
+    ) {
+        if !work.record.has_rays() {
+            return;
+        }
+        let row = |(place, verdict): (usize, &Option<Verdict>)| {
+            let (ray, scale) = (self.sample()[place], renderer.t_scale(self.sample()[place]));
+            let candidates = &self.0.candidates()[place];
+            let found = judged.found[place];
+            let exact = candidates.exact;
+            let of_found = found.and_then(|(triangle, t)| Some((candidates.of(triangle)?, t)));
+            let of_found = of_found.filter(|_| *verdict == Some(Verdict::Same));
+            work.row(RAY_COLUMNS)
+                .set("section", work.section)
+                .set("configuration", configuration)
+                .set("ray", ray)
+                .set("stratum", stratum(ray))
+                .set("verdict", verdict.map_or("unresolved", Verdict::name))
+                .set("found_triangle", found.map(|(triangle, _)| triangle))
+                .set("found_t", found.map(|(_, t)| t * scale))
+                .set("exact_triangle", exact.map(|(triangle, _)| triangle))
+                .set("exact_t", exact.map(|(_, t)| t * scale))
+                .set("t_error", of_found.map(|(exact, t)| (t - exact.t).abs() * scale))
+                .set("t_bound", of_found.map(|(exact, _)| exact.t_bound * scale))
+        };
+        work.record.add_rays(judged.verdicts.iter().enumerate().map(row));
+    }
+
+    /// Compares t of some correct hits with rational arithmetic.
+    pub(super) fn witness(&self, judged: &Judged, renderer: &Renderer, most: usize) -> Witness {
+        let vertices = &renderer.data().vertices;
+        let every = judged.right.len().div_ceil(most.max(1)).max(1);
+        let mut witness = Witness::default();
+        let largest = |old: &mut Option<f64>, new: f64| *old = Some(old.map_or(new, |old| old.max(new)));
+        for right in judged.right.iter().step_by(every) {
+            let [origin, direction] = self.0.ray(right.place);
+            let first = 9 * right.exact.triangle as usize;
+            let corners = [0, 3, 6].map(|c| [0, 1, 2].map(|axis| vertices[first + c + axis]));
+            let error = |t| error_of_t(t, origin, direction, corners);
+            if let (Some(of_found), Some(of_reference)) = (error(right.t), error(right.exact.t)) {
+                witness.rays += 1;
+                largest(&mut witness.error_by_bound, of_found / right.exact.t_bound);
+                largest(&mut witness.reference_error_by_bound, of_reference / right.exact.t_bound);
+            }
+        }
+        witness
     }
 
     /// The direction of a ray of the sample, in traced units per unit of t.

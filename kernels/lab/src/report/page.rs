@@ -155,7 +155,7 @@ pub type About = Vec<(&'static str, String)>;
 pub(super) fn html(about: &About, scenes: &[Scene], seed: u32) -> String {
     let value = |wanted: &str| about.iter().find(|(name, _)| *name == wanted).map_or("", |(_, value)| value);
     let common = format!("{}; seed {}.", value("adapter"), data(&seed.to_string(), &seed.to_string()));
-    let mut page = String::from("<h1>Error against run time</h1>\n");
+    let mut page = String::new();
     if scenes.len() > 1 {
         let link = |(i, scene): (usize, &Scene)| format!("<a href=\"#scene-{i}\">{}</a>", escaped(&scene.name));
         let links: Vec<String> = scenes.iter().enumerate().map(link).collect();
@@ -177,9 +177,9 @@ pub(super) fn html(about: &About, scenes: &[Scene], seed: u32) -> String {
 }
 
 fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
-    let _ = write!(
+    let _ = writeln!(
         page,
-        "<h2 class=\"s\" id=\"scene-{i}\">{}</h2><span class=\"note\">{} triangles, {} × {} pixels · {}</span>\n",
+        "<h1 id=\"scene-{i}\">{} <small>error against run time · {} triangles · {} × {} pixels · {}</small></h1>",
         escaped(&scene.name),
         about_number(scene.triangles),
         about_number(scene.size.width as usize),
@@ -237,13 +237,15 @@ fn drawn(page: &mut String, slug: &str, section: &str, figure: &Figure, caption:
 
 /// Styles that only this page needs.
 fn style() -> String {
-    "body{margin:1rem auto}h1{font-size:1.05rem;font-weight:600;margin:0;color:var(--dim)}\
-     h2.s{border-top:2px solid var(--head);padding-top:.6rem;font-size:1.3rem;margin:.4rem 0 0;display:block}\
+    "body{margin:.4rem auto}h1{font-size:1.25rem;margin:0}h1~h1{border-top:2px solid var(--head);margin-top:3rem;\
+     padding-top:.6rem;break-before:page}h1 small{font-size:.85rem;font-weight:400;color:var(--dim)}\
+     h2.s{border-top:2px solid var(--head);padding-top:.6rem}\
      h3{font-size:1.15rem;margin:2rem 0 .3rem}figure{margin:.4rem 0}td.a{white-space:normal}\
-     ul{max-width:50rem;font-size:.85rem}p.lead{font-size:1.06rem;max-width:none;margin:.35rem 0}\
-     .pair{display:flex;gap:1rem;align-items:flex-start}.pair figure{flex:1 1 0;min-width:0}\
-     table.lead{font-size:.88rem;margin:.3rem 0}.nav{font-size:.85rem;max-width:none}summary{cursor:pointer;font-size:.85rem}\
-     section{break-inside:avoid-page}@media(max-width:900px){.pair{display:block}}\
+     ul{max-width:50rem;font-size:.85rem}p.lead{font-size:1rem;line-height:1.4;max-width:none;margin:.25rem 0}\
+     .pair{display:flex;gap:1rem;align-items:flex-start}.pair figure{flex:1 1 0;min-width:0;margin:0}\
+     .pair figcaption{line-height:1.25}.wide table.lead{font-size:.82rem;margin:.2rem 0}table.lead td,table.lead th{padding:.02rem .6rem}\
+     .nav{font-size:.85rem;max-width:none}summary{cursor:pointer;font-size:.85rem}\
+     @media(max-width:900px){.pair{display:block}}\
      @media print{body{max-width:none;margin:0}.nav{display:none}details::details-content{content-visibility:visible;\
      height:auto}figure,tr{break-inside:avoid}}"
         .to_owned()

@@ -2,7 +2,7 @@
 
 use super::page::Part;
 use super::work::Work;
-use super::{grid, left_out, moved, resolved, samples};
+use super::{choices, grid, left_out, moved, resolved, rules, samples};
 use crate::Error;
 use crate::tidy::Table;
 
@@ -29,6 +29,29 @@ pub struct Section {
 
 /// All sections.
 pub const SECTIONS: &[Section] = &[
+    Section {
+        name: "choices",
+        title: "Choices",
+        what: "Every structure, schedule and set of rules on the same rays, one through a random point of each pixel. \
+               Runs are interleaved; ratios are to the fastest accurate choice, which is found in half of the rounds \
+               and compared in the other half (with fewer than twelve rounds: in all).",
+        file: "choices.csv",
+        row: "a choice",
+        seconds: 30.0,
+        columns: choices::COLUMNS,
+        run: choices::run,
+    },
+    Section {
+        name: "rules",
+        title: "Rules",
+        what: "Robust numerics with one rule at a time replaced by the paper's, on rays aimed at the places where they \
+               differ.",
+        file: "rules.csv",
+        row: "a set of rules, for all rays or a stratum",
+        seconds: 20.0,
+        columns: rules::COLUMNS,
+        run: rules::run,
+    },
     Section {
         name: "resolved",
         title: "Resolution of rays",

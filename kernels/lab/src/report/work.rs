@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use raystep_kernels::export::csv::Timer;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{GridSize, Options, Progress, RaySource, Renderer};
+use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer};
 
 use super::record::{RUN_COLUMNS, Record};
 use crate::meter::{Ended, Meter, Time, Turns, in_turn};
@@ -75,6 +75,11 @@ pub(super) struct Times {
 impl Times {
     fn known(&self) -> Vec<f64> {
         self.runs.iter().copied().flatten().collect()
+    }
+
+    /// The number of rounds.
+    pub(super) fn rounds(&self) -> usize {
+        self.runs.len()
     }
 
     /// The number of runs with a time.
@@ -151,6 +156,11 @@ impl Work<'_> {
     /// One ray through the centre of each pixel.
     pub(super) fn camera_rays(&self) -> RaySource {
         self.subject.camera_rays(self.size)
+    }
+
+    /// The grid's resolution, for a grid.
+    pub(super) fn grid_of(&self, accelerator: Accelerator) -> GridSize {
+        if accelerator == Accelerator::Grid { self.grid } else { GridSize::Auto }
     }
 
     /// Chooses between the quick and the normal amount.

@@ -1,0 +1,283 @@
+//! The answer of a report: every structure, schedule and set of rules on the same rays, time against wrong rays.
+//!
+//! The rays are a random sample of what the camera sees, so that shares of wrong rays have exact bounds. Runs are
+//! interleaved. The fastest choice is found in half of the rounds and compared with the others in the other half, so
+//! that luck which made it the fastest does not enter the comparison; with fewer than twelve rounds, all of them serve
+//! both.
+
+mod figure;
+mod words;
+
+use std::ops::ControlFlow;
+
+pub(super) use figure::color;
+use raystep_kernels::export::json::CounterSums;
+use raystep_kernels::export::structure::structure_bytes;
+use raystep_kernels::plan::Plan;
+use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Renderer, ScheduleKind};
+
+use super::judge::{self, Drawn, Judge, Judged};
+use super::page::Part;
+use super::work::{Built, TESTS_PER_PASS, Times, Work};
+use crate::Error;
+use crate::rays::view;
+use crate::statistics::interval;
+use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
+use crate::ways::{MISSES_ALL, misses_all};
+pub(super) use words::{Compared, compared};
+
+const GROUPS: &[&[&str]] = &[
+    KEYS,
+    &["accelerator", "schedule", "numerics", "rays", "ns_per_ray", "ns_per_ray_low", "ns_per_ray_high"],
+    TIMES,
+    RATIO,
+    &["is_fastest", "is_front", "most_wrong_per_million", "is_accurate"],
+    VERDICTS,
+    &["undecided_per_million", "passes", "cells_per_ray", "tests_per_ray", "structure_bytes", "build_s"],
+    &["witness_rays", "witness_error_by_bound", "witness_reference_error_by_bound"],
+];
+
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
+
+const SHOWN: &[&str] = &[
+    "accelerator",
+    "schedule",
+    "numerics",
+    "runs",
+    "ns_per_ray",
+    "ns_per_ray_low",
+    "ns_per_ray_high",
+    "time_ratio",
+    "time_ratio_low",
+    "time_ratio_high",
+    "judged_rays",
+    "wrong_rays",
+    "missed",
+    "false_hits",
+    "wrong_hits",
+    "undecided",
+    "wrong_per_million_low",
+    "wrong_per_million_high",
+    "at_bound",
+    "passes",
+    "cells_per_ray",
+    "tests_per_ray",
+    "structure_bytes",
+    "build_s",
+    "witness_rays",
+    "witness_error_by_bound",
+    "witness_reference_error_by_bound",
+];
+
+/// Maximum number of tests in a run without an accelerator.
+const MOST_TESTS: u64 = 1 << 28;
+
+/// Share of wrong rays, per million, up to which a choice is called accurate.
+pub(super) const MOST_WRONG: f64 = 100.0;
+
+/// Hits whose t is compared with rational arithmetic.
+const WITNESSED: usize = 256;
+
+/// A choice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Way {
+    accelerator: Accelerator,
+    schedule: ScheduleKind,
+    numerics: Numerics,
+}
+
+impl Way {
+    fn options(self, rays: &[Ray]) -> Options {
+        let Self { accelerator, schedule, numerics } = self;
+        let base = Options::new(RaySource::Given(rays.to_vec()));
+        let steps = if accelerator == Accelerator::None { TESTS_PER_PASS } else { base.steps_per_pass };
+        Options { accelerator, schedule, numerics, steps_per_pass: steps, shade: false, ..base }
+    }
+
+    fn id(self, work: &Work<'_>) -> String {
+        work.configuration(&[self.accelerator.name(), self.schedule.name(), self.numerics.name()])
+    }
+}
+
+/// Every structure with every schedule, by robust and by the paper's rules.
+fn ways(is_quick: bool) -> Vec<Way> {
+    use Accelerator::{Bvh, Grid, None};
+    let mut ways = Vec::new();
+    for accelerator in [Grid, Bvh, None] {
+        for numerics in [Numerics::Robust, Numerics::Paper] {
+            for &schedule in ScheduleKind::ALL {
+                // Without a grid or BVH, `second` is the same as `first`; with them, `first` is the slower of the two.
+                let unlike = if accelerator == None { ScheduleKind::Second } else { ScheduleKind::First };
+                let is_slow = matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
+                if schedule != unlike && !(is_quick && is_slow && accelerator != Grid) {
+                    ways.push(Way { accelerator, schedule, numerics });
+                }
+            }
+        }
+    }
+    ways
+}
+
+/// A choice that was built and timed.
+struct Measured {
+    way: Way,
+    built: Built,
+    times: Times,
+    judged: Judged,
+}
+
+pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
+    let mut part = Part::default();
+    let first = table.rows.len();
+    let rays = view(&work.subject.camera, work.size.width, work.size.height, work.seed());
+    let mut ready: Vec<(Way, Built)> = Vec::new();
+    for way in ways(work.is_quick) {
+        let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
+        work.stage(&format!("building {what}"));
+        match build(work, way, &rays, &mut part) {
+            Ok(Some(built)) => ready.push((way, built)),
+            Ok(None) => {}
+            Err(error) => {
+                work.can_go_on()?;
+                part.notes.push(format!("{what}: {}", work.explain(&error)));
+            }
+        }
+    }
+    work.stage("timing choices");
+    let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
+    let mut renderers: Vec<&mut Renderer> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
+    let times = work.time_in_turn(&names, &mut renderers, work.either(12, 24))?;
+    work.stage("judging choices");
+    let mut judge = Judge::default();
+    let mut measured = Vec::new();
+    for ((way, built), times) in ready.into_iter().zip(times) {
+        let judged = judge.judge(work, &built.renderer)?;
+        if times.is_given_up {
+            part.notes.push(format!("{} {} {}: {}", way.accelerator, way.schedule, way.numerics, judged.given_up()));
+        }
+        judge.record(work, &built.renderer, &judged, &way.id(work), |_| "view");
+        measured.push(Measured { way, built, times, judged });
+    }
+    let limit = limit(&measured);
+    table.rows.extend(all_rows(work, &rays, &judge, &measured, limit));
+    let rows = &table.rows[first..];
+    words::say(work, rows, &mut part);
+    part.lead_figure("precision", figure::of(rows).svg()?, figure::caption(rows));
+    words::table(rows, &mut part);
+    part.table(rows, SHOWN);
+    Ok(part)
+}
+
+fn build(work: &Work<'_>, way: Way, rays: &[Ray], part: &mut Part) -> Result<Option<Built>, Error> {
+    let tests = (work.subject.scene.triangles.len() * rays.len()) as u64;
+    if way.accelerator == Accelerator::None && tests > MOST_TESTS {
+        let note = format!("none: testing every triangle for each of {} rays takes too long", rays.len());
+        if !part.notes.contains(&note) {
+            part.notes.push(note);
+        }
+        return Ok(None);
+    }
+    let options = way.options(rays);
+    let built = work.build(&options)?;
+    if misses_all(&work.subject.scene, &options, built.renderer.plan()) && !part.notes.iter().any(|n| n == MISSES_ALL) {
+        part.notes.push(MISSES_ALL.into());
+    }
+    Ok(Some(built))
+}
+
+/// The share of wrong rays up to which a choice is called accurate: [`MOST_WRONG`], or what the judged rays can show.
+fn limit(measured: &[Measured]) -> f64 {
+    let shown = |m: &Measured| judge::bounds(0, m.judged.counts.rays()).map(|[_, high]| 1e6 * high);
+    measured.iter().filter_map(shown).fold(MOST_WRONG, f64::max)
+}
+
+/// Fewest rounds of which one half chooses the fastest and the other compares: both have an interval.
+const FEWEST_TO_HALVE: usize = 2 * interval::FEWEST;
+
+/// Two of four rounds, of which one is the reverse of the other: the fastest choice is found in these.
+fn is_for_choosing(round: usize) -> bool {
+    round % 4 < 2
+}
+
+/// The rows, with their comparisons.
+fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured], limit: f64) -> Vec<Row> {
+    let mut rows: Vec<Row> = measured.iter().map(|m| row(work, rays, judge, m, limit)).collect();
+    let is_accurate = |row: &Row| row.get("is_accurate") == "true";
+    // With fewer rounds, all of them serve both.
+    let has_halves = measured.iter().all(|m| m.times.is_given_up || m.times.rounds() >= FEWEST_TO_HALVE);
+    let choosing = |m: &Measured| m.times.in_rounds(|round| !has_halves || is_for_choosing(round));
+    let chosen_by = |m: &Measured| choosing(m).median().unwrap_or(f64::INFINITY);
+    let accurate = (0..rows.len()).filter(|&i| is_accurate(&rows[i]) && chosen_by(&measured[i]).is_finite());
+    let fastest = accurate.min_by(|&a, &b| chosen_by(&measured[a]).total_cmp(&chosen_by(&measured[b])));
+    if let Some(fastest) = fastest {
+        let name = measured[fastest].way.id(work);
+        let rest = |m: &Measured| m.times.in_rounds(|round| !has_halves || !is_for_choosing(round));
+        let to = rest(&measured[fastest]);
+        for (i, row) in rows.iter_mut().enumerate() {
+            *row = rest(&measured[i]).fill_ratio(&to, &name, row.clone(), work.seed()).set("is_fastest", i == fastest);
+        }
+    }
+    let front = front(&rows);
+    for (row, is_front) in rows.iter_mut().zip(front) {
+        *row = row.clone().set("is_front", is_front);
+    }
+    rows
+}
+
+/// Whether no other choice is faster and not more often wrong, or as fast and less often wrong.
+fn front(rows: &[Row]) -> Vec<bool> {
+    let at = |row: &Row| Some((row.number("median_ns")?, row.number("wrong_rays")?));
+    let is_front = |row: &Row| {
+        at(row).is_some_and(|(ns, wrong)| {
+            !rows.iter().filter_map(at).any(|(n, w)| n <= ns && w <= wrong && (n < ns || w < wrong))
+        })
+    };
+    rows.iter().map(is_front).collect()
+}
+
+fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -> Row {
+    let Measured { way, built, times, judged } = m;
+    let plan = built.renderer.plan();
+    let sums = counters(work, &way.options(rays));
+    let per_ray = |sum: u64| (plan.rays > 0).then(|| sum as f64 / plan.rays as f64);
+    let row = work
+        .row(COLUMNS)
+        .set("configuration", way.id(work))
+        .set("accelerator", way.accelerator.name())
+        .set("schedule", way.schedule.name())
+        .set("numerics", way.numerics.name())
+        .set("rays", plan.rays)
+        .set("clock", work.clock())
+        .set("passes", built.renderer.pass_count())
+        .set("cells_per_ray", sums.as_ref().and_then(|sums| per_ray(sums.cells_visited)))
+        .set("tests_per_ray", sums.as_ref().and_then(|sums| per_ray(sums.triangles_tested)))
+        .set("structure_bytes", structure_bytes(plan))
+        .set("build_s", built.build_s)
+        .set("most_wrong_per_million", limit);
+    let row = judged.fill(times.fill(row, work.seed()), Drawn::AtRandom);
+    let of = judged.counts.rays();
+    let undecided = (of > 0).then(|| 1e6 * judged.counts.ties as f64 / of as f64);
+    let of_ray = |column: &str| row.number(column).filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
+    let (ns, low, high) = (of_ray("median_ns"), of_ray("low_ns"), of_ray("high_ns"));
+    let is_accurate = judged.at_bound == 0 && row.number("wrong_per_million_high").is_some_and(|high| high <= limit);
+    let witness = judge.witness(judged, &built.renderer, WITNESSED);
+    row.set("ns_per_ray", ns)
+        .set("ns_per_ray_low", low)
+        .set("ns_per_ray_high", high)
+        .set("undecided_per_million", undecided)
+        .set("is_accurate", is_accurate)
+        .set("witness_rays", witness.rays)
+        .set("witness_error_by_bound", witness.error_by_bound)
+        .set("witness_reference_error_by_bound", witness.reference_error_by_bound)
+}
+
+/// Sums of the counters of a separate run; `None` if this choice cannot count.
+fn counters(work: &Work<'_>, options: &Options) -> Option<CounterSums> {
+    let options = Options { counters: true, ..options.clone() };
+    let (plan, data) = Plan::new(&work.subject.scene, &options, &work.machine().limits()).ok()?;
+    let counters = plan.counters()?;
+    let machine = work.machine();
+    let mut renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device)).ok()?;
+    machine.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
+    CounterSums::of(&machine.wait(renderer.values(counters)).ok()?, renderer.plan())
+}

@@ -1,0 +1,87 @@
+//! The work–precision diagram of the choices.
+
+use crate::plots::precision::{Choice, Precision};
+use crate::plots::{Axis, Scale, Shape};
+use crate::report::human::digits;
+use crate::tidy::Row;
+
+/// Colour of a structure.
+pub(in crate::report) fn color(accelerator: &str) -> usize {
+    match accelerator {
+        "grid" => 0,
+        "bvh" => 1,
+        _ => 2,
+    }
+}
+
+fn shape(schedule: &str) -> Shape {
+    match schedule {
+        "fused" => Shape::Disc,
+        "compact" => Shape::Square,
+        "second" => Shape::Up,
+        _ => Shape::Down,
+    }
+}
+
+fn choice(row: &Row) -> Option<Choice> {
+    let (accelerator, schedule, numerics) = (row.get("accelerator"), row.get("schedule"), row.get("numerics"));
+    let ends = |low: &str, high: &str| Some((row.number(low)?, row.number(high)?));
+    Some(Choice {
+        label: format!("{accelerator}, {schedule}{}", if numerics == "paper" { ", paper" } else { "" }),
+        x: row.number("ns_per_ray")?,
+        x_ends: ends("ns_per_ray_low", "ns_per_ray_high"),
+        wrong: row.number("wrong_per_million")?,
+        wrong_ends: ends("wrong_per_million_low", "wrong_per_million_high"),
+        undecided: row.number("undecided_per_million").unwrap_or(0.0),
+        color: color(accelerator),
+        shape: shape(schedule),
+        is_hollow: numerics == "paper",
+        is_front: row.get("is_front") == "true",
+    })
+}
+
+/// The diagram.
+pub(super) fn of(rows: &[Row]) -> Precision {
+    let mut choices: Vec<Choice> = rows.iter().filter_map(choice).collect();
+    choices.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let bound_of_none = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
+    let entry = |name: &str, color, shape, is_hollow| (name.to_owned(), color, shape, is_hollow);
+    let mut legend = Vec::new();
+    for name in ["grid", "bvh", "none"].into_iter().filter(|name| rows.iter().any(|r| r.get("accelerator") == *name)) {
+        legend.push(entry(name, Some(color(name)), Shape::Disc, false));
+    }
+    for name in ["first", "second", "compact", "fused"] {
+        if rows.iter().any(|r| r.get("schedule") == name) {
+            legend.push(entry(name, None, shape(name), false));
+        }
+    }
+    legend.push(entry("paper's rules", None, Shape::Disc, true));
+    Precision {
+        title: "Time against wrong rays".into(),
+        x: Axis::new("time a ray, ns", Scale::Log),
+        at_most: rows.iter().filter_map(bound_of_none).reduce(f64::max),
+        legend,
+        from: None,
+        choices,
+    }
+}
+
+/// What the diagram shows, of how many rays and runs.
+pub(super) fn caption(rows: &[Row]) -> String {
+    let ends = |column: &str| {
+        let values = || rows.iter().filter_map(|r| r.number(column));
+        let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+        if low < high { format!("{} to {}", digits(low), digits(high)) } else { digits(high) }
+    };
+    let mut methods: Vec<&str> = rows.iter().map(|r| r.get("interval_method")).filter(|m| !m.is_empty()).collect();
+    methods.sort_unstable();
+    methods.dedup();
+    let method = methods.join(" or ").replace('_', " ");
+    format!(
+        "Median of {} interleaved runs, 95% interval ({}). Wrong of {} judged rays, exact 95% interval. Pale: undecided \
+         rays. Dashed: nothing is faster and less often wrong.",
+        ends("runs"),
+        if method.is_empty() { "none: too few runs" } else { &method },
+        ends("judged_rays"),
+    )
+}

@@ -1,0 +1,195 @@
+//! The answer in words, and in a table of a few rows.
+
+use super::super::human::{cell, data, field};
+use super::super::page::{Part, number};
+use super::super::work::Work;
+use crate::html::escaped;
+use crate::tidy::Row;
+
+/// A choice in words.
+fn name(row: &Row) -> String {
+    format!("{}, {}, {}", row.get("accelerator"), row.get("schedule"), row.get("numerics"))
+}
+
+/// Where it was measured, in words.
+fn place(work: &Work<'_>) -> String {
+    match work.machine().gpu() {
+        Some(_) => work.machine().name(),
+        None => {
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            format!("CPU, {}", crate::text::counted(cores, "core"))
+        }
+    }
+}
+
+/// What an interval says of a time that is compared with another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::report) enum Compared {
+    /// Its interval lies below 1.
+    Faster,
+    /// Its interval contains 1.
+    Alike,
+    /// Its interval lies above 1.
+    Slower,
+    /// There is no interval.
+    Unknown,
+}
+
+/// Compares a row with the configuration that its ratio is relative to.
+pub(in crate::report) fn compared(row: &Row) -> Compared {
+    match (row.number("time_ratio_low"), row.number("time_ratio_high")) {
+        (Some(_), Some(high)) if high < 1.0 => Compared::Faster,
+        (Some(low), Some(_)) if low > 1.0 => Compared::Slower,
+        (Some(_), Some(_)) => Compared::Alike,
+        _ => Compared::Unknown,
+    }
+}
+
+/// "0 of 36,864 rays wrong (at most 81 per million)".
+fn wrong(row: &Row) -> String {
+    let (count, of) = (number("wrong_rays", row), number("judged_rays", row));
+    let high = cell("wrong_per_million_high", row.get("wrong_per_million_high"));
+    format!("{count} of {of} rays wrong (at most {high} per million)")
+}
+
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [all @ .., last] => format!("{} and {last}", all.join("; ")),
+    }
+}
+
+/// Adds the sentence on the fastest choice, what is as fast, and what is faster but wrong.
+pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
+    let scene = escaped(&work.subject.scene.name);
+    let limit = rows.first().map_or(String::new(), |row| number("most_wrong_per_million", row));
+    let Some(fastest) = rows.iter().find(|r| r.get("is_fastest") == "true") else {
+        let text = format!(
+            "{scene}, {}: no choice could be shown to be wrong for at most {limit} of a million rays.",
+            escaped(&place(work))
+        );
+        part.lead.push(text);
+        return;
+    };
+    let mut text = format!(
+        "<strong>{scene}, {}: {} is fastest: {} a ray, {}.</strong>",
+        escaped(&place(work)),
+        name(fastest),
+        cell("ns_per_ray", fastest.get("ns_per_ray")),
+        wrong(fastest),
+    );
+    let others = || rows.iter().filter(|r| r.get("is_fastest") != "true");
+    let is_accurate = |r: &&Row| r.get("is_accurate") == "true";
+    let alike: Vec<String> = others()
+        .filter(is_accurate)
+        .filter(|r| matches!(compared(r), Compared::Alike | Compared::Unknown))
+        .map(name)
+        .collect();
+    text += &match alike.as_slice() {
+        [] => " Nothing else that accurate is as fast.".to_owned(),
+        names => format!(" Not distinguishable in time: {}.", listed(names)),
+    };
+    let inaccurate = |r: &&Row| !is_accurate(r) && compared(r) == Compared::Faster;
+    let faster: Vec<String> = others().filter(inaccurate).map(|r| format!("{} ({})", name(r), wrong(r))).collect();
+    if !faster.is_empty() {
+        text += &format!(" Faster, but not shown to be wrong for at most {limit} of a million: {}.", listed(&faster));
+    }
+    text += &match fastest.get("numerics") {
+        "paper" => robust(rows),
+        _ => papers(rows, fastest),
+    };
+    part.lead.push(text);
+}
+
+/// The fastest robust choice, where the fastest of all is not robust.
+fn robust(rows: &[Row]) -> String {
+    let Some(row) = quickest(rows, &[("numerics", "robust")]) else { return String::new() };
+    let ratio = match compared(row) {
+        Compared::Alike => "not distinguishable".to_owned(),
+        _ => format!("{} times as long", cell("time_ratio", row.get("time_ratio"))),
+    };
+    format!(
+        " The fastest with robust numerics, which is right at edges too: {}, {}: {} a ray ({ratio}), {} wrong.",
+        row.get("accelerator"),
+        row.get("schedule"),
+        cell("ns_per_ray", row.get("ns_per_ray")),
+        number("wrong_rays", row)
+    )
+}
+
+/// The row with the shortest median time among those with these fields.
+fn quickest<'a>(rows: &'a [Row], wanted: &[(&str, &str)]) -> Option<&'a Row> {
+    let ns = |row: &Row| row.number("median_ns").unwrap_or(f64::INFINITY);
+    let of = rows.iter().filter(|row| row.is(wanted) && row.number("median_ns").is_some());
+    of.min_by(|a, b| ns(a).total_cmp(&ns(b)))
+}
+
+/// What the paper's rules gain and lose with the structure and schedule of the fastest choice.
+fn papers(rows: &[Row], fastest: &Row) -> String {
+    let same =
+        [("accelerator", fastest.get("accelerator")), ("schedule", fastest.get("schedule")), ("numerics", "paper")];
+    let Some(paper) = rows.iter().find(|r| r.is(&same)).filter(|_| fastest.get("numerics") == "robust") else {
+        return String::new();
+    };
+    let errors = match paper.get("wrong_rays") {
+        "0" => "none wrong either".to_owned(),
+        _ => format!("{} of {} wrong", number("wrong_rays", paper), number("judged_rays", paper)),
+    };
+    let ratio = cell("time_ratio", paper.get("time_ratio"));
+    let gain = match compared(paper) {
+        Compared::Faster => format!("take {ratio} of the time here"),
+        Compared::Alike => "are no faster here".to_owned(),
+        Compared::Slower => format!("take {ratio} times as long here"),
+        Compared::Unknown => "were not timed often enough to compare".to_owned(),
+    };
+    format!(" The paper's rules {gain}: {errors}.")
+}
+
+/// Adds the table of at most six choices: the fastest, the fastest of every structure, the default, and the paper's.
+pub(super) fn table(rows: &[Row], part: &mut Part) {
+    let of = |accelerator| quickest(rows, &[("accelerator", accelerator), ("numerics", "robust")]);
+    let wanted = [
+        rows.iter().find(|r| r.get("is_fastest") == "true"),
+        of("bvh"),
+        of("grid"),
+        of("none"),
+        quickest(rows, &[("accelerator", "grid"), ("schedule", "compact"), ("numerics", "robust")]),
+        quickest(rows, &[("numerics", "paper")]),
+    ];
+    let mut chosen: Vec<&Row> = Vec::new();
+    for row in wanted.into_iter().flatten() {
+        if !chosen.iter().any(|c| c.get("configuration") == row.get("configuration")) {
+            chosen.push(row);
+        }
+    }
+    chosen.sort_by(|a, b| a.number("median_ns").unwrap_or(0.0).total_cmp(&b.number("median_ns").unwrap_or(0.0)));
+    let cells = |row: &&Row| {
+        let ratio = match (row.get("is_fastest"), compared(row)) {
+            ("true", _) => "1".to_owned(),
+            (_, Compared::Unknown) => cell("time_ratio", row.get("time_ratio")),
+            _ => format!(
+                "{} ({} to {})",
+                cell("time_ratio", row.get("time_ratio")),
+                cell("time_ratio", row.get("time_ratio_low")),
+                cell("time_ratio", row.get("time_ratio_high"))
+            ),
+        };
+        let wrong = row.get("wrong_per_million_high");
+        let least = row.number("wrong_per_million_high").map_or(String::new(), |high| {
+            data(wrong, &format!("≤ {}", field("wrong_per_million_high", &high.to_string())))
+        });
+        vec![
+            name(row),
+            cell("ns_per_ray", row.get("ns_per_ray")),
+            ratio,
+            format!("{} of {}", cell("wrong_rays", row.get("wrong_rays")), cell("judged_rays", row.get("judged_rays"))),
+            least,
+            cell("undecided", row.get("undecided")),
+            cell("structure_bytes", row.get("structure_bytes")),
+            cell("build_s", row.get("build_s")),
+        ]
+    };
+    let names = ["choice", "time a ray", "to the fastest", "wrong", "per million", "undecided", "structure", "build"];
+    part.lead_table(&names, &chosen.iter().map(cells).collect::<Vec<_>>());
+}

@@ -1,0 +1,250 @@
+//! Which numerical rules a scene needs: replaces one rule at a time by the paper's, and measures what that saves and
+//! which rays it loses.
+//!
+//! Rays start inside the scene's box, so that the rules for origins outside do not hide the others, and are aimed in
+//! equal numbers at the places where the rules differ: each kind of place is a stratum. Every rule is judged on the same
+//! rays as robust numerics, so what counts is the rays that only one of the two gets wrong (McNemar 1947), adjusted for
+//! the number of rules (Holm 1979).
+
+mod figure;
+mod words;
+
+use raystep_kernels::plan::Plan;
+use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
+
+use super::judge::{self, Drawn, Judge, Judged};
+use super::page::Part;
+use super::work::{Built, TESTS_PER_PASS, Times, Work};
+use crate::Error;
+use crate::rays::{Aim, Planes, aimed};
+use crate::statistics::proportion::{holm, mcnemar};
+use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
+
+const GROUPS: &[&[&str]] = &[
+    KEYS,
+    &["accelerator", "schedule", "numerics", "rule", "stratum", "rays", "cells_x", "cells_y", "cells_z"],
+    TIMES,
+    RATIO,
+    VERDICTS,
+    &["wrong_here_only", "wrong_robust_only", "p_value", "p_value_holm", "is_needed"],
+];
+
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
+
+const SHOWN: &[&str] = &[
+    "accelerator",
+    "rule",
+    "numerics",
+    "stratum",
+    "runs",
+    "median_ns",
+    "time_ratio",
+    "time_ratio_low",
+    "time_ratio_high",
+    "judged_rays",
+    "wrong_rays",
+    "missed",
+    "false_hits",
+    "wrong_hits",
+    "undecided",
+    "wrong_per_million_low",
+    "wrong_per_million_high",
+    "wrong_here_only",
+    "wrong_robust_only",
+    "p_value_holm",
+    "is_needed",
+    "at_bound",
+];
+
+/// The name of all strata together.
+const ALL: &str = "all";
+
+/// Robust numerics, robust without a rule, or the paper's.
+#[derive(Clone)]
+struct Way {
+    accelerator: Accelerator,
+    numerics: Numerics,
+    rule: Option<Rule>,
+    options: Options,
+}
+
+impl Way {
+    fn id(&self, work: &Work<'_>) -> String {
+        let rules = self.rule.map_or(self.numerics.name().to_owned(), |rule| format!("without-{rule}"));
+        work.configuration(&[self.accelerator.name(), &rules])
+    }
+}
+
+fn ways(work: &Work<'_>, rays: &[Ray]) -> Vec<Way> {
+    const MOST_TESTS: usize = 1 << 27;
+    let can_test_all = work.subject.scene.triangles.len().saturating_mul(rays.len()) <= MOST_TESTS;
+    let mut ways = Vec::new();
+    for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+        if accelerator == Accelerator::None && !can_test_all {
+            continue;
+        }
+        let options = Options {
+            accelerator,
+            grid: work.grid_of(accelerator),
+            // Only one difference at a time: some rules cannot skip empty cells, so none do.
+            skip: Skip::Off,
+            schedule: ScheduleKind::Fused,
+            shade: false,
+            ..Options::new(RaySource::Given(rays.to_vec()))
+        };
+        let steps = if accelerator == Accelerator::None { TESTS_PER_PASS } else { options.steps_per_pass };
+        let options = Options { steps_per_pass: steps, ..options };
+        let mut add = |numerics, rule, options| ways.push(Way { accelerator, numerics, rule, options });
+        add(Numerics::Robust, None, options.clone());
+        for &rule in Rule::ALL.iter().filter(|rule| has_rule(accelerator, **rule)) {
+            add(Numerics::Robust, Some(rule), Options { without: Some(rule), ..options.clone() });
+        }
+        add(Numerics::Paper, None, Options { numerics: Numerics::Paper, ..options });
+    }
+    ways
+}
+
+/// Whether walks through this accelerator use the rule.
+fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
+    match rule {
+        Rule::TMax | Rule::Acceptance | Rule::CellGrowth => accelerator == Accelerator::Grid,
+        Rule::BoxPadding => accelerator == Accelerator::Bvh,
+        Rule::TriangleTest => true,
+    }
+}
+
+/// The rays, and the ends of their strata.
+struct Strata {
+    rays: Vec<Ray>,
+    ends: Vec<(&'static str, usize)>,
+}
+
+impl Strata {
+    fn new(work: &Work<'_>) -> Result<Self, Error> {
+        let scene = &work.subject.scene;
+        // Ray origins slightly affect the grid, so its planes are those for an origin like those of the rays.
+        let bounds = scene.bounds();
+        let middle = Ray { origin: (bounds.min * 0.5 + bounds.max * 0.5).to_array(), direction: [1.0, 0.0, 0.0] };
+        let options = Options { shade: false, grid: work.grid, ..Options::new(RaySource::Given(vec![middle])) };
+        let (_, data) = Plan::new(scene, &options, &work.machine().limits())?;
+        let planes = Planes::of(&data);
+        let aims = [Aim::Corners, Aim::Middles, Aim::Along, Aim::Faces(&planes), Aim::Anywhere];
+        let each = work.either(1024, 8192).min(Judge::most_rays(work) / aims.len()).max(16);
+        let (mut rays, mut ends) = (Vec::new(), Vec::new());
+        for (i, aim) in (0..).zip(aims) {
+            rays.extend(aimed(scene, aim, each, work.seed().wrapping_add(i)));
+            ends.push((aim.name(), rays.len()));
+        }
+        Ok(Self { rays, ends })
+    }
+
+    fn of(&self, ray: usize) -> &'static str {
+        self.ends.iter().find(|(_, end)| ray < *end).map_or(ALL, |(name, _)| name)
+    }
+}
+
+struct Measured {
+    way: Way,
+    built: Built,
+    times: Times,
+    judged: Judged,
+}
+
+pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
+    let mut part = Part::default();
+    if work.subject.scene.triangles.is_empty() {
+        part.notes.push("the scene has no triangle to aim at".into());
+        return Ok(part);
+    }
+    let first = table.rows.len();
+    let strata = Strata::new(work)?;
+    let mut ready: Vec<(Way, Built)> = Vec::new();
+    for way in ways(work, &strata.rays) {
+        work.stage(&format!("rules: building {}", way.id(work)));
+        match work.build(&way.options) {
+            Ok(built) => ready.push((way, built)),
+            Err(error) => {
+                work.can_go_on()?;
+                part.notes.push(format!("{}: {}", way.id(work), work.explain(&error)));
+            }
+        }
+    }
+    work.stage("rules: timing");
+    let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
+    let mut renderers: Vec<_> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
+    let times = work.time_in_turn(&names, &mut renderers, work.either(8, 20))?;
+    work.stage("rules: judging");
+    let mut judge = Judge::default();
+    let mut measured = Vec::new();
+    for ((way, built), times) in ready.into_iter().zip(times) {
+        let judged = judge.judge(work, &built.renderer)?;
+        if times.is_given_up {
+            part.notes.push(format!("{}: {}", way.id(work), judged.given_up()));
+        }
+        judge.record(work, &built.renderer, &judged, &way.id(work), |ray| strata.of(ray));
+        measured.push(Measured { way, built, times, judged });
+    }
+    for m in &measured {
+        let robust = measured.iter().find(|r| {
+            r.way.accelerator == m.way.accelerator && r.way.numerics == Numerics::Robust && r.way.rule.is_none()
+        });
+        table.rows.extend(rows(work, &strata, &judge, m, robust));
+    }
+    adjust(&mut table.rows[first..]);
+    let rows = &table.rows[first..];
+    part.lead_figure("rules", figure::of(rows).svg()?, figure::caption(rows));
+    words::say(rows, &mut part);
+    part.table(rows, SHOWN);
+    Ok(part)
+}
+
+/// One row with times for all strata together, and one for each stratum.
+fn rows(work: &Work<'_>, strata: &Strata, judge: &Judge, m: &Measured, robust: Option<&Measured>) -> Vec<Row> {
+    let Measured { way, built, times, judged } = m;
+    let plan = built.renderer.plan();
+    let is_robust = way.numerics == Numerics::Robust && way.rule.is_none();
+    let cells = built.renderer.data().grid.cells;
+    let cell = |axis: usize| (way.accelerator == Accelerator::Grid).then_some(cells[axis]);
+    let base = || {
+        work.row(COLUMNS)
+            .set("configuration", way.id(work))
+            .set("accelerator", way.accelerator.name())
+            .set("schedule", ScheduleKind::Fused.name())
+            .set("numerics", way.numerics.name())
+            .set("rule", way.rule.map(Rule::name))
+            .set("cells_x", cell(0))
+            .set("cells_y", cell(1))
+            .set("cells_z", cell(2))
+    };
+    let row = times.fill(base(), work.seed()).set("stratum", ALL).set("rays", plan.rays).set("clock", work.clock());
+    let row = judged.fill(row, Drawn::AtRandom);
+    let row = match robust.filter(|_| !is_robust) {
+        None => row,
+        Some(robust) => {
+            let [here, there] = judged.discordant(&robust.judged);
+            let name = robust.way.id(work);
+            times
+                .fill_ratio(&robust.times, &name, row, work.seed())
+                .set("wrong_here_only", here)
+                .set("wrong_robust_only", there)
+                .set("p_value", mcnemar(here, there))
+                // A single wrong ray is wrong, whatever a test of many rays can tell.
+                .set("is_needed", here > 0 || judged.at_bound > 0)
+        }
+    };
+    let of_stratum = |(name, end): &(&'static str, usize)| {
+        let counts = judged.counts_of(judge, |ray| strata.of(ray) == *name);
+        let begin = strata.ends.iter().map(|(_, end)| *end).filter(|e| e < end).max().unwrap_or(0);
+        judge::fill(base().set("stratum", *name).set("rays", end - begin), &counts, Drawn::AtRandom)
+    };
+    std::iter::once(row).chain(strata.ends.iter().map(of_stratum)).collect()
+}
+
+/// Adjusts the p-values of all rules together.
+fn adjust(rows: &mut [Row]) {
+    let of: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].number("p_value").is_some()).collect();
+    let values: Vec<f64> = of.iter().filter_map(|&i| rows[i].number("p_value")).collect();
+    for (i, p) in of.into_iter().zip(holm(&values)) {
+        rows[i] = rows[i].clone().set("p_value_holm", p);
+    }
+}
