@@ -114,6 +114,21 @@ pub(crate) struct CameraArgs {
     pub(crate) fov: Option<f64>,
 }
 
+impl CameraArgs {
+    /// The options that were given, with their values.
+    pub(crate) fn words(&self) -> Vec<(&'static str, String)> {
+        let vector = |Vector([x, y, z]): Vector| format!("{x},{y},{z}");
+        let all = [
+            ("--camera", self.camera.map(|index| index.to_string())),
+            ("--eye", self.eye.map(vector)),
+            ("--look-at", self.look_at.map(vector)),
+            ("--up", self.up.map(vector)),
+            ("--fov", self.fov.map(|degrees| degrees.to_string())),
+        ];
+        all.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
+    }
+}
+
 /// What runs.
 #[derive(Args, Debug)]
 pub(crate) struct ProgramArgs {

@@ -12,6 +12,7 @@ mod inspect;
 mod link;
 mod messages;
 mod report;
+mod report_bundle;
 mod report_files;
 #[cfg(unix)]
 mod signals;

@@ -1,21 +1,28 @@
 //! `raystep report`
 
+mod bundle;
+mod verify;
+
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use raystep_kernels::GridSize;
+use raystep_lab::bench::grid_text;
 use raystep_lab::meter::Meter;
-use raystep_lab::report::{self, About, SECTIONS, Section, Wanted};
+use raystep_lab::report::methods::{self, Method};
+use raystep_lab::report::{self, About, Report, SECTIONS, Section, Wanted};
 use raystep_lab::text::visible;
 use raystep_lab::{Machine, Size};
 
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, parse_grid, parse_size, whole};
+use crate::commands::input::Input;
 use crate::commands::{distinct, input};
 use crate::device;
 use crate::error::Error;
-use crate::output::{self, TargetFolder};
+use crate::output::{self, Target, TargetFolder};
+use crate::scene_file::read_file;
 use crate::session::run_id;
 use crate::terminal::Progress;
 
@@ -34,14 +41,23 @@ Examples:
   raystep report scenes/cornell-box.gltf -o report
   raystep report scenes/cornell-box.gltf scenes/teapot.glb --device gpu -o report
   raystep report scenes/teapot.glb --section factors,moved --size 256x256 -o report
-  raystep report scenes/cornell-box.gltf --quick -o report")]
+  raystep report scenes/cornell-box.gltf --quick -o report
+  raystep report scenes/cornell-box.gltf -o report --bundle report.zip
+  raystep report --verify report.zip")]
 pub(crate) struct ReportArgs {
     /// The scenes: glTF 2.0, .gltf or .glb
-    #[arg(required = true, value_name = "SCENE")]
+    #[arg(required_unless_present = "verify", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Output folder: new, or empty
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "DIR", required_unless_present = "verify")]
+    output: Option<PathBuf>,
+    /// Also write a ZIP file with the report, its inputs and everything needed to repeat it
+    #[arg(long, value_name = "FILE.zip")]
+    bundle: Option<PathBuf>,
+    /// Make a bundled report again, and compare: everything but times must be the same on the CPU, or on the same
+    /// adapter with the same driver
+    #[arg(long, value_name = "FILE.zip", conflicts_with_all = ["scenes", "output", "bundle"])]
+    verify: Option<PathBuf>,
     /// Replace the report in a folder that is not empty; other files are kept
     #[arg(long)]
     force: bool,
@@ -55,6 +71,10 @@ pub(crate) struct ReportArgs {
     /// Also write DIR/rays.csv: every judged ray, with its verdict, error and error bound
     #[arg(long)]
     rays_csv: bool,
+    /// CSV file with results of other programs, shown beside raystep's: columns method, ns_per_ray, judged_rays and
+    /// wrong_rays; optionally scene, ns_per_ray_low, ns_per_ray_high and undecided
+    #[arg(long, value_name = "FILE.csv")]
+    methods: Option<PathBuf>,
     /// Write only these sections
     #[arg(long = "section", value_name = "A,B…", value_delimiter = ',',
           value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
@@ -94,6 +114,27 @@ impl ReportArgs {
         self.size.unwrap_or(Size { width: side, height: side })
     }
 
+    /// The arguments that repeat this report, but for scenes and output: those of the command line, and the device.
+    fn repeating(&self, machine: &Machine) -> Vec<String> {
+        let mut words = vec!["--seed".to_owned(), self.seed.to_string(), "--size".to_owned(), self.size().to_string()];
+        let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
+        add("--grid", grid_text(self.grid));
+        add("--device", machine.kind().to_owned());
+        if machine.gpu().is_some() {
+            add("--adapter", machine.name());
+        }
+        if !self.sections.is_empty() {
+            add("--section", self.sections.join(","));
+        }
+        if let Some(index) = self.scene_index {
+            add("--scene-index", index.to_string());
+        }
+        self.camera.words().into_iter().for_each(|(name, value)| add(name, value));
+        let flags = [("--quick", self.quick), ("--rays-csv", self.rays_csv)];
+        words.extend(flags.into_iter().filter(|(_, is_set)| *is_set).map(|(name, _)| name.to_owned()));
+        words
+    }
+
     fn sections(&self) -> Vec<&'static Section> {
         let is_wanted = |s: &&Section| self.sections.is_empty() || self.sections.iter().any(|name| name == s.name);
         SECTIONS.iter().filter(is_wanted).collect()
@@ -102,25 +143,54 @@ impl ReportArgs {
 
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
     let progress = Progress::new(args.quiet.quiet);
-    let stale = report_files(&args.output);
-    TargetFolder::new(&args.output, args.force)?.fill(&stale, |folder| fill(args, folder, &progress))?;
-    progress.finish();
-    progress.say(format_args!("wrote {} with its CSV files and plots", args.output.join(report::PAGE).display()));
-    Ok(())
+    match &args.verify {
+        Some(bundle) => verify::run(bundle, args.read.max_memory, &progress),
+        None => report(args, &progress).map(|_| ()),
+    }
 }
 
-/// Measures and writes every file.
-fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result<(), Error> {
-    let names = report_files(&args.output);
+/// Measures and writes everything; returns the machine.
+fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
+    let Some(output) = &args.output else { return Err(Error::usage("--output is missing")) };
+    let bundle = args.bundle.as_deref().map(Target::new).transpose()?;
+    let stale = report_files(output);
+    let (machine, zip) = TargetFolder::new(output, args.force)?.fill(&stale, |folder| {
+        let (report, inputs, machine, run_id) = measure(args, output, folder, progress)?;
+        progress.stage("writing");
+        let files = report.files(&about(&machine)).map_err(Error::failed)?;
+        files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
+        let arguments = args.repeating(&machine);
+        let contents = bundle::Contents { run_id: &run_id, seed: args.seed, machine: &machine, arguments };
+        let zip = bundle.is_some().then(|| bundle::zip(contents, &inputs, args.read.max_memory, files)).transpose()?;
+        Ok((machine, zip))
+    })?;
+    if let Some((target, bytes)) = bundle.zip(zip) {
+        output::write(vec![(target, bytes)])?;
+    }
+    progress.finish();
+    progress.say(format_args!("wrote {} with its CSV files and plots", output.join(report::PAGE).display()));
+    Ok(machine)
+}
+
+/// Reads the scenes and measures.
+fn measure(
+    args: &ReportArgs,
+    output: &Path,
+    folder: &TargetFolder,
+    progress: &Progress,
+) -> Result<(Report, Vec<Input>, Machine, String), Error> {
+    let names = report_files(output);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    output::refuse_others(&args.output, &names, "a report", report::PAGE, report::is_report)?;
+    output::refuse_others(output, &names, "a report", report::PAGE, report::is_report)?;
     progress.stage("reading scenes");
-    let mut subjects = Vec::new();
+    let (mut inputs, mut subjects) = (Vec::new(), Vec::new());
     for path in &distinct(&args.scenes) {
         let (input, subject) = input::read(args.file(path), &args.camera, progress)?;
         folder.refuse_inputs(&input.files, report::is_ours)?;
+        inputs.push(input);
         subjects.push(subject);
     }
+    let methods = args.methods.as_deref().map(read_methods).transpose()?.unwrap_or_default();
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
     let wanted = Wanted {
@@ -130,11 +200,20 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
         is_quick: args.quick,
         seed: args.seed,
         has_rays: args.rays_csv,
+        methods,
     };
-    let report = report::measure(&wanted, &subjects, run_id(), &meter, progress)?;
-    progress.stage("writing");
-    let files = report.files(&about(&meter.machine)).map_err(Error::failed)?;
-    files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))
+    let run_id = run_id();
+    let report = report::measure(&wanted, &subjects, run_id.clone(), &meter, progress)?;
+    Ok((report, inputs, meter.machine, run_id))
+}
+
+/// Most bytes of a file of methods.
+const MOST_METHODS: u64 = 16 << 20;
+
+fn read_methods(path: &Path) -> Result<Vec<Method>, Error> {
+    let cannot = |reason: &dyn std::fmt::Display| Error::failed(format!("--methods {}: {reason}", path.display()));
+    let bytes = read_file(path, MOST_METHODS).map_err(|e| cannot(&e))?;
+    methods::read(bytes.as_slice()).map_err(|e| cannot(&e))
 }
 
 /// Existing files of an earlier report. They are replaced with it: a new one may have fewer sections and plots.

@@ -7,6 +7,7 @@ mod grid;
 mod human;
 mod judge;
 mod left_out;
+pub mod methods;
 mod moved;
 mod page;
 mod record;
@@ -19,6 +20,7 @@ mod work;
 use std::io;
 use std::time::Instant;
 
+use methods::Method;
 use page::{Part, Scene};
 use raystep_kernels::GridSize;
 use record::Record;
@@ -57,6 +59,8 @@ pub struct Wanted {
     pub seed: u32,
     /// Whether to write every judged ray.
     pub has_rays: bool,
+    /// Results of other programs, for the section `choices`.
+    pub methods: Vec<Method>,
 }
 
 /// The seed unless another one is requested.
@@ -80,7 +84,7 @@ pub fn measure(
     meter: &Meter,
     reporter: &dyn Reporter,
 ) -> Result<Report, Error> {
-    let Wanted { sections, size, grid, is_quick, seed, has_rays } = wanted;
+    let Wanted { sections, size, grid, is_quick, seed, has_rays, methods } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
     let record = Record::new(run_id, *seed, *has_rays);
     let mut scenes: Vec<Scene> = Vec::new();
@@ -92,7 +96,7 @@ pub fn measure(
             let (size, grid, is_quick, section_name) = (*size, *grid, *is_quick, section.name);
             let (record, ahead) = (&record, left.text());
             let reporter = &Ahead { reporter, text: ahead };
-            let work = Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record };
+            let work = Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record, methods };
             let before = table.rows.len();
             let part = match (section.run)(&work, table) {
                 Ok(part) => {

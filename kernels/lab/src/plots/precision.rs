@@ -80,7 +80,9 @@ impl Precision {
                 .flat_map(|c| [Some(c.wrong), c.wrong_ends.map(|e| e.0), c.wrong_ends.map(|e| e.1)])
                 .flatten()
                 .chain(self.choices.iter().map(|c| c.undecided))
-                .filter(|&v| v > 0.0),
+                .filter(|&v| v > 0.0)
+                // Room for more than one label where all are alike.
+                .flat_map(|v| [v / 2.0, v * 2.0]),
         );
         let has_log = !some.is_empty() || self.choices.iter().any(|c| c.undecided > 0.0);
         let log_end = if has_log { TOP + LOG } else { TOP };
@@ -91,7 +93,7 @@ impl Precision {
         let up = |v: f64| log_end - 4 - (f64::from(log_end - TOP - 8) * y.part(v)).round() as i32;
         drawn((WIDTH as u32, (bottom + 40) as u32), |area| {
             text_at(area, &self.title, (8, 12), 15, (HPos::Left, VPos::Center))?;
-            legend(area, &self.legend, 24 + 8 * self.title.chars().count() as i32)?;
+            legend(area, &self.legend, 16 + 7 * self.title.chars().count() as i32)?;
             for (value, text) in x.ticks() {
                 area.draw(&PathElement::new([(across(value), TOP), (across(value), bottom)], GRID))?;
                 text_at(area, &text, (across(value), bottom + 5), 12, (HPos::Center, VPos::Top))?;

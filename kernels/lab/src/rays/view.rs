@@ -71,7 +71,7 @@ mod tests {
             for (ours, theirs) in ours.into_iter().zip(theirs) {
                 // Both see a triangle in as many pixels, but for those at its outline.
                 let outline = 4.0 * f64::from(theirs).sqrt() + 4.0;
-                assert!(f64::from(ours - theirs).abs() <= outline, "{ours} and {theirs} pixels");
+                assert!(f64::from(ours.abs_diff(theirs)) <= outline, "{ours} and {theirs} pixels");
             }
         }
     }

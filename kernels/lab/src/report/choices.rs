@@ -17,6 +17,7 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Renderer, ScheduleKind};
 
 use super::judge::{self, Drawn, Judge, Judged};
+use super::methods::Method;
 use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
@@ -28,7 +29,7 @@ pub(super) use words::{Compared, compared};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &["accelerator", "schedule", "numerics", "rays", "ns_per_ray", "ns_per_ray_low", "ns_per_ray_high"],
+    &["method", "accelerator", "schedule", "numerics", "rays", "ns_per_ray", "ns_per_ray_low", "ns_per_ray_high"],
     TIMES,
     RATIO,
     &["is_fastest", "is_front", "most_wrong_per_million", "is_accurate"],
@@ -160,6 +161,10 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     }
     let limit = limit(&measured);
     table.rows.extend(all_rows(work, &rays, &judge, &measured, limit));
+    let scene = &work.subject.scene.name;
+    let own = work.methods.iter().filter(|m| m.scene.is_empty() || m.scene == *scene);
+    table.rows.extend(own.map(|method| own_row(work, method, limit)));
+    mark_front(&mut table.rows[first..]);
     let rows = &table.rows[first..];
     words::say(work, rows, &mut part);
     part.lead_figure("precision", figure::of(rows).svg()?, figure::caption(rows));
@@ -217,16 +222,45 @@ fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured],
             *row = rest(&measured[i]).fill_ratio(&to, &name, row.clone(), work.seed()).set("is_fastest", i == fastest);
         }
     }
-    let front = front(&rows);
+    rows
+}
+
+/// The row of a method of another program.
+fn own_row(work: &Work<'_>, method: &Method, limit: f64) -> Row {
+    let Method { judged_rays, wrong_rays, undecided, .. } = *method;
+    let million = |share: f64| 1e6 * share;
+    let of = judged_rays as f64;
+    let [low, high] = judge::bounds(wrong_rays, judged_rays).map_or([None; 2], |ends| ends.map(Some));
+    let row = work
+        .row(COLUMNS)
+        .set("configuration", work.configuration(&["own", &method.method]))
+        .set("method", &*method.method)
+        .set("ns_per_ray", method.ns_per_ray)
+        .set("ns_per_ray_low", method.ns_per_ray_low)
+        .set("ns_per_ray_high", method.ns_per_ray_high)
+        .set("judged_rays", judged_rays)
+        .set("wrong_rays", wrong_rays)
+        .set("undecided", undecided)
+        .set("wrong_per_million", million(wrong_rays as f64 / of))
+        .set("wrong_per_million_low", low.map(million))
+        .set("wrong_per_million_high", high.map(million))
+        .set("undecided_per_million", million(undecided as f64 / of))
+        .set("most_wrong_per_million", limit)
+        .set("is_fastest", false);
+    let is_accurate = row.number("wrong_per_million_high").zip(row.number("most_wrong_per_million"));
+    row.set("is_accurate", is_accurate.is_some_and(|(high, most)| high <= most))
+}
+
+fn mark_front(rows: &mut [Row]) {
+    let front = front(rows);
     for (row, is_front) in rows.iter_mut().zip(front) {
         *row = row.clone().set("is_front", is_front);
     }
-    rows
 }
 
 /// Whether no other choice is faster and not more often wrong, or as fast and less often wrong.
 fn front(rows: &[Row]) -> Vec<bool> {
-    let at = |row: &Row| Some((row.number("median_ns")?, row.number("wrong_rays")?));
+    let at = |row: &Row| Some((row.number("ns_per_ray")?, row.number("wrong_per_million")?));
     let is_front = |row: &Row| {
         at(row).is_some_and(|(ns, wrong)| {
             !rows.iter().filter_map(at).any(|(n, w)| n <= ns && w <= wrong && (n < ns || w < wrong))

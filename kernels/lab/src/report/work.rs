@@ -9,6 +9,7 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Renderer};
 
+use super::methods::Method;
 use super::record::{RUN_COLUMNS, Record};
 use crate::meter::{Ended, Meter, Time, Turns, in_turn};
 use crate::reporter::Reporter;
@@ -44,6 +45,8 @@ pub(super) struct Work<'a> {
     pub(super) section: &'static str,
     /// Runs and rays of all sections.
     pub(super) record: &'a Record,
+    /// Results of other programs.
+    pub(super) methods: &'a [Method],
 }
 
 /// A plan that can be started many times.

@@ -83,6 +83,7 @@ pub const COLUMNS: &[Column] = &[
     text("scene_hash", "hash of all files the scene was read from, with the method as prefix"),
     text("adapter", "name of the GPU adapter, or cpu for the CPU reference kernels"),
     // What was run.
+    text("method", "name of another program's method; empty for raystep's"),
     text("accelerator", "acceleration structure: grid, bvh or none"),
     text("schedule", "how walks are divided into passes: first, second, compact or fused"),
     text("numerics", "robust or paper"),

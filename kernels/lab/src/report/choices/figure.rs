@@ -14,6 +14,9 @@ pub(in crate::report) fn color(accelerator: &str) -> usize {
     }
 }
 
+/// Colour of other programs' methods.
+const OWN: usize = 3;
+
 fn shape(schedule: &str) -> Shape {
     match schedule {
         "fused" => Shape::Disc,
@@ -26,15 +29,20 @@ fn shape(schedule: &str) -> Shape {
 fn choice(row: &Row) -> Option<Choice> {
     let (accelerator, schedule, numerics) = (row.get("accelerator"), row.get("schedule"), row.get("numerics"));
     let ends = |low: &str, high: &str| Some((row.number(low)?, row.number(high)?));
+    let is_own = !row.get("method").is_empty();
     Some(Choice {
-        label: format!("{accelerator}, {schedule}{}", if numerics == "paper" { ", paper" } else { "" }),
+        label: if is_own {
+            row.get("method").to_owned()
+        } else {
+            format!("{accelerator}, {schedule}{}", if numerics == "paper" { ", paper" } else { "" })
+        },
         x: row.number("ns_per_ray")?,
         x_ends: ends("ns_per_ray_low", "ns_per_ray_high"),
         wrong: row.number("wrong_per_million")?,
         wrong_ends: ends("wrong_per_million_low", "wrong_per_million_high"),
         undecided: row.number("undecided_per_million").unwrap_or(0.0),
-        color: color(accelerator),
-        shape: shape(schedule),
+        color: if is_own { OWN } else { color(accelerator) },
+        shape: if is_own { Shape::Disc } else { shape(schedule) },
         is_hollow: numerics == "paper",
         is_front: row.get("is_front") == "true",
     })
@@ -55,7 +63,10 @@ pub(super) fn of(rows: &[Row]) -> Precision {
             legend.push(entry(name, None, shape(name), false));
         }
     }
-    legend.push(entry("paper's rules", None, Shape::Disc, true));
+    legend.push(entry("paper", None, Shape::Disc, true));
+    if rows.iter().any(|r| !r.get("method").is_empty()) {
+        legend.push(entry("other", Some(OWN), Shape::Disc, false));
+    }
     Precision {
         title: "Time against wrong rays".into(),
         x: Axis::new("time a ray, ns", Scale::Log),

@@ -8,6 +8,9 @@ use crate::tidy::Row;
 
 /// A choice in words.
 fn name(row: &Row) -> String {
+    if !row.get("method").is_empty() {
+        return escaped(row.get("method"));
+    }
     format!("{}, {}, {}", row.get("accelerator"), row.get("schedule"), row.get("numerics"))
 }
 
@@ -79,7 +82,7 @@ pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
         cell("ns_per_ray", fastest.get("ns_per_ray")),
         wrong(fastest),
     );
-    let others = || rows.iter().filter(|r| r.get("is_fastest") != "true");
+    let others = || rows.iter().filter(|r| r.get("is_fastest") != "true" && r.get("method").is_empty());
     let is_accurate = |r: &&Row| r.get("is_accurate") == "true";
     let alike: Vec<String> = others()
         .filter(is_accurate)
@@ -167,6 +170,8 @@ pub(super) fn table(rows: &[Row], part: &mut Part) {
     let cells = |row: &&Row| {
         let ratio = match (row.get("is_fastest"), compared(row)) {
             ("true", _) => "1".to_owned(),
+            // What is wrong too often is not ranked.
+            _ if row.get("is_accurate") != "true" => "wrong too often".to_owned(),
             (_, Compared::Unknown) => cell("time_ratio", row.get("time_ratio")),
             _ => format!(
                 "{} ({} to {})",

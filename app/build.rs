@@ -1,0 +1,25 @@
+//! Records what the program is built from, for bundles of reports: the commit, and Cargo.lock.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn main() {
+    let of_git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+        Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let commit = of_git(&["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".into());
+    println!("cargo::rustc-env=RAYSTEP_COMMIT={commit}");
+    if let Some(log) = of_git(&["rev-parse", "--git-path", "logs/HEAD"]).filter(|log| Path::new(log).exists()) {
+        println!("cargo::rerun-if-changed={log}");
+    }
+    // In the repository it is beside the workspace, in a package beside Cargo.toml.
+    let lock = ["../Cargo.lock", "Cargo.lock"].into_iter().find(|path| Path::new(path).exists());
+    let bytes = lock.and_then(|path| std::fs::read(path).ok()).unwrap_or_default();
+    println!("cargo::rerun-if-changed={}", lock.unwrap_or("build.rs"));
+    println!("cargo::rerun-if-changed=build.rs");
+    let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
+    if let Err(error) = std::fs::write(out.join("Cargo.lock"), bytes) {
+        println!("cargo::error=cannot write to {}: {error}", out.display());
+    }
+}
