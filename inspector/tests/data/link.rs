@@ -82,10 +82,7 @@ impl Random {
             ray: match self.below(3) {
                 0 => None,
                 1 => Some(LinkRay::Pixel(size.map(|side| self.below(side as usize) as u32))),
-                _ => Some(LinkRay::Given(Ray {
-                    origin: [0; 3].map(|_| self.f32()),
-                    direction: [0; 3].map(|_| self.f32()),
-                })),
+                _ => Some(LinkRay::Given(Ray::new([0; 3].map(|_| self.f32()), [0; 3].map(|_| self.f32())))),
             },
             pass: self.maybe(|r| r.below(usize::MAX)),
             stream: self.maybe(|r| {

@@ -6,7 +6,7 @@ use super::limits::Limits;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
-use crate::options::{Options, RaySource};
+use crate::options::{Options, Ray, RaySource};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::structures::bvh::BvhError;
@@ -199,21 +199,19 @@ pub(super) fn check_rays(options: &Options, units: Units) -> Result<(), PlanErro
             Ok(())
         }
         RaySource::Given(rays) => {
-            for (index, ray) in rays.iter().enumerate() {
-                let traced = ray.origin.map(|v| units.to_traced(v));
-                if ray.direction.iter().chain(&ray.origin).any(|v| !v.is_finite()) {
-                    return Err(PlanError::Ray { index, reason: "a component is not finite" });
-                }
-                if ray.direction == [0.0; 3] {
-                    return Err(PlanError::Ray { index, reason: "its direction is 0" });
-                }
-                if traced.iter().any(|v| v.is_nan() || f64::from(v.abs()) > FARTHEST) {
-                    return Err(PlanError::Ray { index, reason: "its origin is too far from the scene for its size" });
-                }
+            match rays.iter().enumerate().find_map(|(index, ray)| Some((index, why_untraceable(ray, units)?))) {
+                Some((index, reason)) => Err(PlanError::Ray { index, reason }),
+                None => Ok(()),
             }
-            Ok(())
         }
     }
+}
+
+/// Why an input ray cannot be traced, if it cannot.
+pub(crate) fn why_untraceable(ray: &Ray, units: Units) -> Option<&'static str> {
+    let is_far = |v: &f32| f64::from(units.to_traced(*v).abs()) > FARTHEST;
+    let far = || ray.origin.iter().any(is_far).then_some("its origin is too far from the scene for its size");
+    ray.fault().or_else(far)
 }
 
 /// Bytes per texel as kernels read it.

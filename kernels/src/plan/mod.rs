@@ -220,7 +220,11 @@ impl Plan {
         buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
         if given {
             let inputs = program.course.map_or(&[][..], |course| course.inputs);
-            let bytes = inputs.iter().map(|&stream| given_bytes(stream, width, height)).sum();
+            let bytes = inputs
+                .iter()
+                .filter(|stream| bound.contains(stream.name()))
+                .map(|&stream| given_bytes(stream, width, height))
+                .sum();
             buffers.push(Planned { what: "given", bytes });
         }
         let mut plan = Self {

@@ -1,16 +1,14 @@
 //! Input rays, as the streams that `generate` would have written.
 
-use crate::numbers::units::exp2;
 use crate::options::Ray;
 use crate::plan::Plan;
 use crate::program::Results;
 use crate::scene_data::{SceneData, traced_ray};
-use crate::shared::constants::INF;
 use crate::tables::stream::{Stream, StreamData};
 
 /// Input rays as streams, and the exponent of each ray's t.
 pub(super) struct GivenRays {
-    pub(super) streams: [StreamData; 3],
+    pub(super) streams: Vec<StreamData>,
     pub(super) exponents: Vec<i32>,
 }
 
@@ -23,22 +21,28 @@ impl GivenRays {
             height: plan.height,
             bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
         };
-        let mut streams = [results.origin, results.direction, results.t.stream].map(unwritten);
+        let [mut origins, mut directions, mut states] =
+            [results.origin, results.direction, results.t.stream].map(unwritten);
+        let mut intervals = data.features.intervals.then(|| unwritten(results.interval));
         let any_hit = data.features.any_hit;
         let mut exponents = Vec::with_capacity(rays.len());
         for (i, ray) in rays.iter().take(texels).enumerate() {
             let (ray, exponent) = traced_ray(ray, data.units);
             for axis in 0..3 {
-                streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();
-                streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
+                origins.bits[axis * texels + i] = ray.origin[axis].to_bits();
+                directions.bits[axis * texels + i] = ray.direction[axis].to_bits();
             }
-            streams[2].bits[i] = plan.program.course.map_or(0, |course| course.born);
+            if let Some(intervals) = &mut intervals {
+                intervals.bits[i] = ray.t_min.to_bits();
+                intervals.bits[texels + i] = ray.t_max.to_bits();
+            }
+            states.bits[i] = plan.program.course.map_or(0, |course| course.born);
             if any_hit {
-                // Hits beyond the ray's end at t = 1 do not count.
-                streams[2].bits[results.t.layer * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();
+                // The first hit found before the ray's end is the result, so its t needs no place of its own.
+                states.bits[results.t.layer * texels + i] = ray.t_max.to_bits();
             }
             exponents.push(exponent);
         }
-        Self { streams, exponents }
+        Self { streams: [origins, directions, states].into_iter().chain(intervals).collect(), exponents }
     }
 }
