@@ -9,6 +9,7 @@ mod degenerate;
 mod device;
 mod divergence;
 mod floors;
+mod intervals;
 mod library;
 mod names;
 mod parity;
