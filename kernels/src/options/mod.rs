@@ -180,6 +180,11 @@ impl Ray {
         }
     }
 
+    /// Whether the kernels must look up its interval. The t_max of a ray that ends at any hit is its initial t.
+    pub(crate) fn needs_interval(&self, any_hit: bool) -> bool {
+        self.t_min > 0.0 || (self.t_max < f32::INFINITY && !any_hit)
+    }
+
     /// The same ray, with hits between two t only.
     #[must_use]
     pub const fn between(self, t_min: f32, t_max: f32) -> Self {

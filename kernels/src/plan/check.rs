@@ -126,15 +126,27 @@ pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32
             (u64::from(*width), u64::from(*height), u64::from(*width) * u64::from(*height))
         }
         RaySource::Given(rays) => {
-            let width = folded_width(rays.len() as u64).min(u64::from(limits.image_side));
-            (width, (rays.len() as u64).div_ceil(width).max(1), rays.len() as u64)
+            let rays = rays.len() as u64;
+            let (width, height) = given_size(rays, limits)?;
+            return Ok((width, height, rays));
         }
     };
+    let (width, height) = checked_size(width, height, limits)?;
+    Ok((width, height, rays))
+}
+
+/// The texture that so many input rays fill row by row.
+pub(super) fn given_size(rays: u64, limits: &Limits) -> Result<(u32, u32), PlanError> {
+    let width = folded_width(rays).min(u64::from(limits.image_side));
+    checked_size(width, rays.div_ceil(width.max(1)).max(1), limits)
+}
+
+fn checked_size(width: u64, height: u64, limits: &Limits) -> Result<(u32, u32), PlanError> {
     let side = u64::from(limits.image_side);
     if width == 0 || height == 0 || width > side || height > side || width * height > limits.rays {
         return Err(PlanError::ImageSize { width, height, side: limits.image_side, rays: limits.rays });
     }
-    Ok((width as u32, height as u32, rays))
+    Ok((width as u32, height as u32))
 }
 
 /// Largest coordinate in traced units, where the scene's extent is 1 to 2. From 2²⁴ on, f32 cannot resolve the scene's

@@ -75,11 +75,10 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
     }
 }
 
-/// Whether a ray has a t_min or a t_max that the kernels must look up. The t_max of a ray that ends at any hit is its
-/// initial t.
+/// Whether a ray has a t_min or a t_max that the kernels must look up.
 fn has_intervals(rays: &RaySource, any_hit: bool) -> bool {
     let RaySource::Given(rays) = rays else { return false };
-    rays.iter().any(|ray| ray.t_min > 0.0 || (ray.t_max < f32::INFINITY && !any_hit))
+    rays.iter().any(|ray| ray.needs_interval(any_hit))
 }
 
 /// Everything in the program's tables that the plan leaves out.
