@@ -17,6 +17,7 @@
 //! origin stays on the viewer's side.
 
 mod aimed;
+pub mod file;
 mod mixed;
 mod random;
 mod view;
