@@ -12,9 +12,21 @@ fn cornell_box() -> String {
 fn help_has_examples_everywhere_and_no_argument_is_help() {
     let place = Place::new();
     let top = place.ok(&["--help"]).stdout;
-    for name in
-        ["inspect", "render", "trace", "dump", "bench", "report", "stability", "plan", "info", "scene", "completions"]
-    {
+    for name in [
+        "inspect",
+        "render",
+        "trace",
+        "dump",
+        "bench",
+        "build",
+        "cast",
+        "report",
+        "stability",
+        "plan",
+        "info",
+        "scene",
+        "completions",
+    ] {
         assert!(top.contains(&format!("  {name} ")), "{name} is not listed");
         let help = place.ok(&[name, "--help"]).stdout;
         let examples = help.split_once("Examples:\n").map(|(_, examples)| examples);

@@ -4,6 +4,7 @@ mod adding;
 mod agreement;
 mod any_hit;
 mod architecture;
+mod cast;
 mod compact;
 mod degenerate;
 mod device;

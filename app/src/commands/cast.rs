@@ -57,10 +57,9 @@ pub(crate) struct CastArgs {
     /// End each ray at any hit instead of the closest, whichever is found first
     #[arg(long)]
     any_hit: bool,
-    /// Rays per batch, or as many as the device has room for
-    #[arg(long, value_name = "N", default_value_t = 1 << 20, value_parser = whole::<u32>(1, 1 << 26),
-          allow_negative_numbers = true)]
-    batch: u32,
+    /// Rays per batch, or as many as the device has room for [default: 65536 on the CPU, 1048576 on a GPU]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1, 1 << 26), allow_negative_numbers = true)]
+    batch: Option<u32>,
     #[command(flatten)]
     quiet: QuietArgs,
     /// Acceleration structure: a uniform grid (grid), a bounding volume hierarchy (bvh), none, or auto: none for up to
@@ -110,7 +109,9 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
         ..args.tuning.options(rays)
     };
     let mut caster = chosen.wait(Caster::new(scene, &options, &chosen.device))?;
-    caster.set_batch(args.batch.into());
+    if let Some(batch) = args.batch {
+        caster.set_batch(batch.into());
+    }
 
     progress.stage("waiting for rays");
     let name = shown(&args.rays_file);
@@ -124,7 +125,7 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
         ));
     }
     let begin = Instant::now();
-    let pipeline = Pipeline { caster, chosen: &chosen, batch: args.batch as usize, name: &name, progress: &progress };
+    let pipeline = Pipeline { caster, chosen: &chosen, name: &name, progress: &progress };
     let Some(counts) = pipeline.run(reader, stream)? else { return Ok(()) };
     progress.finish();
     if !args.quiet.quiet {
@@ -167,6 +168,17 @@ fn target(path: &Path) -> Result<Option<Target>, Error> {
 }
 
 fn format(args: &CastArgs) -> Result<RaysFormat, Error> {
+    let format = told_format(args)?;
+    match args.count {
+        Some(count) if format == RaysFormat::Npy => {
+            Err(Error::usage(format!("--count {count}: an npy file contains the number of its rays; omit the option")))
+        }
+        _ => Ok(format),
+    }
+}
+
+/// The format, from the option or the name.
+fn told_format(args: &CastArgs) -> Result<RaysFormat, Error> {
     let path = &args.rays_file;
     match (args.format, extension(path).as_str()) {
         (Some(format), _) => Ok(format),

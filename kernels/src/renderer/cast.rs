@@ -44,8 +44,11 @@ impl CastHit {
     }
 }
 
-/// Rays per batch, unless the device has room for fewer: 2²⁰, which keep a GPU busy and take about 100 MB.
-pub const RAYS_A_BATCH: u64 = 1 << 20;
+/// Rays per batch on a GPU, unless it has room for fewer: enough to keep it busy, in about 150 MB.
+pub const RAYS_A_BATCH_GPU: u64 = 1 << 20;
+
+/// Rays per batch of the twins: more would fall out of the CPU's caches between two passes over them.
+pub const RAYS_A_BATCH_CPU: u64 = 1 << 16;
 
 /// Fewest rays that streams are allocated for.
 const FEWEST_RAYS: u64 = 1 << 12;
@@ -119,7 +122,8 @@ impl Caster {
         };
         let units = Units::of(&scene.bounds());
         let (plan, data, farthest_origin) = planned(&scene, &options, device, ORIGINS * reach_of(&scene, units))?;
-        let batch = RAYS_A_BATCH.min(device.limits().rays);
+        let batch = if device.is_gpu() { RAYS_A_BATCH_GPU } else { RAYS_A_BATCH_CPU };
+        let batch = batch.min(device.limits().rays);
         let (device, runs) = (device.clone(), Vec::new());
         let mut caster = Self { scene, options, device, plan, data, batch, farthest_origin, runs, unfinished: 0 };
         // Uploads the scene, and shows now whether the device takes the kernels.
@@ -130,6 +134,12 @@ impl Caster {
     /// Traces so many rays at a time from now on, or as many as the device has room for if that is fewer.
     pub fn set_batch(&mut self, rays: u64) {
         self.batch = rays.clamp(1, self.device.limits().rays);
+    }
+
+    /// Rays that are traced at a time.
+    #[must_use]
+    pub fn batch(&self) -> u64 {
+        self.batch
     }
 
     /// The plan of the runs, except for the number of their rays.

@@ -29,7 +29,6 @@ pub(super) struct Counts {
 pub(super) struct Pipeline<'a> {
     pub(super) caster: Caster,
     pub(super) chosen: &'a Machine,
-    pub(super) batch: usize,
     /// The rays' file, for messages.
     pub(super) name: &'a str,
     pub(super) progress: &'a Progress,
@@ -48,7 +47,7 @@ impl Pipeline<'_> {
         let total = reader.total();
         let (sender, rays) = sync_channel(WAITING);
         let (used, spare) = sync_channel(WAITING + 2);
-        let batch = self.batch;
+        let batch = usize::try_from(self.caster.batch()).unwrap_or(usize::MAX);
         // Not joined: if this thread fails, it may still wait for a pipe.
         thread::Builder::new()
             .name("rays".into())
