@@ -174,6 +174,18 @@ fn the_papers_rules_and_an_empty_scene_can_be_cast_through() {
     let ray = Ray::new([0.5; 3], [0.0, 0.0, -1.0]);
     let mut nothing = caster(&empty, &Caster::options(), &device);
     assert_eq!(cast(&mut nothing, &device, &[ray]).expect("hits"), [CastHit::MISS]);
+    // As far from the origin as a scene can be, and as large: rays from three times as far would be outside of f32.
+    for corner in
+        [[[1e8, 0.0, 0.0], [1e8 + 8.0, 0.0, 0.0], [1e8, 8.0, 0.0]], [[0.0; 3], [3e38, 0.0, 0.0], [0.0, 3e38, 0.0]]]
+    {
+        let scene = Arc::new(Scene::from_triangles(vec![corner]));
+        let [a, b, c] = corner.map(|p| glam::Vec3::from(p) / 4.0);
+        let above = a * 2.0 + b + c + glam::Vec3::Z * (b - a).length();
+        let ray = Ray::new(above.to_array(), [0.0, 0.0, -1.0]);
+        let mut caster = caster(&scene, &Caster::options(), &device);
+        let hits = cast(&mut caster, &device, &[ray]).expect("hits");
+        assert!(hits[0].is_hit() && hits[0].t == above.z, "{hits:?} {above}");
+    }
     let room = Arc::new(scene("cornell-box.gltf"));
     let rays = rays::random(&room, 500, 4);
     let options = Options { accelerator: Accelerator::Grid, numerics: Numerics::Paper, ..Caster::options() };

@@ -26,7 +26,9 @@ use pipeline::{Counts, Pipeline};
 /// Rays are an npy array of float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t in multiples of
 /// the direction, t_max may be infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). A hit
 /// counts if t_min < t < t_max. The result is an npy array with one element per ray: t (infinite without a hit), u, v
-/// (weights of the triangle's vertices 1 and 2), triangle and material (4294967295 without a hit).
+/// (weights of the triangle's vertices 1 and 2), triangle and material (4294967295 without a hit). In Python,
+/// numpy.save('rays.npy', numpy.hstack([origins, directions]).astype('<f4')) writes rays, and hits =
+/// numpy.load('hits.npy') reads hits: hits['t'], hits['triangle'].
 ///
 /// Rays are read, traced and written in batches at the same time, so any number of them takes the same memory.
 #[derive(Args, Debug)]
@@ -35,10 +37,7 @@ Examples:
   raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
   raystep cast scenes/teapot.glb --rays-file shadow.npy --any-hit -o shadow-hits.npy
   raystep cast scenes/teapot.glb --rays-file primary.f32 --device cpu -o hits.npy
-  ./simulate | raystep cast scenes/terrain.glb --rays-file - -o - | ./continue
-In Python:
-  numpy.save('rays.npy', numpy.hstack([origins, directions]).astype('<f4'))
-  hits = numpy.load('hits.npy'); hits['t'], hits['triangle']")]
+  cat rays.npy | raystep cast scenes/terrain.glb --rays-file - -o - | cat > hits.npy")]
 pub(crate) struct CastArgs {
     #[command(flatten)]
     scene: SceneArgs,

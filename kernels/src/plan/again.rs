@@ -1,7 +1,7 @@
 //! A plan once more, for other rays through the same structure.
 
 use super::check::{check_buffer, given_size};
-use super::{Allocated, Because, Limits, Plan, PlanError, bound_by, variants};
+use super::{Allocated, Limits, Plan, PlanError, bound_by, variants};
 use crate::scene_data::SceneData;
 use crate::tables::elements::Size;
 use crate::tables::sizes::LIVE_REGIONS;
@@ -30,7 +30,7 @@ impl Plan {
         self.features.intervals = true;
         data.features.intervals = true;
         self.variants = variants(self.program, &self.schedule, &self.features)?;
-        self.left_out.retain(|item| item.because != Because::Options || item.what != "stream ray_interval");
+        self.left_out.retain(|item| item.what != "stream ray_interval");
         Ok(())
     }
 }

@@ -152,7 +152,7 @@ fn checked_size(width: u64, height: u64, limits: &Limits) -> Result<(u32, u32), 
 /// Largest coordinate in traced units, where the scene's extent is 1 to 2. From 2²⁴ on, f32 cannot resolve the scene's
 /// extent at all; up to this value, t stays far below [`crate::shared::constants::INF`] even along an axis that a ray
 /// is nearly parallel to.
-const FARTHEST: f64 = (1u64 << 28) as f64;
+pub(crate) const FARTHEST: f64 = (1u64 << 28) as f64;
 
 pub(super) fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> {
     let bounds = scene.bounds();

@@ -12,7 +12,7 @@ use super::{Device, RenderError, Renderer};
 use crate::numbers::units::{Units, exp2, floor_log2};
 use crate::options::samples::Samples;
 use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
-use crate::plan::{Plan, PlanError, why_untraceable};
+use crate::plan::{FARTHEST, Plan, PlanError, why_untraceable};
 use crate::scene_data::SceneData;
 use crate::shared::constants::NO_TRIANGLE;
 use crate::tables::stream::Region;
@@ -267,7 +267,9 @@ fn planned(
     farthest: f32,
 ) -> Result<(Plan, Arc<SceneData>, f32), RenderError> {
     let units = Units::of(&scene.bounds());
-    let origin = (f64::from(farthest) * units.scene_units_per_stream_unit()) as f32;
+    let most = f64::from(farthest).min(FARTHEST) * units.scene_units_per_stream_unit();
+    let origin = most.min(f64::from(f32::MAX)) as f32;
+    let farthest = units.to_traced(origin);
     let rays = RaySource::Given(vec![Ray::new([origin, 0.0, 0.0], [1.0, 0.0, 0.0])]);
     let (plan, data) = Plan::new(scene, &Options { rays, ..options.clone() }, &device.limits())?;
     // What a structure is grown for is the next power of two of the scene's and the origins' coordinates.
