@@ -180,7 +180,7 @@ fn the_papers_rules_and_an_empty_scene_can_be_cast_through() {
     {
         let scene = Arc::new(Scene::from_triangles(vec![corner]));
         let [a, b, c] = corner.map(|p| glam::Vec3::from(p) / 4.0);
-        let above = a * 2.0 + b + c + glam::Vec3::Z * (b - a).length();
+        let above = a * 2.0 + b + c + glam::Vec3::Z * (b - a).max_element();
         let ray = Ray::new(above.to_array(), [0.0, 0.0, -1.0]);
         let mut caster = caster(&scene, &Caster::options(), &device);
         let hits = cast(&mut caster, &device, &[ray]).expect("hits");
