@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::commands::{
-    bench, build, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace,
+    bench, build, cast, completions, dump, extension, info, inspect, plan, render, report, scene, stability, trace,
 };
 use crate::error::Error;
 use crate::{usage, window};
@@ -30,6 +30,7 @@ Examples:
   raystep dump scenes/cornell-box.gltf --pass last --stream hit -o hits
   raystep bench scenes/cornell-box.gltf --accelerators grid,bvh -o bench
   raystep build scenes/teapot.glb --check
+  raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
   raystep report scenes/cornell-box.gltf -o report
   raystep stability -o stability
   raystep info
@@ -48,6 +49,7 @@ pub(crate) enum Command {
     Dump(Box<dump::DumpArgs>),
     Bench(Box<bench::BenchArgs>),
     Build(Box<build::BuildArgs>),
+    Cast(Box<cast::CastArgs>),
     Report(Box<report::ReportArgs>),
     Stability(Box<stability::StabilityArgs>),
     Plan(Box<plan::PlanArgs>),

@@ -2,6 +2,7 @@
 
 pub(crate) mod bench;
 pub(crate) mod build;
+pub(crate) mod cast;
 pub(crate) mod completions;
 pub(crate) mod dump;
 pub(crate) mod info;

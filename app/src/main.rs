@@ -54,6 +54,7 @@ fn run() -> Result<(), Error> {
             Command::Dump(args) => commands::dump::run(&args),
             Command::Bench(args) => commands::bench::run(&args),
             Command::Build(args) => commands::build::run(&args),
+            Command::Cast(args) => commands::cast::run(&args),
             Command::Report(args) => commands::report::run(&args),
             Command::Stability(args) => commands::stability::run(&args),
             Command::Plan(args) => commands::plan::run(&args),

@@ -1,5 +1,7 @@
 //! Atomic output files: written under a temporary name beside the target, then renamed.
 
+mod stream;
+
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -11,6 +13,7 @@ use crate::error::Error;
 use crate::interrupt::{Temporary, create_inside};
 use crate::scene_file::read_file;
 use crate::usage::or;
+pub(crate) use stream::Stream;
 
 /// An output file.
 #[derive(Debug)]

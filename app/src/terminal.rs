@@ -82,6 +82,22 @@ impl Progress {
         self.bar.set_position(done);
     }
 
+    /// Shows how many rays of other programs are done, of how many if that is known.
+    pub(crate) fn cast(&self, done: u64, of: Option<u64>) {
+        if done == 0 {
+            self.bar.disable_steady_tick();
+            match of {
+                Some(of) => {
+                    self.bar.set_length(of);
+                    self.bar.set_style(style("[{bar:30}] {human_pos} of {human_len} rays, {per_sec}, {elapsed}"));
+                }
+                None => self.bar.set_style(style("{human_pos} rays, {per_sec}, {elapsed}")),
+            }
+            self.bar.reset();
+        }
+        self.bar.set_position(done);
+    }
+
     /// Prints a permanent line.
     pub(crate) fn say(&self, line: impl std::fmt::Display) {
         if !self.is_quiet {

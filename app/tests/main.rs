@@ -3,6 +3,7 @@
 mod bad_input;
 mod bench;
 mod build;
+mod cast;
 mod common;
 mod confined;
 mod dump;

@@ -12,9 +12,21 @@ fn cornell_box() -> String {
 fn help_has_examples_everywhere_and_no_argument_is_help() {
     let place = Place::new();
     let top = place.ok(&["--help"]).stdout;
-    for name in
-        ["inspect", "render", "trace", "dump", "bench", "report", "stability", "plan", "info", "scene", "completions"]
-    {
+    for name in [
+        "inspect",
+        "render",
+        "trace",
+        "dump",
+        "bench",
+        "build",
+        "cast",
+        "report",
+        "stability",
+        "plan",
+        "info",
+        "scene",
+        "completions",
+    ] {
         assert!(top.contains(&format!("  {name} ")), "{name} is not listed");
         let help = place.ok(&[name, "--help"]).stdout;
         let examples = help.split_once("Examples:\n").map(|(_, examples)| examples);
@@ -191,7 +203,7 @@ fn small(example: &str) -> String {
 #[test]
 #[cfg(unix)]
 fn help_examples_run() {
-    let commands = "inspect render trace dump bench report stability plan info scene completions";
+    let commands = "inspect render trace dump bench cast report stability plan info scene completions";
     let mut helps: Vec<Vec<&str>> = commands.split(' ').map(|name| vec![name]).collect();
     helps.extend([vec![], vec!["scene", "convert"], vec!["scene", "soup"]]);
     let has_jq = std::process::Command::new("jq").arg("--version").output().is_ok_and(|o| o.status.success());
@@ -199,6 +211,13 @@ fn help_examples_run() {
     for help in helps {
         let place = Place::new();
         std::os::unix::fs::symlink(scene(""), place.path("scenes")).expect("a link");
+        // A ray, for the examples of cast.
+        let ray = [0.0f32, 0.0, 0.5, 0.0, 0.25, 0.25, 1.0, 0.0].map(f32::to_le_bytes).concat();
+        let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 8), }\n".as_bytes();
+        let npy = [b"\x93NUMPY\x01\x00\x3c\x00", header, &ray[..28], &9f32.to_le_bytes()].concat();
+        for (name, bytes) in [("rays.npy", &npy), ("shadow.npy", &npy), ("primary.f32", &ray)] {
+            std::fs::write(place.path(name), bytes).expect("a file");
+        }
         let text = place.ok(&[&help[..], &["--help"]].concat()).stdout;
         let (_, examples) = text.split_once("Examples:\n").expect("examples");
         let (mut of_help, mut folder) = (0, None);

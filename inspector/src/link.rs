@@ -277,7 +277,7 @@ impl Link {
         match self.ray {
             None => {}
             Some(LinkRay::Pixel(pixel)) => add("pixel", Some(list(&pixel))),
-            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })) => {
+            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz], .. })) => {
                 add("ray", Some(list(&[ox, oy, oz, dx, dy, dz])));
             }
         }

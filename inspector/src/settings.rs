@@ -169,7 +169,7 @@ impl From<&Link> for Settings {
             }
         };
         let ray = match link.ray {
-            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })) => {
+            Some(LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz], .. })) => {
                 Some([ox, oy, oz, dx, dy, dz])
             }
             _ => None,
@@ -211,9 +211,7 @@ impl Settings {
             }
             View::Free { .. } => LinkCamera::Default,
         };
-        let given = self
-            .ray
-            .map(|[ox, oy, oz, dx, dy, dz]| LinkRay::Given(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] }));
+        let given = self.ray.map(|[ox, oy, oz, dx, dy, dz]| LinkRay::Given(Ray::new([ox, oy, oz], [dx, dy, dz])));
         Link {
             camera,
             size: self.size,
@@ -245,9 +243,7 @@ impl Settings {
     #[must_use]
     pub fn options(&self, scene: &Scene) -> Options {
         let rays = match self.ray {
-            Some([ox, oy, oz, dx, dy, dz]) => {
-                RaySource::Given(vec![Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] }])
-            }
+            Some([ox, oy, oz, dx, dy, dz]) => RaySource::Given(vec![Ray::new([ox, oy, oz], [dx, dy, dz])]),
             None => {
                 let [width, height] = self.size;
                 RaySource::Camera { camera: self.view.camera(scene), width, height }

@@ -63,6 +63,7 @@ pub use options::samples::Samples;
 pub use options::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
 pub use plan::{Limits, Loops, Plan, PlanError};
 pub use program::{Kernel, Program};
+pub use renderer::cast::{CastHit, Caster};
 pub use renderer::image::Image;
 pub use renderer::{Checkpoint, Device, Pass, PassTotals, Progress, RayHit, RenderError, Renderer};
 pub use shared::samples::Sampler;

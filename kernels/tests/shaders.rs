@@ -41,12 +41,13 @@ fn feature_sets() -> Vec<Features> {
                 sets.push(waiting(one));
             }
         }
-        let toggles: [fn(&mut Features); 21] = [
+        let toggles: [fn(&mut Features); 22] = [
             // Empty-space skipping needs exact planes; the paper's rules have none.
             |f| f.skip = f.robust && f.grid,
             |f| f.live_lists = true,
             |f| (f.live_lists, f.many_steps) = (true, true),
             |f| f.any_hit = f.robust,
+            |f| f.intervals = true,
             |f| f.eye_rays = true,
             |f| f.clip = true,
             |f| f.perspective = true,

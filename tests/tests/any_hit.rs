@@ -64,7 +64,7 @@ fn what_lies_before_a_rays_end_is_found_and_what_lies_behind_is_not() {
         let mut given = shadow_rays(&scene, &Device::Cpu(None));
         assert!(given.len() > 20, "{file}: {} rays towards lights", given.len());
         given.extend(rays::segments(&scene, 400, 11));
-        let options = Options { any_hit: true, shade: false, ..Options::new(RaySource::Given(given)) };
+        let options = Options { any_hit: true, shade: false, ..Options::new(RaySource::Given(given).until(1.0)) };
         let start = block_on(None, Renderer::new(&scene, &options, &Device::Cpu(None))).expect("a renderer");
         let truth = truth(&start);
         let (hits, free) = (truth.iter().filter(|t| t.is_hit), truth.iter().filter(|t| t.before.is_empty()));

@@ -115,7 +115,7 @@ fn nothing_and_next_to_nothing_are_traced() {
         let scene = scene(file);
         expect_no_errors(file, &scene, &picture(&scene, 32), &EVERY, 0.01);
         let origin = Random::new(3).direction().map(|v| 3.0 * v);
-        let rays: Vec<_> = (0..200).map(|i| Ray { origin, direction: Random::new(i).direction() }).collect();
+        let rays: Vec<_> = (0..200).map(|i| Ray::new(origin, Random::new(i).direction())).collect();
         let given = Options { shade: false, ..Options::new(RaySource::Given(rays)) };
         expect_no_errors(file, &scene, &given, &EVERY, 0.01);
     }

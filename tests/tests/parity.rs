@@ -137,7 +137,7 @@ fn in_whole_passes(gpu: &Arc<Gpu>, accelerator: Accelerator) -> Found {
     for file in part_of(&["primitives.gltf", "cornell-box.gltf"]) {
         let scene = scene(file);
         for way in ways(accelerator) {
-            let rays = RaySource::Given(rays::segments(&scene, 500, 3));
+            let rays = RaySource::Given(rays::segments(&scene, 500, 3)).until(1.0);
             let options = Options { any_hit: true, shade: false, ..way.of(&Options::new(rays)) };
             found.add(&format!("{file} {way} any hit"), parity::compare(gpu, &scene, &options));
         }
@@ -307,7 +307,7 @@ fn a_kernel_broken_for_other_rays_is_named() {
     let options = Way::new(Accelerator::Grid, ScheduleKind::Compact, 8).of(&options(&lights, 40, 40));
     let found = parity::compare_broken_in_turns(&gpu(), &lights, &options, 1, change(kernels::SHADE, from, to));
     assert_eq!(found.breaches.first().map(|b| b.kernel), Some(kernels::SHADE), "lights are left out unnoticed");
-    let rays = RaySource::Given(rays::segments(&scene("cornell-box.gltf"), 500, 3));
+    let rays = RaySource::Given(rays::segments(&scene("cornell-box.gltf"), 500, 3)).until(1.0);
     let shadows = room(Way::new(Accelerator::Grid, ScheduleKind::Compact, 8));
     let shadows = Options { any_hit: true, shade: false, rays, ..shadows };
     for (from, to) in [

@@ -220,7 +220,7 @@ fn more_samples_are_nearer_to_the_mean_of_many() {
 #[test]
 fn samples_that_mean_nothing_are_refused() {
     let (scene, options) = room();
-    let given = RaySource::Given(vec![Ray { origin: [0.0; 3], direction: [0.0, 0.0, -1.0] }]);
+    let given = RaySource::Given(vec![Ray::new([0.0; 3], [0.0, 0.0, -1.0])]);
     for (options, reason) in [
         (with(&options, 0, Sampler::Sobol), "1 to 65536"),
         (with(&options, 65_537, Sampler::Sobol), "1 to 65536"),

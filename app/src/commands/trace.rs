@@ -100,7 +100,7 @@ impl FromStr for TypedRay {
         };
         let numbers = value.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
         let [ox, oy, oz, dx, dy, dz] = numbers[..] else { return Err(WRONG) };
-        Ok(Self(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] }))
+        Ok(Self(Ray::new([ox, oy, oz], [dx, dy, dz])))
     }
 }
 

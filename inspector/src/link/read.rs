@@ -138,7 +138,7 @@ fn ray(pairs: &Pairs) -> Result<Option<LinkRay>, LinkError> {
     let pixel = pairs.take("pixel", |v| numbers(v, |part| part.parse::<u32>().ok()).ok_or(PIXEL.into()))?;
     let given = pairs.take("ray", |v| {
         let [ox, oy, oz, dx, dy, dz] = numbers(v, component).ok_or(RAY)?;
-        Ok(Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] })
+        Ok(Ray::new([ox, oy, oz], [dx, dy, dz]))
     })?;
     match (pixel, given) {
         (Some(_), Some(_)) => Err(LinkError::Both("pixel", "ray")),

@@ -82,10 +82,7 @@ impl Random {
             ray: match self.below(3) {
                 0 => None,
                 1 => Some(LinkRay::Pixel(size.map(|side| self.below(side as usize) as u32))),
-                _ => Some(LinkRay::Given(Ray {
-                    origin: [0; 3].map(|_| self.f32()),
-                    direction: [0; 3].map(|_| self.f32()),
-                })),
+                _ => Some(LinkRay::Given(Ray::new([0; 3].map(|_| self.f32()), [0; 3].map(|_| self.f32())))),
             },
             pass: self.maybe(|r| r.below(usize::MAX)),
             stream: self.maybe(|r| {
@@ -186,7 +183,7 @@ fn a_wrong_link_says_in_one_line_what_would_be_right() {
         ("raystep:1?pixel=1,2&ray=0,0,0,0,0,1", "pixel and ray exclude each other"),
         ("raystep:1?ray=0,0,0,0,0,0x7f800000", "six finite numbers"),
         ("raystep:1?ray=0,0,0,0,0,1,0", "six finite numbers"),
-        ("raystep:1?stream=depth", "ray_origin, ray_direction, state"),
+        ("raystep:1?stream=depth", "ray_origin, ray_direction, ray_interval, state"),
         ("raystep:1?stream=tmax.w", "layers of tmax are x, y, z"),
         ("raystep:1?zoom=0", "above 0"),
         ("raystep:1?pan=1", "two numbers"),

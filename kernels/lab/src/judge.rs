@@ -34,6 +34,8 @@ pub struct Traced<'a> {
     results: Results,
     /// Origins, directions, states and hits from the run's streams; texels beyond the last ray are unused.
     pub streams: [StreamData; 4],
+    /// The t between which each ray's hits count, if the run's rays have intervals.
+    intervals: Option<StreamData>,
 }
 
 /// A hit, in the executor's precision.
@@ -62,7 +64,9 @@ impl<'a> Traced<'a> {
             renderer.values(results.t.stream).await?,
             renderer.values(results.triangle.stream).await?,
         ];
-        Ok(Self { renderer, results, streams })
+        let has_intervals = renderer.plan().has_stream(results.interval);
+        let intervals = if has_intervals { Some(renderer.values(results.interval).await?) } else { None };
+        Ok(Self { renderer, results, streams, intervals })
     }
 
     /// The number of rays.
@@ -81,6 +85,18 @@ impl<'a> Traced<'a> {
     #[must_use]
     pub fn ray(&self, ray: usize) -> [[f32; 3]; 2] {
         self.bits(ray).map(|v| v.map(f32::from_bits))
+    }
+
+    /// The t between which a ray's hits count, in traced units; `None` if no ray of the run has an interval.
+    #[must_use]
+    pub fn interval(&self, ray: usize) -> Option<[f32; 2]> {
+        self.intervals.as_ref().map(|s| [0, 1].map(|layer| s.get_f32(layer, ray)))
+    }
+
+    /// What a ray may hit.
+    fn candidates(&self, triangles: &BruteForce<'_>, ray: usize) -> Candidates {
+        let [origin, direction] = self.ray(ray);
+        within(triangles.candidates(origin, direction), self.interval(ray))
     }
 
     fn bits(&self, ray: usize) -> [[u32; 3]; 2] {
@@ -136,7 +152,15 @@ pub fn check_rays(traced: &Traced<'_>, mut progress: impl FnMut(u64, u64) -> Con
 fn judge(triangles: &BruteForce<'_>, traced: &Traced<'_>, ray: usize) -> (Mistake, f64) {
     let [origin, direction] = traced.ray(ray);
     let found = traced.hit(ray).map(|hit| (hit.triangle, hit.t));
-    triangles.judge(ray, origin, direction, &triangles.candidates(origin, direction), found)
+    triangles.judge(ray, origin, direction, &traced.candidates(triangles, ray), found)
+}
+
+/// What is left within a ray's interval, if it has one.
+fn within(candidates: Candidates, interval: Option<[f32; 2]>) -> Candidates {
+    match interval {
+        Some(interval) => candidates.within(interval.map(f64::from)),
+        None => candidates,
+    }
 }
 
 /// How many rays to judge at a time, so that every batch takes about equally long.
@@ -176,6 +200,8 @@ pub struct Judge {
     sample: Vec<usize>,
     /// Origins and directions, as bits.
     rays: Vec<[[u32; 3]; 2]>,
+    /// The t between which hits count, as bits.
+    intervals: Vec<Option<[u32; 2]>>,
     candidates: Vec<Candidates>,
 }
 
@@ -194,12 +220,15 @@ impl Judge {
     /// Computes what each ray of a sample may hit, unless rays and triangles are the same as before.
     pub fn prepare(&mut self, traced: &Traced<'_>, sample: Vec<usize>) {
         let rays: Vec<_> = sample.iter().map(|&ray| traced.bits(ray)).collect();
+        let intervals: Vec<_> = sample.iter().map(|&ray| traced.interval(ray).map(|t| t.map(f32::to_bits))).collect();
         let scene = Hash::of_floats(traced.vertices());
-        if (self.scene, &self.rays, &self.sample) == (scene, &rays, &sample) {
+        if (self.scene, &self.rays, &self.intervals, &self.sample) == (scene, &rays, &intervals, &sample) {
             return;
         }
         let floats: Vec<_> = rays.iter().map(|ray| ray.map(|v| v.map(f32::from_bits))).collect();
-        *self = Self { scene, sample, rays, candidates: candidates_of(traced.vertices(), &floats) };
+        let all = candidates_of(traced.vertices(), &floats).into_iter().zip(&sample);
+        let candidates = all.map(|(candidates, &ray)| within(candidates, traced.interval(ray))).collect();
+        *self = Self { scene, sample, rays, intervals, candidates };
     }
 
     /// The rays that are judged, ascending.

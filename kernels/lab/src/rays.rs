@@ -17,6 +17,7 @@
 //! origin stays on the viewer's side.
 
 mod aimed;
+pub mod file;
 mod mixed;
 mod random;
 mod view;
@@ -198,7 +199,7 @@ pub fn random(bounds: &Bounds, count: usize, seed: u32) -> Vec<Ray> {
 fn ray(origin: DVec3, direction: DVec3) -> Option<Ray> {
     let (origin, direction) = (origin.as_vec3(), direction.as_vec3());
     let is_traceable = origin.is_finite() && direction.is_finite() && direction != glam::Vec3::ZERO;
-    is_traceable.then(|| Ray { origin: origin.to_array(), direction: direction.to_array() })
+    is_traceable.then(|| Ray::new(origin.to_array(), direction.to_array()))
 }
 
 #[cfg(test)]
@@ -319,7 +320,7 @@ mod tests {
 
     #[test]
     fn a_tile_of_rays_leaves_from_a_tile_of_pixels() {
-        let rays: Vec<Ray> = (0..1000).map(|i| Ray { origin: [i as f32, 0.0, 0.0], direction: [1.0; 3] }).collect();
+        let rays: Vec<Ray> = (0..1000).map(|i| Ray::new([i as f32, 0.0, 0.0], [1.0; 3])).collect();
         let placed = in_tiles(&rays);
         let (width, first) = (given_width(1000) as usize, |i: usize| placed[i].origin[0] as usize);
         assert_eq!(width, 32);

@@ -101,9 +101,42 @@ pub struct Candidates {
     pub exact: Option<(u32, f64)>,
     /// Smallest upper bound of t among definite hits: nothing behind it can be correct.
     surely_by: Option<f64>,
+    /// The t between which hits count; `None` for all.
+    interval: Option<[f64; 2]>,
 }
 
 impl Candidates {
+    /// What is left for a ray whose hits count between two t only, neither end included. A hit whose t is within its
+    /// error bound of an end may count or not: a tie.
+    #[must_use]
+    pub fn within(self, [t_min, t_max]: [f64; 2]) -> Self {
+        let mut within = Self { interval: Some([t_min, t_max]), ..Self::default() };
+        for p in self.possible {
+            let (from, to) = (p.t - p.t_bound, p.t + p.t_bound);
+            if to > t_min && from < t_max {
+                let is_exact = p.is_exact && p.t > t_min && p.t < t_max;
+                within.add(Possible { is_exact, is_definite: p.is_definite && from > t_min && to < t_max, ..p });
+            }
+        }
+        within
+    }
+
+    /// Adds what the ray may hit, in the order of triangles.
+    fn add(&mut self, p: Possible) {
+        if p.is_definite {
+            self.surely_by = Some(self.surely_by.map_or(p.t + p.t_bound, |by| by.min(p.t + p.t_bound)));
+        }
+        if p.is_exact && self.exact.is_none_or(|(_, t)| p.t < t) {
+            self.exact = Some((p.triangle, p.t));
+        }
+        self.possible.push(p);
+    }
+
+    /// Whether a ray's hits count at this t.
+    fn counts(&self, t: f64) -> bool {
+        self.interval.is_none_or(|[t_min, t_max]| t > t_min && t < t_max)
+    }
+
     /// The candidate with this triangle id, if there is one.
     #[must_use]
     pub fn of(&self, triangle: u32) -> Option<&Possible> {
@@ -138,7 +171,7 @@ impl Candidates {
                 let error = (t - p.t).abs();
                 // The negated comparison catches NaN.
                 #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN is within no bound")]
-                if !(error <= p.t_bound) || surely_by < p.t - p.t_bound {
+                if !(error <= p.t_bound) || surely_by < p.t - p.t_bound || !self.counts(t) {
                     Verdict::Wrong
                 } else if exact.is_some_and(|(k, _)| k == p.triangle) {
                     t_ulp = error / (2.0 * U * p.far.max(t.abs()));
@@ -185,13 +218,7 @@ impl<'a> BruteForce<'a> {
                 continue;
             }
             let Some(p) = self.test(origin, direction, triangle as u32) else { continue };
-            if p.is_definite {
-                all.surely_by = Some(all.surely_by.map_or(p.t + p.t_bound, |by| by.min(p.t + p.t_bound)));
-            }
-            if p.is_exact && all.exact.is_none_or(|(_, t)| p.t < t) {
-                all.exact = Some((p.triangle, p.t));
-            }
-            all.possible.push(p);
+            all.add(p);
         }
         all
     }

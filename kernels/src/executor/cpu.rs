@@ -359,11 +359,15 @@ impl<R: Precision> CpuExecutor<R> {
         if !rows.size.as_ref().is_some_and(is_same) {
             return false;
         }
-        for layer in 0..stream.layers() {
-            for (row, &bits) in rows.texels.chunks_exact_mut(rows.layout.stride).zip(data.layer(layer)) {
-                row[first + layer] = from_stream_bits::<R>(stream, layer, bits);
+        let layers: Vec<&[u32]> = (0..stream.layers()).map(|layer| data.layer(layer)).collect();
+        let stride = rows.layout.stride;
+        for_chunks(&mut rows.texels, ELEMENTS_PER_TASK * stride, |begin, texels| {
+            for (row, element) in texels.chunks_exact_mut(stride).zip(begin / stride..) {
+                for (layer, bits) in layers.iter().enumerate() {
+                    row[first + layer] = from_stream_bits::<R>(stream, layer, bits[element]);
+                }
             }
-        }
+        });
         if Some(stream) == self.plan.program.state_stream() {
             self.count();
         }

@@ -75,6 +75,17 @@ impl GpuExecutor {
     /// # Errors
     /// If the device refuses or is lost.
     pub async fn new(gpu: Arc<Gpu>, plan: &Arc<Plan>, data: &SceneData, timed: bool) -> Result<Self, GpuError> {
+        Self::beside(gpu, plan, data, timed, None).await
+    }
+
+    /// As [`new`](Self::new), with the buffers of another executor for the same data, uploaded once for both.
+    pub(crate) async fn beside(
+        gpu: Arc<Gpu>,
+        plan: &Arc<Plan>,
+        data: &SceneData,
+        timed: bool,
+        other: Option<&Self>,
+    ) -> Result<Self, GpuError> {
         gpu.health()?;
         let device = &gpu.device;
         let scopes = gpu.push_scopes();
@@ -84,6 +95,10 @@ impl GpuExecutor {
         let mut buffers = Vec::new();
         for planned in &plan.buffers {
             let Some(info) = plan.program.buffer(planned.what) else { continue };
+            if let Some(uploaded) = other.and_then(|other| other.buffer(planned.what)) {
+                buffers.push((planned.what, uploaded.clone()));
+                continue;
+            }
             let contents = info.contents(data);
             let kind = if info.is_uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
             let usage = kind | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;

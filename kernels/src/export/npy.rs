@@ -6,6 +6,8 @@
 
 use std::io::{self, Write};
 
+use crate::renderer::cast::CastHit;
+
 use crate::tables::stream::{StreamData, Texel};
 
 /// Bytes before the data: magic, version, length and header, padded so that the data is aligned.
@@ -42,6 +44,30 @@ pub fn write_stream(out: &mut impl Write, data: &StreamData) -> io::Result<()> {
         out.write_all(&bytes)?;
     }
     Ok(())
+}
+
+/// Bytes before the hits of a structured array, whatever their number.
+pub const HITS_HEADER_BYTES: usize = 256;
+
+/// Appends the header of a structured array of so many hits: t, u and v as `<f4`, triangle and material as `<u4`. It
+/// always has the same length, so the number can be replaced later.
+pub fn write_hits_header(out: &mut Vec<u8>, hits: u64) {
+    let kinds = ["('t', '<f4')", "('u', '<f4')", "('v', '<f4')", "('triangle', '<u4')", "('material', '<u4')"];
+    let header = format!("{{'descr': [{}], 'fortran_order': False, 'shape': ({hits},), }}", kinds.join(", "));
+    let width = HITS_HEADER_BYTES - 11;
+    out.extend_from_slice(b"\x93NUMPY\x01\x00");
+    out.extend_from_slice(&(HITS_HEADER_BYTES as u16 - 10).to_le_bytes());
+    out.extend_from_slice(format!("{header:<width$}\n").as_bytes());
+}
+
+/// Appends hits as the elements of that array, 20 bytes each.
+pub fn write_hits(out: &mut Vec<u8>, hits: &[CastHit]) {
+    out.reserve(size_of_val(hits));
+    for hit in hits {
+        for bits in [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle, hit.material] {
+            out.extend_from_slice(&bits.to_le_bytes());
+        }
+    }
 }
 
 #[cfg(test)]

@@ -40,6 +40,7 @@ features! {
     resumes: "A walk may take more loop iterations than one dispatch allows: it continues in the next.",
     resumes_scan: "The same for the search for repeated tests.",
     resumes_light: "The same for the sum over the lights.",
+    intervals: "Rays have a smallest or a largest t: other hits do not count.",
     any_hit: "A ray ends at the first hit found, nearest or not.",
     eye_rays: "The fused kernel generates its rays itself.",
     clip: "Rays may start outside of the grid.",

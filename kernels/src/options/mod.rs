@@ -143,13 +143,53 @@ pub const MOST_WITHOUT: usize = 6;
 /// Fewest triangles whose grid has enough cells to tell whether the scene is filled evenly.
 pub const LEAST_FOR_GRID: usize = 512;
 
-/// A ray in scene units: `origin + t * direction`.
+/// A ray in scene units: `origin + t * direction`. A hit counts if `t_min < t < t_max`: neither end does, as in DXR and
+/// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it starts.
     pub origin: [f32; 3],
     /// Direction; any length but 0.
     pub direction: [f32; 3],
+    /// Hits count beyond this t, in multiples of the direction: 0 or more, and finite.
+    pub t_min: f32,
+    /// Hits count before this t, in multiples of the direction: at least `t_min`; infinite for a ray without an end.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray whose hits count at every t > 0.
+    #[must_use]
+    pub const fn new(origin: [f32; 3], direction: [f32; 3]) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// What is wrong with the ray in any scene: a component that is not finite, a direction of 0, an empty interval.
+    #[must_use]
+    pub fn fault(&self) -> Option<&'static str> {
+        if self.direction.iter().chain(&self.origin).any(|v| !v.is_finite()) {
+            Some("a component is not finite")
+        } else if self.direction == [0.0; 3] {
+            Some("its direction is 0")
+        } else if !self.t_min.is_finite() || self.t_min < 0.0 {
+            Some("its t_min is not a finite number from 0 on")
+        } else if self.t_max.is_nan() || self.t_max < self.t_min {
+            Some("its t_max is below its t_min, or not a number")
+        } else {
+            None
+        }
+    }
+
+    /// Whether the kernels must look up its interval. The t_max of a ray that ends at any hit is its initial t.
+    pub(crate) fn needs_interval(&self, any_hit: bool) -> bool {
+        self.t_min > 0.0 || (self.t_max < f32::INFINITY && !any_hit)
+    }
+
+    /// The same ray, with hits between two t only.
+    #[must_use]
+    pub const fn between(self, t_min: f32, t_max: f32) -> Self {
+        Self { t_min, t_max, ..self }
+    }
 }
 
 /// The source of rays.
@@ -166,6 +206,18 @@ pub enum RaySource {
     },
     /// Input rays. They fill texels row by row; the last row may be partly unused.
     Given(Vec<Ray>),
+}
+
+impl RaySource {
+    /// The same source with input rays that end at `t_max`, or earlier if they did: with 1, rays from a point to a
+    /// light. A camera's rays have no end.
+    #[must_use]
+    pub fn until(mut self, t_max: f32) -> Self {
+        if let Self::Given(rays) = &mut self {
+            rays.iter_mut().for_each(|ray| ray.t_max = ray.t_max.min(t_max));
+        }
+        self
+    }
 }
 
 /// Default steps per pass of the compact schedule.
@@ -192,8 +244,8 @@ pub struct Options {
     pub skip: Skip,
     /// `--steps-per-pass`: most steps of a ray per pass of the compact schedule; the paper takes 1.
     pub steps_per_pass: u32,
-    /// A ray ends at the first hit found with t below 1, nearest or not: for shadow rays, from a point to a light. Not
-    /// with `--numerics paper`.
+    /// A ray ends at the first hit found, nearest or not: for shadow rays, from a point to a light. Not with
+    /// `--numerics paper`.
     pub any_hit: bool,
     /// The source of rays.
     pub rays: RaySource,

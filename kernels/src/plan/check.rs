@@ -6,7 +6,7 @@ use super::limits::Limits;
 use crate::numbers::bytes::Bytes;
 use crate::numbers::units::Units;
 use crate::options::samples::Samples;
-use crate::options::{Options, RaySource};
+use crate::options::{Options, Ray, RaySource};
 use crate::scene_data::{SceneDataError, traced_camera};
 use crate::shader::ShaderError;
 use crate::structures::bvh::BvhError;
@@ -126,21 +126,33 @@ pub(super) fn image_size(options: &Options, limits: &Limits) -> Result<(u32, u32
             (u64::from(*width), u64::from(*height), u64::from(*width) * u64::from(*height))
         }
         RaySource::Given(rays) => {
-            let width = folded_width(rays.len() as u64).min(u64::from(limits.image_side));
-            (width, (rays.len() as u64).div_ceil(width).max(1), rays.len() as u64)
+            let rays = rays.len() as u64;
+            let (width, height) = given_size(rays, limits)?;
+            return Ok((width, height, rays));
         }
     };
+    let (width, height) = checked_size(width, height, limits)?;
+    Ok((width, height, rays))
+}
+
+/// The texture that so many input rays fill row by row.
+pub(super) fn given_size(rays: u64, limits: &Limits) -> Result<(u32, u32), PlanError> {
+    let width = folded_width(rays).min(u64::from(limits.image_side));
+    checked_size(width, rays.div_ceil(width.max(1)).max(1), limits)
+}
+
+fn checked_size(width: u64, height: u64, limits: &Limits) -> Result<(u32, u32), PlanError> {
     let side = u64::from(limits.image_side);
     if width == 0 || height == 0 || width > side || height > side || width * height > limits.rays {
         return Err(PlanError::ImageSize { width, height, side: limits.image_side, rays: limits.rays });
     }
-    Ok((width as u32, height as u32, rays))
+    Ok((width as u32, height as u32))
 }
 
 /// Largest coordinate in traced units, where the scene's extent is 1 to 2. From 2²⁴ on, f32 cannot resolve the scene's
 /// extent at all; up to this value, t stays far below [`crate::shared::constants::INF`] even along an axis that a ray
 /// is nearly parallel to.
-const FARTHEST: f64 = (1u64 << 28) as f64;
+pub(crate) const FARTHEST: f64 = (1u64 << 28) as f64;
 
 pub(super) fn check_scene(scene: &Scene, units: Units) -> Result<(), PlanError> {
     let bounds = scene.bounds();
@@ -199,21 +211,19 @@ pub(super) fn check_rays(options: &Options, units: Units) -> Result<(), PlanErro
             Ok(())
         }
         RaySource::Given(rays) => {
-            for (index, ray) in rays.iter().enumerate() {
-                let traced = ray.origin.map(|v| units.to_traced(v));
-                if ray.direction.iter().chain(&ray.origin).any(|v| !v.is_finite()) {
-                    return Err(PlanError::Ray { index, reason: "a component is not finite" });
-                }
-                if ray.direction == [0.0; 3] {
-                    return Err(PlanError::Ray { index, reason: "its direction is 0" });
-                }
-                if traced.iter().any(|v| v.is_nan() || f64::from(v.abs()) > FARTHEST) {
-                    return Err(PlanError::Ray { index, reason: "its origin is too far from the scene for its size" });
-                }
+            match rays.iter().enumerate().find_map(|(index, ray)| Some((index, why_untraceable(ray, units)?))) {
+                Some((index, reason)) => Err(PlanError::Ray { index, reason }),
+                None => Ok(()),
             }
-            Ok(())
         }
     }
+}
+
+/// Why an input ray cannot be traced, if it cannot.
+pub(crate) fn why_untraceable(ray: &Ray, units: Units) -> Option<&'static str> {
+    let is_far = |v: &f32| f64::from(units.to_traced(*v).abs()) > FARTHEST;
+    let far = || ray.origin.iter().any(is_far).then_some("its origin is too far from the scene for its size");
+    ray.fault().or_else(far)
 }
 
 /// Bytes per texel as kernels read it.

@@ -33,6 +33,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
     };
     let is_fused = options.schedule == ScheduleKind::Fused;
     let given = matches!(options.rays, RaySource::Given(_));
+    let any_hit = options.any_hit && robust && options.without.is_none();
     let any_light = |f: fn(&Light) -> bool| keep || scene.lights.iter().any(f);
     let any_material = |f: fn(&raystep_scenes::Material) -> bool| keep || scene.materials.iter().any(f);
     Features {
@@ -47,7 +48,8 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,
         many_steps: options.schedule == ScheduleKind::Compact && options.steps_per_pass > 1,
-        any_hit: options.any_hit && robust && options.without.is_none(),
+        intervals: has_intervals(&options.rays, any_hit),
+        any_hit,
         eye_rays: is_fused && !options.shade && !given,
         clip: keep || !inside,
         perspective: match &options.rays {
@@ -71,6 +73,12 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         samples: options.samples.count > 1,
         sobol: options.samples.count > 1 && options.samples.sampler == Sampler::Sobol,
     }
+}
+
+/// Whether a ray has a t_min or a t_max that the kernels must look up.
+fn has_intervals(rays: &RaySource, any_hit: bool) -> bool {
+    let RaySource::Given(rays) = rays else { return false };
+    rays.iter().any(|ray| ray.needs_interval(any_hit))
 }
 
 /// Everything in the program's tables that the plan leaves out.

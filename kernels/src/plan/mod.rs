@@ -3,6 +3,7 @@
 //! The plan follows from reflection: a stream or buffer is allocated if, and only if, a kernel of the
 //! schedule, compiled with the run's options, binds it.
 
+mod again;
 mod check;
 mod decide;
 pub(crate) mod display;
@@ -33,6 +34,7 @@ use crate::tables::stream::Stream;
 pub use crate::numbers::bytes::Bytes;
 pub use crate::options::reasons::Because;
 pub use crate::tables::elements::folded_width as given_width;
+pub(crate) use check::{FARTHEST, why_untraceable};
 pub use check::{MAX_TEXELS, PlanError};
 use check::{check_buffer, check_rays, check_samples, check_scene, check_texels, image_size};
 use decide::left_out;
@@ -165,6 +167,43 @@ fn planned_buffers(
     Ok(buffers)
 }
 
+/// What a run allocates.
+struct Allocated {
+    sets: Vec<PlannedSet>,
+    streams: Vec<Planned<Stream>>,
+    buffers: Vec<Planned<&'static str>>,
+}
+
+impl Allocated {
+    /// For a run of rays; `given` by the caller or not.
+    fn new(
+        program: &'static Program,
+        bound: &BTreeSet<&str>,
+        data: &SceneData,
+        size: Size,
+        given: bool,
+        limits: &Limits,
+    ) -> Result<Self, PlanError> {
+        let sets = vec![PlannedSet { what: program.elements[0], size: Some(size) }];
+        let streams = planned_streams(program, &sets, bound);
+        let mut buffers = planned_buffers(program, bound, data, limits)?;
+        buffers.extend(housekeeping(program, bound, size.texels()));
+        buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
+        if given {
+            let inputs = program.course.map_or(&[][..], |course| course.inputs).iter();
+            let inputs = inputs.filter(|stream| bound.contains(stream.name()));
+            let bytes = inputs.map(|&stream| given_bytes(stream, size.width, size.height)).sum();
+            buffers.push(Planned { what: "given", bytes });
+        }
+        Ok(Self { sets, streams, buffers })
+    }
+}
+
+/// The names that the kernels of a run bind.
+fn bound_by(variants: &[Variant]) -> BTreeSet<&str> {
+    variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect()
+}
+
 impl Plan {
     /// A label for an object of this run, shown by debuggers and in wgpu's errors.
     #[must_use]
@@ -203,7 +242,7 @@ impl Plan {
         let program = &closest_hit::PROGRAM;
         let schedule = closest_hit::schedule::of(options, accelerator, &features);
         let variants = variants(program, &schedule, &features)?;
-        let bound: BTreeSet<&str> = variants.iter().flat_map(|v| &v.bindings).map(|b| b.name.as_str()).collect();
+        let bound = bound_by(&variants);
         if bound.contains("texels") {
             check_texels(scene, limits)?;
         }
@@ -213,16 +252,7 @@ impl Plan {
         let data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
 
         let size = Size { width, height, count: rays as u32 };
-        let sets = vec![PlannedSet { what: program.elements[0], size: Some(size) }];
-        let streams = planned_streams(program, &sets, &bound);
-        let mut buffers = planned_buffers(program, &bound, &data, limits)?;
-        buffers.extend(housekeeping(program, &bound, size.texels()));
-        buffers.push(Planned { what: "fill", bytes: fill_bytes(size, sets.len(), program.streams) });
-        if given {
-            let inputs = program.course.map_or(&[][..], |course| course.inputs);
-            let bytes = inputs.iter().map(|&stream| given_bytes(stream, width, height)).sum();
-            buffers.push(Planned { what: "given", bytes });
-        }
+        let Allocated { sets, streams, buffers } = Allocated::new(program, &bound, &data, size, given, limits)?;
         let mut plan = Self {
             program,
             sets,

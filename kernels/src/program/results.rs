@@ -10,6 +10,8 @@ pub struct Results {
     pub origin: Stream,
     /// Its direction: x, y, z.
     pub direction: Stream,
+    /// The t between which its hits count, if a run's rays have intervals: t_min, t_max.
+    pub interval: Stream,
     /// t of the nearest hit so far, [`INF`] without one. Its stream holds the tags, too.
     pub t: Component,
     /// The triangle that was hit, [`NO_TRIANGLE`] without a hit.

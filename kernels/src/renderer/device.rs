@@ -72,25 +72,41 @@ pub(super) enum Kept {
 }
 
 impl Executor {
-    /// With `timed`, passes are timed if the device has a clock. `given` are the input streams.
+    /// With `timed`, passes are timed if the device has a clock. `given` are the input streams. An executor `beside` it
+    /// has the same data on the same device.
     pub(super) async fn new(
         device: &Device,
         plan: &Arc<Plan>,
         data: &SceneData,
         timed: bool,
         given: &[StreamData],
+        beside: Option<&Self>,
     ) -> Result<Self, RenderError> {
         let timer = |clock: &Option<fn() -> u64>| clock.filter(|_| timed);
         Ok(match device {
             #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => {
-                let mut executor = GpuExecutor::new(gpu.clone(), plan, data, timed).await?;
+                let other = match beside {
+                    Some(Self::Gpu(other)) => Some(&**other),
+                    _ => None,
+                };
+                let mut executor = GpuExecutor::beside(gpu.clone(), plan, data, timed, other).await?;
                 executor.give(given);
                 Self::Gpu(Box::new(executor))
             }
             Device::Cpu(clock) => Self::Cpu(CpuExecutor::new(plan, timer(clock))?),
             Device::CpuF64(clock) => Self::CpuF64(CpuExecutor::new(plan, timer(clock))?),
         })
+    }
+
+    /// Sets the input streams from now on; [`clear`](Self::clear) resets to them.
+    pub(super) fn give(&mut self, given: &[StreamData]) {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.give(given),
+            // They take them at every clear.
+            Self::Cpu(_) | Self::CpuF64(_) => {}
+        }
     }
 
     /// Resets every stream to its initial value: the input streams to theirs, the others to unwritten values.

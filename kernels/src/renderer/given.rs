@@ -1,44 +1,60 @@
 //! Input rays, as the streams that `generate` would have written.
 
-use crate::numbers::units::exp2;
+use crate::numbers::parallel::{for_chunks, map_ranges};
 use crate::options::Ray;
 use crate::plan::Plan;
 use crate::program::Results;
 use crate::scene_data::{SceneData, traced_ray};
-use crate::shared::constants::INF;
-use crate::tables::stream::{Stream, StreamData};
+use crate::tables::stream::{STATE_TAG, Stream, StreamData};
+
+/// Rays per task.
+const RAYS_A_TASK: usize = 1 << 13;
 
 /// Input rays as streams, and the exponent of each ray's t.
 pub(super) struct GivenRays {
-    pub(super) streams: [StreamData; 3],
+    pub(super) streams: Vec<StreamData>,
     pub(super) exponents: Vec<i32>,
 }
 
 impl GivenRays {
     pub(super) fn new(rays: &[Ray], results: &Results, plan: &Plan, data: &SceneData) -> Self {
         let texels = plan.width as usize * plan.height as usize;
+        let rays = &rays[..rays.len().min(texels)];
+        let traced = |range: std::ops::Range<usize>| rays[range].iter().map(|ray| traced_ray(ray, data.units));
+        let traced = map_ranges(rays.len(), RAYS_A_TASK, |range| traced(range).collect::<Vec<_>>()).concat();
         let unwritten = |stream: Stream| StreamData {
             stream,
             width: plan.width,
             height: plan.height,
             bits: stream.info().unwritten.iter().flat_map(|&b| std::iter::repeat_n(b, texels)).collect(),
         };
-        let mut streams = [results.origin, results.direction, results.t.stream].map(unwritten);
-        let any_hit = data.features.any_hit;
-        let mut exponents = Vec::with_capacity(rays.len());
-        for (i, ray) in rays.iter().take(texels).enumerate() {
-            let (ray, exponent) = traced_ray(ray, data.units);
-            for axis in 0..3 {
-                streams[0].bits[axis * texels + i] = ray.origin[axis].to_bits();
-                streams[1].bits[axis * texels + i] = ray.direction[axis].to_bits();
-            }
-            streams[2].bits[i] = plan.program.course.map_or(0, |course| course.born);
-            if any_hit {
-                // Hits beyond the ray's end at t = 1 do not count.
-                streams[2].bits[results.t.layer * texels + i] = (exp2(-exponent) as f32).min(INF).to_bits();
-            }
-            exponents.push(exponent);
+        let fill = |stream: &mut StreamData, layer: usize, value: &(dyn Fn(&Ray) -> u32 + Sync)| {
+            let layer = &mut stream.bits[layer * texels..][..traced.len()];
+            for_chunks(layer, RAYS_A_TASK, |first, part| {
+                for (to, (ray, _)) in part.iter_mut().zip(&traced[first..]) {
+                    *to = value(ray);
+                }
+            });
+        };
+        let [mut origins, mut directions, mut states] =
+            [results.origin, results.direction, results.t.stream].map(unwritten);
+        for axis in 0..3 {
+            fill(&mut origins, axis, &|ray| ray.origin[axis].to_bits());
+            fill(&mut directions, axis, &|ray| ray.direction[axis].to_bits());
         }
-        Self { streams, exponents }
+        let born = plan.program.course.map_or(0, |course| course.born);
+        fill(&mut states, STATE_TAG, &|_| born);
+        if data.features.any_hit {
+            // The first hit found before the ray's end is the result, so its t needs no place of its own.
+            fill(&mut states, results.t.layer, &|ray| ray.t_max.to_bits());
+        }
+        let mut streams = vec![origins, directions, states];
+        if data.features.intervals {
+            let mut intervals = unwritten(results.interval);
+            fill(&mut intervals, 0, &|ray| ray.t_min.to_bits());
+            fill(&mut intervals, 1, &|ray| ray.t_max.to_bits());
+            streams.push(intervals);
+        }
+        Self { streams, exponents: traced.iter().map(|(_, exponent)| *exponent).collect() }
     }
 }

@@ -1,5 +1,6 @@
 //! A run, driven by its caller: pass by pass or to the end, with access to every stream.
 
+pub mod cast;
 mod checkpoint;
 mod device;
 mod edit;
@@ -19,7 +20,7 @@ use raystep_scenes::Scene;
 use crate::executor::cpu::CpuExecutor;
 #[cfg(feature = "gpu")]
 use crate::executor::gpu::GpuExecutor;
-use crate::options::{Options, RaySource};
+use crate::options::{Options, Ray, RaySource};
 use crate::plan::Plan;
 use crate::program::schedule::Cursor;
 use crate::program::{Course, Kernel};
@@ -120,7 +121,38 @@ impl Renderer {
             RaySource::Camera { .. } => None,
         };
         let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
-        let executor = Executor::new(device, &plan, &data, options.timings, streams).await?;
+        let executor = Executor::new(device, &plan, &data, options.timings, streams, None).await?;
+        Ok(Self::with(plan, data, options, given, executor))
+    }
+
+    /// As [`from_plan`](Self::from_plan) for a plan of input rays that come later, see [`give`](Self::give). Another
+    /// run with the same data on the same device may share what is uploaded.
+    pub(crate) async fn for_later(
+        plan: Arc<Plan>,
+        data: Arc<SceneData>,
+        options: &Options,
+        device: &Device,
+        beside: Option<&Self>,
+    ) -> Result<Self, RenderError> {
+        let beside = beside.map(|other| &other.executor);
+        let executor = Executor::new(device, &plan, &data, options.timings, &[], beside).await?;
+        Ok(Self::with(plan, data, options, None, executor))
+    }
+
+    /// Replaces the input rays, of which the plan must have room for as many, and returns to before the first pass.
+    pub(crate) fn give(&mut self, rays: &[Ray]) {
+        self.given = self.plan.program.results.map(|results| GivenRays::new(rays, &results, &self.plan, &self.data));
+        self.executor.give(self.given.as_ref().map_or(&[], |given| &given.streams));
+        self.restart();
+    }
+
+    fn with(
+        plan: Arc<Plan>,
+        data: Arc<SceneData>,
+        options: &Options,
+        given: Option<GivenRays>,
+        executor: Executor,
+    ) -> Self {
         let pass_bound = plan.pass_bound;
         let mut renderer = Self {
             plan,
@@ -136,7 +168,7 @@ impl Renderer {
             is_ahead: false,
         };
         renderer.restart();
-        Ok(renderer)
+        renderer
     }
 
     /// Returns to before the first pass, with all rays. Kernels are deterministic, so the same passes follow.

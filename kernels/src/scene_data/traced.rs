@@ -5,6 +5,7 @@ use raystep_scenes::{Camera as SceneCamera, Projection, Scene};
 use crate::numbers::units::{Units, exp2, floor_log2};
 use crate::options::{Options, Ray, RaySource};
 use crate::shared::camera::Camera;
+use crate::shared::constants::INF;
 use crate::structures::grid;
 
 /// Growth of a BVH's boxes, in traced units: as much as the grid's cells, and 24 roundings for the slab test. Its
@@ -65,7 +66,7 @@ pub fn traced_camera(camera: &SceneCamera, units: Units, width: u32, height: u32
 }
 
 /// A ray in traced units: the origin scaled, and the direction scaled by its own power of two so that its largest
-/// component is in [1, 2). Also returns the exponent k of the scene's t: `t_scene = t_traced * 2^k`.
+/// component is in [1, 2), and the ends of its interval with it, at most [`INF`]. Also returns the exponent k of the scene's t: `t_scene = t_traced * 2^k`.
 #[must_use]
 pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     let origin = ray.origin.map(|v| units.to_traced(v));
@@ -73,7 +74,9 @@ pub fn traced_ray(ray: &Ray, units: Units) -> (Ray, i32) {
     let exponent = if largest > 0.0 && largest.is_finite() { -floor_log2(f64::from(largest)) } else { 0 };
     let direction = ray.direction.map(|v| (f64::from(v) * exp2(exponent)) as f32);
     let unit = floor_log2(units.scene_units_per_stream_unit());
-    (Ray { origin, direction }, unit + exponent)
+    let k = unit + exponent;
+    let [t_min, t_max] = [ray.t_min, ray.t_max].map(|t| (f64::from(t) * exp2(-k)).min(f64::from(INF)) as f32);
+    (Ray { origin, direction, t_min, t_max }, k)
 }
 
 /// An upper bound on every coordinate of corners and origins and on the distances between them, in traced units; a

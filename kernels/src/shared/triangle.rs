@@ -32,6 +32,15 @@ pub struct Shear<R> {
     z: R,
 }
 
+impl<R: Real> Candidate<R> {
+    /// The candidate, which is a hit only between two t; neither end counts.
+    #[must_use]
+    #[inline]
+    pub fn between(self, [t_min, t_max]: [R; 2]) -> Self {
+        Self { is_hit: self.is_hit && self.t > t_min && self.t < t_max, ..self }
+    }
+}
+
 impl<R: Real> Shear<R> {
     /// The shear for a direction.
     pub fn of(direction: Vec3<R>) -> Self {

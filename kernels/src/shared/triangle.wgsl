@@ -49,6 +49,13 @@ fn hit_triangle(origin: vec3f, direction: vec3f, shear: Shear, a: vec3f, b: vec3
     @else return moller_trumbore(origin, direction, a, b, c);
 }
 
+// The candidate, which is a hit only between two t; neither end counts.
+@if(intervals)
+fn between(candidate: Candidate, interval: vec2f) -> Candidate {
+    let is_hit = candidate.is_hit && candidate.t > interval.x && candidate.t < interval.y;
+    return Candidate(candidate.t, candidate.u, candidate.v, is_hit);
+}
+
 // a b + c
 fn times_plus(a: f32, b: f32, c: f32) -> f32 {
     @if(contracted) return fma(a, b, c);

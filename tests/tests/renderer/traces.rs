@@ -34,7 +34,7 @@ fn small_triangle() -> (Scene, RaySource) {
     (scene.normals, scene.texcoords, scene.colors) = (None, None, None);
     let normal = u.cross(v).normalize();
     let origin = a + (u + v) * 0.25 + normal;
-    (scene, RaySource::Given(vec![Ray { origin: origin.to_array(), direction: (-normal).to_array() }]))
+    (scene, RaySource::Given(vec![Ray::new(origin.to_array(), (-normal).to_array())]))
 }
 
 async fn life(renderer: &mut Renderer, [x, y]: [u32; 2], rays: Rays) -> Trace {
@@ -78,7 +78,11 @@ fn the_words_of_every_pass_say_what_the_streams_say() {
                 if any_hit && way.numerics == Numerics::Paper {
                     continue;
                 }
-                let options = Options { shade: is_camera, any_hit, ..way.of(&Options::new(source)) };
+                let options = Options {
+                    shade: is_camera,
+                    any_hit,
+                    ..way.of(&Options::new(if any_hit { source.until(1.0) } else { source }))
+                };
                 // On the adapter, the explanations describe the adapter's results, with values computed by the host.
                 let on_adapter = is_camera && way.steps == 1 && file == "teapot.glb";
                 for (name, device) in devices().into_iter().filter(|(name, _)| *name == "cpu" || on_adapter) {

@@ -66,7 +66,7 @@ impl Way {
             steps_per_pass: self.steps,
             any_hit: is_any_hit,
             shade: false,
-            ..Options::new(rays)
+            ..Options::new(if is_any_hit { rays.until(1.0) } else { rays })
         }
     }
 }

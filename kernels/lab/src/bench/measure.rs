@@ -289,6 +289,7 @@ impl<'a> Bench<'a> {
 /// no such rays.
 fn options(wanted: &Wanted, rays: RaySource, kind: RayKind) -> Options {
     let any_hit = kind == RayKind::Shadow && wanted.tuning.numerics == Numerics::Robust;
+    let rays = if any_hit { rays.until(1.0) } else { rays };
     Options { rays, shade: false, any_hit, ..wanted.tuning.clone() }
 }
 

@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     fn planes(scene: &Scene, cells: u32) -> Planes {
-        let rays = RaySource::Given(vec![Ray { origin: [0.0; 3], direction: [1.0; 3] }]);
+        let rays = RaySource::Given(vec![Ray::new([0.0; 3], [1.0; 3])]);
         let options = Options { grid: GridSize::Cells([cells; 3]), shade: false, ..Options::new(rays) };
         Planes::of(&Plan::new(scene, &options, &Limits::CPU).expect("a plan").1)
     }

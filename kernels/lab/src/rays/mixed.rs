@@ -15,22 +15,22 @@ pub fn mixed(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     let diagonal = size.length();
     let inside = |r: &mut Random| (min + size * glam::DVec3::new(r.unit(), r.unit(), r.unit())).as_vec3().to_array();
     let ray = |i: usize| match i % 3 {
-        0 => Ray { origin: inside(&mut random), direction: random.direction() },
+        0 => Ray::new(inside(&mut random), random.direction()),
         1 => {
             let away = glam::Vec3::from(random.direction()).as_dvec3() * diagonal * (1.0 + random.unit());
             let origin = (min + size * 0.5 + away).as_vec3();
             let target = glam::Vec3::from(inside(&mut random));
-            Ray { origin: origin.to_array(), direction: (target - origin).to_array() }
+            Ray::new(origin.to_array(), (target - origin).to_array())
         }
         _ => {
             let Some(triangle) = scene.triangles.get(random.below(scene.triangles.len())) else {
-                return Ray { origin: inside(&mut random), direction: random.direction() };
+                return Ray::new(inside(&mut random), random.direction());
             };
             let corners = triangle.map(|p| glam::Vec3::from(p).as_dvec3());
             let (a, b) = (random.unit(), random.unit());
             let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
             let origin = corners[0] + (corners[1] - corners[0]) * a + (corners[2] - corners[0]) * b;
-            Ray { origin: origin.as_vec3().to_array(), direction: random.direction() }
+            Ray::new(origin.as_vec3().to_array(), random.direction())
         }
     };
     (0..count).map(ray).collect()
@@ -44,7 +44,7 @@ pub fn segments(scene: &Scene, count: usize, seed: u64) -> Vec<Ray> {
     let ray = |i: usize| {
         // Of three random rays, the first starts inside the box, the last on the surface.
         let (origin, target) = (from[3 * i + [0, 2][i % 2]].origin, to[3 * i + [0, 2][i / 2 % 2]].origin);
-        Ray { origin, direction: (glam::Vec3::from(target) - glam::Vec3::from(origin)).to_array() }
+        Ray::new(origin, (glam::Vec3::from(target) - glam::Vec3::from(origin)).to_array())
     };
     (0..count).map(ray).filter(|ray| ray.direction != [0.0; 3]).collect()
 }
@@ -65,7 +65,7 @@ pub fn at_edges(scene: &Scene, origin: [f32; 3], count: usize, seed: u64) -> Vec
             1 => 0.5,
             _ => random.unit(),
         };
-        Some(Ray { origin, direction: (a + (b - a) * along - from).as_vec3().to_array() })
+        Some(Ray::new(origin, (a + (b - a) * along - from).as_vec3().to_array()))
     };
     (0..count).map_while(ray).collect()
 }

@@ -38,6 +38,9 @@ impl BruteForce<'_> {
         let gap = found.map_or(t, |(_, found)| found - t);
         // For a ray that starts on the surface, the sign of t is a matter of rounding.
         t > bound(triangle)
+            && candidates
+                .interval
+                .is_none_or(|[t_min, t_max]| t - bound(triangle) > t_min && t + bound(triangle) < t_max)
             && found.is_none_or(goes_on)
             && self.is_joined(origin, direction, candidates, t)
             && self.is_closed_around(origin, direction, t, 0.25 * gap)

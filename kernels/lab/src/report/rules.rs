@@ -124,7 +124,7 @@ impl Strata {
         let scene = &work.subject.scene;
         // Ray origins slightly affect the grid, so its planes are those for an origin like those of the rays.
         let bounds = scene.bounds();
-        let middle = Ray { origin: (bounds.min * 0.5 + bounds.max * 0.5).to_array(), direction: [1.0, 0.0, 0.0] };
+        let middle = Ray::new((bounds.min * 0.5 + bounds.max * 0.5).to_array(), [1.0, 0.0, 0.0]);
         let options = Options { shade: false, grid: work.grid, ..Options::new(RaySource::Given(vec![middle])) };
         let (_, data) = Plan::new(scene, &options, &work.machine().limits())?;
         let planes = Planes::of(&data);

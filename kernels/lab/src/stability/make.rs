@@ -40,7 +40,7 @@ fn vec(p: [f32; 3]) -> DVec3 {
 }
 
 fn ray(origin: DVec3, direction: DVec3) -> Ray {
-    Ray { origin: origin.as_vec3().to_array(), direction: direction.as_vec3().to_array() }
+    Ray::new(origin.as_vec3().to_array(), direction.as_vec3().to_array())
 }
 
 fn randoms(count: usize, seed: u32) -> impl Iterator<Item = (usize, Random)> {
@@ -71,7 +71,7 @@ pub(super) fn near_axis(count: usize, tiny: f32) -> Made {
         let sign = |bit: usize| if ((i / 3) >> bit) & 1 == 0 { 1.0 } else { -1.0 };
         let mut direction = [tiny * sign(0), tiny * sign(1), tiny * sign(2)];
         direction[i % 3] = sign(i % 3);
-        Ray { origin: in_cube(&mut random, 0.5).as_vec3().to_array(), direction }
+        Ray::new(in_cube(&mut random, 0.5).as_vec3().to_array(), direction)
     });
     let rays = rays.collect();
     Ok(Workload { grid: GridSize::Cells([64; 3]), ..given(sphere(3, |p| p)?, rays) })
@@ -233,7 +233,7 @@ pub(super) fn in_tilted_plane(count: usize) -> Made {
     let rays = randoms(count, 10).map(|(_, mut r)| {
         let origin = on_plane(&mut r, 900);
         let direction = on_plane(&mut r, 900);
-        Ray { origin, direction: if direction == [0.0; 3] { [-2.0, 1.0, 0.0] } else { direction } }
+        Ray::new(origin, if direction == [0.0; 3] { [-2.0, 1.0, 0.0] } else { direction })
     });
     Ok(given(scene_of(vec![triangle]), rays.collect()))
 }
@@ -310,7 +310,7 @@ pub(super) fn long_walk(count: usize) -> Made {
         let far = [[SIDE, 0.0, 0.0], [SIDE, 1.0, 0.0], [SIDE, 0.0, 1.0]];
         scene_of(vec![[a, b, c], [a, c, d], near, far])
     };
-    let plane = Planes::of(&ends(1500.0), vec![Ray { origin: [1.0; 3], direction: [1.0; 3] }], CELLS)?.plane(0, 1580);
+    let plane = Planes::of(&ends(1500.0), vec![Ray::new([1.0; 3], [1.0; 3])], CELLS)?.plane(0, 1580);
     let x = plane - 0.004;
     let rays = randoms(count, 14).map(|(_, mut random)| {
         let origin = DVec3::new(0.6, 0.6, 0.3) + in_cube(&mut random, 0.2);

@@ -73,7 +73,7 @@ pub(super) fn on_planes(count: usize, on: On) -> Result<Workload, StabilityError
             On::Edge => (o[axis], d[axis]) = (free[axis], sign[axis]),
             On::Corner => d = [0, 1, 2].map(|a| planes.diagonal()[a] * sign[a]),
         }
-        Ray { origin: o, direction: d }
+        Ray::new(o, d)
     });
     Ok(Workload { grid: GridSize::Cells(cells), ..given(scene, rays.collect()) })
 }

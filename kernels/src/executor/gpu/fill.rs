@@ -36,11 +36,15 @@ impl Fill {
     pub(super) fn give(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, streams: &[StreamData]) {
         for data in streams {
             let (width, padding) = (data.width as usize, (pitch(data.width) - data.width) as usize);
-            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(&format!("{}.{}, given", self.program, data.stream.name())),
-                size: given_bytes(data.stream, data.width, data.height),
-                usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
+            let size = given_bytes(data.stream, data.width, data.height);
+            let kept = self.given.iter().find(|(stream, buffer)| *stream == data.stream && buffer.size() == size);
+            let buffer = kept.map(|(_, buffer)| buffer.clone()).unwrap_or_else(|| {
+                device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some(&format!("{}.{}, given", self.program, data.stream.name())),
+                    size,
+                    usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
             });
             let mut words = Vec::with_capacity(buffer.size() as usize / 4);
             for row in data.bits.chunks_exact(width) {
@@ -48,6 +52,7 @@ impl Fill {
                 words.extend(std::iter::repeat_n(0, padding));
             }
             queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+            self.given.retain(|(stream, _)| *stream != data.stream);
             self.given.push((data.stream, buffer));
         }
     }

@@ -82,6 +82,8 @@ pub(super) const OF_INTERSECT: &[Condition] = &[
         false => Some(true),
     }),
     row("nearest_t < nearest_before", |c| Some(c.has_nearer_hit())),
+    // A ray that ends at any hit may be there because its list ended.
+    row("tag == TRAV && load_interval(texel).y <= exit", |c| (!c.features.any_hit).then_some(c.is(&[BACKGROUND]))),
 ];
 
 pub(super) const OF_SHADE: &[Condition] = &[

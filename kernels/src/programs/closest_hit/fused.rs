@@ -2,7 +2,7 @@
 //! loop iterations.
 
 use crate::numbers::real::{Real, Vec3};
-use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
 use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV, TRAV_SETUP, UNWRITTEN};
 use crate::programs::closest_hit::streams::{self, COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
@@ -54,6 +54,9 @@ impl<R: Real> Trace<R> {
                 if self.t <= smallest3(walk.tmax) {
                     return;
                 }
+                if features.intervals && self.interval[1] <= smallest3(walk.tmax) {
+                    return;
+                }
             } else {
                 bound -= 1;
                 if self.triangle != NO_TRIANGLE || bound < 0 {
@@ -90,7 +93,7 @@ impl<R: Real> Trace<R> {
                     stack[height] = group;
                     height += 1;
                 }
-                group = wide_ray.visit(&scene.wide_nodes[node as usize], self.t).0;
+                group = wide_ray.visit(&scene.wide_nodes[node as usize], self.farthest()).0;
                 group.bits |= (level + 1) << 8;
             }
             let child = trail_child(path[wait.item as usize / 8], wait.item);
@@ -118,7 +121,7 @@ impl<R: Real> Trace<R> {
                 stack[height] = group;
                 height += 1;
             }
-            let (inner, leaves) = wide_ray.visit(&scene.wide_nodes[node as usize], self.t);
+            let (inner, leaves) = wide_ray.visit(&scene.wide_nodes[node as usize], self.farthest());
             self.cells += 1;
             group = inner;
             if level < MOST_LEVELS {
@@ -235,7 +238,7 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     };
     let has_end = features.any_hit && !features.eye_rays;
     let t = if has_end { ray.load(STATE, 1) } else { R::from_f32(INF) };
-    let mut trace = Trace::new(origin, direction, t);
+    let mut trace = Trace::new(origin, direction, load_interval(ray, features), t);
     if wait.before {
         (trace.t, trace.u, trace.v) = (ray.load(STATE, 1), ray.load(HIT, 0), ray.load(HIT, 1));
         trace.triangle = ray.load_u32(HIT, 2);

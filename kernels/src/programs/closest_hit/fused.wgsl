@@ -11,6 +11,7 @@ import package::tracing::{Trace, tested};
 import package::scene::{scene};
 @if(eye_rays) import package::camera::{eye_ray};
 @if(!eye_rays) import package::ray::{load_origin, load_direction};
+@if(intervals) import package::ray::{load_interval};
 @if(grid) import package::vector::{smallest3};
 @if(grid) import package::grid_walk::{grid, grid_ray, enter_grid, advance, cell_index};
 @if(grid && resumes) import package::grid_walk::{GridRay, Walk};
@@ -130,6 +131,9 @@ fn traced(start: Trace) -> Trace {
         @if(!in_cell) if (trace.t <= smallest3(walk.tmax)) {
             break;
         }
+        @if(intervals && !in_cell) if (trace.interval.y <= smallest3(walk.tmax)) {
+            break;
+        }
         @if(in_cell) {
             bound -= 1;
             if (trace.triangle != NO_TRIANGLE || bound < 0) {
@@ -173,7 +177,8 @@ fn traced(start: Trace) -> Trace {
                 stack[height] = vec2u(group.base, group.bits);
                 height += 1u;
             }
-            group = visit_wide(node, ray, trace.t).inner;
+            @if(intervals) group = visit_wide(node, ray, min(trace.t, trace.interval.y)).inner;
+            @else group = visit_wide(node, ray, trace.t).inner;
             group.bits |= (level + 1u) << 8u;
         }
         let child = trail_child(path[wait.item / 8u], wait.item);
@@ -201,7 +206,8 @@ fn traced(start: Trace) -> Trace {
             stack[height] = vec2u(group.base, group.bits);
             height += 1u;
         }
-        let hits = visit_wide(node, ray, trace.t);
+        @if(intervals) let hits = visit_wide(node, ray, min(trace.t, trace.interval.y));
+        @else let hits = visit_wide(node, ray, trace.t);
         @if(counters) trace.cells += 1u;
         group = hits.inner;
         @if(resumes) if (level < MOST_LEVELS) {
@@ -283,6 +289,7 @@ fn fused(@builtin(global_invocation_id) id: vec3u) {
         trace.direction = load_direction(texel);
     }
     trace.shear = shear_of(trace.direction);
+    @if(intervals) trace.interval = load_interval(texel);
     trace.t = INF;
     @if(any_hit && !eye_rays) trace.t = bitcast<f32>(textureLoad(state, texel, 1).x);
     trace.triangle = NO_TRIANGLE;

@@ -2,7 +2,7 @@
 
 use crate::numbers::real::{Real, Vec3};
 use crate::programs::closest_hit::grid_lists::list_ended;
-use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, SCAN, STATE, TMAX};
 use crate::scene_data::SceneData;
@@ -102,6 +102,7 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         }
         let shear = Shear::of(direction);
         let candidate = hit_triangle(features.triangle_rules(), origin, direction, &shear, scene.corners(triangle));
+        let candidate = if features.intervals { candidate.between(load_interval(ray, features)) } else { candidate };
         let accepted = if features.in_cell {
             candidate.t < nearest_t
                 && scene.grid.is_in_cell(origin + direction * candidate.t, scene.grid.cell_of_index(cell))
@@ -130,7 +131,12 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     if ended {
         tag = if features.grid {
             let exit = if !features.in_cell { smallest3(ray.load_vec3(TMAX)) } else { R::from_f32(INF) };
-            list_ended(features, tag, nearest_t, exit)
+            match list_ended(features, tag, nearest_t, exit) {
+                TRAV if features.intervals && !features.in_cell && load_interval(ray, features)[1] <= exit => {
+                    BACKGROUND
+                }
+                next => next,
+            }
         } else if features.bvh {
             TRAV
         } else if tag == ISECT_HIT {

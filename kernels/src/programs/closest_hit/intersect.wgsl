@@ -12,7 +12,9 @@ import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::vector::{smallest3};
 import package::triangle::{hit_triangle, is_nearer, shear_of};
 import package::corners::{vertex};
+@if(intervals) import package::triangle::{between};
 import package::ray::{load_origin, load_direction};
+@if(intervals) import package::ray::{load_interval};
 import package::scene::{scene};
 import package::live::{send};
 @if(live_lists) import package::live::{listed_texel};
@@ -124,7 +126,10 @@ fn step_item(texel: vec2u) -> u32 {
         @if(grid && counters && resumes_scan) if (repeated == NOT_KNOWN_YET) {
             return tag;
         }
-        let candidate = hit_triangle(
+        @if(intervals) let candidate = between(hit_triangle(
+            origin, direction, shear_of(direction), vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u)),
+            load_interval(texel));
+        @else let candidate = hit_triangle(
             origin, direction, shear_of(direction), vertex(triangle, 0u), vertex(triangle, 1u), vertex(triangle, 2u));
         @if(robust && !any_hit && !in_cell) let accepted = is_nearer(candidate.t, triangle, nearest_t, textureLoad(hit, texel, 2).x);
         @if(any_hit) let accepted = candidate.t < nearest_t;
@@ -155,6 +160,9 @@ fn step_item(texel: vec2u) -> u32 {
                 textureLoad(tmax, texel, 2, 0).x,
             ));
             tag = list_ended(tag, nearest_t, exit);
+            @if(intervals) if (tag == TRAV && load_interval(texel).y <= exit) {
+                tag = BACKGROUND;
+            }
         }
         @if(in_cell) {
             tag = list_ended(tag, nearest_t, INF);

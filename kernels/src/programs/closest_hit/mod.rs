@@ -57,6 +57,7 @@ pub static PROGRAM: Program = Program {
     results: Some(Results {
         origin: streams::RAY_ORIGIN,
         direction: streams::RAY_DIRECTION,
+        interval: streams::RAY_INTERVAL,
         t: Component { stream: streams::STATE, layer: streams::STATE_T },
         triangle: Component { stream: streams::HIT, layer: streams::HIT_TRIANGLE },
         weights: [0, 1],

@@ -1,13 +1,25 @@
 //! Twin of `ray.wgsl`: the ray streams, as every kernel but `generate` reads them.
 
 use crate::numbers::real::{Real, Vec3};
+use crate::options::features::Features;
 use crate::programs::closest_hit::streams;
+use crate::shared::constants::INF;
 use crate::tables::texels::Texels;
 
 /// Origin of the ray, traced units.
 #[must_use]
 pub fn load_origin<R: Real>(ray: &Texels<'_, R>) -> Vec3<R> {
     ray.load_vec3(streams::RAY_ORIGIN)
+}
+
+/// The t between which hits count; neither end does. All t if no ray has an interval.
+#[must_use]
+pub fn load_interval<R: Real>(ray: &Texels<'_, R>, features: &Features) -> [R; 2] {
+    if features.intervals {
+        [ray.load(streams::RAY_INTERVAL, 0), ray.load(streams::RAY_INTERVAL, 1)]
+    } else {
+        [R::zero(), R::from_f32(INF)]
+    }
 }
 
 /// Direction of the ray, traced units per unit of t.

@@ -2,8 +2,8 @@
 
 use super::states::{DONE, STATES};
 use super::streams::{
-    ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_ORIGIN, STATE, STATE_CELL,
-    STATE_ITEM, STATE_T, TMAX,
+    ACCUMULATED, ACCUMULATED_SAMPLES, COLOR, HIT, HIT_TRIANGLE, PREVIOUS, RAY_DIRECTION, RAY_INTERVAL, RAY_ORIGIN,
+    STATE, STATE_CELL, STATE_ITEM, STATE_T, TMAX,
 };
 use crate::shared::constants::{INF, NO_TRIANGLE};
 use crate::tables::state::Tag;
@@ -17,6 +17,9 @@ pub struct RayState {
     pub origin: [f32; 3],
     /// Direction.
     pub direction: [f32; 3],
+    /// The t between which hits count; absent if no ray of the run has an interval.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub interval: Option<[f32; 2]>,
     /// The tag's name.
     pub state: &'static str,
     /// Tag of the state stream.
@@ -45,7 +48,8 @@ pub struct RayState {
 
 impl RayState {
     /// The streams it is decoded from, as far as a run has them.
-    pub const STREAMS: [Stream; 8] = [STATE, HIT, RAY_ORIGIN, RAY_DIRECTION, TMAX, PREVIOUS, COLOR, ACCUMULATED];
+    pub const STREAMS: [Stream; 9] =
+        [STATE, HIT, RAY_ORIGIN, RAY_DIRECTION, RAY_INTERVAL, TMAX, PREVIOUS, COLOR, ACCUMULATED];
 
     /// Decodes a ray's texels, one word per layer; `None` for a stream that the run leaves out.
     pub fn of<'a>(texel: impl Fn(Stream) -> Option<&'a [u32]>) -> Self {
@@ -60,6 +64,7 @@ impl RayState {
         Self {
             origin: floats(RAY_ORIGIN).unwrap_or_default(),
             direction: floats(RAY_DIRECTION).unwrap_or_default(),
+            interval: texel(RAY_INTERVAL).map(|t| [t[0], t[1]].map(f32::from_bits)),
             state: STATES.name(tag),
             tag,
             t: (t < INF).then_some(t),

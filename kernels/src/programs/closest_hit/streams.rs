@@ -3,6 +3,7 @@
 //! ```text
 //! ray_origin    f32  x  y  z             traced units
 //! ray_direction f32  x  y  z             traced units per unit of t; not normalised
+//! ray_interval  f32  t_min  t_max        t; hits count between the two
 //! state         u32  tag  nearest-t  cell  item      while lights are summed, item is 2³¹ + their number
 //! tmax          f32  x  y  z             t
 //! previous      u32  node                index of the BVH's previous node
@@ -65,6 +66,9 @@ streams! {
     /// Direction of the ray.
     RAY_DIRECTION of RAYS: "ray_direction" F32 &["x", "y", "z"], meaning: &[Float; 3], unit: "traced units per t",
         unwritten: &[0; 3], why_absent: |_| EYE_RAYS;
+    /// The t between which hits count; neither end does.
+    RAY_INTERVAL of RAYS: "ray_interval" F32 &["t_min", "t_max"], meaning: &[Distance; 2], unit: "t",
+        unwritten: &[0, INF.to_bits()], why_absent: |_| (Because::Options, "no ray has a t_min or a t_max");
     /// Tag, nearest t, cell, item offset.
     STATE of RAYS: "state" U32 &["tag", "t", "cell", "item"], meaning: &[Tag, Distance, Id, Count], unit: "tag, t as f32 bits, 1-D index, count",
         unwritten: &[0, INF.to_bits(), 0, 0], why_absent: of_steps;
@@ -97,5 +101,5 @@ streams! {
         unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "no search for repeated tests needs more loop iterations than one dispatch allows");
 }
 
-/// The streams in which the caller supplies rays.
-pub static INPUTS: [Stream; 3] = [RAY_ORIGIN, RAY_DIRECTION, STATE];
+/// The streams in which the caller supplies rays, as far as a run has them.
+pub static INPUTS: [Stream; 4] = [RAY_ORIGIN, RAY_DIRECTION, RAY_INTERVAL, STATE];

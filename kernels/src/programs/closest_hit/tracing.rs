@@ -11,6 +11,8 @@ use crate::tables::state::Tag;
 pub(crate) struct Trace<R> {
     pub(crate) origin: Vec3<R>,
     pub(crate) direction: Vec3<R>,
+    /// Hits count between these t.
+    pub(crate) interval: [R; 2],
     shear: Shear<R>,
     pub(crate) t: R,
     pub(crate) u: R,
@@ -25,11 +27,12 @@ pub(crate) struct Trace<R> {
 }
 
 impl<R: Real> Trace<R> {
-    /// No hit so far; hits at `t` or beyond do not count.
-    pub(crate) fn new(origin: Vec3<R>, direction: Vec3<R>, t: R) -> Self {
+    /// No hit so far; hits at `t` or beyond do not count, nor do those outside of `interval`.
+    pub(crate) fn new(origin: Vec3<R>, direction: Vec3<R>, interval: [R; 2], t: R) -> Self {
         Self {
             origin,
             direction,
+            interval,
             shear: Shear::of(direction),
             t,
             u: R::zero(),
@@ -45,6 +48,11 @@ impl<R: Real> Trace<R> {
     /// The state of a ray whose walk is over.
     pub(crate) fn ended_as(&self) -> Tag {
         if self.triangle == NO_TRIANGLE { BACKGROUND } else { SHADE }
+    }
+
+    /// No box or cell behind this t has a hit that is wanted.
+    pub(crate) fn farthest(&self) -> R {
+        self.t.min(self.interval[1])
     }
 
     /// Whether the rest is left to the next dispatch.
@@ -63,6 +71,7 @@ impl<R: Real> Trace<R> {
         };
         let corners = [corner(0), corner(4), corner(8)];
         let candidate = hit_triangle(features.triangle_rules(), self.origin, self.direction, &self.shear, corners);
+        let candidate = if features.intervals { candidate.between(self.interval) } else { candidate };
         self.tests += 1;
         self.turns += TURNS_A_TEST;
         if !candidate.is_hit {

@@ -3,6 +3,7 @@
 @if(resumes) import package::constants::{TURNS, TURNS_A_TEST};
 import package::triangle::{Shear, hit_triangle, is_nearer};
 import package::packed_triangles::{packed_triangle};
+@if(intervals) import package::triangle::{between};
 @if(in_cell) import package::grid_walk::{is_in_cell};
 
 // The ray, its nearest hit so far, and counters.
@@ -10,6 +11,8 @@ struct Trace {
     origin: vec3f,
     direction: vec3f,
     shear: Shear,
+    // Hits count between these t.
+    @if(intervals) interval: vec2f,
     t: f32,
     u: f32,
     v: f32,
@@ -33,7 +36,9 @@ fn is_spent(trace: Trace) -> bool {
 fn tested(before: Trace, entry: u32, cell: vec3i) -> Trace {
     var trace = before;
     let triangle = packed_triangle(entry);
-    let candidate = hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c);
+    @if(intervals) let candidate = between(
+        hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c), trace.interval);
+    @else let candidate = hit_triangle(trace.origin, trace.direction, trace.shear, triangle.a, triangle.b, triangle.c);
     @if(robust && !any_hit && !in_cell) let accepted = is_nearer(candidate.t, triangle.id, trace.t, trace.triangle);
     @if(any_hit) let accepted = candidate.t < trace.t;
     @if(in_cell) let accepted = candidate.t < trace.t

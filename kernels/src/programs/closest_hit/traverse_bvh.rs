@@ -1,7 +1,7 @@
 //! Twin of `traverse_bvh.wgsl`: moves the ray to its next node of the BVH.
 
 use crate::numbers::real::Real;
-use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE};
 use crate::scene_data::SceneData;
@@ -21,7 +21,8 @@ pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let nearest_t: R = ray.load(STATE, 1);
     let has_hit = !features.any_hit && nearest_t < R::from_f32(INF);
     let here = Visit { node: ray.load_u32(STATE, 2), previous: ray.load_u32(PREVIOUS, 0), in_leaf: false };
-    let at = next_node(&scene.bvh_nodes, &scene.bvh_parents, here, origin, direction, inverse, nearest_t);
+    let farthest = nearest_t.min(load_interval(ray, features)[1]);
+    let at = next_node(&scene.bvh_nodes, &scene.bvh_parents, here, origin, direction, inverse, farthest);
 
     if features.counters {
         ray.store_u32(COUNTERS, 0, ray.load_u32(COUNTERS, 0) + 1);

@@ -3,6 +3,7 @@
 import package::constants::{INF, NOBODY, NO_NODE, LIST_SIDE};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 import package::ray::{load_origin, load_direction};
+@if(intervals) import package::ray::{load_interval};
 import package::bvh_walk::{Visit, next_node, finite_inverse};
 import package::live::{send};
 @if(live_lists) import package::live::{listed_texel};
@@ -25,7 +26,9 @@ fn step_node(texel: vec2u) -> u32 {
     @if(any_hit) let has_hit = false;
     @else let has_hit = nearest_t < INF;
     let here = Visit(textureLoad(state, texel, 2).x, textureLoad(previous, texel, 0).x, false);
-    let at = next_node(here, origin, direction, finite_inverse(direction), nearest_t);
+    @if(intervals) let farthest = min(nearest_t, load_interval(texel).y);
+    @if(intervals) let at = next_node(here, origin, direction, finite_inverse(direction), farthest);
+    @else let at = next_node(here, origin, direction, finite_inverse(direction), nearest_t);
 
     @if(counters) textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + 1u));
     if (at.node == NO_NODE) {

@@ -2,7 +2,7 @@
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::grid_lists::list_ended;
-use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, PREVIOUS, STATE, TMAX};
 use crate::programs::closest_hit::tracing::Trace;
@@ -68,6 +68,10 @@ impl<R: Real> Place<R> {
             let has_hit = !features.any_hit && self.trace.triangle != NO_TRIANGLE;
             let tag = if has_hit { ISECT_HIT } else { ISECT_NO_HIT };
             self.tag = list_ended(features, tag, self.trace.t, smallest3(walk.tmax));
+            if features.intervals && !features.in_cell && self.tag == TRAV {
+                let is_behind = self.trace.interval[1] <= smallest3(walk.tmax);
+                self.tag = if is_behind { BACKGROUND } else { TRAV };
+            }
             if self.tag != TRAV {
                 break;
             }
@@ -100,7 +104,15 @@ impl<R: Real> Place<R> {
             // A ray that waits at an item is already in its leaf.
             at.in_leaf = self.waiting_item(scene) > 0;
             if !at.in_leaf {
-                at = next_node(&scene.bvh_nodes, &scene.bvh_parents, at, origin, direction, inverse, self.trace.t);
+                at = next_node(
+                    &scene.bvh_nodes,
+                    &scene.bvh_parents,
+                    at,
+                    origin,
+                    direction,
+                    inverse,
+                    self.trace.farthest(),
+                );
                 self.trace.cells += 1;
             }
             if at.in_leaf {
@@ -158,7 +170,8 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         return;
     }
     let features = &scene.features;
-    let mut trace = Trace::new(load_origin(ray), load_direction(ray), ray.load(STATE, 1));
+    let interval = load_interval(ray, features);
+    let mut trace = Trace::new(load_origin(ray), load_direction(ray), interval, ray.load(STATE, 1));
     trace.triangle = ray.load_u32(HIT, 2);
     let before = (trace.triangle, trace.t);
     let mut place = Place { tag, cell: ray.load_u32(STATE, 2), item: ray.load_u32(STATE, 3), trace };

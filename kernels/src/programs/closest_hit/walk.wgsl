@@ -10,6 +10,7 @@ import package::triangle::{shear_of};
 import package::tracing::{Trace, tested};
 @if(resumes) import package::tracing::{is_spent};
 import package::ray::{load_origin, load_direction};
+@if(intervals) import package::ray::{load_interval};
 import package::scene::{scene};
 import package::live::{listed_texel, send};
 @if(grid) import package::vector::{smallest3};
@@ -81,6 +82,9 @@ fn walked(start: Place, texel: vec2u) -> Place {
         @if(any_hit) let tag = ISECT_NO_HIT;
         @else let tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
         place.tag = list_ended(tag, place.trace.t, smallest3(walk.tmax));
+        @if(intervals && !in_cell) if (place.tag == TRAV && place.trace.interval.y <= smallest3(walk.tmax)) {
+            place.tag = BACKGROUND;
+        }
         if (place.tag != TRAV) {
             break;
         }
@@ -122,10 +126,14 @@ fn walked(start: Place, texel: vec2u) -> Place {
         // A ray that waits at an item is already in its leaf.
         @if(resumes) at.in_leaf = place.item > 0u;
         @if(resumes) if (!at.in_leaf) {
-            at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
+            @if(intervals) let farthest = min(place.trace.t, place.trace.interval.y);
+            @if(intervals) at = next_node(at, place.trace.origin, place.trace.direction, inverse, farthest);
+            @else at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
             @if(counters) place.trace.cells += 1u;
         }
-        @if(!resumes) at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
+        @if(!resumes && intervals) let farthest = min(place.trace.t, place.trace.interval.y);
+        @if(!resumes && intervals) at = next_node(at, place.trace.origin, place.trace.direction, inverse, farthest);
+        @if(!resumes && !intervals) at = next_node(at, place.trace.origin, place.trace.direction, inverse, place.trace.t);
         @if(counters && !resumes) place.trace.cells += 1u;
         if (at.in_leaf) {
             let node = bvh_nodes[at.node];
@@ -193,6 +201,7 @@ fn take_steps(texel: vec2u) -> u32 {
     place.trace.origin = load_origin(texel);
     place.trace.direction = load_direction(texel);
     place.trace.shear = shear_of(place.trace.direction);
+    @if(intervals) place.trace.interval = load_interval(texel);
     place.trace.t = bitcast<f32>(textureLoad(state, texel, 1).x);
     place.trace.triangle = textureLoad(hit, texel, 2).x;
     let t_before = place.trace.t;

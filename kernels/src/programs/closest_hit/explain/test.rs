@@ -45,6 +45,9 @@ fn explain_end(data: &SceneData, before: &RayState, after: &RayState, tested: Op
         states::SHADE if !features.grid => format!("{ended}: the nearest hit is accepted"),
         states::SHADE if features.in_cell => format!("{ended} with a hit: accepted"),
         states::SHADE => format!("{ended}: t {t} <= exit {exit}, accepted"),
+        states::BACKGROUND if features.grid && ray_end(before).is_some_and(|end| end <= exit) => {
+            format!("{ended}: the ray ends at t {} <= exit {exit}, nothing hit", ray_end(before).unwrap_or(t))
+        }
         states::BACKGROUND if features.grid => format!("{ended}: the ray ends at t {t} <= exit {exit}, nothing hit"),
         states::BACKGROUND => format!("{ended}: nothing hit"),
         _ if after.triangle.is_some() => format!("{ended}: t {t} is beyond the exit {exit}, kept; {on}"),
@@ -70,9 +73,17 @@ fn explain_test(data: &SceneData, before: &RayState, after: &RayState, triangle:
     format!("triangle {triangle}: {why}")
 }
 
+/// The t at which a ray with an interval ends.
+fn ray_end(ray: &RayState) -> Option<f32> {
+    ray.interval.map(|[_, t_max]| t_max)
+}
+
 /// Why a hit found by the host does not count.
 fn explain_refused(data: &SceneData, before: &RayState, triangle: u32, t: f32) -> String {
-    match before.t {
+    if let Some([t_min, _]) = before.interval.filter(|[t_min, _]| t <= *t_min) {
+        return format!("hit at t {t}, before the ray's t_min {t_min}");
+    }
+    match before.t.or_else(|| ray_end(before)) {
         Some(nearest) if before.triangle == Some(triangle) => format!("tested again, the same hit at t {nearest}"),
         Some(end) if t >= end && before.triangle.is_none() => format!("hit at t {t}, beyond the ray's end {end}"),
         Some(nearest) if t >= nearest => format!("hit at t {t}, not nearer than {nearest}"),

@@ -1,0 +1,216 @@
+//! `raystep cast`
+
+mod pipeline;
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::HumanCount;
+use raystep_kernels::{Accelerator, Caster, Numerics, Options, RaySource, ScheduleKind};
+use raystep_lab::rays::file::{RaysFormat, RaysReader};
+
+use crate::args::{DeviceArgs, QuietArgs, SceneArgs, TuningArgs, named, whole};
+use crate::commands::extension;
+use crate::device;
+use crate::error::Error;
+use crate::output::{self, Target, refuse_inputs};
+use crate::scene_file::{self, SceneFile, canonical};
+use crate::terminal::{Progress, print, say};
+use pipeline::{Counts, Pipeline};
+
+/// Cast rays of another program: read them from a file or a pipe, write what each of them hits
+///
+/// Rays are an npy array of float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t in multiples of
+/// the direction, t_max may be infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). A hit
+/// counts if t_min < t < t_max. The result is an npy array with one element per ray: t (infinite without a hit), u, v
+/// (weights of the triangle's vertices 1 and 2), triangle and material (4294967295 without a hit). In Python,
+/// numpy.save('rays.npy', numpy.hstack([origins, directions]).astype('<f4')) writes rays, and hits =
+/// numpy.load('hits.npy') reads hits: hits['t'], hits['triangle'].
+///
+/// Rays are read, traced and written in batches at the same time, so any number of them takes the same memory.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
+  raystep cast scenes/teapot.glb --rays-file shadow.npy --any-hit -o shadow-hits.npy
+  raystep cast scenes/teapot.glb --rays-file primary.f32 --device cpu -o hits.npy
+  cat rays.npy | raystep cast scenes/terrain.glb --rays-file - -o - | cat > hits.npy")]
+pub(crate) struct CastArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Rays; - for standard input
+    #[arg(long, value_name = "F")]
+    rays_file: PathBuf,
+    /// Hits, .npy; - for standard output
+    #[arg(short, long, value_name = "F")]
+    output: PathBuf,
+    /// Format of the rays [default: from the name's ending; npy for standard input]
+    #[arg(long, value_parser = named(RaysFormat::ALL, RaysFormat::name))]
+    format: Option<RaysFormat>,
+    /// Number of rays, where nothing else tells it: in format f32 from a pipe, with hits into a pipe
+    #[arg(long, value_name = "N", value_parser = whole::<u64>(0, u64::MAX), allow_negative_numbers = true)]
+    count: Option<u64>,
+    /// End each ray at any hit instead of the closest, whichever is found first
+    #[arg(long)]
+    any_hit: bool,
+    /// Rays per batch, or as many as the device has room for [default: 65536 on the CPU, 1048576 on a GPU]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1, 1 << 26), allow_negative_numbers = true)]
+    batch: Option<u32>,
+    #[command(flatten)]
+    quiet: QuietArgs,
+    /// Acceleration structure: a uniform grid (grid), a bounding volume hierarchy (bvh), none, or auto: none for up to
+    /// six triangles, the grid if triangles fill the scene evenly, otherwise the BVH
+    #[arg(long, default_value = "bvh", value_parser = named(Accelerator::ALL, Accelerator::name), help_heading = "Tracing")]
+    accelerator: Accelerator,
+    /// How the walk of a ray is divided into passes: intersect until no ray is active there, then traverse once
+    /// (first); intersect and traverse alternately (second); several steps per pass, for active rays only (compact);
+    /// the whole walk in one pass (fused)
+    #[arg(long, default_value = "fused", value_parser = named(ScheduleKind::ALL, ScheduleKind::name), help_heading = "Tracing")]
+    schedule: ScheduleKind,
+    #[command(flatten)]
+    tuning: TuningArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+}
+
+/// Standard input or output instead of a file.
+fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
+    args.tuning.check(&[args.accelerator], &[args.schedule])?;
+    if args.any_hit && args.tuning.numerics == Numerics::Paper {
+        return Err(Error::usage("--any-hit: the paper's rules find closest hits only; use --numerics robust"));
+    }
+    let target = target(&args.output)?;
+    let format = format(args)?;
+    let progress = Progress::new(args.quiet.quiet);
+    progress.stage("reading the scene");
+    let SceneFile { scene, mut inputs } = scene_file::read(&args.scene)?;
+    for note in &scene.notes {
+        progress.say(format_args!("note: {}", note.0));
+    }
+    inputs.extend(canonical(std::slice::from_ref(&args.rays_file)));
+    refuse_inputs(&[target.as_ref()], &inputs)?;
+    let (input, count) = open(args, format)?;
+
+    progress.stage("building");
+    let chosen = device::choose(&args.device)?;
+    let rays = RaySource::Given(Vec::new());
+    let options = Options {
+        accelerator: args.accelerator,
+        schedule: args.schedule,
+        any_hit: args.any_hit,
+        ..args.tuning.options(rays)
+    };
+    let mut caster = chosen.wait(Caster::new(scene, &options, &chosen.device))?;
+    if let Some(batch) = args.batch {
+        caster.set_batch(batch.into());
+    }
+
+    progress.stage("waiting for rays");
+    let name = shown(&args.rays_file);
+    let from = |error| Error::failed(format!("{name}: {error}"));
+    let reader = RaysReader::new(input, format, count).map_err(from)?;
+    let stream = output::Stream::new(target)?;
+    if reader.total().is_none() && !stream.can_rewind() {
+        return Err(Error::usage(
+            "the begin of the output contains the number of rays, which format f32 from a pipe does not tell: use \
+             --count N, format npy, or a file as output",
+        ));
+    }
+    let begin = Instant::now();
+    let pipeline = Pipeline { caster, chosen: &chosen, name: &name, progress: &progress };
+    let Some(counts) = pipeline.run(reader, stream)? else { return Ok(()) };
+    progress.finish();
+    if !args.quiet.quiet {
+        let device = chosen.gpu().map_or("CPU", |gpu| gpu.info.name.as_str());
+        let line = summary(&counts, begin.elapsed().as_secs_f64(), device);
+        if is_standard(&args.output) { say(line.trim_end()) } else { print(&line)? }
+    }
+    Ok(())
+}
+
+/// The file's name in messages.
+fn shown(path: &Path) -> String {
+    if is_standard(path) { "standard input".into() } else { path.display().to_string() }
+}
+
+/// One line about all rays.
+fn summary(counts: &Counts, seconds: f64, device: &str) -> String {
+    let Counts { rays, hits, unfinished } = *counts;
+    let mut line = format!("{} rays, {} hit", HumanCount(rays), HumanCount(hits));
+    if rays > 0 {
+        line += &format!(" ({:.1}%)", 100.0 * hits as f64 / rays as f64);
+    }
+    line += &format!("; {seconds:.3} s, {} rays/s on {device}", HumanCount((rays as f64 / seconds.max(1e-9)) as u64));
+    if unfinished > 0 {
+        line += &format!("; {} not resolved within the limit of passes", HumanCount(unfinished));
+    }
+    line + "\n"
+}
+
+/// The output; `None` for standard output.
+fn target(path: &Path) -> Result<Option<Target>, Error> {
+    if is_standard(path) {
+        return Ok(None);
+    }
+    let is_special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    if !is_special {
+        output::ending("--output", path, &["npy"])?;
+    }
+    Target::new(path).map(Some)
+}
+
+fn format(args: &CastArgs) -> Result<RaysFormat, Error> {
+    let format = told_format(args)?;
+    match args.count {
+        Some(count) if format == RaysFormat::Npy => {
+            Err(Error::usage(format!("--count {count}: an npy file contains the number of its rays; omit the option")))
+        }
+        _ => Ok(format),
+    }
+}
+
+/// The format, from the option or the name.
+fn told_format(args: &CastArgs) -> Result<RaysFormat, Error> {
+    let path = &args.rays_file;
+    match (args.format, extension(path).as_str()) {
+        (Some(format), _) => Ok(format),
+        (None, _) if is_standard(path) => Ok(RaysFormat::Npy),
+        (None, "npy") => Ok(RaysFormat::Npy),
+        (None, "f32") => Ok(RaysFormat::F32),
+        (None, _) => {
+            let at = path.display();
+            Err(Error::usage(format!(
+                "--rays-file {at}: its name does not tell the format; use a name that ends in .npy or .f32, or --format"
+            )))
+        }
+    }
+}
+
+/// Opens the rays. Also returns their number if the format does not contain it, but the file's size tells it.
+fn open(args: &CastArgs, format: RaysFormat) -> Result<(Box<dyn Read + Send>, Option<u64>), Error> {
+    if is_standard(&args.rays_file) {
+        return Ok((Box::new(io::stdin()), args.count));
+    }
+    let at = args.rays_file.display();
+    let failed = |problem: &str| Error::failed(format!("{at}: {problem}"));
+    let opened = File::open(&args.rays_file).and_then(|file| file.metadata().map(|found| (file, found)));
+    let (file, found) = opened.map_err(|e| failed(&output::reason(&e)))?;
+    if found.is_dir() {
+        return Err(failed("it is a folder; expected a file"));
+    }
+    let mut count = args.count;
+    if found.is_file() && format == RaysFormat::F32 && count.is_none() {
+        if found.len() % 32 != 0 {
+            return Err(failed(&format!("{} bytes are no whole number of rays: 32 bytes each", found.len())));
+        }
+        count = Some(found.len() / 32);
+    }
+    Ok((Box::new(file), count))
+}

@@ -1,0 +1,36 @@
+//! A plan once more, for other rays through the same structure.
+
+use super::check::{check_buffer, given_size};
+use super::{Allocated, Limits, Plan, PlanError, bound_by, variants};
+use crate::scene_data::SceneData;
+use crate::tables::elements::Size;
+use crate::tables::sizes::LIVE_REGIONS;
+
+impl Plan {
+    /// The plan of a run of input rays for another number of them.
+    ///
+    /// # Errors
+    /// If they do not fit `limits`.
+    pub(crate) fn for_rays(&self, rays: u64, data: &SceneData, limits: &Limits) -> Result<Self, PlanError> {
+        let (width, height) = given_size(rays, limits)?;
+        let size = Size { width, height, count: rays as u32 };
+        if self.features.live_lists {
+            check_buffer("live_rays", LIVE_REGIONS * 4 * size.texels(), limits)?;
+        }
+        let bound = bound_by(&self.variants);
+        let Allocated { sets, streams, buffers } = Allocated::new(self.program, &bound, data, size, true, limits)?;
+        Ok(Self { sets, streams, buffers, width, height, rays, ..self.clone() })
+    }
+
+    /// Makes the kernels read the intervals of rays, from now on. [`for_rays`](Self::for_rays) allocates them.
+    ///
+    /// # Errors
+    /// If a kernel is invalid, which is a bug.
+    pub(crate) fn read_intervals(&mut self, data: &mut SceneData) -> Result<(), PlanError> {
+        self.features.intervals = true;
+        data.features.intervals = true;
+        self.variants = variants(self.program, &self.schedule, &self.features)?;
+        self.left_out.retain(|item| item.what != "stream ray_interval");
+        Ok(())
+    }
+}

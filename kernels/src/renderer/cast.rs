@@ -1,0 +1,280 @@
+//! Casts rays of other programs: a scene's structure is built and uploaded once, then slices of rays are traced through
+//! it, one call after the other. Carr, Hall and Hart, *The Ray Engine* (2002), use a GPU in this way, as a coprocessor
+//! that intersects rays and triangles for a program on the CPU.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use raystep_scenes::Scene;
+
+use super::{Device, RenderError, Renderer};
+use crate::numbers::units::{Units, exp2, floor_log2};
+use crate::options::samples::Samples;
+use crate::options::{Accelerator, Options, ProgramName, Ray, RaySource, ScheduleKind};
+use crate::plan::{FARTHEST, Plan, PlanError, why_untraceable};
+use crate::scene_data::SceneData;
+use crate::shared::constants::NO_TRIANGLE;
+use crate::tables::stream::Region;
+
+/// The result of one ray.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CastHit {
+    /// t of the hit, in multiples of the ray's direction; infinite without a hit.
+    pub t: f32,
+    /// Barycentric weight of the triangle's vertex 1.
+    pub u: f32,
+    /// Barycentric weight of the triangle's vertex 2.
+    pub v: f32,
+    /// The triangle's index in the scene; `u32::MAX` without a hit.
+    pub triangle: u32,
+    /// The index of its material in the scene; `u32::MAX` without a hit.
+    pub material: u32,
+}
+
+impl CastHit {
+    /// The result of a ray that hits nothing.
+    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, triangle: NO_TRIANGLE, material: u32::MAX };
+
+    /// Whether the ray hit something.
+    #[must_use]
+    pub fn is_hit(&self) -> bool {
+        self.triangle != NO_TRIANGLE
+    }
+}
+
+/// Rays per batch on a GPU, unless it has room for fewer: enough to keep it busy, in about 150 MB.
+pub const RAYS_A_BATCH_GPU: u64 = 1 << 20;
+
+/// Rays per batch of the twins: more would fall out of the CPU's caches between two passes over them.
+pub const RAYS_A_BATCH_CPU: u64 = 1 << 16;
+
+/// Fewest rays that streams are allocated for.
+const FEWEST_RAYS: u64 = 1 << 12;
+
+/// The structure is built for rays that start this many times as far from the world's origin as the scene reaches.
+const ORIGINS: f32 = 3.0;
+
+/// A scene on a device, through which rays are cast.
+///
+/// A slice of any length is traced in batches. Their streams are allocated once for each power of four of rays; a batch
+/// takes the smallest that hold it. The structure's cells or boxes are grown by a bound on rounding errors that depends
+/// on where rays start: if a ray starts farther from the world's origin than three times the scene's farthest point, and
+/// farther than every ray before, the structure is built anew once.
+///
+/// ```
+/// use raystep_kernels::{Caster, Device, Ray};
+/// use raystep_scenes::Scene;
+/// # pollster::block_on(async {
+/// let scene = Scene::from_triangles(vec![[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]]);
+/// // The twins; `Device::Gpu(Gpu::new(&AdapterChoice::Best).await?)` for a GPU.
+/// let mut caster = Caster::new(scene, &Caster::options(), &Device::Cpu(None)).await?;
+///
+/// let down = Ray::new([0.0, 0.0, 3.0], [0.0, 0.0, -2.0]);
+/// let hits = caster.cast(&[down, down.between(0.0, 1.0)]).await?;
+/// assert_eq!((hits[0].t, hits[0].triangle), (1.5, 0));
+/// assert!(!hits[1].is_hit(), "the ray ends before the triangle");
+///
+/// // Again, with the same structure, and any number of rays.
+/// assert_eq!(caster.cast(&vec![down; 10_000]).await?[9_999], hits[0]);
+/// # Ok::<(), raystep_kernels::RenderError>(())
+/// # }).unwrap();
+/// ```
+pub struct Caster {
+    scene: Arc<Scene>,
+    options: Options,
+    device: Device,
+    plan: Plan,
+    data: Arc<SceneData>,
+    batch: u64,
+    /// Largest coordinate of an origin, in traced units, that the structure is built for.
+    farthest_origin: f32,
+    /// Runs for different numbers of rays, the smallest first.
+    runs: Vec<Renderer>,
+    unfinished: u64,
+}
+
+impl Caster {
+    /// The options that are fastest for rays of any kind: the eight-wide BVH, in one kernel.
+    #[must_use]
+    pub fn options() -> Options {
+        let rays = RaySource::Given(Vec::new());
+        Options { accelerator: Accelerator::Bvh, schedule: ScheduleKind::Fused, ..Options::new(rays) }
+    }
+
+    /// Builds the structure. Of `options`, the rays, shading, samples, counters and timings do not matter; with
+    /// [`Options::any_hit`], a ray's result is any hit in its interval instead of the closest.
+    ///
+    /// # Errors
+    /// If the scene or the options do not fit the device, or the device fails.
+    pub async fn new(scene: impl Into<Arc<Scene>>, options: &Options, device: &Device) -> Result<Self, RenderError> {
+        let scene = scene.into();
+        let options = Options {
+            program: ProgramName::ClosestHit,
+            shade: false,
+            counters: false,
+            timings: false,
+            keep_passes: false,
+            samples: Samples::default(),
+            rays: RaySource::Given(Vec::new()),
+            ..options.clone()
+        };
+        let units = Units::of(&scene.bounds());
+        let (plan, data, farthest_origin) = planned(&scene, &options, device, ORIGINS * reach_of(&scene, units))?;
+        let batch = if device.is_gpu() { RAYS_A_BATCH_GPU } else { RAYS_A_BATCH_CPU };
+        let batch = batch.min(device.limits().rays);
+        let (device, runs) = (device.clone(), Vec::new());
+        let mut caster = Self { scene, options, device, plan, data, batch, farthest_origin, runs, unfinished: 0 };
+        // Uploads the scene, and shows now whether the device takes the kernels.
+        caster.run_for(FEWEST_RAYS).await?;
+        Ok(caster)
+    }
+
+    /// Traces so many rays at a time from now on, or as many as the device has room for if that is fewer.
+    pub fn set_batch(&mut self, rays: u64) {
+        self.batch = rays.clamp(1, self.device.limits().rays);
+    }
+
+    /// Rays that are traced at a time.
+    #[must_use]
+    pub fn batch(&self) -> u64 {
+        self.batch
+    }
+
+    /// The plan of the runs, except for the number of their rays.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The scene as the kernels read it.
+    #[must_use]
+    pub fn data(&self) -> &SceneData {
+        &self.data
+    }
+
+    /// Number of rays so far that were still walking when the limit of passes was reached, and whose results are what
+    /// was found by then. 0 with robust numerics.
+    #[must_use]
+    pub fn unfinished(&self) -> u64 {
+        self.unfinished
+    }
+
+    /// The results of these rays, in their order.
+    ///
+    /// # Errors
+    /// If a ray cannot be traced, with its index, in which case none is; or the device fails.
+    pub async fn cast(&mut self, rays: &[Ray]) -> Result<Vec<CastHit>, RenderError> {
+        let mut hits = Vec::new();
+        self.cast_into(rays, &mut hits).await?;
+        Ok(hits)
+    }
+
+    /// As [`cast`](Self::cast), with the results appended to `hits`.
+    ///
+    /// # Errors
+    /// As for `cast`; `hits` may then have the results of some batches.
+    pub async fn cast_into(&mut self, rays: &[Ray], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
+        let units = self.data.units;
+        for (index, ray) in rays.iter().enumerate() {
+            if let Some(reason) = why_untraceable(ray, units) {
+                return Err(PlanError::Ray { index, reason }.into());
+            }
+        }
+        self.make_room_for(rays)?;
+        hits.reserve(rays.len());
+        for batch in rays.chunks(usize::try_from(self.batch).unwrap_or(usize::MAX)) {
+            self.cast_batch(batch, hits).await?;
+        }
+        Ok(())
+    }
+
+    /// Builds the structure or composes the kernels anew if these rays need it.
+    fn make_room_for(&mut self, rays: &[Ray]) -> Result<(), RenderError> {
+        let units = self.data.units;
+        let farthest = rays.iter().flat_map(|ray| ray.origin).fold(0.0, |m: f32, v| m.max(units.to_traced(v).abs()));
+        let has_intervals = self.plan.features.intervals;
+        if farthest > self.farthest_origin {
+            self.runs.clear();
+            (self.plan, self.data, self.farthest_origin) = planned(&self.scene, &self.options, &self.device, farthest)?;
+            if has_intervals {
+                self.plan.read_intervals(Arc::make_mut(&mut self.data))?;
+            }
+        }
+        let any_hit = self.plan.features.any_hit;
+        if !self.plan.features.intervals && rays.iter().any(|ray| ray.needs_interval(any_hit)) {
+            self.runs.clear();
+            self.plan.read_intervals(Arc::make_mut(&mut self.data))?;
+        }
+        Ok(())
+    }
+
+    /// The run for this many rays or somewhat more.
+    async fn run_for(&mut self, rays: u64) -> Result<&mut Renderer, RenderError> {
+        let mut room = FEWEST_RAYS;
+        while room < rays {
+            room *= 4;
+        }
+        let room = room.min(self.batch).max(rays);
+        let place = self.runs.partition_point(|run| run.plan().rays < room);
+        if self.runs.get(place).is_none_or(|run| run.plan().rays != room) {
+            let plan = Arc::new(self.plan.for_rays(room, &self.data, &self.device.limits())?);
+            let beside = self.runs.first();
+            let run = Renderer::for_later(plan, self.data.clone(), &self.options, &self.device, beside).await?;
+            self.runs.insert(place, run);
+        }
+        Ok(&mut self.runs[place])
+    }
+
+    async fn cast_batch(&mut self, rays: &[Ray], hits: &mut Vec<CastHit>) -> Result<(), RenderError> {
+        if rays.is_empty() {
+            return Ok(());
+        }
+        let (scene, any_unfinished) = (self.scene.clone(), self.unfinished);
+        let run = self.run_for(rays.len() as u64).await?;
+        run.give(rays);
+        run.run(|_| ControlFlow::Continue(())).await?;
+        let results = run.results()?;
+        let width = run.plan().width;
+        let rows = Region { x: 0, y: 0, width, height: (rays.len() as u64).div_ceil(u64::from(width)) as u32 };
+        let hit = run.region(results.triangle.stream, rows).await?;
+        let state = run.region(results.t.stream, rows).await?;
+        hits.extend((0..rays.len()).map(|ray| {
+            let Some((triangle, t)) = results.hit(&state, &hit, ray) else { return CastHit::MISS };
+            let [u, v] = results.weights.map(|layer| hit.get_f32(layer, ray));
+            let t = (f64::from(t) * run.t_scale(ray)) as f32;
+            let material = scene.triangle_materials.get(triangle as usize).copied().unwrap_or(u32::MAX);
+            CastHit { t, u, v, triangle, material }
+        }));
+        self.unfinished = any_unfinished + run.unfinished();
+        Ok(())
+    }
+}
+
+/// Largest coordinate of a scene, in traced units.
+fn reach_of(scene: &Scene, units: Units) -> f32 {
+    let bounds = scene.bounds();
+    if bounds.is_empty() { 0.0 } else { units.to_traced(bounds.min.abs().max(bounds.max.abs()).max_element()) }
+}
+
+/// Plans runs of rays whose origins have coordinates of at most `farthest` traced units. Also returns the largest
+/// coordinate that the structure is built for, which may be larger.
+fn planned(
+    scene: &Scene,
+    options: &Options,
+    device: &Device,
+    farthest: f32,
+) -> Result<(Plan, Arc<SceneData>, f32), RenderError> {
+    let units = Units::of(&scene.bounds());
+    let most = f64::from(farthest).min(FARTHEST) * units.scene_units_per_stream_unit();
+    let origin = most.min(f64::from(f32::MAX)) as f32;
+    let farthest = units.to_traced(origin);
+    let rays = RaySource::Given(vec![Ray::new([origin, 0.0, 0.0], [1.0, 0.0, 0.0])]);
+    let (plan, data) = Plan::new(scene, &Options { rays, ..options.clone() }, &device.limits())?;
+    // What a structure is grown for is the next power of two of the scene's and the origins' coordinates.
+    let reach = reach_of(scene, units);
+    let whole = exp2(floor_log2((f64::from(reach) + f64::from(farthest)).clamp(1.0, 1e30)) + 1);
+    let room = (whole - f64::from(reach)) as f32;
+    Ok((plan, Arc::new(data), farthest.max(room.next_down())))
+}
