@@ -8,6 +8,7 @@ mod error;
 mod interrupt;
 mod link;
 mod output;
+mod rays_file;
 mod scene_file;
 mod session;
 mod terminal;

@@ -95,7 +95,7 @@ fn check_choices(rows: &[Row]) {
     assert_eq!(fastest.len(), 1);
     assert_eq!(fastest[0]["is_accurate"], "true");
     for row in rows {
-        assert_eq!(row["rays"], "4096");
+        assert_eq!((row["rays"].as_str(), row["stratum"].as_str()), ("4096", "all"));
         let within = number(row, "wrong_per_million_high") <= number(row, "most_wrong_per_million");
         assert_eq!(row["is_accurate"] == "true", within, "{row:?}");
         assert!(row["numerics"] != "robust" || row["wrong_rays"] == "0", "{row:?}");

@@ -19,7 +19,8 @@ fn files_of(bytes: &[u8]) -> Files {
         file.read_to_end(&mut bytes).expect("its bytes");
         (file.name().expect("a name").into_owned(), bytes)
     };
-    (0..zip.len()).map(read).collect()
+    let count = ZipArchive::new(Cursor::new(bytes)).expect("a ZIP file").len();
+    (0..count).map(read).collect()
 }
 
 fn zipped(files: &Files) -> Vec<u8> {

@@ -22,6 +22,7 @@ use crate::commands::{distinct, input};
 use crate::device;
 use crate::error::Error;
 use crate::output::{self, Target, TargetFolder};
+use crate::rays_file::RaysFileArgs;
 use crate::scene_file::read_file;
 use crate::session::run_id;
 use crate::terminal::Progress;
@@ -93,6 +94,8 @@ pub(crate) struct ReportArgs {
           value_parser = parse_grid, allow_hyphen_values = true, help_heading = "Tracing")]
     grid: GridSize,
     #[command(flatten)]
+    rays: RaysFileArgs,
+    #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
     camera: CameraArgs,
@@ -135,6 +138,13 @@ impl ReportArgs {
         words
     }
 
+    /// Input files other than scenes, with the options that name them.
+    fn input_files(&self) -> Vec<(&'static str, &Path)> {
+        let all =
+            [("--rays-file", &self.rays.rays_file), ("--strata", &self.rays.strata), ("--methods", &self.methods)];
+        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect()
+    }
+
     fn sections(&self) -> Vec<&'static Section> {
         let is_wanted = |s: &&Section| self.sections.is_empty() || self.sections.iter().any(|name| name == s.name);
         SECTIONS.iter().filter(is_wanted).collect()
@@ -159,8 +169,13 @@ fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
         progress.stage("writing");
         let files = report.files(&about(&machine)).map_err(Error::failed)?;
         files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
-        let arguments = args.repeating(&machine);
-        let contents = bundle::Contents { run_id: &run_id, seed: args.seed, machine: &machine, arguments };
+        let contents = bundle::Contents {
+            run_id: &run_id,
+            seed: args.seed,
+            machine: &machine,
+            arguments: args.repeating(&machine),
+            options: args.input_files(),
+        };
         let zip = bundle.is_some().then(|| bundle::zip(contents, &inputs, args.read.max_memory, files)).transpose()?;
         Ok((machine, zip))
     })?;
@@ -191,6 +206,7 @@ fn measure(
         subjects.push(subject);
     }
     let methods = args.methods.as_deref().map(read_methods).transpose()?.unwrap_or_default();
+    let rays = args.rays.read()?;
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
     let wanted = Wanted {
@@ -201,6 +217,7 @@ fn measure(
         seed: args.seed,
         has_rays: args.rays_csv,
         methods,
+        rays,
     };
     let run_id = run_id();
     let report = report::measure(&wanted, &subjects, run_id.clone(), &meter, progress)?;

@@ -28,6 +28,7 @@ use work::Work;
 
 use crate::Error;
 use crate::meter::Meter;
+use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
 use crate::subject::{Size, Subject};
 use crate::tidy::Table;
@@ -61,6 +62,8 @@ pub struct Wanted {
     pub has_rays: bool,
     /// Results of other programs, for the section `choices`.
     pub methods: Vec<Method>,
+    /// Rays for the section `choices`, instead of the camera's.
+    pub rays: Option<RaysFile>,
 }
 
 /// The seed unless another one is requested.
@@ -84,7 +87,7 @@ pub fn measure(
     meter: &Meter,
     reporter: &dyn Reporter,
 ) -> Result<Report, Error> {
-    let Wanted { sections, size, grid, is_quick, seed, has_rays, methods } = wanted;
+    let Wanted { sections, size, grid, is_quick, seed, has_rays, methods, rays } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
     let record = Record::new(run_id, *seed, *has_rays);
     let mut scenes: Vec<Scene> = Vec::new();
@@ -94,9 +97,10 @@ pub fn measure(
         let mut parts = Vec::new();
         for (section, table) in &mut tables {
             let (size, grid, is_quick, section_name) = (*size, *grid, *is_quick, section.name);
-            let (record, ahead) = (&record, left.text());
+            let (record, ahead, rays) = (&record, left.text(), rays.as_ref());
             let reporter = &Ahead { reporter, text: ahead };
-            let work = Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record, methods };
+            let work =
+                Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record, methods, rays };
             let before = table.rows.len();
             let part = match (section.run)(&work, table) {
                 Ok(part) => {

@@ -38,6 +38,8 @@ pub(super) struct Manifest {
     pub(super) machine: About,
     /// Scenes in the bundle, in the order of the command line.
     pub(super) scenes: Vec<String>,
+    /// Other files in the bundle, with the options that name them.
+    pub(super) options: Vec<(String, String)>,
     /// All other arguments that determine the results.
     pub(super) arguments: Vec<String>,
     pub(super) files: Vec<Entry>,
@@ -94,6 +96,8 @@ pub(super) struct Contents<'a> {
     pub(super) seed: u32,
     pub(super) machine: &'a Machine,
     pub(super) arguments: Vec<String>,
+    /// Other input files, with the options that name them.
+    pub(super) options: Vec<(&'static str, &'a Path)>,
 }
 
 /// SHA-256 in hexadecimal.
@@ -114,7 +118,15 @@ pub(super) fn zip(
         scenes.extend(of_scene.first().map(|(path, _)| path.clone()));
         files.extend(of_scene);
     }
-    files.push(("redo.sh".into(), redo(&scenes, &contents.arguments).into_bytes()));
+    let mut options = Vec::new();
+    for (option, path) in contents.options {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let place = format!("inputs/{}/{name}", option.trim_start_matches('-'));
+        let bytes = read_file(path, max_memory).map_err(|e| Error::failed(format!("{}: {e}", path.display())))?;
+        files.push((place.clone(), bytes));
+        options.push((option.to_owned(), place));
+    }
+    files.push(("redo.sh".into(), redo(&scenes, &options, &contents.arguments).into_bytes()));
     files.extend(report.into_iter().map(|(name, bytes)| (format!("report/{name}"), bytes)));
     let manifest = Manifest {
         kind: KIND.into(),
@@ -126,6 +138,7 @@ pub(super) fn zip(
         seed: contents.seed,
         machine: About::of(contents.machine),
         scenes,
+        options,
         arguments: contents.arguments,
         files: files
             .iter()
@@ -167,9 +180,14 @@ fn with_slashes(path: &Path) -> String {
 }
 
 /// A script that makes the report again.
-fn redo(scenes: &[String], arguments: &[String]) -> String {
+fn redo(scenes: &[String], options: &[(String, String)], arguments: &[String]) -> String {
     let quoted = |text: &String| format!("'{}'", text.replace('\'', "'\\''"));
-    let words: Vec<String> = scenes.iter().chain(arguments).map(quoted).collect();
+    let words: Vec<String> = scenes
+        .iter()
+        .chain(options.iter().flat_map(|(option, path)| [option, path]))
+        .chain(arguments)
+        .map(quoted)
+        .collect();
     format!(
         "#!/bin/sh\n# Makes this report again in the folder redone, by raystep {} (commit {}).\n# 'raystep report \
          --verify' on the bundle compares the results.\nset -eu\ncd \"$(dirname \"$0\")\"\nraystep report {} -o \

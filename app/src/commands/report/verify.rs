@@ -64,7 +64,7 @@ fn compare(
     if scenes.is_empty() || !scenes.iter().all(|scene| scene.starts_with(folder) && scene.is_file()) {
         return Err(cannot(&"a scene is not in it"));
     }
-    let args = arguments(manifest, &scenes, &folder.join("redone")).map_err(|e| cannot(&e.message()))?;
+    let args = arguments(manifest, &scenes, folder).map_err(|e| cannot(&e.message()))?;
     let machine = super::report(&args, progress)?;
     let now = About::of(&machine);
     let alike = manifest.machine.computes_like(&now);
@@ -100,12 +100,13 @@ fn compare(
 }
 
 /// The arguments of the bundled report, with the bundle's scenes.
-fn arguments(manifest: &Manifest, scenes: &[PathBuf], output: &Path) -> Result<ReportArgs, Error> {
+fn arguments(manifest: &Manifest, scenes: &[PathBuf], folder: &Path) -> Result<ReportArgs, Error> {
     let words = ["raystep", "report"].map(Into::into).into_iter();
     let scenes = scenes.iter().map(|scene| scene.clone().into_os_string());
     let rest = manifest.arguments.iter().map(Into::into);
-    let output = ["-o".into(), output.into()];
-    match parse(words.chain(rest).chain(output).chain(["--".into()]).chain(scenes))? {
+    let output = ["-o".into(), folder.join("redone").into()];
+    let files = manifest.options.iter().flat_map(|(option, path)| [option.into(), folder.join(path).into()]);
+    match parse(words.chain(rest).chain(files).chain(output).chain(["--".into()]).chain(scenes))? {
         Request::Run(Command::Report(args)) if args.bundle.is_none() && args.verify.is_none() => Ok(*args),
         _ => Err(Error::failed(format!("{MANIFEST}: arguments are not those of a report"))),
     }

@@ -8,6 +8,7 @@
 mod figure;
 mod words;
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 pub(super) use figure::color;
@@ -29,7 +30,17 @@ pub(super) use words::{Compared, compared};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
-    &["method", "accelerator", "schedule", "numerics", "rays", "ns_per_ray", "ns_per_ray_low", "ns_per_ray_high"],
+    &[
+        "method",
+        "accelerator",
+        "schedule",
+        "numerics",
+        "stratum",
+        "rays",
+        "ns_per_ray",
+        "ns_per_ray_low",
+        "ns_per_ray_high",
+    ],
     TIMES,
     RATIO,
     &["is_fastest", "is_front", "most_wrong_per_million", "is_accurate"],
@@ -68,6 +79,18 @@ const SHOWN: &[&str] = &[
     "witness_rays",
     "witness_error_by_bound",
     "witness_reference_error_by_bound",
+];
+
+const SHOWN_STRATA: &[&str] = &[
+    "accelerator",
+    "schedule",
+    "numerics",
+    "stratum",
+    "judged_rays",
+    "wrong_rays",
+    "undecided",
+    "wrong_per_million_low",
+    "wrong_per_million_high",
 ];
 
 /// Maximum number of tests in a run without an accelerator.
@@ -119,6 +142,57 @@ fn ways(is_quick: bool) -> Vec<Way> {
     ways
 }
 
+/// The name of all strata together.
+const ALL: &str = "all";
+
+/// Groups of rays.
+struct Strata<'a> {
+    /// The group of each ray.
+    of_rays: Option<&'a [u32]>,
+    /// The groups that there are, ascending, with their names.
+    names: Vec<(u32, String)>,
+}
+
+impl<'a> Strata<'a> {
+    fn new(work: &Work<'a>) -> Self {
+        let of_rays = work.rays.and_then(|file| file.strata.as_deref());
+        let numbers: BTreeSet<u32> = of_rays.into_iter().flatten().copied().collect();
+        // As many as a page can show; single rays are in rays.csv.
+        let names = numbers.into_iter().take(MOST_STRATA).map(|n| (n, n.to_string())).collect();
+        Self { of_rays, names }
+    }
+
+    fn number(&self, ray: usize) -> Option<u32> {
+        self.of_rays?.get(ray).copied()
+    }
+
+    fn of(&self, ray: usize) -> &str {
+        let name = |number| self.names.iter().find(|(n, _)| *n == number).map(|(_, name)| name.as_str());
+        self.number(ray).and_then(name).unwrap_or("view")
+    }
+
+    /// One row for each group: verdicts only.
+    fn rows(&self, work: &Work<'_>, judge: &Judge, m: &Measured) -> Vec<Row> {
+        let row = |(number, name): &(u32, String)| {
+            let counts = m.judged.counts_of(judge, |ray| self.number(ray) == Some(*number));
+            let rays = self.of_rays.map(|all| all.iter().filter(|n| *n == number).count());
+            let row = work
+                .row(COLUMNS)
+                .set("configuration", m.way.id(work))
+                .set("accelerator", m.way.accelerator.name())
+                .set("schedule", m.way.schedule.name())
+                .set("numerics", m.way.numerics.name())
+                .set("stratum", &**name)
+                .set("rays", rays);
+            judge::fill(row, &counts, Drawn::AtRandom)
+        };
+        self.names.iter().map(row).collect()
+    }
+}
+
+/// Most strata with rows of their own.
+const MOST_STRATA: usize = 64;
+
 /// A choice that was built and timed.
 struct Measured {
     way: Way,
@@ -130,7 +204,11 @@ struct Measured {
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     let first = table.rows.len();
-    let rays = view(&work.subject.camera, work.size.width, work.size.height, work.seed());
+    let rays = match work.rays {
+        Some(file) => file.rays.clone(),
+        None => view(&work.subject.camera, work.size.width, work.size.height, work.seed()),
+    };
+    let strata = Strata::new(work);
     let mut ready: Vec<(Way, Built)> = Vec::new();
     for way in ways(work.is_quick) {
         let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
@@ -156,7 +234,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         if times.is_given_up {
             part.notes.push(format!("{} {} {}: {}", way.accelerator, way.schedule, way.numerics, judged.given_up()));
         }
-        judge.record(work, &built.renderer, &judged, &way.id(work), |_| "view");
+        judge.record(work, &built.renderer, &judged, &way.id(work), |ray| strata.of(ray));
         measured.push(Measured { way, built, times, judged });
     }
     let limit = limit(&measured);
@@ -165,11 +243,16 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let own = work.methods.iter().filter(|m| m.scene.is_empty() || m.scene == *scene);
     table.rows.extend(own.map(|method| own_row(work, method, limit)));
     mark_front(&mut table.rows[first..]);
-    let rows = &table.rows[first..];
+    let last = table.rows.len();
+    for m in &measured {
+        table.rows.extend(strata.rows(work, &judge, m));
+    }
+    let (rows, of_strata) = (&table.rows[first..last], &table.rows[last..]);
     words::say(work, rows, &mut part);
-    part.lead_figure("precision", figure::of(rows).svg()?, figure::caption(rows));
+    part.lead_figure("precision", figure::of(rows).svg()?, figure::caption(rows, work.rays.is_some()));
     words::table(rows, &mut part);
     part.table(rows, SHOWN);
+    part.table(of_strata, SHOWN_STRATA);
     Ok(part)
 }
 
@@ -235,6 +318,7 @@ fn own_row(work: &Work<'_>, method: &Method, limit: f64) -> Row {
         .row(COLUMNS)
         .set("configuration", work.configuration(&["own", &method.method]))
         .set("method", &*method.method)
+        .set("stratum", ALL)
         .set("ns_per_ray", method.ns_per_ray)
         .set("ns_per_ray_low", method.ns_per_ray_low)
         .set("ns_per_ray_high", method.ns_per_ray_high)
@@ -280,6 +364,7 @@ fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -
         .set("accelerator", way.accelerator.name())
         .set("schedule", way.schedule.name())
         .set("numerics", way.numerics.name())
+        .set("stratum", ALL)
         .set("rays", plan.rays)
         .set("clock", work.clock())
         .set("passes", built.renderer.pass_count())

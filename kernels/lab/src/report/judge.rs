@@ -97,13 +97,13 @@ impl Judge {
     }
 
     /// Adds every judged ray to `rays.csv`, if that is requested. `stratum` names a ray's group.
-    pub(super) fn record(
+    pub(super) fn record<'s>(
         &self,
         work: &Work<'_>,
         renderer: &Renderer,
         judged: &Judged,
         configuration: &str,
-        stratum: impl Fn(usize) -> &'static str,
+        stratum: impl Fn(usize) -> &'s str,
     ) {
         if !work.record.has_rays() {
             return;
@@ -263,6 +263,7 @@ mod tests {
             section,
             record,
             methods: &[],
+            rays: None,
         };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.build(&options).expect("a plan").renderer;

@@ -12,6 +12,7 @@ use raystep_kernels::{Accelerator, GridSize, Options, Progress, RaySource, Rende
 use super::methods::Method;
 use super::record::{RUN_COLUMNS, Record};
 use crate::meter::{Ended, Meter, Time, Turns, in_turn};
+use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::{median, quantile};
@@ -47,6 +48,8 @@ pub(super) struct Work<'a> {
     pub(super) record: &'a Record,
     /// Results of other programs.
     pub(super) methods: &'a [Method],
+    /// Rays of another program.
+    pub(super) rays: Option<&'a RaysFile>,
 }
 
 /// A plan that can be started many times.

@@ -78,7 +78,7 @@ pub(super) fn of(rows: &[Row]) -> Precision {
 }
 
 /// What the diagram shows, of how many rays and runs.
-pub(super) fn caption(rows: &[Row]) -> String {
+pub(super) fn caption(rows: &[Row], is_file: bool) -> String {
     let ends = |column: &str| {
         let values = || rows.iter().filter_map(|r| r.number(column));
         let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
@@ -90,9 +90,10 @@ pub(super) fn caption(rows: &[Row]) -> String {
     let method = methods.join(" or ").replace('_', " ");
     format!(
         "Median of {} interleaved runs, 95% interval ({}). Wrong of {} judged rays, exact 95% interval. Pale: undecided \
-         rays. Dashed: nothing is faster and less often wrong.",
+         rays. Dashed: nothing is faster and less often wrong.{}",
         ends("runs"),
         if method.is_empty() { "none: too few runs" } else { &method },
         ends("judged_rays"),
+        if is_file { " Rays from a file, taken as a random sample." } else { "" },
     )
 }
