@@ -2,16 +2,19 @@
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use raystep_kernels::GridSize;
 use raystep_lab::meter::Meter;
 use raystep_lab::report::{self, About, SECTIONS, Section, Wanted};
+use raystep_lab::stiff::{self, Kept, Start};
 use raystep_lab::text::visible;
 use raystep_lab::{Machine, Size};
 
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, parse_grid, parse_size, whole};
+use crate::commands::unfinished::Unfinished;
 use crate::commands::{distinct, input};
 use crate::device;
 use crate::error::Error;
@@ -55,7 +58,7 @@ pub(crate) struct ReportArgs {
     /// Also write DIR/rays.csv: every judged ray, with its verdict, error and error bound
     #[arg(long)]
     rays_csv: bool,
-    /// Write only these sections
+    /// Write only these sections; stiff, which takes up to 20 minutes, is written only if it is named
     #[arg(long = "section", value_name = "A,B…", value_delimiter = ',',
           value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
     sections: Vec<String>,
@@ -95,7 +98,10 @@ impl ReportArgs {
     }
 
     fn sections(&self) -> Vec<&'static Section> {
-        let is_wanted = |s: &&Section| self.sections.is_empty() || self.sections.iter().any(|name| name == s.name);
+        let is_wanted = |s: &&Section| match self.sections.is_empty() {
+            true => s.is_default,
+            false => self.sections.iter().any(|name| name == s.name),
+        };
         SECTIONS.iter().filter(is_wanted).collect()
     }
 }
@@ -103,14 +109,23 @@ impl ReportArgs {
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
     let progress = Progress::new(args.quiet.quiet);
     let stale = report_files(&args.output);
-    TargetFolder::new(&args.output, args.force)?.fill(&stale, |folder| fill(args, folder, &progress))?;
+    let is_long = args.sections().iter().any(|section| section.file == stiff::CSV);
+    let unfinished = if is_long { Some(Unfinished::beside(&args.output)?) } else { None };
+    let folder = TargetFolder::new(&args.output, args.force)?;
+    folder.fill(&stale, |folder| fill(args, unfinished.as_ref(), folder, &progress))?;
+    unfinished.iter().for_each(Unfinished::remove);
     progress.finish();
     progress.say(format_args!("wrote {} with its CSV files and plots", args.output.join(report::PAGE).display()));
     Ok(())
 }
 
 /// Measures and writes every file.
-fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result<(), Error> {
+fn fill(
+    args: &ReportArgs,
+    unfinished: Option<&Unfinished>,
+    folder: &TargetFolder,
+    progress: &Progress,
+) -> Result<(), Error> {
     let names = report_files(&args.output);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     output::refuse_others(&args.output, &names, "a report", report::PAGE, report::is_report)?;
@@ -123,6 +138,12 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
     }
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
+    let run_id = run_id();
+    let stiff = stiff::Wanted { seed: args.seed, ..stiff::Wanted::new(run_id.clone(), args.quick) };
+    let stiff = match unfinished {
+        Some(unfinished) => unfinished.start(stiff, &meter.machine, progress)?,
+        None => Start::new(stiff, Kept::default(), |_, _| Ok(())),
+    };
     let wanted = Wanted {
         sections: args.sections(),
         size: args.size(),
@@ -130,8 +151,9 @@ fn fill(args: &ReportArgs, folder: &TargetFolder, progress: &Progress) -> Result
         is_quick: args.quick,
         seed: args.seed,
         has_rays: args.rays_csv,
+        stiff: Rc::new(stiff),
     };
-    let report = report::measure(&wanted, &subjects, run_id(), &meter, progress)?;
+    let report = report::measure(&wanted, &subjects, run_id, &meter, progress)?;
     progress.stage("writing");
     let files = report.files(&about(&meter.machine)).map_err(Error::failed)?;
     files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))

@@ -14,9 +14,11 @@ mod resolved;
 mod rules;
 mod samples;
 mod section;
+mod stiff;
 mod work;
 
 use std::io;
+use std::rc::Rc;
 use std::time::Instant;
 
 use page::{Part, Scene};
@@ -27,6 +29,7 @@ use work::Work;
 use crate::Error;
 use crate::meter::Meter;
 use crate::reporter::Reporter;
+use crate::stiff::Start;
 use crate::subject::{Size, Subject};
 use crate::tidy::Table;
 use crate::tidy::package::{self, Resource};
@@ -57,6 +60,8 @@ pub struct Wanted {
     pub seed: u32,
     /// Whether to write every judged ray.
     pub has_rays: bool,
+    /// The families of stiff scenes, measured if the section is wanted.
+    pub stiff: Rc<Start>,
 }
 
 /// The seed unless another one is requested.
@@ -80,7 +85,7 @@ pub fn measure(
     meter: &Meter,
     reporter: &dyn Reporter,
 ) -> Result<Report, Error> {
-    let Wanted { sections, size, grid, is_quick, seed, has_rays } = wanted;
+    let Wanted { sections, size, grid, is_quick, seed, has_rays, stiff } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
     let record = Record::new(run_id, *seed, *has_rays);
     let mut scenes: Vec<Scene> = Vec::new();
@@ -92,7 +97,7 @@ pub fn measure(
             let (size, grid, is_quick, section_name) = (*size, *grid, *is_quick, section.name);
             let (record, ahead) = (&record, left.text());
             let reporter = &Ahead { reporter, text: ahead };
-            let work = Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record };
+            let work = Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record, stiff };
             let before = table.rows.len();
             let part = match (section.run)(&work, table) {
                 Ok(part) => {

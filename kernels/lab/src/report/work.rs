@@ -14,6 +14,7 @@ use crate::meter::{Ended, Meter, Time, Turns, in_turn};
 use crate::reporter::Reporter;
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::{median, quantile};
+use crate::stiff::Start;
 use crate::subject::{Size, Subject};
 use crate::tidy::Row;
 use crate::{Error, Machine};
@@ -44,6 +45,8 @@ pub(super) struct Work<'a> {
     pub(super) section: &'static str,
     /// Runs and rays of all sections.
     pub(super) record: &'a Record,
+    /// The families of stiff scenes.
+    pub(super) stiff: &'a Start,
 }
 
 /// A plan that can be started many times.
