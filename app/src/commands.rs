@@ -15,6 +15,7 @@ pub(crate) mod scene;
 pub(crate) mod stability;
 mod summary;
 pub(crate) mod trace;
+mod unfinished;
 
 use raystep_lab::text::is_obeyed;
 use serde::Serialize;

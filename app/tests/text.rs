@@ -181,6 +181,7 @@ fn small(example: &str) -> String {
         with("--window", "480x300", command == "inspect"),
         with("--screenshot", "shot.png", command == "inspect"),
         with("--section", "grid", command == "report"),
+        with("--family", "t-junctions", has("--cost")),
         with("--triangles", "100", false),
         if has("--list") || has("--case") { None } else { with("--case", "no-triangle", command == "stability") },
     ];

@@ -5,6 +5,7 @@ mod verify;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -13,11 +14,13 @@ use raystep_lab::bench::grid_text;
 use raystep_lab::meter::Meter;
 use raystep_lab::report::methods::{self, Method};
 use raystep_lab::report::{self, About, Report, SECTIONS, Section, Wanted};
+use raystep_lab::stiff::{self, Kept, Start};
 use raystep_lab::text::visible;
 use raystep_lab::{Machine, Size};
 
 use crate::args::{CameraArgs, DeviceArgs, QuietArgs, ReadArgs, SceneArgs, counted, parse_grid, parse_size, whole};
 use crate::commands::input::Input;
+use crate::commands::unfinished::Unfinished;
 use crate::commands::{distinct, input};
 use crate::device;
 use crate::error::Error;
@@ -76,7 +79,7 @@ pub(crate) struct ReportArgs {
     /// wrong_rays; optionally scene, ns_per_ray_low, ns_per_ray_high and undecided
     #[arg(long, value_name = "FILE.csv")]
     methods: Option<PathBuf>,
-    /// Write only these sections
+    /// Write only these sections; stiff, which takes up to 20 minutes, is written only if it is named
     #[arg(long = "section", value_name = "A,B…", value_delimiter = ',',
           value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
     sections: Vec<String>,
@@ -146,7 +149,10 @@ impl ReportArgs {
     }
 
     fn sections(&self) -> Vec<&'static Section> {
-        let is_wanted = |s: &&Section| self.sections.is_empty() || self.sections.iter().any(|name| name == s.name);
+        let is_wanted = |s: &&Section| match self.sections.is_empty() {
+            true => s.is_default,
+            false => self.sections.iter().any(|name| name == s.name),
+        };
         SECTIONS.iter().filter(is_wanted).collect()
     }
 }
@@ -163,9 +169,11 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
 fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
     let Some(output) = &args.output else { return Err(Error::usage("--output is missing")) };
     let bundle = args.bundle.as_deref().map(Target::new).transpose()?;
+    let is_long = args.sections().iter().any(|section| section.file == stiff::CSV);
+    let unfinished = if is_long { Some(Unfinished::beside(output)?) } else { None };
     let stale = report_files(output);
     let (machine, zip) = TargetFolder::new(output, args.force)?.fill(&stale, |folder| {
-        let (report, inputs, machine, run_id) = measure(args, output, folder, progress)?;
+        let (report, inputs, machine, run_id) = measure(args, output, unfinished.as_ref(), folder, progress)?;
         progress.stage("writing");
         let files = report.files(&about(&machine)).map_err(Error::failed)?;
         files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
@@ -179,6 +187,7 @@ fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
         let zip = bundle.is_some().then(|| bundle::zip(contents, &inputs, args.read.max_memory, files)).transpose()?;
         Ok((machine, zip))
     })?;
+    unfinished.iter().for_each(Unfinished::remove);
     if let Some((target, bytes)) = bundle.zip(zip) {
         output::write(vec![(target, bytes)])?;
     }
@@ -191,6 +200,7 @@ fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
 fn measure(
     args: &ReportArgs,
     output: &Path,
+    unfinished: Option<&Unfinished>,
     folder: &TargetFolder,
     progress: &Progress,
 ) -> Result<(Report, Vec<Input>, Machine, String), Error> {
@@ -209,6 +219,12 @@ fn measure(
     let rays = args.rays.read()?;
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
+    let run_id = run_id();
+    let stiff = stiff::Wanted { seed: args.seed, ..stiff::Wanted::new(run_id.clone(), args.quick) };
+    let stiff = match unfinished {
+        Some(unfinished) => unfinished.start(stiff, &meter.machine, progress)?,
+        None => Start::new(stiff, Kept::default(), |_, _| Ok(())),
+    };
     let wanted = Wanted {
         sections: args.sections(),
         size: args.size(),
@@ -218,8 +234,8 @@ fn measure(
         has_rays: args.rays_csv,
         methods,
         rays,
+        stiff: Rc::new(stiff),
     };
-    let run_id = run_id();
     let report = report::measure(&wanted, &subjects, run_id.clone(), &meter, progress)?;
     Ok((report, inputs, meter.machine, run_id))
 }

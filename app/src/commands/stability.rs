@@ -2,16 +2,22 @@
 
 use std::io::Write as _;
 use std::path::PathBuf;
+use std::rc::Rc;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use raystep_kernels::{Accelerator, Device};
 use raystep_lab::Machine;
-use raystep_lab::stability::{self, ACCELERATORS, CASES, COLUMNS, Case, FILES, Place, Report, Wanted};
+use raystep_lab::machine::now_ns;
+use raystep_lab::stability::{self, ACCELERATORS, CASES, Case, FILES, Place, Report, Wanted};
+use raystep_lab::stiff::{self, FAMILIES, Family, Kept, Start};
 
 use crate::args::{DeviceArgs, DeviceKind, QuietArgs, named};
+use crate::commands::unfinished::Unfinished;
 use crate::device;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
+use crate::session::run_id;
 use crate::terminal::{Progress, print};
 use crate::usage::did_you_mean;
 
@@ -25,14 +31,22 @@ use crate::usage::did_you_mean;
 /// The error of tMax along a walk of 3,000 cells is measured for each way to compute it, and pairs of rays and
 /// triangles are tested by every pipeline that includes the triangle test.
 ///
+/// With --cost, families of scenes that get harder in one way are traced, too: a small object in an ever larger room,
+/// slivers, coincident layers and so on. For every structure, with all rules and without each, this measures time, cells
+/// and tests per ray, building and memory, and wrong rays. It takes up to 20 minutes. If it is interrupted, the same
+/// command continues from DIR.stiff.csv.part.
+///
 /// DIR/stability.csv has one row per case and configuration, DIR/tmax.csv one per sample of the walk, DIR/pipelines.csv
-/// one per pipeline; DIR/stability.html shows all of it, and where the errors are.
+/// one per pipeline, DIR/stiff.csv one per point of a family and configuration, DIR/runs.csv one per timed run;
+/// DIR/datapackage.json describes their columns; DIR/stability.html shows all of it, and where the errors are.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep stability -o stability
   raystep stability --case axis --case cell-faces
   raystep stability --quick --device cpu --accelerator grid
+  raystep stability --cost -o stability
+  raystep stability --cost --family room,slivers --quick --device cpu -o stability
   raystep stability --list")]
 pub(crate) struct StabilityArgs {
     /// Output folder: new, or empty
@@ -54,6 +68,13 @@ pub(crate) struct StabilityArgs {
     /// Use an eighth of the rays
     #[arg(long)]
     quick: bool,
+    /// Measure what stiff scenes cost, on the GPU, or with --device cpu on the CPU
+    #[arg(long)]
+    cost: bool,
+    /// Only these families of stiff scenes
+    #[arg(long = "family", value_name = "A,B…", value_delimiter = ',', requires = "cost",
+          value_parser = PossibleValuesParser::new(FAMILIES.iter().map(|f| f.name)))]
+    families: Vec<String>,
     #[command(flatten)]
     quiet: QuietArgs,
     /// Where to trace
@@ -82,24 +103,35 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Error> {
     }
     let progress = Progress::new(args.quiet.quiet);
     let report = match &args.output {
-        None => all(args, cases, &progress)?,
+        None => all(args, cases, None, &progress)?,
         Some(path) => {
             let [csv, ..] = FILES;
-            let is_ours = |bytes: &[u8]| bytes.starts_with(COLUMNS.join(",").as_bytes());
+            // Also of earlier versions.
+            let has_our_column = |line: &[u8]| line.split(|&b| b == b',').any(|name| name == b"undecided_ceiling");
+            let is_ours = |bytes: &[u8]| bytes.split(|&b| b == b'\r').next().is_some_and(has_our_column);
             output::refuse_others(path, &FILES, "a stability report", csv, is_ours)?;
-            let report = TargetFolder::new(path, args.force)?.fill(&[], |folder| {
-                let report = all(args, cases, &progress)?;
+            let stale = FILES.map(str::to_owned);
+            let unfinished = Unfinished::beside(path)?;
+            let (report, names) = TargetFolder::new(path, args.force)?.fill(&stale, |folder| {
+                let report = all(args, cases, Some(&unfinished), &progress)?;
                 let files = report.files()?;
                 files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
-                Ok(report)
+                Ok((report, files.iter().map(|(name, _)| *name).collect::<Vec<_>>()))
             })?;
-            progress.say(format_args!("wrote {} to {}", FILES.join(", "), path.display()));
+            if args.cost {
+                unfinished.remove();
+            }
+            progress.say(format_args!("wrote {} to {}", names.join(", "), path.display()));
             report
         }
     };
     progress.finish();
     if !args.quiet.quiet {
         print(&(stability::text(&report.outcomes) + &stability::text_beside(&report)))?;
+        if let Some(cost) = &report.cost {
+            let lines: Vec<String> = cost.sentences().into_iter().chain(cost.notes.clone()).collect();
+            print(&lines.iter().map(|line| format!("{line}\n")).collect::<String>())?;
+        }
     }
     // A gate: unexpected results fail the command.
     report.unexpected().map_or(Ok(()), |line| Err(Error::failed(line)))
@@ -133,18 +165,37 @@ fn places(args: &StabilityArgs, progress: &Progress) -> Result<Vec<(Place, Machi
         }
     }
     if args.device != Devices::Gpu {
-        let twins = [("cpu_f32", Device::Cpu(None)), ("cpu_f64", Device::CpuF64(None))];
+        let twins = [("cpu_f32", Device::Cpu(Some(now_ns))), ("cpu_f64", Device::CpuF64(None))];
         places.extend(twins.map(|(name, device)| {
             let reason = "CPU".to_owned();
-            (Place { device: name, adapter: String::new() }, Machine { device, reason })
+            (Place { device: name, adapter: "cpu".into() }, Machine { device, reason })
         }));
     }
     Ok(places)
 }
 
-fn all(args: &StabilityArgs, cases: Vec<&'static Case>, progress: &Progress) -> Result<Report, Error> {
+fn all(
+    args: &StabilityArgs,
+    cases: Vec<&'static Case>,
+    unfinished: Option<&Unfinished>,
+    progress: &Progress,
+) -> Result<Report, Error> {
     let places = places(args, progress)?;
     let accelerators = args.accelerator.clone();
-    let wanted = Wanted { cases, accelerators, is_quick: args.quick, pipelines: args.cases.is_empty() };
+    let (run_id, pipelines) = (run_id(), args.cases.is_empty());
+    let cost = match places.first() {
+        Some((_, machine)) if args.cost => {
+            let is_wanted = |f: &&Family| args.families.is_empty() || args.families.iter().any(|name| name == f.name);
+            let families = FAMILIES.iter().filter(is_wanted).collect();
+            let accelerators = accelerators.clone();
+            let wanted = stiff::Wanted { families, accelerators, ..stiff::Wanted::new(run_id.clone(), args.quick) };
+            Some(Rc::new(match unfinished {
+                Some(unfinished) => unfinished.start(wanted, machine, progress)?,
+                None => Start::new(wanted, Kept::default(), |_, _| Ok(())),
+            }))
+        }
+        _ => None,
+    };
+    let wanted = Wanted { cases, accelerators, is_quick: args.quick, pipelines, cost, run_id };
     Ok(stability::measure(&wanted, &places, progress)?)
 }

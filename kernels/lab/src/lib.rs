@@ -13,6 +13,7 @@
 //! | [`machine`], [`meter`], [`statistics`] | a device with its clocks, interleaved timing, medians and intervals |
 //! | [`work`], [`structure_stats`] | the cost of rays and use of launched threads; lists of a grid, nodes of a BVH |
 //! | [`mod@bench`], [`report`], [`stability`] | the measuring commands of the command line |
+//! | [`stiff`] | what scenes cost that get harder in one way |
 //! | [`subject`], [`reporter`] | their inputs: a scene with a view, and a receiver of progress |
 //! | [`tidy`] | their CSV files: one name for one thing, and a schema |
 //! | [`plots`], [`html`], [`text`], [`hash`] | the parts of their pages |
@@ -37,6 +38,7 @@ pub mod reporter;
 pub mod rounding;
 pub mod stability;
 pub mod statistics;
+pub mod stiff;
 pub mod structure_stats;
 pub mod subject;
 pub mod text;

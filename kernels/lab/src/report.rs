@@ -15,9 +15,11 @@ mod resolved;
 mod rules;
 mod samples;
 mod section;
+mod stiff;
 mod work;
 
 use std::io;
+use std::rc::Rc;
 use std::time::Instant;
 
 use methods::Method;
@@ -30,6 +32,7 @@ use crate::Error;
 use crate::meter::Meter;
 use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
+use crate::stiff::Start;
 use crate::subject::{Size, Subject};
 use crate::tidy::Table;
 use crate::tidy::package::{self, Resource};
@@ -64,6 +67,8 @@ pub struct Wanted {
     pub methods: Vec<Method>,
     /// Rays for the section `choices`, instead of the camera's.
     pub rays: Option<RaysFile>,
+    /// The families of stiff scenes, measured if the section is wanted.
+    pub stiff: Rc<Start>,
 }
 
 /// The seed unless another one is requested.
@@ -87,7 +92,7 @@ pub fn measure(
     meter: &Meter,
     reporter: &dyn Reporter,
 ) -> Result<Report, Error> {
-    let Wanted { sections, size, grid, is_quick, seed, has_rays, methods, rays } = wanted;
+    let Wanted { sections, size, grid, is_quick, seed, has_rays, methods, rays, stiff } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
     let record = Record::new(run_id, *seed, *has_rays);
     let mut scenes: Vec<Scene> = Vec::new();
@@ -96,11 +101,20 @@ pub fn measure(
     for subject in subjects {
         let mut parts = Vec::new();
         for (section, table) in &mut tables {
-            let (size, grid, is_quick, section_name) = (*size, *grid, *is_quick, section.name);
-            let (record, ahead, rays) = (&record, left.text(), rays.as_ref());
-            let reporter = &Ahead { reporter, text: ahead };
-            let work =
-                Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record, methods, rays };
+            let reporter = &Ahead { reporter, text: left.text() };
+            let work = Work {
+                subject,
+                meter,
+                size: *size,
+                grid: *grid,
+                is_quick: *is_quick,
+                reporter,
+                section: section.name,
+                record: &record,
+                methods,
+                rays: rays.as_ref(),
+                stiff,
+            };
             let before = table.rows.len();
             let part = match (section.run)(&work, table) {
                 Ok(part) => {

@@ -17,13 +17,14 @@
 //! | `beside`, `table` | walks, pipelines and cases as text |
 //! | `page`, `picture` | `stability.html`, and images of the errors |
 //!
-//! Nothing here reads a clock or writes a file; [`measure`] blocks while it waits for a device.
+//! Nothing here writes a file; [`measure`] blocks while it waits for a device, and only the cost of stiff scenes
+//! ([`crate::stiff`]) is timed.
 
 mod beside;
 mod cases;
 mod claims;
 pub mod drift;
-mod make;
+pub(crate) mod make;
 mod page;
 mod picture;
 mod planes;
@@ -46,7 +47,7 @@ use crate::judge::Judge;
 pub use beside::text as text_beside;
 pub use cases::CASES;
 pub use report::{ACCELERATORS, FILES, Outcome, Report, Wanted, measure};
-pub use row::{COLUMNS, Expected, Place, Row, SCHEMA_VERSION, write_rows};
+pub use row::{COLUMNS, Expected, Place, Row, Traced};
 pub use score::{Largest, Score};
 pub use table::{list, text};
 

@@ -5,6 +5,7 @@ mod tree;
 use raystep_kernels::scene_data::SceneData;
 
 pub use tree::TreeStats;
+pub(crate) use tree::at_point;
 
 /// Entries of a histogram of lengths: one each for 0, 1, …; the last one counts everything that is as long or longer.
 pub const LENGTHS: usize = 128;

@@ -126,6 +126,27 @@ impl Table {
         Self { columns, rows: Vec::new() }
     }
 
+    /// Reads what [`write`](Self::write) has written; `None` if the columns are others or a row is cut off.
+    pub(crate) fn read(columns: &'static [&'static str], file: &[u8]) -> Option<Self> {
+        let mut reader = ::csv::Reader::from_reader(file);
+        if !reader.headers().ok()?.iter().eq(columns.iter().copied()) {
+            return None;
+        }
+        let row = |record: ::csv::StringRecord| Row { columns, fields: record.iter().map(str::to_owned).collect() };
+        let rows = reader.records().map(|record| record.map(row)).collect::<Result<_, _>>().ok()?;
+        Some(Self { columns, rows })
+    }
+
+    /// The rows from an index on, as lines without the names.
+    pub(crate) fn lines(&self, from: usize) -> io::Result<Vec<u8>> {
+        let mut lines = Vec::new();
+        let mut writer = csv::writer(&mut lines);
+        self.rows[from.min(self.rows.len())..].iter().try_for_each(|row| writer.write_record(&row.fields))?;
+        writer.flush()?;
+        drop(writer);
+        Ok(lines)
+    }
+
     /// Writes RFC 4180.
     pub(crate) fn write(&self, out: impl Write) -> io::Result<()> {
         let mut writer = csv::writer(out);
@@ -188,5 +209,8 @@ mod tests {
         let (mut file, table) = (Vec::new(), Table { columns: COLUMNS, rows: vec![row] });
         table.write(&mut file).expect("memory");
         assert_eq!(String::from_utf8_lossy(&file), "schema_version,a,b\r\n2,,\"x, \"\"y\"\"\"\r\n");
+        let read = Table::read(COLUMNS, &file).expect("the same columns");
+        assert_eq!((&read.rows, &read.lines(0).expect("memory")[..]), (&table.rows, &file[20..]));
+        assert!(Table::read(COLUMNS, &file[..22]).is_none() && Table::read(&["a"], &file).is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use raystep_kernels::{Accelerator, Numerics, Options, Plan, RaySource, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, Numerics, Options, Plan, RaySource, Rule, ScheduleKind, Skip};
 use raystep_scenes::Scene;
 
 /// A configuration.
@@ -107,6 +107,16 @@ pub const FAST: [Way; 6] = {
         Way::new(Bvh, Fused, 1),
     ]
 };
+
+/// Whether walks through this accelerator use the rule.
+#[must_use]
+pub fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
+    match rule {
+        Rule::TMax | Rule::Acceptance | Rule::CellGrowth => accelerator == Accelerator::Grid,
+        Rule::BoxPadding => accelerator == Accelerator::Bvh,
+        Rule::TriangleTest => true,
+    }
+}
 
 /// As in the paper: through the grid, every ray launched in every pass, one step each. It has many passes, and each
 /// kernel does one thing.

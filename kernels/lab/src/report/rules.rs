@@ -19,6 +19,7 @@ use crate::Error;
 use crate::rays::{Aim, Planes, aimed};
 use crate::statistics::proportion::{holm, mcnemar};
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
+use crate::ways::has_rule;
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -102,15 +103,6 @@ fn ways(work: &Work<'_>, rays: &[Ray]) -> Vec<Way> {
         add(Numerics::Paper, None, Options { numerics: Numerics::Paper, ..options });
     }
     ways
-}
-
-/// Whether walks through this accelerator use the rule.
-fn has_rule(accelerator: Accelerator, rule: Rule) -> bool {
-    match rule {
-        Rule::TMax | Rule::Acceptance | Rule::CellGrowth => accelerator == Accelerator::Grid,
-        Rule::BoxPadding => accelerator == Accelerator::Bvh,
-        Rule::TriangleTest => true,
-    }
 }
 
 /// The rays, and the ends of their strata.

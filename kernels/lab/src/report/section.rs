@@ -2,7 +2,7 @@
 
 use super::page::Part;
 use super::work::Work;
-use super::{choices, grid, left_out, moved, resolved, rules, samples};
+use super::{choices, grid, left_out, moved, resolved, rules, samples, stiff};
 use crate::Error;
 use crate::tidy::Table;
 
@@ -13,6 +13,8 @@ pub struct Section {
     pub name: &'static str,
     /// Its heading.
     pub title: &'static str,
+    /// Whether it is measured unless sections are named.
+    pub is_default: bool,
     /// What is measured, as HTML.
     pub what: &'static str,
     /// Its CSV.
@@ -32,6 +34,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "choices",
         title: "Choices",
+        is_default: true,
         what: "Every structure, schedule and set of rules on the same rays, one through a random point of each pixel. \
                Runs are interleaved; ratios are to the fastest accurate choice, which is found in half of the rounds \
                and compared in the other half (with fewer than twelve rounds: in all).",
@@ -44,6 +47,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "rules",
         title: "Rules",
+        is_default: true,
         what: "Robust numerics with one rule at a time replaced by the paper's, on rays aimed at the places where they \
                differ.",
         file: "rules.csv",
@@ -55,6 +59,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "resolved",
         title: "Resolution of rays",
+        is_default: true,
         what: "Rays with a final hit after each pass, over the time since the start: one run with timed passes, and \
                one that is read back after each pass.",
         file: "resolved.csv",
@@ -66,6 +71,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "moved",
         title: "Offset",
+        is_default: true,
         what: "The scene moved away from the origin: error of t along the rays, as a distance relative to the \
                scene's extent.",
         file: "moved.csv",
@@ -77,6 +83,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "scaled",
         title: "Scale",
+        is_default: true,
         what: "The same for the scaled scene.",
         file: "scaled.csv",
         row: "a scale and a set of rules",
@@ -87,6 +94,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "grid",
         title: "Grid resolution",
+        is_default: true,
         what: "Time, memory and building time over the resolution of the grid, all with the same hits; and the cost \
                of a structure before its first ray.",
         file: "grid.csv",
@@ -98,6 +106,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "samples",
         title: "Samples",
+        is_default: true,
         what: "Root mean square error of the image over time, from two samples per pixel: how fast it converges to \
                the limit of infinitely many samples.",
         file: "samples.csv",
@@ -109,6 +118,7 @@ pub const SECTIONS: &[Section] = &[
     Section {
         name: "left-out",
         title: "Left out",
+        is_default: true,
         what: "The parts that the plan omits because this scene and view do not need them, restored: the same rays \
                with and without, interleaved.",
         file: "left_out.csv",
@@ -116,5 +126,17 @@ pub const SECTIONS: &[Section] = &[
         seconds: 15.0,
         columns: left_out::COLUMNS,
         run: left_out::run,
+    },
+    Section {
+        name: "stiff",
+        title: "Stiffness",
+        is_default: false,
+        what: "What scenes cost that get harder in one way, for every structure with and without each rule, and where \
+               this scene stands among them by its stiffness number.",
+        file: crate::stiff::CSV,
+        row: "a structure with or without a rule, at a point of a family or in the scene",
+        seconds: 900.0,
+        columns: stiff::COLUMNS,
+        run: stiff::run,
     },
 ];

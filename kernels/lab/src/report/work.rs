@@ -16,6 +16,7 @@ use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
 use crate::statistics::interval::{self, Interval};
 use crate::statistics::{median, quantile};
+use crate::stiff::Start;
 use crate::subject::{Size, Subject};
 use crate::tidy::Row;
 use crate::{Error, Machine};
@@ -50,6 +51,8 @@ pub(super) struct Work<'a> {
     pub(super) methods: &'a [Method],
     /// Rays of another program.
     pub(super) rays: Option<&'a RaysFile>,
+    /// The families of stiff scenes.
+    pub(super) stiff: &'a Start,
 }
 
 /// A plan that can be started many times.

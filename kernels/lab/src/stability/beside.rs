@@ -31,6 +31,7 @@ pub(super) fn walks(
 /// Traces the same pairs through every pipeline of every f32 device. All pipelines with the same rays are compared with
 /// the first such pipeline of the first device.
 pub(super) fn pipelines(
+    run_id: &str,
     quick: bool,
     places: &[(Place, Machine)],
     reporter: &dyn Reporter,
@@ -44,7 +45,7 @@ pub(super) fn pipelines(
             let bits = machine.wait(probe::run(&pipeline, &workloads, &machine.device))?;
             let (name, base) = bases[usize::from(pipeline.is_camera)]
                 .get_or_insert_with(|| (format!("{}: {}", place.device, pipeline.name), bits.clone()));
-            rows.push(probe::Row::new(place, &pipeline, name, bits.difference(base)));
+            rows.push(probe::Row::new(run_id, place, &pipeline, name, bits.difference(base)));
         }
     }
     Ok(rows)

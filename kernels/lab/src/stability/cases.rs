@@ -363,6 +363,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn no_ray_at_an_edge_or_corner_is_traced_twice() {
+        for name in ["edges", "corners", "moved-1e4", "scaled-1e20"] {
+            let case = CASES.iter().find(|case| case.name == name).expect("a case");
+            let RaySource::Given(rays) = (case.make)(case.rays).expect("a case").rays else { panic!("input rays") };
+            let bits = rays.iter().map(|ray| (ray.origin.map(f32::to_bits), ray.direction.map(f32::to_bits)));
+            assert_eq!((bits.collect::<BTreeSet<_>>().len(), rays.len()), (2048, 2048), "{name}");
+        }
+    }
+
+    #[test]
     fn every_case_is_made_says_what_it_is_and_may_fail() {
         let names: BTreeSet<&str> = CASES.iter().map(|case| case.name).collect();
         assert_eq!(names.len(), CASES.len(), "names are unique");

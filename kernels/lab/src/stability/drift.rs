@@ -4,7 +4,6 @@
 
 use std::ops::ControlFlow;
 
-use raystep_kernels::export::csv;
 use raystep_kernels::options::{Accelerator, Numerics, Options, Rule, ScheduleKind, Skip};
 use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV};
 use raystep_kernels::programs::closest_hit::streams;
@@ -15,6 +14,7 @@ use raystep_kernels::tables::stream::{STATE_TAG, StreamData};
 
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, make};
+use crate::tidy;
 
 /// The error bound of robust numerics, in the unit of [`Sample::error`], half units in the last place: one rounding of
 /// the plane (if it is not exact in f32), one of the difference, at most 5 of WGSL's division, one of the product.
@@ -127,20 +127,24 @@ async fn sample(renderer: &Renderer) -> Result<Option<Sample>, StabilityError> {
     Ok((all.rays > 0).then_some(all))
 }
 
-/// Columns of `tmax.csv`.
-///
-/// | column | contents |
-/// |---|---|
-/// | `schema_version` | 1 |
-/// | `device`, `adapter` | as in `stability.csv` |
-/// | `rules` | how tMax is computed, see [`RULES`] |
-/// | `cells` | cells visited by the farthest ray |
-/// | `rays` | rays still walking |
-/// | `error_units` | the largest error of tMax, in units of 2⁻²⁴ · max(\|plane\|, \|origin\|) / \|direction\| |
-/// | `error_t` | the same in t |
-/// | `bound_units` | the bound of robust rules, [`BOUND`]; empty for others |
-pub const COLUMNS: [&str; 9] =
-    ["schema_version", "device", "adapter", "rules", "cells", "rays", "error_units", "error_t", "bound_units"];
+/// Columns of `tmax.csv`: one row a sample. `rule` is the rule without which tMax was computed, `cells_visited` those of
+/// the farthest ray, and `rays` those still walking.
+pub const COLUMNS: &[&str] = &[
+    "schema_version",
+    "run_id",
+    "configuration",
+    "device",
+    "adapter",
+    "accelerator",
+    "schedule",
+    "numerics",
+    "rule",
+    "cells_visited",
+    "rays",
+    "error_units",
+    "error_t",
+    "bound_units",
+];
 
 /// Samples of a walk, with device and rules.
 #[derive(Clone, Debug)]
@@ -173,29 +177,32 @@ impl Walked {
     }
 }
 
-/// Writes `tmax.csv`.
-///
-/// # Errors
-/// If `out` fails.
-pub fn write_rows(out: impl std::io::Write, all: &[Walked]) -> std::io::Result<()> {
-    let mut writer = csv::writer(out);
-    writer.write_record(COLUMNS)?;
+/// The rows of `tmax.csv`.
+pub(super) fn table(run_id: &str, all: &[Walked]) -> tidy::Table {
+    let mut table = tidy::Table::new(COLUMNS);
     for walked in all {
+        let rules = walked.rules;
+        let rule = rules.without.map(|rule| rule.to_string());
+        let name = rule.as_ref().map_or(rules.numerics.to_string(), |rule| format!("without-{rule}"));
         for sample in &walked.samples {
-            writer.write_record([
-                "1",
-                walked.place.device,
-                &walked.place.adapter,
-                walked.rules.name,
-                &sample.cells.to_string(),
-                &sample.rays.to_string(),
-                &format!("{:.4}", sample.error),
-                &format!("{:.4e}", sample.error_t),
-                &if walked.is_bounded() { BOUND.to_string() } else { String::new() },
-            ])?;
+            let row = tidy::Row::new(COLUMNS)
+                .set("run_id", run_id)
+                .set("configuration", format!("long-walk/{}/{name}", walked.place.device))
+                .set("device", walked.place.device)
+                .set("adapter", &*walked.place.adapter)
+                .set("accelerator", Accelerator::Grid.name())
+                .set("schedule", ScheduleKind::Second.name())
+                .set("numerics", rules.numerics.name())
+                .set("rule", rule.clone())
+                .set("cells_visited", sample.cells)
+                .set("rays", sample.rays)
+                .set("error_units", sample.error)
+                .set("error_t", sample.error_t)
+                .set("bound_units", walked.is_bounded().then_some(BOUND));
+            table.rows.push(row);
         }
     }
-    writer.flush()
+    table
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Scenes and rays for the cases, the same on every machine.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -11,35 +12,35 @@ use crate::rays::Random;
 use crate::stability::planes::Planes;
 use crate::stability::{StabilityError, Workload};
 
-pub(super) type Triangle = [[f32; 3]; 3];
+pub(crate) type Triangle = [[f32; 3]; 3];
 type Made = Result<Workload, StabilityError>;
 
 /// Seed of all random numbers.
 pub(super) const SEED: u32 = 2007;
 
 /// A scene of triangles.
-pub(super) fn scene_of(triangles: Vec<Triangle>) -> Scene {
+pub(crate) fn scene_of(triangles: Vec<Triangle>) -> Scene {
     let triangle_materials = vec![0; triangles.len()];
     Scene { triangles, triangle_materials, materials: vec![Material::default()], ..Scene::default() }
 }
 
 /// Rays in a scene, with the automatic grid.
-pub(super) fn given(scene: Scene, rays: Vec<Ray>) -> Workload {
+pub(crate) fn given(scene: Scene, rays: Vec<Ray>) -> Workload {
     Workload { scene, rays: RaySource::Given(rays), grid: GridSize::Auto }
 }
 
 /// A closed unit sphere with its vertices moved.
-pub(super) fn sphere(subdivisions: u64, moved: impl Fn(DVec3) -> DVec3) -> Result<Scene, StabilityError> {
+pub(crate) fn sphere(subdivisions: u64, moved: impl Fn(DVec3) -> DVec3) -> Result<Scene, StabilityError> {
     let triangles = generate::icosphere(subdivisions)?.triangles;
     let corner = |p: [f32; 3]| moved(vec(p)).as_vec3().to_array();
     Ok(scene_of(triangles.into_iter().map(|t| t.map(corner)).collect()))
 }
 
-fn vec(p: [f32; 3]) -> DVec3 {
+pub(crate) fn vec(p: [f32; 3]) -> DVec3 {
     glam::Vec3::from(p).as_dvec3()
 }
 
-fn ray(origin: DVec3, direction: DVec3) -> Ray {
+pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
     Ray::new(origin.as_vec3().to_array(), direction.as_vec3().to_array())
 }
 
@@ -86,24 +87,47 @@ pub(super) enum At {
     Corners,
 }
 
-/// Rays from a few points around `center` to edges or vertices of the scene.
+/// Rays from a few points around `center` to edges or vertices of the scene, all different; fewer than `count` to
+/// vertices if there are not as many.
 pub(super) fn aimed(scene: Scene, count: usize, at: At, center: DVec3) -> Workload {
-    let rays = randoms(count, 4).map(|(i, mut random)| {
-        let corners = scene.triangles[random.below(scene.triangles.len())].map(vec);
-        let edge = random.below(3);
-        let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
+    const FROM: [[f32; 3]; 4] = [[0.0; 3], [0.3, -0.2, 0.1], [-0.45, 0.4, 0.35], [0.0, 0.6, 0.0]];
+    // Every pair of a target and an origin at most once: rays that repeat say nothing new.
+    let targets = targets(&scene, at);
+    let mut pairs: Vec<(usize, usize)> =
+        (0..targets.len()).flat_map(|t| (0..FROM.len()).map(move |f| (t, f))).collect();
+    Random::of(0, SEED + 4).shuffle(&mut pairs);
+    let most = if at == At::Corners { pairs.len() } else { usize::MAX };
+    let rays = randoms(count.min(most), 4).map(|(i, mut random)| {
+        let (target, from) = pairs[i % pairs.len()];
+        let [a, b] = targets[target];
         let along = match (at, i % 2) {
             (At::Corners, _) => 0.0,
-            (At::Edges, 0) => 0.5,
+            (At::Edges, 0) if i < pairs.len() => 0.5,
             (At::Edges, _) => random.unit(),
         };
-        let from = [[0.0; 3], [0.3, -0.2, 0.1], [-0.45, 0.4, 0.35], [0.0, 0.6, 0.0]][i / 2 % 4];
         // Aim from the origin as rounded to f32.
-        let from = (center + vec(from)).as_vec3().as_dvec3();
+        let from = (center + vec(FROM[from])).as_vec3().as_dvec3();
         ray(from, a + (b - a) * along - from)
     });
     let rays = rays.collect();
     given(scene, rays)
+}
+
+/// The scene's different edges, or its different vertices, each twice.
+fn targets(scene: &Scene, at: At) -> Vec<[DVec3; 2]> {
+    let mut seen = BTreeSet::new();
+    let mut targets = Vec::new();
+    for corners in &scene.triangles {
+        for k in 0..3 {
+            let (a, b) = (corners[k], if at == At::Edges { corners[(k + 1) % 3] } else { corners[k] });
+            // + 0 makes -0 the same as 0.
+            let bits = |p: [f32; 3]| p.map(|v| (v + 0.0).to_bits());
+            if seen.insert((bits(a).min(bits(b)), bits(a).max(bits(b)))) {
+                targets.push([vec(a), vec(b)]);
+            }
+        }
+    }
+    targets
 }
 
 /// A closed sphere far from the origin: half of the rays aim at edges, half anywhere.

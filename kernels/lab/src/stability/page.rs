@@ -4,12 +4,14 @@ use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
+use raystep_kernels::Numerics;
 
 use super::picture::{LEGEND, Picture};
 use super::{Outcome, Report, Row, drift, probe, table};
 use crate::Error;
 use crate::html::{self, escaped};
 use crate::plots::{self, Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::stiff;
 
 /// Columns of a case's table, with headings.
 const SHOWN: [(&str, &str); 21] = [
@@ -20,7 +22,7 @@ const SHOWN: [(&str, &str); 21] = [
     ("device", "device"),
     ("missed", "missed"),
     ("false_hits", "false"),
-    ("wrong", "wrong"),
+    ("wrong_hits", "wrong"),
     ("undecided", "undecided"),
     ("edge_on", "edge-on"),
     ("non_finite", "not finite"),
@@ -40,72 +42,91 @@ const SHOWN: [(&str, &str); 21] = [
 const STYLE: &str = "\
 figure{display:inline-block;margin:.4rem 1rem .4rem 0;vertical-align:top}figcaption{max-width:16rem}img{image-rendering:\
 pixelated;border:1px solid var(--rule);width:16rem}.key{display:inline-block;width:.8em;height:.8em;margin:0 .3em 0 1em;\
-border:1px solid #bbb}";
+vertical-align:middle}.curves figcaption{max-width:27.5rem}figure.plot figcaption{max-width:50rem}details{margin:.5rem 0}\
+summary{cursor:pointer}h3{font-size:1rem;margin:1.2rem 0 .2rem}td.w{white-space:normal;min-width:16rem}";
 
-/// The page.
+/// The page: a line a case, then what stiff scenes cost, pictures of errors, and everything else folded.
 pub(super) fn html(report: &Report) -> Result<String, Error> {
-    let (mut page, outcomes) = (String::new(), &report.outcomes);
-    let rows: Vec<&Row> = outcomes.iter().flat_map(|o| &o.rows).collect();
-    let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
-    let adapter = rows.iter().map(|row| row.field("adapter")).find(|name| !name.is_empty());
+    let outcomes = &report.outcomes;
+    let rows = || outcomes.iter().flat_map(|o| &o.rows);
+    let (runs, odd) = (rows().count(), rows().filter(|row| !row.is_as_expected()).count());
+    let robust = rows().filter(|row| row.variant.numerics == Numerics::Robust);
+    let (robust_runs, wrong) = robust.fold((0, 0), |(runs, wrong), row| (runs + 1, wrong + row.wrong_rays()));
+    let adapter = rows().find(|row| row.device == "gpu").map(|row| row.field("adapter"));
+    let mut page = String::from("<h1>Stability in extreme cases</h1>\n");
     // Writing to a string cannot fail.
-    let _ = write!(
+    let _ = writeln!(
         page,
-        "<h1>Stability</h1>\n<p>Every ray of {} cases against f64 brute force with exact predicates at edges: {} runs, \
-         {odd} of them not as expected. GPU: {}. All numbers are in <code>stability.csv</code>, beside this page.</p>\n\
-         <p>Robust rules must make no error. The paper's rules must fail where a case says so; elsewhere they may. \
-         <em>Undecided</em> are rays whose hit is not the exact one where f32 cannot tell. Errors of t, u and v are the \
-         largest among hits of the exact triangle: relative to the exact value, and in units in the last place of what \
-         the arithmetic rounds.</p>\n<p>",
+        "<p><b>{} of {runs} runs are as expected</b>, in {} cases. With robust rules, {wrong} rays are wrong in \
+         {robust_runs} runs. GPU: {}. Every ray is compared with f64 brute force with exact predicates at edges. All \
+         numbers are in <code>stability.csv</code>, beside this page; <code>datapackage.json</code> describes its \
+         columns.</p>",
+        runs - odd,
         outcomes.len(),
-        rows.len(),
         escaped(adapter.unwrap_or("none")),
     );
+    summary(&mut page, outcomes);
+    if let Some(cost) = &report.cost {
+        page += "<h2 id=\"cost\">What stiff scenes cost</h2>\n";
+        page += &stiff::html(cost)?;
+    }
+    pictures(&mut page, outcomes)?;
+    page += "<h2 id=\"cases\">Every run</h2>\n<p class=\"note\">Errors of t, u and v are the largest among hits of the \
+             exact triangle: relative to the exact value, and in units in the last place of what the arithmetic rounds. \
+             </p>\n";
+    outcomes.iter().for_each(|outcome| section(&mut page, outcome));
+    walks(&mut page, &report.walks)?;
+    pipelines(&mut page, &report.pipelines);
+    Ok(html::page("raystep: stability", &(STYLE.to_owned() + stiff::STYLE + &plots::style()), &page))
+}
+
+/// One line per case: errors, undecided rays and the paper's errors, linked to its runs.
+fn summary(page: &mut String, outcomes: &[Outcome]) {
+    *page += "<div class=\"wide\"><table><tr>";
+    for (i, heading) in table::SUMMARY.iter().enumerate() {
+        let _ = write!(page, "<th{}>{heading}</th>", if i == 0 { " class=\"l\"" } else { "" });
+    }
+    *page += "<th class=\"l\">what is traced</th></tr>\n";
+    for outcome in outcomes {
+        let [name, numbers @ ..] = table::summary(outcome);
+        let is_odd = outcome.rows.iter().any(|row| !row.is_as_expected());
+        let class = if is_odd { " class=\"odd\"" } else { "" };
+        let _ = write!(page, "<tr{class}><td class=\"l\"><a href=\"#{name}\">{name}</a></td>");
+        for number in numbers {
+            let _ = write!(page, "<td>{number}</td>");
+        }
+        let _ = writeln!(page, "<td class=\"l w\">{}</td></tr>", escaped(outcome.case.what));
+    }
+    *page += "</table></div>\n<p class=\"note\">The most of all runs of a case. Robust rules must make no error. \
+              <em>Undecided</em> are rays whose hit is not the exact one where f32 cannot tell; <em>at most</em> is how many \
+              the error bound allows. The paper's rules, here in f32, must fail where a case says so; elsewhere they \
+              may.</p>\n";
+}
+
+/// Pictures of all errors, with their colours.
+fn pictures(page: &mut String, outcomes: &[Outcome]) -> Result<(), Error> {
+    if outcomes.iter().all(|outcome| outcome.pictures.is_empty()) {
+        return Ok(());
+    }
+    *page += "<h2 id=\"errors\">Where the errors are</h2>\n<p>";
     for ([r, g, b], name) in LEGEND {
         let _ = write!(page, "<span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>{name}");
     }
-    page += "</p>\n";
-    for (id, name, is_there) in [
-        ("tmax", "tMax along a walk", !report.walks.is_empty()),
-        ("pipelines", "pipelines", !report.pipelines.is_empty()),
-    ] {
-        if is_there {
-            let _ = writeln!(page, "<p>See also: <a href=\"#{id}\">{name}</a>.</p>");
-        }
+    *page += "</p>\n";
+    for Outcome { case, pictures, .. } in outcomes.iter().filter(|outcome| !outcome.pictures.is_empty()) {
+        let _ = writeln!(page, "<h3>{}: {}</h3>", case.name, escaped(case.what));
+        pictures.iter().try_for_each(|picture| figure(page, picture))?;
     }
-    overview(&mut page, outcomes);
-    for outcome in outcomes {
-        section(&mut page, outcome)?;
-    }
-    walks(&mut page, &report.walks)?;
-    pipelines(&mut page, &report.pipelines);
-    Ok(html::page("raystep: stability", &(STYLE.to_owned() + &plots::style()), &page))
+    Ok(())
 }
 
-/// One line per case, linked to its section.
-fn overview(page: &mut String, outcomes: &[Outcome]) {
-    *page +=
-        "<table><tr><th class=\"l\">case</th><th class=\"l\">what</th><th>runs</th><th>not as expected</th></tr>\n";
-    for Outcome { case, rows, .. } in outcomes {
-        let odd = rows.iter().filter(|row| !row.is_as_expected()).count();
-        let class = if odd > 0 { " class=\"odd\"" } else { "" };
-        let _ = writeln!(
-            page,
-            "<tr{class}><td class=\"l\"><a href=\"#{0}\">{0}</a></td><td class=\"l\">{1}</td><td>{2}</td><td>{odd}</td></tr>",
-            case.name,
-            escaped(case.what),
-            rows.len(),
-        );
-    }
-    *page += "</table>\n";
-}
-
-fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
-    let Outcome { case, rows, pictures, first_wrong_ray } = outcome;
+/// A case's runs, folded unless one is not as expected.
+fn section(page: &mut String, outcome: &Outcome) {
+    let Outcome { case, rows, first_wrong_ray, .. } = outcome;
     let field = |column| rows.first().map_or("0", |row: &Row| row.field(column));
     let _ = write!(
         page,
-        "<h2 id=\"{0}\">{0}</h2>\n<p>{1}; {2} rays, {3} triangles. Truth: {4}.</p>\n\
+        "<details{7}><summary>{0}: {1}</summary><p id=\"{0}\">{2} rays, {3} triangles. Truth: {4}.</p>\n\
          <p class=\"note\">Undecided at most {5}: {6}.</p>\n",
         case.name,
         escaped(case.what),
@@ -114,6 +135,7 @@ fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
         table::truth(case),
         field("undecided_ceiling"),
         escaped(case.undecided.because),
+        if rows.iter().all(Row::is_as_expected) { "" } else { " open" },
     );
     let fails: Vec<&str> = case.paper.fails_on.iter().map(|a| a.name()).collect();
     let expected = match fails[..] {
@@ -138,18 +160,14 @@ fn section(page: &mut String, outcome: &Outcome) -> Result<(), Error> {
         }
         *page += "</tr>\n";
     }
-    *page += "</table></div>\n";
-    for picture in pictures {
-        figure(page, picture)?;
-    }
-    Ok(())
+    *page += "</table></div></details>\n";
 }
 
 fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
     if walks.is_empty() {
         return Ok(());
     }
-    *page += "<h2 id=\"tmax\">tMax along a walk</h2>\n<p>The error of tMax over the cells of a walk, in units of \
+    *page += "<details><summary>tMax along a walk</summary><p id=\"tmax\">The error of tMax over the cells of a walk, in units of \
               2<sup>-24</sup> max(|plane|, |origin|) / |direction|. Robust numerics compute it from the cell each \
               time. All samples are in <code>tmax.csv</code>.</p>\n<table><tr><th class=\"l\">device</th><th \
               class=\"l\">rules</th><th>cells</th><th>largest error</th><th>bound</th></tr>\n";
@@ -172,6 +190,7 @@ fn walks(page: &mut String, walks: &[drift::Walked]) -> Result<(), Error> {
     if let Some(svg) = walks_plot(walks).svg()? {
         let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plots::inline(&svg));
     }
+    *page += "</details>\n";
     Ok(())
 }
 
@@ -217,7 +236,7 @@ fn pipelines(page: &mut String, rows: &[probe::Row]) {
     if rows.is_empty() {
         return;
     }
-    *page += "<h2 id=\"pipelines\">Pipelines</h2>\n<p>The same pairs of ray and triangle in every pipeline that \
+    *page += "<details><summary>Pipelines</summary><p id=\"pipelines\">The same pairs of ray and triangle in every pipeline that \
               includes the triangle test: each is compiled separately, and t may differ in its last bits. Grid, BVH \
               and none agree bit for bit if nothing differs here. The rows are those of \
               <code>pipelines.csv</code>.</p>\n<div class=\"wide\"><table><tr>";
@@ -232,7 +251,7 @@ fn pipelines(page: &mut String, rows: &[probe::Row]) {
         }
         *page += "</tr>\n";
     }
-    *page += "</table></div>\n";
+    *page += "</table></div></details>\n";
 }
 
 fn figure(page: &mut String, picture: &Picture) -> Result<(), Error> {

@@ -4,7 +4,6 @@
 //! reorder in one of them, and t then differs in its last bits. Grid, BVH and `none` agree bit for bit on a device only
 //! if this probe finds no difference there.
 
-use raystep_kernels::export::csv;
 use raystep_kernels::numbers::real::ulps;
 use raystep_kernels::options::{Accelerator, Options, RaySource, ScheduleKind, Skip};
 use raystep_kernels::renderer::{Device, Renderer};
@@ -12,6 +11,7 @@ use raystep_kernels::shared::constants::NO_TRIANGLE;
 
 use crate::stability::row::Place;
 use crate::stability::{StabilityError, Workload, make};
+use crate::tidy;
 
 /// A pipeline that contains the triangle test.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,18 +136,12 @@ impl Bits {
     }
 }
 
-/// Columns of `pipelines.csv`.
-///
-/// | column | contents |
-/// |---|---|
-/// | `schema_version` | 1 |
-/// | `device`, `adapter` | as in `stability.csv` |
-/// | `pipeline` | accelerator, schedule, and other differences |
-/// | `compared_with` | the pipeline on the first device that traced the same rays |
-/// | `rays`, `pairs`, `other_triangle`, `differing_t`, … | see [`Difference`] |
-/// | `t_ulp`, `u_ulp`, `v_ulp` | the largest differences |
-pub const COLUMNS: [&str; 14] = [
+/// Columns of `pipelines.csv`: one row a pipeline, with its [`Difference`] from the pipeline of the first device that
+/// traced the same rays.
+pub const COLUMNS: &[&str] = &[
     "schema_version",
+    "run_id",
+    "configuration",
     "device",
     "adapter",
     "pipeline",
@@ -168,48 +162,47 @@ pub const COLUMNS: [&str; 14] = [
 pub struct Row {
     /// What was compared.
     pub difference: Difference,
-    /// The row's text, in the order of [`COLUMNS`].
-    pub fields: [String; COLUMNS.len()],
+    /// The row's text.
+    pub(super) fields: tidy::Row,
 }
 
 impl Row {
     /// The row of a comparison.
     #[must_use]
-    pub fn new(place: &Place, pipeline: &Pipeline, compared_with: &str, difference: Difference) -> Self {
+    pub fn new(run_id: &str, place: &Place, pipeline: &Pipeline, compared_with: &str, difference: Difference) -> Self {
         let [t, u, v] = difference.differing;
         let [t_ulp, u_ulp, v_ulp] = difference.largest;
-        let fields = [
-            "1".to_owned(),
-            place.device.to_owned(),
-            place.adapter.clone(),
-            pipeline.name.clone(),
-            compared_with.to_owned(),
-            difference.rays.to_string(),
-            difference.pairs.to_string(),
-            difference.other_triangle.to_string(),
-            t.to_string(),
-            u.to_string(),
-            v.to_string(),
-            format!("{t_ulp}"),
-            format!("{u_ulp:.3}"),
-            format!("{v_ulp:.3}"),
-        ];
+        // Weights differ by multiples of half a unit.
+        let short = |value: f64| format!("{value:.3}").parse::<f64>().unwrap_or(value);
+        let fields = tidy::Row::new(COLUMNS)
+            .set("run_id", run_id)
+            .set("configuration", format!("pipelines/{}/{}", place.device, pipeline.name))
+            .set("device", place.device)
+            .set("adapter", &*place.adapter)
+            .set("pipeline", &*pipeline.name)
+            .set("compared_with", compared_with)
+            .set("rays", difference.rays)
+            .set("pairs", difference.pairs)
+            .set("other_triangle", difference.other_triangle)
+            .set("differing_t", t)
+            .set("differing_u", u)
+            .set("differing_v", v)
+            .set("t_ulp", t_ulp)
+            .set("u_ulp", short(u_ulp))
+            .set("v_ulp", short(v_ulp));
         Self { difference, fields }
     }
 
-    /// A field by its column's name; empty if there is no such column.
+    /// A field by its column's name.
     #[must_use]
     pub fn field(&self, column: &str) -> &str {
-        COLUMNS.iter().position(|&c| c == column).map_or("", |i| &self.fields[i])
+        self.fields.get(column)
     }
 }
 
-/// Writes `pipelines.csv`.
-///
-/// # Errors
-/// If `out` fails.
-pub fn write_rows(out: impl std::io::Write, rows: &[Row]) -> std::io::Result<()> {
-    csv::write_file(out, &COLUMNS, rows.iter().map(|row| &row.fields[..]))
+/// All rows as one table.
+pub(super) fn table(rows: &[Row]) -> tidy::Table {
+    tidy::Table { columns: COLUMNS, rows: rows.iter().map(|row| row.fields.clone()).collect() }
 }
 
 #[cfg(test)]

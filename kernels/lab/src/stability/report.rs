@@ -1,13 +1,19 @@
 //! All cases in all configurations, with their results.
 
+use std::rc::Rc;
+
 use raystep_kernels::{Accelerator, Numerics, RaySource, ScheduleKind};
 
 use super::picture::Picture;
-use super::{Case, Place, Row, Variant, Workload, beside, drift, page, probe, run, table, write_rows};
+use super::row::{self, Traced};
+use super::{Case, Place, Row, Variant, Workload, beside, drift, page, probe, run, table};
 use crate::judge::Judge;
+use crate::meter::Meter;
 use crate::reference::Verdict;
 use crate::reporter::Reporter;
-use crate::{Error, Machine};
+use crate::stiff::{self, Cost, Start};
+use crate::tidy::package::{self, Resource};
+use crate::{Error, Hash, Machine};
 
 /// The accelerators to compare, without `auto`.
 pub const ACCELERATORS: &[Accelerator] = &[Accelerator::Grid, Accelerator::Bvh, Accelerator::None];
@@ -23,6 +29,10 @@ pub struct Wanted {
     pub is_quick: bool,
     /// Whether to compare pipelines, too.
     pub pipelines: bool,
+    /// The cost of stiff scenes, if wanted, on the first device.
+    pub cost: Option<Rc<Start>>,
+    /// Identifies this invocation, in all files.
+    pub run_id: String,
 }
 
 /// The results of a case.
@@ -45,6 +55,10 @@ pub struct Report {
     pub walks: Vec<drift::Walked>,
     /// Comparisons of pipelines, if requested.
     pub pipelines: Vec<probe::Row>,
+    /// What stiff scenes cost, if wanted.
+    pub cost: Option<Cost>,
+    /// Identifies the invocation.
+    pub run_id: String,
 }
 
 /// One row per case and configuration.
@@ -56,15 +70,15 @@ const PROBE: &str = "pipelines.csv";
 /// The same results with pictures.
 const PAGE: &str = "stability.html";
 
-/// Names of a report's files; the one with all rows is first.
-pub const FILES: [&str; 4] = [CSV, DRIFT, PROBE, PAGE];
+/// Names of a report's files, those of an optional part included; the one with all rows is first.
+pub const FILES: [&str; 7] = [CSV, DRIFT, PROBE, stiff::CSV, stiff::RUNS, package::FILE, PAGE];
 
 /// Traces everything requested.
 ///
 /// # Errors
 /// If a device fails.
 pub fn measure(wanted: &Wanted, places: &[(Place, Machine)], reporter: &dyn Reporter) -> Result<Report, Error> {
-    let Wanted { cases, accelerators, is_quick, pipelines } = wanted;
+    let Wanted { cases, accelerators, is_quick, pipelines, cost, run_id } = wanted;
     let mut outcomes = Vec::new();
     for (i, case) in cases.iter().enumerate() {
         reporter.stage(&format!("case {} of {}: {}", i + 1, cases.len(), case.name));
@@ -73,8 +87,12 @@ pub fn measure(wanted: &Wanted, places: &[(Place, Machine)], reporter: &dyn Repo
     }
     let has_walk = cases.iter().any(|case| case.name == "long-walk") && accelerators.contains(&Accelerator::Grid);
     let walks = if has_walk { beside::walks(*is_quick, places, reporter)? } else { Vec::new() };
-    let pipelines = if *pipelines { beside::pipelines(*is_quick, places, reporter)? } else { Vec::new() };
-    Ok(Report { outcomes, walks, pipelines })
+    let pipelines = if *pipelines { beside::pipelines(run_id, *is_quick, places, reporter)? } else { Vec::new() };
+    let cost = match (cost, places.first()) {
+        (Some(start), Some((_, machine))) => Some(start.cost(&Meter::new(machine.clone()), reporter)?),
+        _ => None,
+    };
+    Ok(Report { outcomes, walks, pipelines, cost, run_id: run_id.clone() })
 }
 
 /// Traces a case in every requested configuration.
@@ -82,6 +100,9 @@ fn one(wanted: &Wanted, case: &'static Case, places: &[(Place, Machine)]) -> Res
     let rays = if wanted.is_quick { (case.rays / 8).max(1) } else { case.rays };
     let workload = (case.make)(rays)?;
     let mut outcome = Outcome { case, rows: Vec::new(), pictures: Vec::new(), first_wrong_ray: None };
+    let triangles = &workload.scene.triangles;
+    let scene_hash = Hash::of_floats(triangles.as_flattened().as_flattened());
+    let traced = Traced { case, scene_hash, triangles: triangles.len() };
     let mut judge = Judge::default();
     for (place, machine) in places {
         for &accelerator in ACCELERATORS.iter().filter(|a| wanted.accelerators.contains(a)) {
@@ -91,7 +112,7 @@ fn one(wanted: &Wanted, case: &'static Case, places: &[(Place, Machine)]) -> Res
                     continue;
                 }
                 let run = machine.wait(run(case, &workload, variant, &machine.device, &mut judge))?;
-                let row = Row::new(case, workload.scene.triangles.len(), variant, place, &run);
+                let row = Row::new(&wanted.run_id, traced, variant, place, &run);
                 if let Some(([ox, oy, oz], [dx, dy, dz])) = run.score.first_error
                     && variant.numerics == Numerics::Robust
                 {
@@ -149,36 +170,97 @@ impl Report {
     /// # Errors
     /// If a plot or picture cannot be drawn, or there is not enough memory for a file.
     pub fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        let mut files = [CSV, DRIFT, PROBE].map(|name| (name, Vec::new()));
-        write_rows(&mut files[0].1, self.outcomes.iter().flat_map(|o| &o.rows))?;
-        drift::write_rows(&mut files[1].1, &self.walks)?;
-        probe::write_rows(&mut files[2].1, &self.pipelines)?;
-        let page = (PAGE, page::html(self)?.into_bytes());
-        Ok(files.into_iter().chain([page]).collect())
+        let tables = [
+            (CSV, "a case in a configuration", row::table(self.outcomes.iter().flat_map(|o| &o.rows))),
+            (DRIFT, "a sample of a walk", drift::table(&self.run_id, &self.walks)),
+            (PROBE, "a pipeline", probe::table(&self.pipelines)),
+        ];
+        let (mut files, mut resources) = (Vec::new(), Vec::new());
+        for (file, what, table) in &tables {
+            let mut csv = Vec::new();
+            table.write(&mut csv)?;
+            files.push((*file, csv));
+            resources.push(Resource { file, what, columns: table.columns });
+        }
+        if let Some(cost) = &self.cost {
+            files.extend(cost.files()?);
+            resources.extend(stiff::resources());
+        }
+        let schema = package::describe("raystep-stability", "raystep: stability", &resources);
+        files.push((package::FILE, format!("{schema:#}\n").into_bytes()));
+        files.push((PAGE, page::html(self)?.into_bytes()));
+        Ok(files)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stability::{CASES, Expected};
+    use std::collections::{BTreeMap, BTreeSet};
+
+    use raystep_kernels::Device;
+
+    use crate::machine::now_ns;
+    use crate::reporter::Silent;
+    use crate::stability::{CASES, COLUMNS, Expected};
+    use crate::stiff::{FAMILIES, Kept};
+    use crate::tidy;
 
     #[test]
     fn a_report_is_unexpected_where_a_row_is_not_as_expected_and_only_there() {
         let row = |expected: Expected, has_errors: bool| {
             let variant = Variant::of(Accelerator::Grid)[0];
             let case = CASES[0].name;
-            Row { case, variant, device: "gpu", expected, passed: !has_errors, has_errors, fields: Default::default() }
+            Row {
+                case,
+                variant,
+                device: "gpu",
+                expected,
+                passed: !has_errors,
+                has_errors,
+                fields: tidy::Row::new(COLUMNS),
+            }
         };
         let unexpected = |rows: Vec<Row>| {
             let outcome = Outcome { case: &CASES[0], rows, pictures: Vec::new(), first_wrong_ray: None };
-            Report { outcomes: vec![outcome], walks: Vec::new(), pipelines: Vec::new() }.unexpected()
+            let (walks, pipelines) = (Vec::new(), Vec::new());
+            Report { outcomes: vec![outcome], walks, pipelines, cost: None, run_id: String::new() }.unexpected()
         };
         let right = [row(Expected::Pass, false), row(Expected::Fail, true), row(Expected::Any, true)];
         assert_eq!(unexpected(right.to_vec()), None);
         for wrong in [row(Expected::Pass, true), row(Expected::Fail, false)] {
             let line = unexpected([&right[..], &[wrong]].concat());
             assert!(line.is_some_and(|line| line.starts_with("1 of 4 runs are not as expected")));
+        }
+    }
+
+    #[test]
+    fn files_match_their_schema_and_every_column_is_described() {
+        let machine = Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() };
+        let families = FAMILIES.iter().filter(|family| family.name == "t-junctions").collect();
+        let budget = std::time::Duration::ZERO;
+        let stiff = stiff::Wanted { families, budget, ..stiff::Wanted::new("1-2".into(), true) };
+        let cases = CASES.iter().filter(|case| ["corners", "long-walk"].contains(&case.name)).collect();
+        let wanted = Wanted {
+            cases,
+            accelerators: vec![Accelerator::Grid],
+            is_quick: true,
+            pipelines: true,
+            cost: Some(Rc::new(Start::new(stiff, Kept::default(), |_, _| Ok(())))),
+            run_id: "1-2".into(),
+        };
+        let places = [(Place { device: "cpu_f32", adapter: "cpu".into() }, machine)];
+        let report = measure(&wanted, &places, &Silent).expect("no error");
+        let files: BTreeMap<&str, Vec<u8>> = report.files().expect("memory").into_iter().collect();
+        assert_eq!(files.keys().copied().collect::<BTreeSet<_>>(), BTreeSet::from(FILES));
+        assert_eq!(package::check(&files[package::FILE], |name| files.get(name).cloned()), Ok(()));
+        for (name, file) in files.iter().filter(|(name, _)| name.ends_with(".csv")) {
+            let mut reader = ::csv::Reader::from_reader(&file[..]);
+            for name in reader.headers().expect("names") {
+                assert!(crate::tidy::columns::column(name).is_some(), "{name}");
+            }
+            let rows: Vec<_> = reader.into_records().map(|row| row.expect("as many fields as names")).collect();
+            assert!(!rows.is_empty() && rows.iter().all(|row| &row[0] == "2" && &row[1] == "1-2"), "{name}");
         }
     }
 }

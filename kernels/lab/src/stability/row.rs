@@ -1,39 +1,18 @@
-//! `stability.csv`: one row per case and variant, RFC 4180. Unknown values are empty, never 0.
-//!
-//! | column | contents |
-//! |---|---|
-//! | `schema_version` | [`SCHEMA_VERSION`]; it rises when the meaning of a column changes |
-//! | `case`, `rays`, `triangles` | what was traced |
-//! | `numerics`, `accelerator`, `schedule` | how it was traced |
-//! | `triangle_test` | `watertight`; `watertight_fma`, with explicit fma wherever a compiler may contract; `moller_trumbore` |
-//! | `device` | `gpu`, `cpu_f32` or `cpu_f64` |
-//! | `adapter` | the GPU's name |
-//! | `missed`, `false_hits`, `wrong` | rays with an error |
-//! | `undecided` | rays whose hit is not the exact one, where f32 cannot decide |
-//! | `undecided_ceiling` | the maximum that the error bound allows |
-//! | `undecidable` | rays for which the bound allows more than one result |
-//! | `edge_on` | hits of a triangle that is seen exactly edge-on or has no area |
-//! | `non_finite` | rays with a value in any stream that is not finite |
-//! | `at_bound` | rays still active when the pass limit was reached |
-//! | `passes` | passes of the run |
-//! | `t_relative`, `t_ulp`, … | largest errors of t, u and v among hits of the exact triangle, see [`crate::stability::Largest`] |
-//! | `expected` | `pass`; `fail`; `any` if nothing is expected |
-//! | `result` | `pass`, or `fail` if there is any error or too many rays are undecided |
+//! `stability.csv`: one row per case and variant. Columns are described in [`crate::tidy::columns`].
 
-use std::io::Write;
-
-use raystep_kernels::export::csv::{self, known};
 use raystep_kernels::options::Numerics;
 
+use crate::Hash;
 use crate::stability::{Case, Run, Variant};
-
-/// Version of the columns.
-pub const SCHEMA_VERSION: u32 = 2;
+use crate::tidy;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 28] = [
+pub const COLUMNS: &[&str] = &[
     "schema_version",
+    "run_id",
+    "configuration",
     "case",
+    "scene_hash",
     "rays",
     "triangles",
     "numerics",
@@ -42,10 +21,12 @@ pub const COLUMNS: [&str; 28] = [
     "triangle_test",
     "device",
     "adapter",
+    "judged_rays",
     "missed",
     "false_hits",
-    "wrong",
+    "wrong_hits",
     "undecided",
+    "wrong_rays",
     "undecided_ceiling",
     "undecidable",
     "edge_on",
@@ -97,53 +78,76 @@ pub struct Row {
     pub passed: bool,
     /// Whether it has errors, not counting undecided rays.
     pub has_errors: bool,
-    /// The row's text, in the order of [`COLUMNS`].
-    pub fields: [String; COLUMNS.len()],
+    /// The row's text.
+    pub(super) fields: tidy::Row,
+}
+
+/// What was traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// Hash of its triangles.
+    pub scene_hash: Hash,
+    /// Number of its triangles.
+    pub triangles: usize,
 }
 
 impl Row {
     /// The row of a run.
     #[must_use]
-    pub fn new(case: &Case, triangles: usize, variant: Variant, place: &Place, run: &Run) -> Self {
+    pub fn new(run_id: &str, traced: Traced<'_>, variant: Variant, place: &Place, run: &Run) -> Self {
+        let case = traced.case;
         let score = &run.score;
         let rays = score.verdicts.len() as u64;
         let ceiling = case.undecided.count(rays);
         let has_errors = score.counts.errors() > 0 || score.non_finite > 0 || run.at_bound > 0;
         let passed = !has_errors && score.counts.ties <= ceiling;
         let expected = Expected::of(case, variant, place);
-        let [t, u, v] = [&score.t, &score.u, &score.v];
-        let number = |value: Option<f64>| known(value.map(|v| format!("{v:.3e}")));
-        let [tr, tu, ur, uu, vr, vu] = [t.relative, t.ulp, u.relative, u.ulp, v.relative, v.ulp].map(number);
-        let fields = [
-            SCHEMA_VERSION.to_string(),
-            case.name.into(),
-            rays.to_string(),
-            triangles.to_string(),
-            variant.numerics.to_string(),
-            variant.accelerator.to_string(),
-            variant.schedule.to_string(),
-            variant.triangle_test().into(),
-            place.device.into(),
-            place.adapter.clone(),
-            score.counts.missed.to_string(),
-            score.counts.false_hits.to_string(),
-            score.counts.wrong.to_string(),
-            score.counts.ties.to_string(),
-            ceiling.to_string(),
-            score.undecidable.to_string(),
-            score.edge_on.to_string(),
-            score.non_finite.to_string(),
-            run.at_bound.to_string(),
-            run.passes.to_string(),
-            tr,
-            tu,
-            ur,
-            uu,
-            vr,
-            vu,
-            expected.name().into(),
-            if passed { "pass" } else { "fail" }.into(),
+        let triangle_test = variant.triangle_test();
+        let configuration = [
+            case.name,
+            place.device,
+            variant.accelerator.name(),
+            variant.schedule.name(),
+            variant.numerics.name(),
+            triangle_test,
         ];
+        let counts = &score.counts;
+        let mut fields = tidy::Row::new(COLUMNS)
+            .set("run_id", run_id)
+            .set("configuration", configuration.join("/"))
+            .set("case", case.name)
+            .set("scene_hash", traced.scene_hash)
+            .set("rays", rays)
+            .set("triangles", traced.triangles)
+            .set("numerics", variant.numerics.name())
+            .set("accelerator", variant.accelerator.name())
+            .set("schedule", variant.schedule.name())
+            .set("triangle_test", triangle_test)
+            .set("device", place.device)
+            .set("adapter", &*place.adapter)
+            .set("judged_rays", rays)
+            .set("missed", counts.missed)
+            .set("false_hits", counts.false_hits)
+            .set("wrong_hits", counts.wrong)
+            .set("undecided", counts.ties)
+            .set("wrong_rays", counts.errors())
+            .set("undecided_ceiling", ceiling)
+            .set("undecidable", score.undecidable)
+            .set("edge_on", score.edge_on)
+            .set("non_finite", score.non_finite)
+            .set("at_bound", run.at_bound)
+            .set("passes", run.passes)
+            .set("expected", expected.name())
+            .set("result", if passed { "pass" } else { "fail" });
+        for (name, largest) in [("t", &score.t), ("u", &score.u), ("v", &score.v)] {
+            // Four digits: it is the largest of few.
+            let short = |value: Option<f64>| value.and_then(|v| format!("{v:.3e}").parse::<f64>().ok());
+            fields = fields
+                .set(&format!("{name}_relative"), short(largest.relative))
+                .set(&format!("{name}_ulp"), short(largest.ulp));
+        }
         Self { case: case.name, variant, device: place.device, expected, passed, has_errors, fields }
     }
 
@@ -157,10 +161,16 @@ impl Row {
         }
     }
 
-    /// A field by its column's name; empty if there is no such column.
+    /// A field by its column's name.
     #[must_use]
     pub fn field(&self, column: &str) -> &str {
-        COLUMNS.iter().position(|&c| c == column).map_or("", |i| &self.fields[i])
+        self.fields.get(column)
+    }
+
+    /// Rays with an error.
+    #[must_use]
+    pub fn wrong_rays(&self) -> u64 {
+        self.fields.get("wrong_rays").parse().unwrap_or(0)
     }
 }
 
@@ -186,12 +196,9 @@ impl Expected {
     }
 }
 
-/// Writes `stability.csv`.
-///
-/// # Errors
-/// If `out` fails.
-pub fn write_rows<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> std::io::Result<()> {
-    csv::write_file(out, &COLUMNS, rows.into_iter().map(|row| &row.fields[..]))
+/// All rows as one table.
+pub(super) fn table<'a>(rows: impl IntoIterator<Item = &'a Row>) -> tidy::Table {
+    tidy::Table { columns: COLUMNS, rows: rows.into_iter().map(|row| row.fields.clone()).collect() }
 }
 
 #[cfg(test)]
@@ -210,7 +217,8 @@ mod tests {
         change(&mut run);
         let variant =
             Variant { numerics, accelerator: Accelerator::Grid, schedule: ScheduleKind::Compact, contracted: false };
-        Row::new(case, 1280, variant, &Place { device, adapter: "a, \"b\"".into() }, &run)
+        let traced = Traced { case, scene_hash: Hash::default(), triangles: 1280 };
+        Row::new("1-2", traced, variant, &Place { device, adapter: "a, \"b\"".into() }, &run)
     }
 
     #[test]
@@ -245,13 +253,9 @@ mod tests {
     #[test]
     fn rows_are_read_back_as_they_are() {
         let rows = [row(Numerics::Robust, "gpu", |_| {}), row(Numerics::Paper, "cpu_f64", |_| {})];
-        let mut file = Vec::new();
-        write_rows(&mut file, &rows).expect("memory");
-        let mut reader = ::csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
-        assert_eq!(reader.headers().expect("names").iter().collect::<Vec<_>>(), COLUMNS);
-        for (record, row) in reader.records().zip(&rows) {
-            assert_eq!(record.expect("as many fields as names").iter().collect::<Vec<_>>(), row.fields);
-        }
+        let (mut file, table) = (Vec::new(), table(&rows));
+        table.write(&mut file).expect("memory");
+        assert_eq!(tidy::Table::read(COLUMNS, &file).expect("the same columns").rows, table.rows);
         assert_eq!(rows[0].field("adapter"), "a, \"b\"");
         assert_eq!((rows[0].field("t_ulp"), rows[0].field("passes")), ("", "7"), "unknown is empty, never 0");
     }

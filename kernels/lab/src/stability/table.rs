@@ -18,49 +18,49 @@ pub(super) fn name(row: &Row) -> String {
     format!("{}, {}", row.case, way(row))
 }
 
-/// The number of rays with an error; a field that is not a number counts as 0, which never happens with our own.
-fn errors(row: &Row) -> u64 {
-    ["missed", "false_hits", "wrong"].iter().filter_map(|c| row.field(c).parse::<u64>().ok()).sum()
-}
-
 /// The maximum over some runs; a dash if there are none.
 fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64) -> String {
     rows.iter().filter(|row| is_one(row)).map(count).max().map_or("-".into(), |n| n.to_string())
 }
 
+/// Headings of [`summary`].
+pub(super) const SUMMARY: [&str; 9] =
+    ["case", "rays", "robust errors", "undecided", "at most", "paper errors: grid", "bvh", "none", "as expected"];
+
+/// A case in one line: the most errors of all configurations.
+pub(super) fn summary(outcome: &Outcome) -> [String; 9] {
+    let rows = &outcome.rows;
+    let is_robust = |row: &Row| row.variant.numerics == Numerics::Robust;
+    let number = |column: &'static str| move |row: &Row| row.field(column).parse().unwrap_or(0);
+    let paper = |accelerator: Accelerator| {
+        most(rows, |r| !is_robust(r) && r.variant.accelerator == accelerator && r.device != "cpu_f64", Row::wrong_rays)
+    };
+    let not = rows.iter().filter(|row| !row.is_as_expected()).count();
+    [
+        outcome.case.name.to_owned(),
+        most(rows, |_| true, number("rays")),
+        most(rows, is_robust, Row::wrong_rays),
+        most(rows, is_robust, number("undecided")),
+        most(rows, |_| true, number("undecided_ceiling")),
+        paper(Accelerator::Grid),
+        paper(Accelerator::Bvh),
+        paper(Accelerator::None),
+        match not {
+            0 => "yes".into(),
+            _ => format!("NO: {not} of {}", rows.len()),
+        },
+    ]
+}
+
 /// One line per case.
 #[must_use]
 pub fn text(outcomes: &[Outcome]) -> String {
-    let header =
-        ["case", "rays", "robust errors", "undecided", "at most", "paper errors: grid", "bvh", "none", "as expected"];
-    let mut lines = vec![header.map(str::to_owned)];
-    for outcome in outcomes {
-        let rows = &outcome.rows;
-        let is_robust = |row: &Row| row.variant.numerics == Numerics::Robust;
-        let number = |column: &'static str| move |row: &Row| row.field(column).parse().unwrap_or(0);
-        let paper = |accelerator: Accelerator| {
-            most(rows, |r| !is_robust(r) && r.variant.accelerator == accelerator && r.device != "cpu_f64", errors)
-        };
-        let not = rows.iter().filter(|row| !row.is_as_expected()).count();
-        lines.push([
-            outcome.case.name.to_owned(),
-            most(rows, |_| true, number("rays")),
-            most(rows, is_robust, errors),
-            most(rows, is_robust, number("undecided")),
-            most(rows, |_| true, number("undecided_ceiling")),
-            paper(Accelerator::Grid),
-            paper(Accelerator::Bvh),
-            paper(Accelerator::None),
-            match not {
-                0 => "yes".into(),
-                _ => format!("NO: {not} of {}", rows.len()),
-            },
-        ]);
-    }
-    let mut text = aligned(&lines, header.len()).concat();
+    let mut lines = vec![SUMMARY.map(str::to_owned)];
+    lines.extend(outcomes.iter().map(summary));
+    let mut text = aligned(&lines, SUMMARY.len()).concat();
     for outcome in outcomes {
         for row in outcome.rows.iter().filter(|row| !row.is_as_expected()) {
-            let fields = ["missed", "false_hits", "wrong", "undecided", "non_finite", "at_bound"];
+            let fields = ["missed", "false_hits", "wrong_hits", "undecided", "non_finite", "at_bound"];
             let counts = fields.map(|c| format!("{} {c}", row.field(c))).join(", ");
             text += &format!("not as expected: {}: {counts}; expected to {}\n", name(row), row.field("expected"));
         }

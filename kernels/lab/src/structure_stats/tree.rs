@@ -46,7 +46,7 @@ impl TreeStats {
     #[must_use]
     pub fn of(data: &SceneData) -> Option<Self> {
         let is_wide = !data.wide_nodes.is_empty();
-        let root = if is_wide { wide_root(data) } else { binary(data, 0, 0) }?;
+        let root = root(data)?;
         let mut stats = Self {
             width: if is_wide { 8 } else { 2 },
             inner: 0,
@@ -64,12 +64,7 @@ impl TreeStats {
                 Content::Inner(node) => {
                     stats.inner += 1;
                     cost += half_area(&visit);
-                    if is_wide {
-                        waiting.extend(wide_children(data, node, visit.level + 1));
-                    } else {
-                        let first = data.bvh_nodes.get(node as usize).map_or(0, |n| n.first);
-                        waiting.extend([first, first + 1].into_iter().filter_map(|c| binary(data, c, visit.level + 1)));
-                    }
+                    waiting.extend(children(data, node, visit.level + 1));
                 }
                 Content::Leaf(count) => {
                     stats.leaves += 1;
@@ -88,6 +83,41 @@ impl TreeStats {
         stats.sah_cost = (whole > 0.0 && whole.is_finite()).then(|| cost / whole);
         Some(stats)
     }
+}
+
+/// What a BVH has at a point: nodes whose boxes contain it, and triangles in the leaves among them. A ray that ends there
+/// can skip none of them. `None` without a BVH.
+pub(crate) fn at_point(data: &SceneData, point: [f64; 3]) -> Option<[u64; 2]> {
+    let (mut nodes, mut tests) = (0, 0);
+    let contains = |visit: &Visit| (0..3).all(|i| (visit.min[i]..=visit.max[i]).contains(&point[i]));
+    let is_wide = !data.wide_nodes.is_empty();
+    let mut waiting = vec![root(data)?];
+    while let Some(visit) = waiting.pop() {
+        match visit.content {
+            Content::Inner(node) => {
+                nodes += 1;
+                waiting.extend(children(data, node, 0).into_iter().filter(contains));
+            }
+            Content::Leaf(count) => {
+                nodes += u64::from(!is_wide);
+                tests += u64::from(count);
+            }
+        }
+    }
+    Some([nodes, tests])
+}
+
+fn root(data: &SceneData) -> Option<Visit> {
+    if data.wide_nodes.is_empty() { binary(data, 0, 0) } else { wide_root(data) }
+}
+
+/// The children of an inner node, at this level.
+fn children(data: &SceneData, node: u32, level: usize) -> Vec<Visit> {
+    if !data.wide_nodes.is_empty() {
+        return wide_children(data, node, level).collect();
+    }
+    let first = data.bvh_nodes.get(node as usize).map_or(0, |n| n.first);
+    [first, first + 1].into_iter().filter_map(|child| binary(data, child, level)).collect()
 }
 
 fn binary(data: &SceneData, index: u32, level: usize) -> Option<Visit> {

@@ -1,0 +1,75 @@
+//! What scenes cost that get harder in one way, and where this scene stands among them.
+
+use super::page::{Part, number};
+use super::record::RUN_COLUMNS;
+use super::work::Work;
+use crate::Error;
+use crate::html::escaped;
+use crate::stiff;
+use crate::tidy::{Row, Table};
+
+pub(super) use crate::stiff::COLUMNS;
+
+pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
+    let mut part = Part::default();
+    let cost = work.stiff.cost(work.meter, work.reporter)?;
+    // The families are the same for all scenes: their rows are written once.
+    if table.rows.is_empty() {
+        table.rows.extend(cost.rows.rows.iter().cloned());
+        record(work, &cost.rows.rows, &cost.runs.rows);
+        part.notes.extend(cost.notes.iter().cloned());
+    }
+    work.stage("stiff");
+    let subject = work.subject;
+    let mut own = work.stiff.scene(&subject.scene.name, &subject.scene, work.meter, work.reporter)?;
+    for row in &mut own.rows.rows {
+        *row = row.clone().set("scene", &*subject.scene.name).set("scene_hash", subject.hash);
+    }
+    let own_rows = &own.rows.rows;
+    record(work, own_rows, &own.runs.rows);
+    part.notes.extend(own.notes);
+    let rows = &cost.rows.rows;
+    for row in own_rows.iter().filter(|row| row.get("rule").is_empty() && row.get("accelerator") != "none") {
+        let structure = escaped(row.get("accelerator"));
+        part.prose.push(format!("Stiffness number of this scene, {structure}: {}.", number("stiffness", row)));
+    }
+    part.prose.push(escaped(&stiff::correlation_text(rows)));
+    let numbers = stiff::own_numbers(own_rows);
+    part.figure("stiffness", stiff::stiffness_figure(rows, &numbers)?, "Time of a ray over the stiffness number.");
+    for family in stiff::parts(rows, &numbers)? {
+        part.prose.extend(family.sentences.iter().map(|sentence| escaped(sentence)));
+        let caption = format!("{}: {}. {}", family.family.title, family.family.what, stiff::CAPTION);
+        part.figure(family.family.name, Some(family.svg), caption);
+    }
+    part.table(own_rows, SHOWN);
+    table.rows.extend(own.rows.rows);
+    Ok(part)
+}
+
+/// Adds timed runs to those of the report, with the keys of their rows.
+fn record(work: &Work<'_>, rows: &[Row], runs: &[Row]) {
+    let keys = ["run_id", "configuration"];
+    let complete = |run: &Row| {
+        let row = rows.iter().find(|row| row.is(&keys.map(|key| (key, run.get(key)))))?;
+        let all = Row::new(RUN_COLUMNS).set("section", work.section);
+        let all = ["scene", "scene_hash", "adapter"].iter().fold(all, |all, column| all.set(column, row.get(column)));
+        let of_run = ["run_id", "configuration", "round", "place", "time_ns", "wall_ns", "clock"];
+        Some(of_run.iter().fold(all, |all, column| all.set(column, run.get(column))))
+    };
+    work.record.add_runs(runs.iter().filter_map(complete));
+}
+
+const SHOWN: &[&str] = &[
+    "accelerator",
+    "rule",
+    "ns_per_ray",
+    "time_ratio",
+    "cells_per_ray",
+    "tests_per_ray",
+    "build_s",
+    "structure_bytes",
+    "judged_rays",
+    "wrong_rays",
+    "undecided",
+    "stiffness",
+];

@@ -1,0 +1,242 @@
+//! The families: each a table entry with its parameter's values. A new family is an entry here, built from functions in
+//! `scenes`.
+
+use super::scenes;
+use crate::stability::{StabilityError, Workload};
+
+/// Scenes that differ in one parameter, with rays towards what the parameter makes hard.
+#[derive(Clone, Copy, Debug)]
+pub struct Family {
+    /// Its name in files.
+    pub name: &'static str,
+    /// Its heading.
+    pub title: &'static str,
+    /// Scene and rays, in a sentence.
+    pub what: &'static str,
+    /// What the parameter is: the label of its axis.
+    pub parameter: &'static str,
+    /// The parameter's values, ascending.
+    pub points: &'static [f64],
+    /// How the rays' targets are chosen.
+    pub stratum: &'static str,
+    /// Generates scene and rays, by parameter, number of rays and seed.
+    pub(super) make: fn(f64, usize, u32) -> Result<Workload, StabilityError>,
+}
+
+/// Random points on random edges of the object.
+const EDGES: &str = "edges";
+/// Random points in random triangles.
+const SURFACE: &str = "surface";
+/// Vertices on the edges of other triangles.
+const T_VERTICES: &str = "t_vertices";
+
+/// Powers of ten and their triples, then powers of ten.
+const WIDE: &[f64] = &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7];
+const SLIVERS: &[f64] = &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8];
+
+/// Every family.
+pub static FAMILIES: &[Family] = &[
+    Family {
+        name: "room",
+        title: "A small object in a large room",
+        what: "a sphere of 5,120 triangles in a room, seen from nearby (the teapot in a stadium)",
+        parameter: "extent of the room / extent of the object",
+        points: &[4.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 3e5, 1e6],
+        stratum: EDGES,
+        make: scenes::room,
+    },
+    Family {
+        name: "plane",
+        title: "A large plane under an object",
+        what: "a sphere of 5,120 triangles on a square of two, seen from nearby",
+        parameter: "side of the square / diameter of the sphere",
+        points: WIDE,
+        stratum: EDGES,
+        make: scenes::plane,
+    },
+    Family {
+        name: "extents",
+        title: "Unequal extents",
+        what: "a sphere of 5,120 triangles, flattened along an axis",
+        parameter: "longest extent / shortest",
+        points: &[1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6],
+        stratum: EDGES,
+        make: scenes::extents,
+    },
+    Family {
+        name: "slivers",
+        title: "Slivers along an axis",
+        what: "a strip of 800 triangles, cut along an axis",
+        parameter: "length of a sliver / width",
+        points: SLIVERS,
+        stratum: SURFACE,
+        make: scenes::slivers,
+    },
+    Family {
+        name: "slivers-aslant",
+        title: "Slivers aslant",
+        what: "the same, turned so that no edge lies along an axis: their boxes overlap",
+        parameter: "length of a sliver / width",
+        points: SLIVERS,
+        stratum: SURFACE,
+        make: scenes::slivers_aslant,
+    },
+    Family {
+        name: "crowd",
+        title: "A crowded cell",
+        what: "5,000 random triangles, some of them in a cube of 1/64 of the scene's extent",
+        parameter: "share of triangles in the small cube",
+        points: &[0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99],
+        stratum: EDGES,
+        make: scenes::crowd,
+    },
+    Family {
+        name: "layers",
+        title: "Coincident layers",
+        what: "copies of a sphere of 320 triangles, one in the other, seen from inside",
+        parameter: "number of copies",
+        points: &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0],
+        stratum: EDGES,
+        make: scenes::layers,
+    },
+    Family {
+        name: "offset",
+        title: "Offset from the origin",
+        what: "a sphere of 1,280 triangles, seen from inside, away from the origin of coordinates",
+        parameter: "distance from the origin / radius",
+        points: &[1.0, 10.0, 100.0, 1e3, 1e4, 3e4, 1e5, 3e5, 1e6],
+        stratum: EDGES,
+        make: scenes::offset,
+    },
+    Family {
+        name: "walk",
+        title: "Long walks",
+        what: "a wall at the end of a diagonal through a flat grid of given resolution: a walk of twice as many cells",
+        parameter: "cells along each side",
+        points: &[4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0],
+        stratum: SURFACE,
+        make: scenes::walk,
+    },
+    Family {
+        name: "outlier",
+        title: "One far outlier",
+        what: "a sphere of 5,120 triangles and a single triangle far away, seen from near the sphere",
+        parameter: "distance of the outlier / radius of the sphere",
+        points: &[3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6, 1e7],
+        stratum: EDGES,
+        make: scenes::outlier,
+    },
+    Family {
+        name: "t-junctions",
+        title: "T-junctions",
+        what: "panels whose long edge meets a row of smaller triangles; rays to the vertices on that edge",
+        parameter: "edges that meet one edge",
+        points: &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
+        stratum: T_VERTICES,
+        make: scenes::t_junctions,
+    },
+    Family {
+        name: "grazing",
+        title: "Grazing angles",
+        what: "a tilted plane of 5,000 triangles, and rays that meet it at a small angle",
+        parameter: "1 / sine of the angle between ray and plane",
+        points: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
+        stratum: SURFACE,
+        make: scenes::grazing,
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use glam::DVec3;
+    use raystep_kernels::{GridSize, Ray, RaySource};
+
+    use super::*;
+
+    fn vec(p: [f32; 3]) -> DVec3 {
+        glam::Vec3::from(p).as_dvec3()
+    }
+
+    /// The longest side of the box of some triangles.
+    fn extents(triangles: &[[[f32; 3]; 3]]) -> DVec3 {
+        let points = || triangles.iter().flatten().map(|&p| vec(p));
+        points().fold(DVec3::NEG_INFINITY, DVec3::max) - points().fold(DVec3::INFINITY, DVec3::min)
+    }
+
+    /// A family's parameter, worked out from what was generated.
+    fn measured(name: &str, Workload { scene, rays, grid }: &Workload) -> f64 {
+        let all = &scene.triangles[..];
+        let longest = |triangles: &[[[f32; 3]; 3]]| extents(triangles).max_element();
+        let RaySource::Given(rays) = rays else { panic!("input rays") };
+        match name {
+            "room" | "plane" => longest(all) / longest(&all[..5120]),
+            "extents" => longest(all) / extents(all).min_element(),
+            "slivers" | "slivers-aslant" => {
+                let [a, b, c] = all[0].map(vec);
+                b.distance(c) / a.distance(b)
+            }
+            "crowd" => {
+                let small = |t: &&[[f32; 3]; 3]| longest(&[**t]) < 2e-3;
+                all.iter().filter(small).count() as f64 / all.len() as f64
+            }
+            "layers" => all.iter().filter(|t| **t == all[0]).count() as f64,
+            "offset" => {
+                let corners: Vec<DVec3> = all.iter().flatten().map(|&p| vec(p)).collect();
+                corners.iter().sum::<DVec3>().length() / corners.len() as f64
+            }
+            "walk" => match grid {
+                GridSize::Cells([x, _, 1]) => f64::from(*x) * longest(all) / extents(all).x,
+                _ => panic!("a flat grid"),
+            },
+            "outlier" => vec(all[all.len() - 1][0]).length(),
+            "t-junctions" => all.len() as f64 / 16.0 - 1.0,
+            "grazing" => {
+                let normal = DVec3::new(-1.0, 0.0, 1.0).normalize();
+                let sine = |r: &Ray| vec(r.direction).normalize().dot(normal).abs();
+                rays.len() as f64 / rays.iter().map(sine).sum::<f64>()
+            }
+            _ => panic!("{name}: how is its parameter measured?"),
+        }
+    }
+
+    #[test]
+    fn each_familys_geometry_follows_its_parameter() {
+        let names: BTreeSet<&str> = FAMILIES.iter().map(|family| family.name).collect();
+        assert_eq!((names.len(), FAMILIES.len()), (12, 12));
+        for family in FAMILIES {
+            assert!((8..=12).contains(&family.points.len()), "{}", family.name);
+            let mut before = 0.0;
+            for &point in family.points {
+                let made = (family.make)(point, 32, 7).expect("a scene");
+                let measure = measured(family.name, &made);
+                assert!(measure > before, "{} at {point}: {measure} after {before}", family.name);
+                // Rounding to f32 moves the corners of the thinnest slivers and the origins of the flattest rays.
+                let is_rounded = matches!(family.name, "slivers-aslant" | "grazing") && point > 1e4;
+                assert!(is_rounded || (measure / point - 1.0).abs() < 0.1, "{} at {point}: {measure}", family.name);
+                before = if is_rounded { 0.0 } else { measure };
+                let RaySource::Given(rays) = &made.rays else { panic!("{}: input rays", family.name) };
+                assert_eq!(rays.len(), 32);
+                let numbers = rays.iter().flat_map(|r| r.origin.into_iter().chain(r.direction));
+                assert!(made.scene.triangles.iter().flatten().flatten().copied().chain(numbers).all(f32::is_finite));
+            }
+        }
+    }
+
+    #[test]
+    fn rays_are_independent_and_the_same_for_the_same_seed() {
+        for family in FAMILIES {
+            let rays = |count: usize, seed: u32| match (family.make)(family.points[3], count, seed) {
+                Ok(Workload { rays: RaySource::Given(rays), .. }) => rays,
+                _ => panic!("{}: input rays", family.name),
+            };
+            let first = rays(64, 1);
+            assert_eq!(first[..], rays(128, 1)[..64], "{}: more rays begin with the same", family.name);
+            let bits = |r: &Ray| (r.origin.map(f32::to_bits), r.direction.map(f32::to_bits));
+            let different: BTreeSet<_> = first.iter().map(bits).collect();
+            assert_eq!(different.len(), 64, "{}", family.name);
+            assert!(rays(64, 2).iter().all(|ray| !different.contains(&bits(ray))), "{}", family.name);
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! One point of a family: every structure and rule on the same rays, interleaved and judged.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use raystep_kernels::plan::structure_bytes;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::{Accelerator, GridSize, Options, RaySource, Renderer, Rule};
+use raystep_scenes::Scene;
+
+use super::number::Predicted;
+use super::row::{self, Verdicts};
+use super::{Cost, Wanted};
+use crate::judge::{Cracks, Judge, Traced};
+use crate::meter::{Ended, Meter, Time, Turns, in_turn};
+use crate::reporter::Reporter;
+use crate::statistics::interval::FEWEST;
+use crate::tidy::Row;
+use crate::{Error, Hash};
+
+/// Rays that are traced first, to find out how many the structure can trace in a run.
+const PILOT: usize = 64;
+/// Cells and tests of a run, about; and the most of its rays.
+const STEPS: [u64; 2] = [1 << 21, 1 << 17];
+pub(super) const MOST_RAYS: [usize; 2] = [8192, 1024];
+/// Ray/triangle tests of the judge at one point.
+const JUDGED_TESTS: [usize; 2] = [1 << 26, 1 << 23];
+/// Counted runs of each configuration, and their time limit after the first six, which an interval needs.
+const REPEATS: [usize; 2] = [9, 6];
+const REPEATS_TAKE: [Duration; 2] = [Duration::from_millis(500), Duration::from_millis(100)];
+/// Pass limit of a run.
+const MOST_PASSES: usize = 100_000;
+/// Tests per pass without an accelerator, for schedules that take several.
+const TESTS_PER_PASS: u32 = 128;
+
+/// What to measure.
+pub(super) struct Point<'a> {
+    pub(super) family: &'a str,
+    /// `None` for a scene that is of no family.
+    pub(super) parameter: Option<f64>,
+    pub(super) name: String,
+    pub(super) stratum: &'a str,
+    pub(super) scene: &'a Scene,
+    /// More rays begin with the same ones.
+    pub(super) rays: &'a [raystep_kernels::Ray],
+    pub(super) grid: GridSize,
+    /// Whether the family has spent its time: then each configuration makes one run of few rays.
+    pub(super) is_late: bool,
+}
+
+/// A structure, and the rule left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Way {
+    pub(super) accelerator: Accelerator,
+    pub(super) rule: Option<Rule>,
+}
+
+impl Way {
+    /// Its configuration's id at a point.
+    pub(super) fn id(self, point: &str) -> String {
+        let rule = self.rule.map_or("robust".to_owned(), |rule| format!("without-{rule}"));
+        format!("{point}/{}/{rule}", self.accelerator)
+    }
+}
+
+/// A configuration that is ready to run.
+struct Ready {
+    way: Way,
+    renderer: Renderer,
+    rays: usize,
+    build_s: f64,
+    cells_per_ray: f64,
+    tests_per_ray: f64,
+    /// Whether the few rays of the pilot already took too long: then there is one run of them.
+    is_slow: bool,
+    /// That run.
+    only: Option<Time>,
+    /// The time at which a run was stopped.
+    stopped: Option<Duration>,
+}
+
+pub(super) struct Work<'a> {
+    pub(super) wanted: &'a Wanted,
+    pub(super) meter: &'a Meter,
+    pub(super) reporter: &'a dyn Reporter,
+}
+
+impl Work<'_> {
+    fn either<T: Copy>(&self, [normal, quick]: [T; 2]) -> T {
+        if self.wanted.is_quick { quick } else { normal }
+    }
+
+    fn options(&self, point: &Point<'_>, way: Way, rays: usize, counters: bool) -> Options {
+        let rays = RaySource::Given(point.rays[..rays].to_vec());
+        let mut options = Options {
+            accelerator: way.accelerator,
+            schedule: self.wanted.schedule,
+            without: way.rule,
+            grid: if way.accelerator == Accelerator::Grid { point.grid } else { GridSize::Auto },
+            shade: false,
+            counters,
+            timings: !counters && self.meter.machine.timer().times_passes(),
+            keep_passes: false,
+            ..Options::new(rays)
+        };
+        if way.accelerator == Accelerator::None {
+            options.steps_per_pass = TESTS_PER_PASS;
+        }
+        options
+    }
+
+    fn build(&self, point: &Point<'_>, options: &Options) -> Result<(Renderer, f64), Error> {
+        let machine = &self.meter.machine;
+        let begin = Instant::now();
+        let (plan, data) = raystep_kernels::Plan::new(point.scene, options, &machine.limits())?;
+        let build_s = begin.elapsed().as_secs_f64();
+        Ok((machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?, build_s))
+    }
+
+    /// One run, until it ends or takes too long; then also its time so far.
+    fn run(&self, renderer: &mut Renderer) -> Result<(Ended, Duration), Error> {
+        let longest = self.wanted.longest_run;
+        let mut so_far = Duration::ZERO;
+        let ended = self.meter.run(renderer, |progress, spent| {
+            so_far = spent;
+            let is_over = progress.rays_decided == progress.rays;
+            match !is_over && (spent > longest || progress.passes >= MOST_PASSES) {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        })?;
+        Ok((ended, so_far))
+    }
+
+    /// Traces rays with counters: their number's cells and tests, the renderer, and the run.
+    fn counted(&self, point: &Point<'_>, way: Way, rays: usize) -> Result<([f64; 2], Ended, Duration), Error> {
+        let (mut renderer, _) = self.build(point, &self.options(point, way, rays, true))?;
+        let (ended, spent) = self.run(&mut renderer)?;
+        let counters = self.meter.machine.wait(renderer.values(streams::COUNTERS))?;
+        let mean = |layer| (0..rays).map(|ray| f64::from(counters.get(layer, ray))).sum::<f64>() / rays.max(1) as f64;
+        Ok(([mean(0), mean(1)], ended, spent))
+    }
+
+    /// Builds a configuration with as many rays as it can trace in a run. Their number follows from counts, not from
+    /// times: it is the same in every run.
+    fn ready(&self, point: &Point<'_>, way: Way) -> Result<Ready, Error> {
+        let pilot = PILOT.min(point.rays.len());
+        let ([cells, tests], ended, spent) = self.counted(point, way, pilot)?;
+        let (is_done, is_slow) = (matches!(ended, Ended::Done(_)), spent > self.wanted.longest_run);
+        let affordable = (self.either(STEPS) as f64 / (cells + tests).max(1.0)) as usize;
+        let judged = self.either(JUDGED_TESTS) / point.scene.triangles.len().max(1);
+        let most = affordable.min(judged).max(PILOT).min(point.rays.len());
+        // A power of two: rules of a structure, which differ a little, trace as many.
+        let rays = if !is_done || is_slow || point.is_late || most == 0 { pilot } else { 1 << most.ilog2() };
+        let [cells_per_ray, tests_per_ray] =
+            if rays == pilot { [cells, tests] } else { self.counted(point, way, rays)?.0 };
+        let (renderer, build_s) = self.build(point, &self.options(point, way, rays, false))?;
+        Ok(Ready { way, renderer, rays, build_s, cells_per_ray, tests_per_ray, is_slow, only: None, stopped: None })
+    }
+
+    /// Measures some configurations; adds a row of each, and of each run.
+    pub(super) fn measure(&self, point: &Point<'_>, ways: &[Way], cost: &mut Cost) -> Result<(), Error> {
+        let mut ready: Vec<Ready> = Vec::new();
+        for &way in ways {
+            match self.ready(point, way) {
+                Ok(one) => ready.push(one),
+                Err(error) => {
+                    self.can_go_on()?;
+                    cost.notes.push(format!("{}: {}", way.id(&point.name), self.reporter.explain(&error)));
+                }
+            }
+        }
+        let turns = match point.is_late {
+            true => Turns::of(0, 1),
+            false => Turns {
+                fewest: FEWEST,
+                each: Some(self.either(REPEATS_TAKE)),
+                seed: u64::from(self.wanted.seed),
+                ..Turns::of(1, self.either(REPEATS))
+            },
+        };
+        let times = in_turn(&mut ready, turns, |one| -> Result<Ended, Error> {
+            let (ended, spent) = self.run(&mut one.renderer)?;
+            match ended {
+                Ended::Done(time) if one.is_slow => one.only = Some(time),
+                Ended::Done(_) => return Ok(ended),
+                Ended::GivenUp => one.stopped = Some(spent),
+            }
+            Ok(Ended::GivenUp)
+        })?;
+        let mut judges: BTreeMap<usize, Judge> = BTreeMap::new();
+        let mut rows: Vec<Row> = Vec::new();
+        for (one, times) in ready.iter().zip(&times) {
+            let verdicts = self.judge(one, judges.entry(one.rays).or_default())?;
+            let runs: Vec<_> = times.runs.iter().map(|run| (run.round, run.place, run.time)).collect();
+            let runs = match one.only {
+                Some(time) => vec![(0, 0, time)],
+                None if one.stopped.is_some() => Vec::new(),
+                None => runs,
+            };
+            let row = self.row(point, one, cost.run_id());
+            let ns: Vec<Option<f64>> = runs.iter().map(|(.., time)| self.ns(*time)).collect();
+            let row = verdicts.fill(row::times(row, &ns, one.stopped, one.rays));
+            cost.add_runs(&row, &runs, |time| self.ns(time));
+            rows.push(row);
+        }
+        for i in 0..rows.len() {
+            let robust = ready.iter().position(|r| r.way == Way { rule: None, ..ready[i].way });
+            if let Some(robust) = robust.filter(|&r| r != i && ready[r].rays == ready[i].rays) {
+                let of = |k: usize| -> Vec<Option<f64>> { times[k].runs.iter().map(|run| self.ns(run.time)).collect() };
+                rows[i] = row::ratio(rows[i].clone(), &of(i), &of(robust), ready[robust].way.id(&point.name));
+            }
+        }
+        cost.rows.rows.extend(rows);
+        Ok(())
+    }
+
+    fn can_go_on(&self) -> Result<(), Error> {
+        Ok(self.meter.machine.gpu().map_or(Ok(()), |gpu| gpu.health())?)
+    }
+
+    /// The time of a run by the clock that times passes, if there is one.
+    fn ns(&self, time: Time) -> Option<f64> {
+        match self.meter.machine.timer().times_passes() {
+            true => time.device_ns.map(|ns| ns as f64),
+            false => Some(time.wall_ns as f64),
+        }
+    }
+
+    fn judge(&self, one: &Ready, judge: &mut Judge) -> Result<Verdicts, Error> {
+        let traced = self.meter.machine.wait(Traced::read(&one.renderer))?;
+        judge.prepare(&traced, (0..traced.rays()).collect());
+        let mut verdicts = Verdicts::default();
+        let verdict_of = judge.of(&traced, Cracks::Missed);
+        for ray in 0..traced.rays() {
+            if traced.is_decided(ray) {
+                let judged = verdict_of.judge(ray);
+                verdicts.counts.add(judged.mistake.verdict);
+                verdicts.hits += u64::from(judged.hit.is_some());
+            } else {
+                verdicts.at_bound += 1;
+            }
+        }
+        Ok(verdicts)
+    }
+
+    /// The row's keys, counts and predictions.
+    fn row(&self, point: &Point<'_>, one: &Ready, run_id: &str) -> Row {
+        let (wanted, way, data) = (self.wanted, one.way, one.renderer.data());
+        let predicted = Predicted::of(data, wanted.seed);
+        let row = wanted.settings(&self.meter.machine).fill(Row::new(row::COLUMNS));
+        row.set("run_id", run_id)
+            .set("configuration", way.id(&point.name))
+            .set("family", point.family)
+            .set("parameter", point.parameter)
+            .set("scene", &*point.name)
+            .set("scene_hash", scene_hash(point.scene))
+            .set("triangles", point.scene.triangles.len())
+            .set("accelerator", way.accelerator.name())
+            .set("numerics", "robust")
+            .set("rule", way.rule.map(|rule| rule.to_string()))
+            .set("stratum", point.stratum)
+            .set("rays", one.rays)
+            .set("clock", self.meter.machine.timer().name())
+            .set("build_s", one.build_s)
+            .set("passes", one.renderer.pass_count())
+            .set("cells_per_ray", one.cells_per_ray)
+            .set("tests_per_ray", one.tests_per_ray)
+            .set("structure_bytes", structure_bytes(one.renderer.plan()))
+            .set("predicted_line", predicted.and_then(|p| p.line))
+            .set("stiffness", predicted.map(|p| p.end))
+    }
+}
+
+/// Of the triangles, since no file has them.
+fn scene_hash(scene: &Scene) -> Hash {
+    Hash::of_floats(scene.triangles.as_flattened().as_flattened())
+}

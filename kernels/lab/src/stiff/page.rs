@@ -1,0 +1,149 @@
+//! The curves and what they say, as HTML.
+
+use std::fmt::Write as _;
+
+use super::figures::{STRUCTURES, correlations, curves, over_stiffness};
+use super::words::{TIMES_THE_BEST, sentences, time};
+use super::{CSV, Cost, FAMILIES, Family, OWN, RUNS};
+use crate::Error;
+use crate::html::escaped;
+use crate::plots;
+use crate::tidy::Row;
+
+/// Styles that [`html`] needs.
+pub const STYLE: &str = "\
+.curves{display:flex;flex-wrap:wrap;gap:.6rem 1.2rem}.curves figure{margin:0;width:27.5rem;max-width:100%}\
+.curves figcaption{font-size:.82rem;margin-top:.2rem}";
+
+/// A family's figure with what it says.
+pub(crate) struct FamilyPart {
+    pub(crate) family: &'static Family,
+    pub(crate) svg: String,
+    pub(crate) sentences: Vec<String>,
+}
+
+/// The stiffness numbers of the user's scene by structure.
+pub(crate) fn own_numbers(rows: &[Row]) -> Vec<(String, f64)> {
+    let own = rows.iter().filter(|row| row.is(&[("family", OWN), ("rule", "")]) && row.get("accelerator") != "none");
+    own.filter_map(|row| Some((row.get("accelerator").to_owned(), row.number("stiffness")?))).collect()
+}
+
+/// The measured families.
+///
+/// # Errors
+/// If a figure cannot be drawn.
+pub(crate) fn parts(rows: &[Row], own: &[(String, f64)]) -> Result<Vec<FamilyPart>, Error> {
+    let said = sentences(rows);
+    let mut parts = Vec::new();
+    for family in FAMILIES {
+        let Some(svg) = curves(rows, family, own).svg()? else { continue };
+        let of_family = said.iter().filter(|(f, _)| f.name == family.name);
+        parts.push(FamilyPart { family, svg, sentences: of_family.map(|(_, text)| text.clone()).collect() });
+    }
+    Ok(parts)
+}
+
+/// Time over the stiffness number.
+///
+/// # Errors
+/// If the figure cannot be drawn.
+pub(crate) fn stiffness_figure(rows: &[Row], own: &[(String, f64)]) -> Result<Option<String>, Error> {
+    over_stiffness(rows, own).svg()
+}
+
+/// How well the stiffness number predicts cost, as a paragraph.
+pub(crate) fn correlation_text(rows: &[Row]) -> String {
+    let mut parts = Vec::new();
+    for (structure, _) in STRUCTURES.iter().filter(|(structure, _)| *structure != "none") {
+        if let Some([number, both]) = correlations(rows, structure, "ns_per_ray") {
+            parts.push(format!("{structure} {number:.2} ({both:.2} with the work along the line)"));
+        }
+    }
+    match parts[..] {
+        [] => String::new(),
+        _ => format!(
+            "Rank correlation of the stiffness number with the time of a ray, over all scenes: {}. The number is what a \
+             structure is expected to visit and test at a random point of a random triangle; it does not know the rays, \
+             and so neither grazing angles nor long walks.",
+            parts.join("; ")
+        ),
+    }
+}
+
+/// Caption of all families' figures.
+pub(crate) const CAPTION: &str = "Above, the median time of a ray with all rules, with its interval where it is wider \
+                                  than the dot; dashed, without a rule that makes a threefold difference somewhere. \
+                                  Below, wrong rays: dots with all rules, triangles without the rule that loses \
+                                  most.";
+
+/// Curves, words and a table for a page.
+///
+/// # Errors
+/// If a figure cannot be drawn.
+pub fn html(cost: &Cost) -> Result<String, Error> {
+    let rows = &cost.rows.rows;
+    let mut page = String::new();
+    let said = sentences(rows);
+    let adapter = rows.first().map_or("", |row| row.get("adapter"));
+    // Writing to a string cannot fail.
+    let _ = write!(
+        page,
+        "<p>Scenes that get harder in one way, on {}: every structure traces the same random rays. All numbers are in \
+         <code>{CSV}</code>, single runs in <code>{RUNS}</code>. {}</p>\n<p>More than {TIMES_THE_BEST} times as slow as \
+         the fastest structure at the same point, or as the same structure without a rule:</p>\n",
+        escaped(adapter),
+        escaped(CAPTION),
+    );
+    if said.is_empty() {
+        page += "<p>Nothing.</p>\n";
+    } else {
+        page += "<ul>";
+        said.iter().for_each(|(_, text)| page += &format!("<li>{}</li>\n", escaped(text)));
+        page += "</ul>\n";
+    }
+    for note in &cost.notes {
+        let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(note));
+    }
+    page += "<div class=\"curves\">\n";
+    for FamilyPart { family, svg, .. } in parts(rows, &[])? {
+        let (what, inline) = (escaped(family.what), plots::inline(&svg));
+        let _ = writeln!(page, "<figure>{inline}<figcaption>{what}; rays to: {}</figcaption></figure>", family.stratum);
+    }
+    page += "</div>\n";
+    let _ = writeln!(page, "<p>{}</p>", escaped(&correlation_text(rows)));
+    if let Some(svg) = stiffness_figure(rows, &[])? {
+        let _ = writeln!(page, "<figure class=\"plot\">{}</figure>", plots::inline(&svg));
+    }
+    table(&mut page, rows);
+    Ok(page)
+}
+
+/// All points with all rules, folded.
+fn table(page: &mut String, rows: &[Row]) {
+    *page += "<details><summary>All points, with all rules</summary><div class=\"wide\"><table><tr><th class=\"l\">family\
+              </th><th>parameter</th><th class=\"l\">structure</th><th>time of a ray</th><th>cells</th><th>tests</th><th>\
+              build, ms</th><th>MB</th><th>wrong</th><th>undecided</th><th>of</th><th>stiffness</th></tr>\n";
+    for row in rows.iter().filter(|row| row.get("rule").is_empty()) {
+        let number =
+            |column: &str, scale: f64| row.number(column).map_or(String::new(), |v| format!("{:.2}", v * scale));
+        let least = if row.get("is_lower_bound") == "true" { "≥ " } else { "" };
+        let _ = writeln!(
+            page,
+            "<tr><td class=\"l\">{}</td><td>{}</td><td class=\"l\">{}</td><td>{least}{}</td><td>{}</td><td>{}</td><td>{}\
+             </td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            row.get("family"),
+            row.get("parameter"),
+            row.get("accelerator"),
+            row.number("ns_per_ray").map_or(String::new(), time),
+            number("cells_per_ray", 1.0),
+            number("tests_per_ray", 1.0),
+            number("build_s", 1e3),
+            number("structure_bytes", 1e-6),
+            row.get("wrong_rays"),
+            row.get("undecided"),
+            row.get("judged_rays"),
+            number("stiffness", 1.0),
+        );
+    }
+    *page += "</table></div></details>\n";
+}
