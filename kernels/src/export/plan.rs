@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
 use crate::options::Accelerator;
+use crate::options::keep::Item;
 use crate::plan::display::element;
 use crate::plan::{Because, Plan, Planned, Structure};
 use crate::program::Kernel;
@@ -106,6 +107,8 @@ pub struct LeftOutSummary {
     pub because: &'static str,
     /// The reason.
     pub reason: &'static str,
+    /// The item that it belongs to, if the scene decides.
+    pub item: Option<&'static str>,
 }
 
 /// The plan as printed to JSON, for a run with `--accelerator asked`.
@@ -144,6 +147,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
             Because::View => "view",
         },
         reason: item.reason,
+        item: item.item.map(Item::name),
     });
     PlanSummary {
         schema_version: SCHEMA_VERSION,

@@ -2,7 +2,7 @@
 //! back, interleaved.
 
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
+use raystep_kernels::{Accelerator, Keep, Options, RayHit, Renderer, ScheduleKind};
 
 use super::page::{Part, number};
 use super::work::Work;
@@ -116,7 +116,7 @@ fn one(
     part: &mut Part,
 ) -> Result<Row, Error> {
     let options = Options { accelerator, schedule, ..Options::new(work.camera_rays()) };
-    let kept = Options { keep_all: true, ..options.clone() };
+    let kept = Options { keep: Keep::ALL, ..options.clone() };
     // Starts are interleaved, too, so that a driver's cache serves both. The last of each is run.
     let mut starts: [Vec<f64>; 2] = Default::default();
     let mut last: [Option<Renderer>; 2] = Default::default();
