@@ -6,6 +6,7 @@
 
 mod axis;
 mod draw;
+mod forest;
 pub mod precision;
 
 use plotters::element::{PathElement, Rectangle};
@@ -14,6 +15,7 @@ use plotters::style::{BLACK, Color as _};
 
 pub use axis::{Axis, Scale};
 use draw::{FRAME, GRID, LEGEND, PALETTE, SIZE, border, dashes, drawn, frame, legend, mark, stroke, text_at};
+pub use forest::Forest;
 
 use crate::Error;
 
