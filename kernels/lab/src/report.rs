@@ -6,7 +6,7 @@ mod choices;
 mod grid;
 mod human;
 mod judge;
-mod left_out;
+pub mod left_out;
 mod moved;
 mod page;
 mod record;

@@ -6,7 +6,7 @@ use super::json::{SCHEMA_VERSION, StreamSummary, stream};
 use crate::options::Accelerator;
 use crate::options::keep::Item;
 use crate::plan::display::element;
-use crate::plan::{Because, Plan, Planned, Structure};
+use crate::plan::{Plan, Planned, Structure};
 use crate::program::Kernel;
 use crate::program::schedule::Step;
 use crate::scene_data::SceneData;
@@ -141,11 +141,7 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
     };
     let left_out = plan.left_out.iter().map(|item| LeftOutSummary {
         what: item.what.clone(),
-        because: match item.because {
-            Because::Scene => "scene",
-            Because::Options => "options",
-            Because::View => "view",
-        },
+        because: item.because.name(),
         reason: item.reason,
         item: item.item.map(Item::name),
     });
