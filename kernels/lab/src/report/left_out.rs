@@ -123,6 +123,9 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
         match measure::costs(work, &options, work.either(A_QUICK_WAY_TAKES, A_WAY_TAKES)) {
             Ok(found) => {
                 let rows: Vec<Row> = found.costs.iter().map(|cost| row(work, &options, cost)).collect();
+                if part.prose.len() <= usize::from(!has_times) {
+                    part.prose.extend(reasons(&rows));
+                }
                 part.prose.extend(in_words(&rows));
                 part.notes.extend(notes(&found).map(|note| format!("{accelerator}, {schedule}: {note}")));
                 table.rows.extend(rows);
@@ -142,7 +145,8 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
         plot(rows).svg()?,
         format!(
             "Time with an item that the scene does not need, relative to the plan as it is. Bars are intervals of the \
-             median ratio of runs of the same round, in random order. Times are {}.",
+             median ratio of runs of the same round, in random order; they are not corrected for their number. Times \
+             are {}.",
             work.clock_in_words()
         ),
     );
@@ -209,6 +213,13 @@ fn row(work: &Work<'_>, options: &Options, cost: &Cost) -> Row {
         .set("clock", work.clock())
 }
 
+/// The items with their reasons, as HTML; `None` without items.
+fn reasons(rows: &[Row]) -> Option<String> {
+    let items = rows.iter().filter(|row| row.get("item") != "all" && row.get("is_changed") == "true");
+    let items: Vec<String> = items.map(|row| format!("{} ({})", row.get("item"), row.get("reason"))).collect();
+    (!items.is_empty()).then(|| format!("Not needed: {}.", items.join(", ")))
+}
+
 /// The rows of a way in a paragraph, as HTML; `None` without rows.
 fn in_words(rows: &[Row]) -> Option<String> {
     let (all, items) = rows.split_first()?;
@@ -250,8 +261,8 @@ fn in_words(rows: &[Row]) -> Option<String> {
     add("Faster with", named(&|row| place(row) == Some("faster"), true));
     add("Not distinguishable", named(&|row| place(row) == Some("same"), false));
     if place(all).is_none() {
-        add("More memory with", named(&is_larger, false));
-        add("Only code", named(&|row| is_changed(row) && !is_larger(row), false));
+        add("More buffers with", named(&is_larger, false));
+        add("No more buffers with", named(&|row| is_changed(row) && !is_larger(row), false));
     }
     add("Nothing in this run changes with", named(&|row| !is_changed(row), false));
     Some(text.trim_end().to_owned())

@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use raystep_kernels::plan::{Because, Plan};
+use raystep_kernels::plan::{Because, Bytes, Plan};
 use raystep_kernels::{Item, Keep, Options, RayHit, Renderer};
 
 use super::super::record::RUN_COLUMNS;
@@ -11,6 +11,7 @@ use super::super::work::{Planned, Times, Work};
 use crate::Error;
 use crate::meter::{Ended, Run, Time, Turns, in_turn};
 use crate::statistics::interval::{self, Interval};
+use crate::text::counted;
 
 /// Bytes of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,6 +100,37 @@ impl Cost {
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.item.map_or("all", Item::name)
+    }
+
+    /// What putting it back costs, in a line: "+4.0% time (1.02 to 1.06), +12.0 KiB, +80.0 ms start".
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        if !self.is_changed {
+            return "nothing in this run changes".into();
+        }
+        let [without, with] = self.bytes.map(Sizes::total);
+        let memory = match with.checked_sub(without) {
+            Some(0) => "same memory".into(),
+            Some(more) => format!("+{}", Bytes(more)),
+            None => format!("-{}", Bytes(without - with)),
+        };
+        let Some(times) = &self.times else { return memory };
+        let time = match times.time_ratio {
+            Some((ratio, Some(i))) if !i.contains(1.0) => {
+                format!("{:+.1}% time ({:.3} to {:.3})", 100.0 * (ratio - 1.0), i.low, i.high)
+            }
+            Some((_, Some(i))) => format!("time not distinguishable ({:.3} to {:.3})", i.low, i.high),
+            Some((_, None)) => format!("{}: too few for an interval of times", counted(times.runs, "pair of runs")),
+            None => "no valid times".into(),
+        };
+        let start = match (times.start_ratio, times.start_s) {
+            (Some((_, Some(i))), [Some(without), Some(with)]) if !i.contains(1.0) => {
+                format!("{:+.1} ms start", 1e3 * (with - without))
+            }
+            (Some((_, Some(_))), _) => "start not distinguishable".into(),
+            _ => "too few starts for an interval".into(),
+        };
+        [time, memory, start].join(", ")
     }
 
     /// Median ratio of run times, for sorting: unknown ones are no difference.
@@ -283,6 +315,7 @@ fn differing(a: &[Option<RayHit>], b: &[Option<RayHit>]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::interval::Method;
 
     #[test]
     fn a_hit_differs_by_a_bit() {
@@ -290,5 +323,36 @@ mod tests {
         let a = [Some(hit), None, Some(hit), Some(hit)];
         let b = [Some(RayHit { u: -0.0, ..hit }), None, None, Some(hit)];
         assert_eq!(differing(&a, &b), [0, 2]);
+    }
+
+    #[test]
+    fn a_cost_is_a_line_that_says_what_cannot_be_distinguished() {
+        let sizes = |buffers| Sizes { streams: 0, buffers };
+        let interval = |low, high| Some(Interval { median: 1.04, low, high, level: 0.95, method: Method::Bootstrap });
+        let times = |time: Option<Interval>, start: Option<Interval>| Measured {
+            first_start_s: [0.2, 0.3],
+            start_s: [Some(0.1), Some(0.18)],
+            start_ratio: Some((1.8, start)),
+            run_ns: [Some(1e6), Some(1.04e6)],
+            runs: 20,
+            time_ratio: Some((1.04, time)),
+            without: String::new(),
+            differing: Vec::new(),
+        };
+        let cost = |is_changed, bytes: [Sizes; 2], times| {
+            let (because, reason) = (Because::Scene, "no spot light".to_owned());
+            Cost { item: Some(Item::SpotLights), because, reason, is_changed, rays: 1, bytes, times }.in_words()
+        };
+        let (same, more) = ([sizes(2048); 2], [sizes(2048), sizes(14336)]);
+        let sure = times(interval(1.02, 1.06), interval(1.7, 1.9));
+        assert_eq!(cost(true, more, Some(sure.clone())), "+4.0% time (1.020 to 1.060), +12.0 KiB, +80.0 ms start");
+        let unsure = times(interval(0.98, 1.06), interval(0.9, 1.9));
+        let line = "time not distinguishable (0.980 to 1.060), -12.0 KiB, start not distinguishable";
+        assert_eq!(cost(true, [more[1], more[0]], Some(unsure)), line);
+        let few = Measured { runs: 4, ..times(None, None) };
+        let line = "4 pairs of runs: too few for an interval of times, same memory, too few starts for an interval";
+        assert_eq!(cost(true, same, Some(few)), line);
+        assert_eq!(cost(true, more, None), "+12.0 KiB");
+        assert_eq!(cost(false, same, None), "nothing in this run changes");
     }
 }
