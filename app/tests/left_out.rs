@@ -84,8 +84,12 @@ fn an_adapter_tells_what_putting_back_each_item_costs() {
     println!("{}", rows[0]["adapter"]);
     let runs = self::rows(&place, "out/runs.csv");
     for way in by_way(&rows) {
-        let changed: Vec<&Row> = way.iter().filter(|row| row["is_changed"] == "true").collect();
-        for row in &changed {
+        // On a busy machine there may be no time for all of them: then a note says so.
+        let changed = way.iter().filter(|row| row["is_changed"] == "true");
+        let (late, measured): (Vec<&Row>, Vec<&Row>) = changed.partition(|row| row["runs"].is_empty());
+        assert!(measured.len() > 1 && measured[0]["item"] == "all", "{measured:?}");
+        assert!(late.is_empty() || page.contains("there was no time to measure"), "{late:?}");
+        for row in &measured {
             assert!(number(row, "runs") >= 6.0 && number(row, "differing_hits") == 0.0, "{row:?}");
             let [low, median, high] = ["time_ratio_low", "time_ratio", "time_ratio_high"].map(|c| number(row, c));
             assert!(0.0 < low && low <= median && median <= high, "{row:?}");
@@ -102,7 +106,7 @@ fn an_adapter_tells_what_putting_back_each_item_costs() {
                 assert!((number(row, column) / again - 1.0).abs() < 1e-4, "{column} is {again}: {row:?}");
             }
         }
-        let ratios: Vec<f64> = changed[1..].iter().map(|row| number(row, "time_ratio")).collect();
+        let ratios: Vec<f64> = measured[1..].iter().map(|row| number(row, "time_ratio")).collect();
         assert!(ratios.is_sorted_by(|a, b| a >= b), "{ratios:?}");
         for row in way.iter().filter(|row| row["is_changed"] == "false") {
             assert!(row["time_ratio"].is_empty() && row["buffer_bytes"] == row["buffer_bytes_with"], "{row:?}");
@@ -160,8 +164,13 @@ fn a_plan_is_measured_on_an_adapter() {
     let names: BTreeSet<&str> = items.iter().filter_map(|item| item["item"].as_str()).collect();
     assert!(names.contains("all") && names.contains("textures"), "{names:?}");
     assert!(!names.contains("spot-lights") && !names.contains("many-lights"), "the scene has them: {names:?}");
-    for item in items.iter().filter(|item| item["is_changed"] == true) {
-        assert!(item["runs"].as_u64() >= Some(6) && item["time_ratio_low"].as_f64() > Some(0.0), "{item}");
+    for item in items.iter().filter(|item| item.get("runs").is_some()) {
+        assert!(
+            item["is_changed"] == true
+                && item["runs"].as_u64() >= Some(6)
+                && item["time_ratio_low"].as_f64() > Some(0.0),
+            "{item}"
+        );
         assert_eq!(item["differing_hits"], 0, "{item}");
     }
     // What is omitted for an item has its name.
@@ -172,8 +181,9 @@ fn a_plan_is_measured_on_an_adapter() {
     assert!(left_out.iter().any(|left| left["because"] == "options" && left["item"].is_null()));
 
     let text = place.ok(&plan).stdout;
-    let line = text.lines().find(|line| line.trim_start().starts_with("textures ")).expect("a line");
-    assert!(line.contains("no base colour texture") && line.contains("time") && line.contains("start"), "{line}");
+    let line = |name: &str| text.lines().find(|line| line.trim_start().starts_with(name)).expect("a line");
+    assert!(line("all ").contains("time") && line("all ").contains("start"), "{text}");
+    assert!(line("textures ").contains("no base colour texture"), "{text}");
 
     place.fails(2, "--measure: program grid-build", &["plan", &lights, "--program", "grid-build", "--measure"]);
     place.fails(2, "--keep-all", &["plan", &lights, "--keep-all", "--measure"]);

@@ -44,7 +44,9 @@ impl Measured {
             let _ = writeln!(text, "  {note}");
         }
         for cost in &self.costs.costs {
-            let _ = writeln!(text, "  {:<19} {:<37} {}", cost.name(), cost.reason, cost.in_words());
+            let is_late = self.machine.gpu().is_some() && cost.is_changed && cost.times.is_none();
+            let late = if is_late { ", no time left to measure" } else { "" };
+            let _ = writeln!(text, "  {:<19} {:<37} {}{late}", cost.name(), cost.reason, cost.in_words());
         }
         if self.costs.costs.is_empty() {
             text += "  nothing: the scene needs everything that a plan can omit\n";
@@ -56,8 +58,8 @@ impl Measured {
                 "  each 95% interval stands alone: among many, some exclude 1 by chance; {fewest} to {most} pairs of runs"
             );
         }
-        for item in &self.costs.unmeasured {
-            let _ = writeln!(text, "  {:<19} not measured: no time left", item.name());
+        for item in &self.costs.unplanned {
+            let _ = writeln!(text, "  {:<19} no time left to plan and measure", item.name());
         }
         text
     }
@@ -68,7 +70,7 @@ impl Measured {
             clock: self.machine.gpu().map(|_| self.machine.timer().name()),
             note: self.note(),
             items: self.costs.costs.iter().map(AboutCost::of).collect(),
-            unmeasured: self.costs.unmeasured.iter().map(|item| item.name()).collect(),
+            unplanned: self.costs.unplanned.iter().map(|item| item.name()).collect(),
         }
     }
 }
@@ -82,8 +84,8 @@ pub(super) struct AboutCosts<'a> {
     /// Why there are no times.
     note: Option<&'static str>,
     items: Vec<AboutCost<'a>>,
-    /// Items for which there was no time.
-    unmeasured: Vec<&'static str>,
+    /// Items whose plans there was no time for.
+    unplanned: Vec<&'static str>,
 }
 
 /// Named like the columns of a report's `left_out.csv`.

@@ -127,7 +127,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
                     part.prose.extend(reasons(&rows));
                 }
                 part.prose.extend(in_words(&rows));
-                part.notes.extend(notes(&found).map(|note| format!("{accelerator}, {schedule}: {note}")));
+                part.notes.extend(notes(work, &found).map(|note| format!("{accelerator}, {schedule}: {note}")));
                 table.rows.extend(rows);
             }
             Err(error) => {
@@ -162,9 +162,12 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
 }
 
 /// What there was no time for, and hits that differ.
-fn notes(found: &Costs) -> impl Iterator<Item = String> {
-    let names: Vec<&str> = found.unmeasured.iter().map(|item| item.name()).collect();
-    let unmeasured = (!names.is_empty()).then(|| format!("there was no time for {}", names.join(", ")));
+fn notes(work: &Work<'_>, found: &Costs) -> impl Iterator<Item = String> {
+    let is_timed = work.machine().gpu().is_some();
+    let unmeasured = found.costs.iter().filter(|cost| is_timed && cost.is_changed && cost.times.is_none());
+    let names = unmeasured.map(Cost::name).chain(found.unplanned.iter().map(|item| item.name()));
+    let names: Vec<&str> = names.collect();
+    let unmeasured = (!names.is_empty()).then(|| format!("there was no time to measure {}", names.join(", ")));
     let differing = found.costs.iter().filter_map(|cost| {
         let rays = &cost.times.as_ref()?.differing;
         let first: Vec<String> = rays.iter().take(16).map(usize::to_string).collect();

@@ -51,7 +51,7 @@ pub(super) struct Planned {
     pub(super) plan: Arc<Plan>,
     data: Arc<SceneData>,
     /// Seconds for planning: mostly for building the structure.
-    build_s: f64,
+    pub(super) build_s: f64,
 }
 
 /// A renderer that is ready to run, with the times to build it.

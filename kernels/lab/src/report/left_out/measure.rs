@@ -37,7 +37,7 @@ pub struct Cost {
     pub rays: u64,
     /// Without and with it.
     pub bytes: [Sizes; 2],
-    /// On an adapter.
+    /// On an adapter, if there was time.
     pub times: Option<Measured>,
 }
 
@@ -70,8 +70,8 @@ pub struct Measured {
 pub struct Costs {
     /// Everything together first, then by what is saved: most time first, then most bytes, then what changes nothing.
     pub costs: Vec<Cost>,
-    /// Items for which there was no time.
-    pub unmeasured: Vec<Item>,
+    /// Items whose plans there was no time for, as building the structure takes long.
+    pub unplanned: Vec<Item>,
 }
 
 /// Most starts of each, and most pairs of runs.
@@ -144,7 +144,7 @@ impl Cost {
 }
 
 /// Measures every item that the scene does not need, and all of them together. Each is measured at least as often as an
-/// interval requires; after `time`, no other is begun.
+/// interval requires; after `time`, no other is, and if plans take long, none is planned.
 ///
 /// # Errors
 /// If one cannot be planned or run, or a run takes too long.
@@ -159,9 +159,11 @@ pub(super) fn costs(work: &Work<'_>, options: &Options, time: Duration) -> Resul
         return Ok(all);
     }
     let at_once = (MOST_BYTES / lean.plan.bytes().max(1)).clamp(1, AT_ONCE as u64) as usize;
+    let is_slow = lean.build_s * count as f64 > time.as_secs_f64();
     for (group, keeps) in keeps.chunks(at_once).enumerate() {
-        if group > 0 && begin.elapsed() > time {
-            all.unmeasured.extend(keeps.iter().flatten());
+        let is_over = group > 0 && begin.elapsed() > time;
+        if is_over && is_slow {
+            all.unplanned.extend(keeps.iter().flatten());
             continue;
         }
         let mut planned = Vec::new();
@@ -174,7 +176,7 @@ pub(super) fn costs(work: &Work<'_>, options: &Options, time: Duration) -> Resul
             let bytes = [&lean, &with].map(|planned| Sizes::of(&planned.plan));
             let rays = lean.plan.rays;
             all.costs.push(Cost { item, because, reason, is_changed, rays, bytes, times: None });
-            if work.machine().gpu().is_some() && is_changed {
+            if work.machine().gpu().is_some() && is_changed && !is_over {
                 planned.push((all.costs.len() - 1, options, with));
             }
         }
