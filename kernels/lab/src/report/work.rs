@@ -87,11 +87,6 @@ impl Times {
         self.runs.len()
     }
 
-    /// The number of runs with a time.
-    pub(super) fn runs(&self) -> usize {
-        self.known().len()
-    }
-
     /// The median.
     pub(super) fn median(&self) -> Option<f64> {
         median(&self.known())
