@@ -120,7 +120,9 @@ impl Cost {
                 format!("{:+.1}% time ({:.3} to {:.3})", 100.0 * (ratio - 1.0), i.low, i.high)
             }
             Some((_, Some(i))) => format!("time not distinguishable ({:.3} to {:.3})", i.low, i.high),
-            Some((_, None)) => format!("{}: too few for an interval of times", counted(times.runs, "pair of runs")),
+            Some((_, None)) => {
+                format!("{} of runs: too few for an interval of times", counted(times.runs, "pair"))
+            }
             None => "no valid times".into(),
         };
         let start = match (times.start_ratio, times.start_s) {
