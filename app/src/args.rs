@@ -6,7 +6,9 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use raystep_kernels::options::ProgramName;
-use raystep_kernels::{Accelerator, GridSize, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip};
+use raystep_kernels::{
+    Accelerator, GridSize, Keep, Numerics, Options, RaySource, Sampler, Samples, ScheduleKind, Skip,
+};
 use raystep_lab::Size;
 use raystep_scenes::LoadOptions;
 
@@ -220,7 +222,7 @@ impl TuningArgs {
             grid: self.grid,
             skip: self.skip,
             steps_per_pass: self.steps_per_pass.unwrap_or(defaults.steps_per_pass),
-            keep_all: self.keep_all,
+            keep: Keep::all_if(self.keep_all),
             ..defaults
         }
     }

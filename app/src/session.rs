@@ -8,7 +8,7 @@ use raystep_kernels::export::json::RunOptions;
 use raystep_kernels::export::structure::Structure;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Options, RaySource, Renderer, ScheduleKind};
+use raystep_kernels::{Keep, Options, RaySource, Renderer, ScheduleKind};
 use raystep_lab::Machine;
 use raystep_lab::bench::grid_text;
 use raystep_lab::ways::{MISSES_ALL, misses_all};
@@ -151,7 +151,7 @@ impl Running {
                 ScheduleKind::Fused => None,
             },
             counters: options.counters,
-            keep_all: options.keep_all,
+            keep_all: options.keep == Keep::ALL,
             spp: options.samples.count,
             sampler: (options.samples.count > 1).then(|| options.samples.sampler.name()),
             seed: (options.samples.count > 1).then_some(options.samples.seed),

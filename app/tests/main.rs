@@ -10,6 +10,7 @@ mod dump;
 mod escapes;
 mod files;
 mod inspect;
+mod left_out;
 mod link;
 mod messages;
 mod report;

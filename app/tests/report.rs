@@ -78,7 +78,7 @@ fn a_quick_report_is_complete() {
     assert_eq!((tables["moved.csv"].len(), tables["scaled.csv"].len()), (14, 18));
     assert!(tables["grid.csv"].iter().all(|r| r["wrong_rays"] == "0"));
     assert_eq!(tables["grid.csv"].iter().filter(|r| r["is_automatic"] == "true").count(), 1);
-    assert!(tables["left_out.csv"].iter().all(|r| r["differing_hits"] == "0" && r["start_s"].is_empty()));
+    assert!(tables["left_out.csv"].iter().all(|r| r["time_ratio"].is_empty() && r["start_s"].is_empty()));
     for sampler in ["sobol", "random"] {
         let errors: Vec<f64> =
             tables["samples.csv"].iter().filter(|r| r["sampler"] == sampler).map(|r| number(r, "rmse")).collect();
@@ -139,29 +139,10 @@ fn the_default_device_reports_too() {
 fn an_adapter_reports_too() {
     let place = Place::new();
     let file = cornell_box();
-    place.ok(&[
-        "report",
-        &file,
-        "--quick",
-        "--device",
-        "gpu",
-        "--section",
-        "resolved,left-out",
-        "-o",
-        "gpu",
-        "--quiet",
-    ]);
+    place.ok(&["report", &file, "--quick", "--device", "gpu", "--section", "resolved", "-o", "gpu", "--quiet"]);
     let tables = tables(&place, "gpu");
-    let left_out = &tables["left_out.csv"];
-    println!("{}", left_out[0]["adapter"]);
-    for row in left_out {
-        assert!(
-            number(row, "start_s") > 0.0 && number(row, "first_start_s") > 0.0 && number(row, "time_ratio") > 0.0,
-            "{row:?}"
-        );
-        assert_eq!(row["differing_hits"], "0", "{row:?}");
-    }
     let resolved = &tables["resolved.csv"];
+    println!("{}", resolved[0]["adapter"]);
     let wrong = |r: &&Row| r["numerics"] == "robust" && r["judged_wrong_rays"] != "0";
     assert_eq!(resolved.iter().find(wrong), None);
     assert!(resolved.iter().all(|r| r["clock"] == "gpu_timestamp" || r["clock"] == "host"));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use raystep_kernels::options::ProgramName;
 use raystep_kernels::{
-    Accelerator, Device, Gpu, GridSize, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip,
+    Accelerator, Device, Gpu, GridSize, Keep, Numerics, Options, Ray, RaySource, Samples, ScheduleKind, Skip,
 };
 use raystep_scenes::{Camera, Projection, Scene};
 use serde::{Deserialize, Serialize};
@@ -259,7 +259,7 @@ impl Settings {
             steps_per_pass: self.steps_per_pass.clamp(1, 4096),
             counters: self.counters,
             timings: true,
-            keep_all: self.keep_all,
+            keep: Keep::all_if(self.keep_all),
             samples: self.samples_taken(),
             ..Options::new(rays)
         }

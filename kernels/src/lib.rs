@@ -59,6 +59,7 @@ pub mod tables;
 
 #[cfg(feature = "gpu")]
 pub use executor::gpu::{AdapterChoice, AdapterSummary, ClockCheck, Gpu, GpuError, Held, HostPolls, Load, adapters};
+pub use options::keep::{Item, Keep};
 pub use options::samples::Samples;
 pub use options::{Accelerator, GridSize, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
 pub use plan::{Limits, Loops, Plan, PlanError};

@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use raystep_kernels::programs::closest_hit::{kernels, streams};
-use raystep_kernels::{Accelerator, Device, Numerics, Plan, RaySource, Renderer};
+use raystep_kernels::{Accelerator, Device, Item, Keep, Limits, Numerics, Options, Plan, RaySource, Renderer};
 use raystep_tests::ways::{EVERY, STEPPED, Way};
 use raystep_tests::{block_on, differences, gpu, options, rays, scene, traced, values};
 
-fn renderer(file: &str, change: impl FnOnce(&mut raystep_kernels::Options)) -> Renderer {
+fn renderer(file: &str, change: impl FnOnce(&mut Options)) -> Renderer {
     let scene = scene(file);
     let mut options = options(&scene, 64, 48);
     change(&mut options);
@@ -89,24 +89,65 @@ fn without_a_view_nothing_is_shaded_and_without_a_grid_nothing_is_walked() {
     let scene = scene("cornell-box.gltf");
     let mut given = options(&scene, 1, 1);
     given.rays = RaySource::Given(rays::random(&scene, 10, 1));
-    let (plan, _) = Plan::new(&scene, &given, &raystep_kernels::Limits::CPU).expect("a plan");
+    let (plan, _) = Plan::new(&scene, &given, &Limits::CPU).expect("a plan");
     assert!(plan.variant(kernels::GENERATE).is_none() && !bound(&plan).contains("camera"));
 }
 
+/// What a plan leaves out, of one item or of all things.
+fn left_out(plan: &Plan, item: impl Fn(Option<Item>) -> bool) -> BTreeSet<&str> {
+    plan.left_out.iter().filter(|left| item(left.item)).map(|left| left.what.as_str()).collect()
+}
+
 #[test]
-fn keeping_everything_changes_no_hit() {
-    for file in ["cornell-box.gltf", "lights.gltf", "bare.gltf", "primitives.gltf"] {
-        for numerics in [Numerics::Robust, Numerics::Paper] {
-            let scene = scene(file);
-            let mut options = options(&scene, 96, 96);
-            options.numerics = numerics;
-            let lean = traced(&scene, &options, &Device::Gpu(gpu()));
-            options.keep_all = true;
-            let full = traced(&scene, &options, &Device::Gpu(gpu()));
-            assert!(full.plan().bytes() > lean.plan().bytes(), "{file}");
+fn an_item_puts_back_what_is_left_out_for_it_and_nothing_else() {
+    let mut seen = BTreeSet::new();
+    for file in ["cornell-box.gltf", "textures.gltf", "lights.gltf", "bare.gltf", "empty.gltf"] {
+        let scene = scene(file);
+        for (way, shade) in EVERY.iter().flat_map(|way| [(way, true), (way, false)]) {
+            let options = Options { shade, ..way.of(&options(&scene, 8, 8)) };
+            let plan =
+                |keep| Plan::new(&scene, &Options { keep, ..options.clone() }, &Limits::CPU).expect("a small scene").0;
+            let (lean, full) = (plan(Keep::NONE), plan(Keep::ALL));
+            for &item in Item::ALL {
+                let kept = plan(Keep::only(item));
+                let what = format!("{file} {way} {item}");
+                let (before, after) = (left_out(&lean, |_| true), left_out(&kept, |_| true));
+                let put_back: BTreeSet<&str> = before.difference(&after).copied().collect();
+                assert_eq!(put_back, left_out(&lean, |of| of == Some(item)), "{what}");
+                for &other in Item::ALL {
+                    assert_eq!(kept.features.has(other), other == item || lean.features.has(other), "{what}: {other}");
+                }
+                seen.extend((!put_back.is_empty()).then_some(item));
+            }
+            assert_eq!(left_out(&full, |of| of.is_some()), BTreeSet::new(), "{file} {way}");
+        }
+    }
+    assert_eq!(seen, Item::ALL.iter().copied().collect(), "items that no scene leaves out are not tested");
+}
+
+#[test]
+fn keeping_more_changes_no_hit() {
+    let everything = [Keep::ALL].as_slice();
+    let each: Vec<Keep> = Item::ALL.iter().map(|&item| Keep::only(item)).collect();
+    for (file, numerics, keeps) in [
+        ("cornell-box.gltf", Numerics::Robust, everything),
+        ("cornell-box.gltf", Numerics::Paper, everything),
+        ("lights.gltf", Numerics::Robust, everything),
+        ("lights.gltf", Numerics::Paper, everything),
+        ("bare.gltf", Numerics::Robust, &[each.as_slice(), everything].concat()),
+        ("bare.gltf", Numerics::Paper, everything),
+        ("primitives.gltf", Numerics::Robust, everything),
+        ("primitives.gltf", Numerics::Paper, everything),
+    ] {
+        let scene = scene(file);
+        let options = Options { numerics, ..options(&scene, 96, 96) };
+        let lean = traced(&scene, &options, &Device::Gpu(gpu()));
+        for &keep in keeps {
+            let full = traced(&scene, &Options { keep, ..options.clone() }, &Device::Gpu(gpu()));
+            assert!(keep != Keep::ALL || full.plan().bytes() > lean.plan().bytes(), "{file}");
             for stream in [streams::HIT, streams::STATE] {
                 let differ = differences(&values(&lean, stream), &values(&full, stream)).count();
-                assert_eq!(differ, 0, "{file} {numerics}: {}", stream.name());
+                assert_eq!(differ, 0, "{file} {numerics} {keep:?}: {}", stream.name());
             }
         }
     }

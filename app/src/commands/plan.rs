@@ -1,8 +1,15 @@
 //! `raystep plan`
 
+mod measured;
+
 use clap::Args;
+use raystep_kernels::export::plan::PlanSummary;
 use raystep_kernels::export::{self, structure::Structure};
+use raystep_kernels::options::ProgramName;
 use raystep_kernels::plan::PlanText;
+use serde::Serialize;
+
+use measured::{AboutCosts, Measured};
 
 use crate::args::{ProgramArgs, QuietArgs, RunArgs, SceneArgs, ViewArgs};
 use crate::error::Error;
@@ -18,6 +25,7 @@ use crate::terminal::{Progress, print};
 Examples:
   raystep plan scenes/cornell-box.gltf
   raystep plan scenes/teapot.glb --accelerator auto --schedule fused
+  raystep plan scenes/cornell-box.gltf --device gpu --measure
   raystep plan scenes/terrain.glb --json | jq .bytes")]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
@@ -27,6 +35,10 @@ pub(crate) struct PlanArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Also measure what putting back each item costs that the scene does not need: memory, and on an adapter run and
+    /// start times
+    #[arg(long, conflicts_with = "keep_all")]
+    measure: bool,
     /// Count cells visited and triangles tested
     #[arg(long)]
     counters: bool,
@@ -39,22 +51,46 @@ pub(crate) struct PlanArgs {
 }
 
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Error> {
+    let program = args.program.program;
+    if args.measure && program == ProgramName::GridBuild {
+        return Err(Error::usage(format!(
+            "--measure: program {program} omits nothing that a scene does not need; use --program closest-hit"
+        )));
+    }
     let progress = Progress::new(args.quiet.quiet);
     let session = Session::new(&args.scene, &args.view, &args.run, &progress, |options| {
-        options.program = args.program.program;
+        options.program = program;
         options.counters = args.counters;
     })?;
+    let Session { scene, options, chosen, plan, data, .. } = session;
+    let asked = options.accelerator;
+    let summary = args.json.then(|| export::plan::plan(asked, &plan, &data));
+    let text = match plan.program.course {
+        _ if args.json => String::new(),
+        None => plan.to_string(),
+        Some(_) => PlanText(&plan, &Structure::of(asked, &plan, &data)).to_string(),
+    };
+    let measured = match args.measure {
+        true => {
+            // Measuring plans anew, and a large scene's structure need not be kept twice.
+            drop((plan, data));
+            progress.stage("measuring what the scene does not need");
+            Some(Measured::of(scene, &options, chosen, &progress)?)
+        }
+        false => None,
+    };
     progress.finish();
-    if args.json {
-        return print(&super::json_text(&export::plan::plan(
-            session.options.accelerator,
-            &session.plan,
-            &session.data,
-        ))?);
+    match summary {
+        Some(plan) => print(&super::json_text(&AboutPlan { plan, put_back: measured.as_ref().map(Measured::about) })?),
+        None => print(&(text + &measured.as_ref().map(Measured::text).unwrap_or_default())),
     }
-    if session.plan.program.course.is_none() {
-        return print(&session.plan.to_string());
-    }
-    let structure = Structure::of(session.options.accelerator, &session.plan, &session.data);
-    print(&PlanText(&session.plan, &structure).to_string())
+}
+
+#[derive(Serialize)]
+struct AboutPlan<'a> {
+    #[serde(flatten)]
+    plan: PlanSummary,
+    /// With `--measure`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    put_back: Option<AboutCosts<'a>>,
 }

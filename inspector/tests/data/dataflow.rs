@@ -2,7 +2,7 @@
 
 use raystep_inspector::dataflow::{Access, DataFlow, Edge, Node, NodeKind};
 use raystep_kernels::programs::closest_hit::{kernels, streams};
-use raystep_kernels::{Accelerator, Kernel, Limits, Options, Plan, ScheduleKind, Stream};
+use raystep_kernels::{Accelerator, Keep, Kernel, Limits, Options, Plan, ScheduleKind, Stream};
 use raystep_scenes::generate;
 
 use crate::data::common::{options, scenes};
@@ -95,7 +95,7 @@ fn nothing_lies_over_anything_for_any_scene_and_way() {
             let all = graph(&options, &scene);
             assert_is_readable(&all, &what);
             assert_eq!(graph(&options, &scene), all, "{what}: the layout is not reproducible");
-            (options.counters, options.keep_all) = (true, true);
+            (options.counters, options.keep) = (true, Keep::ALL);
             if schedule == ScheduleKind::Compact {
                 options.steps_per_pass = 8;
             }

@@ -7,7 +7,7 @@ use raystep_inspector::source::{Class, Line, Mark, composed, conditions_in, kern
 use raystep_kernels::export::trace::{RayState, ray_state};
 use raystep_kernels::programs::closest_hit::states::STATES;
 use raystep_kernels::programs::closest_hit::{PROGRAM, conditions, kernels};
-use raystep_kernels::{Accelerator, Device, Kernel, Numerics, Options, Renderer, Samples, ScheduleKind};
+use raystep_kernels::{Accelerator, Device, Keep, Kernel, Numerics, Options, Renderer, Samples, ScheduleKind};
 use raystep_scenes::{Scene, generate};
 
 use crate::data::common::options;
@@ -104,7 +104,7 @@ fn what_is_marked_as_run_is_what_the_ray_did() {
             ] {
                 let options = options(&scene, accelerator, ScheduleKind::Second, [4, 3]);
                 let samples = Samples { count, ..Samples::default() };
-                let options = Options { numerics, counters, keep_all, samples, ..options };
+                let options = Options { numerics, counters, keep: Keep::all_if(keep_all), samples, ..options };
                 follow(&scene, &options, |renderer, kernel, before, after| {
                     let features = &renderer.plan().features;
                     let lines = kernel_file(kernel, features, Some((before, after)));

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use measure::{Bench, Group};
 use rays::Viewed;
 use raystep_kernels::export::csv::RunContext;
-use raystep_kernels::{Accelerator, GridSize, Options, Pass, ScheduleKind};
+use raystep_kernels::{Accelerator, GridSize, Keep, Options, Pass, ScheduleKind};
 
 use crate::Error;
 use crate::meter::Meter;
@@ -128,7 +128,7 @@ pub fn tuning_text(tuning: &Options, has_steps: bool) -> String {
     if has_steps {
         text += &format!(" steps_per_pass={}", tuning.steps_per_pass);
     }
-    text + if tuning.keep_all { " keep_all" } else { "" }
+    text + if tuning.keep == Keep::ALL { " keep_all" } else { "" }
 }
 
 /// In the command line's format.

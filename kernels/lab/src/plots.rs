@@ -6,6 +6,7 @@
 
 mod axis;
 mod draw;
+mod forest;
 mod panels;
 pub mod precision;
 
@@ -15,6 +16,7 @@ use plotters::style::{BLACK, Color as _};
 
 pub use axis::{Axis, Scale};
 use draw::{FRAME, GRID, LEGEND, PALETTE, SIZE, border, dashes, drawn, frame, legend, mark, stroke, text_at};
+pub use forest::Forest;
 pub use panels::{Panel, Panels};
 
 use crate::Error;

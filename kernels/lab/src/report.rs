@@ -6,7 +6,7 @@ mod choices;
 mod grid;
 mod human;
 mod judge;
-mod left_out;
+pub mod left_out;
 pub mod methods;
 mod moved;
 mod page;
@@ -113,7 +113,7 @@ pub fn measure(
                 record: &record,
                 methods,
                 rays: rays.as_ref(),
-                stiff,
+                stiff: Some(stiff),
             };
             let before = table.rows.len();
             let part = match (section.run)(&work, table) {

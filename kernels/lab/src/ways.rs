@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use raystep_kernels::{Accelerator, Numerics, Options, Plan, RaySource, Rule, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, Item, Numerics, Options, Plan, RaySource, Rule, ScheduleKind, Skip};
 use raystep_scenes::Scene;
 
 /// A configuration.
@@ -134,5 +134,5 @@ pub fn misses_all(scene: &Scene, options: &Options, plan: &Plan) -> bool {
     // --keep-all keeps the clipping code even if the eye is inside.
     let is_inside = eye.cmpgt(bounds.min.as_dvec3()).all() && eye.cmplt(bounds.max.as_dvec3()).all();
     let features = &plan.features;
-    features.grid && features.clip && !features.robust && !(options.keep_all && is_inside)
+    features.grid && features.clip && !features.robust && !(options.keep.has(Item::Clipping) && is_inside)
 }

@@ -4,8 +4,9 @@ use serde::Serialize;
 
 use super::json::{SCHEMA_VERSION, StreamSummary, stream};
 use crate::options::Accelerator;
+use crate::options::keep::Item;
 use crate::plan::display::element;
-use crate::plan::{Because, Plan, Planned, Structure};
+use crate::plan::{Plan, Planned, Structure};
 use crate::program::Kernel;
 use crate::program::schedule::Step;
 use crate::scene_data::SceneData;
@@ -106,6 +107,8 @@ pub struct LeftOutSummary {
     pub because: &'static str,
     /// The reason.
     pub reason: &'static str,
+    /// The item that it belongs to, if the scene decides.
+    pub item: Option<&'static str>,
 }
 
 /// The plan as printed to JSON, for a run with `--accelerator asked`.
@@ -138,12 +141,9 @@ pub fn plan(asked: Accelerator, plan: &Plan, data: &SceneData) -> PlanSummary {
     };
     let left_out = plan.left_out.iter().map(|item| LeftOutSummary {
         what: item.what.clone(),
-        because: match item.because {
-            Because::Scene => "scene",
-            Because::Options => "options",
-            Because::View => "view",
-        },
+        because: item.because.name(),
         reason: item.reason,
+        item: item.item.map(Item::name),
     });
     PlanSummary {
         schema_version: SCHEMA_VERSION,

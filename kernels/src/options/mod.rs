@@ -1,6 +1,7 @@
 //! A user's options, and the options of the kernels that follow from them.
 
 pub mod features;
+pub mod keep;
 pub mod reasons;
 pub mod samples;
 
@@ -8,6 +9,7 @@ use raystep_scenes::Camera;
 
 pub use crate::numbers::named::ParseOptionError;
 use crate::numbers::named::named;
+use keep::Keep;
 use samples::Samples;
 
 /// The program to run.
@@ -258,8 +260,8 @@ pub struct Options {
     /// Keep a record of every pass, for [`Renderer::passes`](crate::Renderer::passes). Without it, only sums are kept,
     /// and a run of many samples takes no more memory than one of few.
     pub keep_passes: bool,
-    /// `--keep-all`: leave nothing out, to measure what leaving out saves.
-    pub keep_all: bool,
+    /// What the plan keeps even if the scene does not need it: with `--keep-all` everything.
+    pub keep: Keep,
     /// `--spp`, `--sampler`, `--seed`: samples per pixel. More than one require a camera and shading.
     pub samples: Samples,
 }
@@ -285,7 +287,7 @@ impl Options {
             counters: false,
             timings: false,
             keep_passes: true,
-            keep_all: false,
+            keep: Keep::NONE,
             samples: Samples::default(),
         }
     }

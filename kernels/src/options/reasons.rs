@@ -2,6 +2,7 @@
 
 use super::features::Features;
 use super::{Accelerator, Options, ScheduleKind};
+use crate::numbers::named::named;
 
 /// What made it unnecessary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,8 @@ pub enum Because {
     /// The requested result does not show it.
     View,
 }
+
+named!(Because, "scene, options, view", Scene "scene", Options "options", View "view");
 
 /// What made something unnecessary, and the reason in words.
 pub type Reason = (Because, &'static str);

@@ -5,6 +5,7 @@ use raystep_scenes::{Light, Projection, Scene};
 use super::{Because, LeftOut, Plan};
 use crate::numbers::units::Units;
 use crate::options::features::Features;
+use crate::options::keep::Item;
 use crate::options::reasons::{Reason, Run};
 use crate::options::{Accelerator, Numerics, Options, RaySource, Rule, ScheduleKind};
 use crate::scene_data::traced_camera;
@@ -12,7 +13,7 @@ use crate::shared::samples::Sampler;
 
 /// Decides every option of the kernels.
 pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerator, units: Units) -> Features {
-    let keep = options.keep_all;
+    let keep = |item| options.keep.has(item);
     let robust = options.numerics == Numerics::Robust;
     let has_grid = accelerator == Accelerator::Grid;
     let inside = match &options.rays {
@@ -34,8 +35,8 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
     let is_fused = options.schedule == ScheduleKind::Fused;
     let given = matches!(options.rays, RaySource::Given(_));
     let any_hit = options.any_hit && robust && options.without.is_none();
-    let any_light = |f: fn(&Light) -> bool| keep || scene.lights.iter().any(f);
-    let any_material = |f: fn(&raystep_scenes::Material) -> bool| keep || scene.materials.iter().any(f);
+    let any_light = |f: fn(&Light) -> bool| scene.lights.iter().any(f);
+    let any_material = |f: fn(&raystep_scenes::Material) -> bool| scene.materials.iter().any(f);
     Features {
         robust,
         watertight: robust && options.without != Some(Rule::TriangleTest),
@@ -51,21 +52,21 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         intervals: has_intervals(&options.rays, any_hit),
         any_hit,
         eye_rays: is_fused && !options.shade && !given,
-        clip: keep || !inside,
+        clip: keep(Item::Clipping) || !inside,
         perspective: match &options.rays {
             RaySource::Camera { camera, .. } => matches!(camera.projection, Projection::Perspective { .. }),
             RaySource::Given(_) => true,
         },
         counters: options.counters,
-        normals: keep || scene.normals.is_some(),
-        textures: (keep || scene.texcoords.is_some()) && any_material(|m| m.texture.is_some()),
-        vertex_colors: keep || scene.colors.is_some(),
-        many_materials: keep || scene.materials.len() > 1,
-        emissive: any_material(|m| m.emissive != [0.0; 3]),
-        double_sided: any_material(|m| m.double_sided),
-        many_lights: keep || scene.lights.len() > 1,
-        directional_lights: any_light(|l| matches!(l, Light::Directional { .. })),
-        spot_lights: any_light(|l| matches!(l, Light::Spot { .. })),
+        normals: keep(Item::Normals) || scene.normals.is_some(),
+        textures: keep(Item::Textures) || scene.texcoords.is_some() && any_material(|m| m.texture.is_some()),
+        vertex_colors: keep(Item::VertexColors) || scene.colors.is_some(),
+        many_materials: keep(Item::ManyMaterials) || scene.materials.len() > 1,
+        emissive: keep(Item::Emission) || any_material(|m| m.emissive != [0.0; 3]),
+        double_sided: keep(Item::DoubleSided) || any_material(|m| m.double_sided),
+        many_lights: keep(Item::ManyLights) || scene.lights.len() > 1,
+        directional_lights: keep(Item::DirectionalLights) || any_light(|l| matches!(l, Light::Directional { .. })),
+        spot_lights: keep(Item::SpotLights) || any_light(|l| matches!(l, Light::Spot { .. })),
         resumes: false,
         resumes_scan: false,
         resumes_light: false,
@@ -84,42 +85,40 @@ fn has_intervals(rays: &RaySource, any_hit: bool) -> bool {
 /// Everything in the program's tables that the plan leaves out.
 pub(super) fn absent(plan: &Plan, options: &Options) -> Vec<LeftOut> {
     let mut all = Vec::new();
-    let mut add = |what: String, (because, reason): Reason| all.push(LeftOut { what, because, reason });
+    let mut add = |what: String, (because, reason): Reason, item: Option<Item>| {
+        // What the options do without, no item puts back.
+        let item = item.filter(|_| because == Because::Scene);
+        all.push(LeftOut { what, because, reason, item });
+    };
     let run = Run { options, features: &plan.features, accelerator: plan.accelerator };
     let program = plan.program;
     for kernel in program.kernels().filter(|&kernel| plan.variant(kernel).is_none()) {
-        add(format!("kernel {}", kernel.name()), (kernel.info().why_absent)(&run));
+        add(format!("kernel {}", kernel.name()), (kernel.info().why_absent)(&run), None);
     }
     for stream in program.streams().filter(|&stream| !plan.has_stream(stream)) {
-        add(format!("stream {}", stream.name()), (stream.info().why_absent)(&run));
+        add(format!("stream {}", stream.name()), (stream.info().why_absent)(&run), None);
     }
     for b in program.buffers.iter().filter(|b| !plan.buffers.iter().any(|p| p.what == b.name)) {
-        add(format!("buffer {}", b.name), (b.why_absent)(&run));
+        add(format!("buffer {}", b.name), (b.why_absent)(&run), b.item);
     }
     all
 }
 
 /// Everything that a run of rays leaves out: rows of the tables, and code.
 pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<LeftOut> {
-    use Because::Scene as S;
     let mut all = absent(plan, options);
-    let mut add = |what: String, (because, reason): Reason| all.push(LeftOut { what, because, reason });
     let f = &plan.features;
-    if f.grid && f.robust && !f.clip {
-        add("code that clips rays to the grid".into(), (S, "the camera is inside the grid"));
-    }
-    if options.shade {
-        let one = if scene.lights.is_empty() { "no light: one headlight" } else { "one light" };
-        let code = [
-            (f.many_lights, "code for more than one light", one),
-            (f.directional_lights, "code for directional lights", "no directional light"),
-            (f.spot_lights, "code for spot lights", "no spot light"),
-            (f.emissive, "code for emitted light", "no emissive material"),
-            (f.double_sided, "code for double-sided materials", "no double-sided material"),
-        ];
-        for (_, what, reason) in code.into_iter().filter(|(kept, ..)| !kept) {
-            add(what.into(), (S, reason));
-        }
+    let one_light = if scene.lights.is_empty() { "no light: one headlight" } else { "one light" };
+    let code = [
+        (Item::Clipping, f.grid && f.robust, "code that clips rays to the grid", "the camera is inside the grid"),
+        (Item::ManyLights, options.shade, "code for more than one light", one_light),
+        (Item::DirectionalLights, options.shade, "code for directional lights", "no directional light"),
+        (Item::SpotLights, options.shade, "code for spot lights", "no spot light"),
+        (Item::Emission, options.shade, "code for emitted light", "no emissive material"),
+        (Item::DoubleSided, options.shade, "code for double-sided materials", "no double-sided material"),
+    ];
+    for (item, _, what, reason) in code.into_iter().filter(|&(item, has_place, ..)| has_place && !f.has(item)) {
+        all.push(LeftOut { what: what.into(), because: Because::Scene, reason, item: Some(item) });
     }
     all
 }

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
+use super::Plan;
 use super::structure::Structure;
-use super::{Because, Plan};
 use crate::numbers::bytes::Bytes;
 use crate::program::Program;
 use crate::shader::Resource;
@@ -104,12 +104,7 @@ impl Plan {
         writeln!(f, "  {:<19} {:>10}", "in all", Bytes(self.bytes()).to_string())?;
         writeln!(f, "\nomitted")?;
         for item in &self.left_out {
-            let because = match item.because {
-                Because::Scene => "scene",
-                Because::Options => "options",
-                Because::View => "view",
-            };
-            writeln!(f, "  {:<34} by {because:<8} {}", item.what, item.reason)?;
+            writeln!(f, "  {:<34} by {:<8} {}", item.what, item.because.name(), item.reason)?;
         }
         Ok(())
     }

@@ -19,6 +19,7 @@ use raystep_scenes::Scene;
 
 use crate::numbers::units::Units;
 use crate::options::features::Features;
+use crate::options::keep::Item;
 use crate::options::{Accelerator, Options, ProgramName, RaySource, ScheduleKind};
 use crate::program::schedule::Schedule;
 use crate::program::{Kernel, Program};
@@ -71,6 +72,8 @@ pub struct LeftOut {
     pub because: Because,
     /// The reason.
     pub reason: &'static str,
+    /// The item that puts it back, if [`Options::keep`] has it. One item may put back several things.
+    pub item: Option<Item>,
 }
 
 /// Everything about a run that is decided before it starts.

@@ -1,6 +1,7 @@
 //! Rows of a program's table of buffers: scene data, and uniforms.
 
 use super::SceneData;
+use crate::options::keep::Item;
 use crate::options::reasons::{Reason, Run};
 
 /// A row of the table.
@@ -16,6 +17,8 @@ pub struct BufferInfo {
     pub bytes: fn(&SceneData) -> &[u8],
     /// Why a run does without it.
     pub why_absent: fn(&Run<'_>) -> Reason,
+    /// The item that it belongs to, if only some scenes need it.
+    pub item: Option<Item>,
 }
 
 /// The row of a uniform.
@@ -25,7 +28,7 @@ pub const fn uniform(
     bytes: fn(&SceneData) -> &[u8],
     why_absent: fn(&Run<'_>) -> Reason,
 ) -> BufferInfo {
-    BufferInfo { name, is_uniform: true, element, bytes, why_absent }
+    BufferInfo { name, is_uniform: true, element, bytes, why_absent, item: None }
 }
 
 /// The row of a storage buffer.
@@ -35,10 +38,16 @@ pub const fn storage(
     bytes: fn(&SceneData) -> &[u8],
     why_absent: fn(&Run<'_>) -> Reason,
 ) -> BufferInfo {
-    BufferInfo { name, is_uniform: false, element, bytes, why_absent }
+    BufferInfo { name, is_uniform: false, element, bytes, why_absent, item: None }
 }
 
 impl BufferInfo {
+    /// The row of a buffer that belongs to an item.
+    pub const fn of(mut self, item: Item) -> Self {
+        self.item = Some(item);
+        self
+    }
+
     /// Its bytes in a run; an empty storage buffer gets 80 zero bytes, the size of the largest entry, since empty
     /// buffers cannot be bound.
     #[must_use]

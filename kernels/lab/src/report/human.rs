@@ -52,7 +52,7 @@ pub(super) fn bytes(count: f64) -> String {
 /// A field in the form that its column's name asks for.
 pub(super) fn field(column: &str, text: &str) -> String {
     let Ok(value) = text.parse::<f64>() else { return text.to_owned() };
-    match column {
+    match column.strip_suffix("_with").unwrap_or(column) {
         c if c.ends_with("_ns") || c.starts_with("ns_") => time(value),
         c if c.ends_with("_s") => time(value * 1e9),
         c if c.ends_with("_bytes") || c.contains("_bytes_") => bytes(value),

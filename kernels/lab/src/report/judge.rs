@@ -242,7 +242,6 @@ mod tests {
     use crate::machine::now_ns;
     use crate::meter::Meter;
     use crate::reporter::Silent;
-    use crate::stiff::{self, Start};
     use crate::subject::{Size, Subject};
     use crate::{Hash, Machine};
 
@@ -254,9 +253,8 @@ mod tests {
         let (subject, meter, size) = (&subject, &meter, Size { width: 16, height: 16 });
         let record = Record::new("test".into(), 1, false);
         let (section, record) = ("test", &record);
-        let stiff = &Start::new(stiff::Wanted::new(String::new(), true), stiff::Kept::default(), |_, _| Ok(()));
         let (grid, is_quick, reporter) = (GridSize::Auto, true, &Silent);
-        let (methods, rays) = (&[][..], None);
+        let (methods, rays, stiff) = (&[][..], None, None);
         let work = Work { subject, meter, size, grid, is_quick, reporter, section, record, methods, rays, stiff };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.build(&options).expect("a plan").renderer;

@@ -1,241 +1,312 @@
-//! What the plan saves by omitting unneeded work: traces the same rays with the plan as it is and with everything put
-//! back, interleaved.
+//! What the plan omits because the scene does not need it, and what putting back each item costs.
 
-use raystep_kernels::plan::Plan;
-use raystep_kernels::{Accelerator, Options, RayHit, Renderer, ScheduleKind};
+mod measure;
+
+use std::time::Duration;
+
+use raystep_kernels::{Accelerator, Options, ScheduleKind};
+
+pub use measure::{Cost, Costs, Measured, Ratio, Sizes};
 
 use super::page::{Part, number};
+use super::record::Record;
 use super::work::Work;
 use crate::Error;
-use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::statistics::quantile;
-use crate::tidy::{Row, Table};
+use crate::meter::Meter;
+use crate::plots::{Axis, Forest, Mark, Scale, Series, Stroke};
+use crate::reporter::Reporter;
+use crate::subject::{Size, Subject};
+use crate::tidy::{KEYS, Row, count, joined};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "schema_version",
-    "run_id",
-    "scene",
-    "scene_hash",
-    "adapter",
-    "configuration",
-    "accelerator",
-    "schedule",
-    "rays",
-    "left_out",
-    "put_back",
-    "stream_bytes",
-    "kept_stream_bytes",
-    "buffer_bytes",
-    "kept_buffer_bytes",
-    "bytes_ratio",
-    "started_first",
-    "first_start_s",
-    "kept_first_start_s",
-    "start_s",
-    "kept_start_s",
-    "start_ratio",
-    "runs",
-    "median_ns",
-    "kept_median_ns",
-    "time_ratio",
-    "time_ratio_low",
-    "time_ratio_high",
-    "differing_hits",
-    "first_differing_rays",
-    "clock",
+const GROUPS: &[&[&str]] = &[
+    KEYS,
+    &[
+        "accelerator",
+        "schedule",
+        "item",
+        "because",
+        "reason",
+        "is_changed",
+        "rays",
+        "stream_bytes",
+        "stream_bytes_with",
+        "buffer_bytes",
+        "buffer_bytes_with",
+        "first_start_s",
+        "first_start_s_with",
+        "start_s",
+        "start_s_with",
+        "start_ratio",
+        "start_ratio_low",
+        "start_ratio_high",
+        "runs",
+        "ratio_to",
+        "time_ratio",
+        "time_ratio_low",
+        "time_ratio_high",
+        "interval_method",
+        "interval_level",
+        "differing_hits",
+        "clock",
+    ],
 ];
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
 const SHOWN: &[&str] = &[
     "accelerator",
     "schedule",
-    "left_out",
-    "put_back",
+    "item",
+    "reason",
+    "is_changed",
     "stream_bytes",
-    "kept_stream_bytes",
+    "stream_bytes_with",
     "buffer_bytes",
-    "kept_buffer_bytes",
-    "started_first",
+    "buffer_bytes_with",
     "first_start_s",
-    "kept_first_start_s",
+    "first_start_s_with",
     "start_s",
-    "kept_start_s",
+    "start_s_with",
     "start_ratio",
+    "start_ratio_low",
+    "start_ratio_high",
+    "runs",
     "time_ratio",
     "time_ratio_low",
     "time_ratio_high",
     "differing_hits",
 ];
 
-pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
+/// What is said first where there are no times.
+pub const NO_TIMES: &str =
+    "kernels for the CPU are compiled beforehand: nothing is saved by omitting, so there is no ratio of times";
+
+/// Structures and schedules, the most telling first: a quick report has the first two.
+const WAYS: [(Accelerator, ScheduleKind); 4] = [
+    (Accelerator::Bvh, ScheduleKind::Fused),
+    (Accelerator::Grid, ScheduleKind::Compact),
+    (Accelerator::Grid, ScheduleKind::Fused),
+    (Accelerator::Bvh, ScheduleKind::Compact),
+];
+
+/// The time for a way, in a report and in a quick one, and for `raystep plan`.
+const A_WAY_TAKES: Duration = Duration::from_secs(6);
+const A_QUICK_WAY_TAKES: Duration = Duration::from_millis(2_500);
+const ALONE_TAKES: Duration = Duration::from_secs(20);
+
+/// What putting back each item costs that this run's plan omits because the scene does not need it.
+///
+/// # Errors
+/// If the scene cannot be planned or run with these options, or a run takes too long.
+pub fn costs(
+    subject: &Subject,
+    options: &Options,
+    meter: &Meter,
+    seed: u32,
+    reporter: &dyn Reporter,
+) -> Result<Costs, Error> {
+    let record = Record::new(String::new(), seed, false);
+    let (size, grid, section) = (Size { width: 0, height: 0 }, options.grid, "left-out");
+    let (methods, rays, stiff) = (&[][..], None, None);
+    let record = &record;
+    let work = Work { subject, meter, size, grid, is_quick: false, reporter, section, record, methods, rays, stiff };
+    measure::costs(&work, options, ALONE_TAKES)
+}
+
+pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Part, Error> {
     let mut part = Part::default();
     let first = table.rows.len();
-    let mut rows_so_far = 0;
-    for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
-        for schedule in [ScheduleKind::Second, ScheduleKind::Compact, ScheduleKind::Fused] {
-            work.stage(&format!("omitted work, {accelerator} {schedule}"));
-            let is_kept_first = rows_so_far % 2 == 1;
-            rows_so_far += 1;
-            match one(work, accelerator, schedule, is_kept_first, &mut part) {
-                Ok(row) => table.rows.push(row),
-                Err(error) => {
-                    work.can_go_on()?;
-                    part.notes.push(format!("{accelerator} {schedule}: {}", work.explain(&error)));
+    let has_times = work.machine().gpu().is_some();
+    if !has_times {
+        part.prose.push(format!("Only bytes: {NO_TIMES}."));
+    }
+    for &(accelerator, schedule) in &WAYS[..work.either(2, WAYS.len())] {
+        work.stage(&format!("omitted items, {accelerator} {schedule}"));
+        let options = Options { accelerator, schedule, ..Options::new(work.camera_rays()) };
+        match measure::costs(work, &options, work.either(A_QUICK_WAY_TAKES, A_WAY_TAKES)) {
+            Ok(found) => {
+                let rows: Vec<Row> = found.costs.iter().map(|cost| row(work, &options, cost)).collect();
+                if part.prose.len() <= usize::from(!has_times) {
+                    part.prose.extend(reasons(&rows));
                 }
+                part.prose.extend(in_words(&rows));
+                part.notes.extend(notes(work, &found).map(|note| format!("{accelerator}, {schedule}: {note}")));
+                table.rows.extend(rows);
+            }
+            Err(error) => {
+                work.can_go_on()?;
+                part.notes.push(format!("{accelerator}, {schedule}: {}", work.explain(&error)));
             }
         }
     }
     let rows = &table.rows[first..];
-    part.figure("time", plot(rows).svg()?, "");
-    part.table(rows, SHOWN);
-    let differing = rows.iter().max_by_key(|r| r.number("differing_hits").unwrap_or(0.0) as u64);
-    if let Some(row) = differing {
-        part.prose.push(format!(
-            "A ratio above 1 is the saving from omitting. Hits that differ in bits: at most {}. Times are {}.",
-            number("differing_hits", row),
+    if rows.is_empty() {
+        part.prose.push("The scene needs everything that a plan can omit.".into());
+    }
+    part.figure(
+        "time",
+        plot(rows).svg()?,
+        format!(
+            "Time with an item that the scene does not need, relative to the plan as it is. Bars are intervals of the \
+             median ratio of runs of the same round, in random order; they are not corrected for their number. Times \
+             are {}.",
             work.clock_in_words()
-        ));
+        ),
+    );
+    part.table(rows, SHOWN);
+    if has_times && !rows.is_empty() {
         part.prose.push(
-            "A start allocates, uploads and compiles, excluding planning. The first start of each variant is listed \
-             separately, as the driver caches kernels for later ones; but it may already have compiled them for an \
-             earlier section or report, and the variant that starts second benefits from kernels that both share. \
-             Every other row starts with everything restored."
+            "A start allocates, uploads and compiles, excluding planning. The first start has its own column, as the \
+             driver caches kernels for later ones; it may already have compiled them for an earlier section or report."
                 .into(),
         );
-    }
-    if work.machine().gpu().is_none() {
-        part.notes.push("kernels for the CPU are compiled in advance: there are no start times".into());
     }
     Ok(part)
 }
 
-fn one(
-    work: &Work<'_>,
-    accelerator: Accelerator,
-    schedule: ScheduleKind,
-    is_kept_first: bool,
-    part: &mut Part,
-) -> Result<Row, Error> {
-    let options = Options { accelerator, schedule, ..Options::new(work.camera_rays()) };
-    let kept = Options { keep_all: true, ..options.clone() };
-    // Starts are interleaved, too, so that a driver's cache serves both. The last of each is run.
-    let mut starts: [Vec<f64>; 2] = Default::default();
-    let mut last: [Option<Renderer>; 2] = Default::default();
-    let planned = [work.plan(&options)?, work.plan(&kept)?];
-    for _ in 0..work.either(2, 5) {
-        for i in if is_kept_first { [1, 0] } else { [0, 1] } {
-            let built = work.start(&planned[i], [&options, &kept][i])?;
-            starts[i].push(built.start_s);
-            last[i] = Some(built.renderer);
-        }
-    }
-    let [Some(mut without), Some(mut with)] = last else {
-        return Err(Error::NothingBuilt);
-    };
-    let name = |what| work.configuration(&[accelerator.name(), schedule.name(), what]);
-    let names = [name("left-out"), name("put-back")];
-    let times = work.time_in_turn(&names, &mut [&mut without, &mut with], work.either(6, 20))?;
-    if times.iter().any(|times| times.is_given_up) {
-        return Err(Error::GivenUp);
-    }
-    let ratio = times[1].ratio(&times[0], work.seed());
-    let interval = ratio.and_then(|(_, interval)| interval);
-    let (hits, kept_hits) = (work.machine().wait(without.hits())?, work.machine().wait(with.hits())?);
-    let differing = differing(&hits, &kept_hits);
-    if !differing.is_empty() {
-        part.notes.push(format!(
-            "{accelerator} {schedule}: {} hits differ in their bits, the first of them of rays {}",
-            differing.len(),
-            first_of(&differing)
-        ));
-    }
-    let is_compiled = work.machine().gpu().is_some();
-    let first_start = |i: usize| starts[i].first().copied().filter(|_| is_compiled);
-    let start = |i: usize| quantile(&starts[i][1..], 0.5).filter(|_| is_compiled);
-    let bytes = |plan: &Plan| {
-        let streams: u64 = plan.streams.iter().map(|s| s.bytes).sum();
-        [streams, plan.bytes() - streams]
-    };
-    let ([streams, buffers], [kept_streams, kept_buffers]) = (bytes(without.plan()), bytes(with.plan()));
-    let put_back = put_back(without.plan(), with.plan());
-    Ok(work
+/// What there was no time for, and hits that differ.
+fn notes(work: &Work<'_>, found: &Costs) -> impl Iterator<Item = String> {
+    let is_timed = work.machine().gpu().is_some();
+    let unmeasured = found.costs.iter().filter(|cost| is_timed && cost.is_changed && cost.times.is_none());
+    let names = unmeasured.map(Cost::name).chain(found.unplanned.iter().map(|item| item.name()));
+    let names: Vec<&str> = names.collect();
+    let unmeasured = (!names.is_empty()).then(|| format!("there was no time to measure {}", names.join(", ")));
+    let differing = found.costs.iter().filter_map(|cost| {
+        let rays = &cost.times.as_ref()?.differing;
+        let first: Vec<String> = rays.iter().take(16).map(usize::to_string).collect();
+        (!rays.is_empty()).then(|| {
+            format!("with {}, {} hits differ in their bits: of rays {}, …", cost.name(), rays.len(), first.join(" "))
+        })
+    });
+    unmeasured.into_iter().chain(differing.collect::<Vec<_>>())
+}
+
+fn row(work: &Work<'_>, options: &Options, cost: &Cost) -> Row {
+    let names = [options.accelerator.name(), options.schedule.name(), cost.name()];
+    let [without, with] = cost.bytes;
+    let row = work
         .row(COLUMNS)
-        .set("configuration", name("left-out"))
-        .set("accelerator", accelerator.name())
-        .set("schedule", schedule.name())
-        .set("rays", without.plan().rays)
-        .set("left_out", without.plan().left_out.len())
-        .set("put_back", put_back.join("; "))
-        .set("stream_bytes", streams)
-        .set("kept_stream_bytes", kept_streams)
-        .set("buffer_bytes", buffers)
-        .set("kept_buffer_bytes", kept_buffers)
-        .set("bytes_ratio", (kept_streams + kept_buffers) as f64 / (streams + buffers).max(1) as f64)
-        .set("started_first", is_compiled.then_some(if is_kept_first { "put back" } else { "left out" }))
-        .set("first_start_s", first_start(0))
-        .set("kept_first_start_s", first_start(1))
-        .set("start_s", start(0))
-        .set("kept_start_s", start(1))
-        .set("start_ratio", start(1).zip(start(0)).map(|(kept, s)| kept / s))
-        .set("runs", times[0].runs())
-        .set("median_ns", times[0].median())
-        .set("kept_median_ns", times[1].median())
-        .set("time_ratio", ratio.map(|(median, _)| median))
+        .set("configuration", work.configuration(&names))
+        .set("accelerator", names[0])
+        .set("schedule", names[1])
+        .set("item", cost.name())
+        .set("because", cost.because.name())
+        .set("reason", &*cost.reason)
+        .set("is_changed", cost.is_changed)
+        .set("rays", cost.rays)
+        .set("stream_bytes", without.streams)
+        .set("stream_bytes_with", with.streams)
+        .set("buffer_bytes", without.buffers)
+        .set("buffer_bytes_with", with.buffers);
+    let Some(times) = &cost.times else { return row };
+    let (start, time) = (times.start_ratio, times.time_ratio);
+    let [start_interval, interval] = [start, time].map(|ratio| ratio.and_then(|(_, interval)| interval));
+    row.set("first_start_s", times.first_start_s[0])
+        .set("first_start_s_with", times.first_start_s[1])
+        .set("start_s", times.start_s[0])
+        .set("start_s_with", times.start_s[1])
+        .set("start_ratio", start.map(|(median, _)| median))
+        .set("start_ratio_low", start_interval.map(|i| i.low))
+        .set("start_ratio_high", start_interval.map(|i| i.high))
+        .set("runs", times.runs)
+        .set("ratio_to", &*times.without)
+        .set("time_ratio", time.map(|(median, _)| median))
         .set("time_ratio_low", interval.map(|i| i.low))
         .set("time_ratio_high", interval.map(|i| i.high))
-        .set("differing_hits", differing.len())
-        .set("first_differing_rays", first_of(&differing))
-        .set("clock", work.clock()))
+        .set("interval_method", interval.map(|i| i.method.name()))
+        .set("interval_level", interval.map(|i| i.level))
+        .set("differing_hits", times.differing.len())
+        .set("clock", work.clock())
 }
 
-/// What one plan omits and the other does not.
-fn put_back(without: &Plan, with: &Plan) -> Vec<String> {
-    let is_back = |what: &String| !with.left_out.iter().any(|left| left.what == *what);
-    without.left_out.iter().map(|left| left.what.clone()).filter(is_back).collect()
+/// The items with their reasons, as HTML; `None` without items.
+fn reasons(rows: &[Row]) -> Option<String> {
+    let items = rows.iter().filter(|row| row.get("item") != "all" && row.get("is_changed") == "true");
+    let items: Vec<String> = items.map(|row| format!("{} ({})", row.get("item"), row.get("reason"))).collect();
+    (!items.is_empty()).then(|| format!("Not needed: {}.", items.join(", ")))
 }
 
-/// Rays whose hits differ in any bit.
-fn differing(a: &[Option<RayHit>], b: &[Option<RayHit>]) -> Vec<usize> {
-    let bits = |hit: &Option<RayHit>| hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.triangle));
-    a.iter().zip(b).enumerate().filter(|(_, (a, b))| bits(a) != bits(b)).map(|(i, _)| i).collect()
+/// The rows of a way in a paragraph, as HTML; `None` without rows.
+fn in_words(rows: &[Row]) -> Option<String> {
+    let (all, items) = rows.split_first()?;
+    let way = format!("{}, {}", all.get("accelerator"), all.get("schedule"));
+    let place = |row: &Row| match (row.number("time_ratio_low"), row.number("time_ratio_high")) {
+        (Some(low), _) if low > 1.0 => Some("slower"),
+        (_, Some(high)) if high < 1.0 => Some("faster"),
+        (Some(_), Some(_)) => Some("same"),
+        _ => None,
+    };
+    let ratio = |row: &Row| {
+        let [median, low, high] = ["time_ratio", "time_ratio_low", "time_ratio_high"].map(|c| number(c, row));
+        format!("{median} times as long ({low} to {high})")
+    };
+    let named = |is_wanted: &dyn Fn(&Row) -> bool, with_ratio: bool| -> Option<String> {
+        let names = items.iter().filter(|row| is_wanted(row)).map(|row| match with_ratio {
+            true => format!("{} {}", row.get("item"), ratio(row)),
+            false => row.get("item").to_owned(),
+        });
+        Some(names.collect::<Vec<_>>().join(", ")).filter(|text| !text.is_empty())
+    };
+    let mut text = format!("<b>{way}</b>. ");
+    text += &match place(all) {
+        Some("slower") => format!("With everything put back, a run takes {}. ", ratio(all)),
+        Some("faster") => format!("With everything put back, a run takes only {}. ", ratio(all)),
+        Some(_) => format!("With everything put back, a run takes {}: not distinguishable. ", ratio(all)),
+        None => format!(
+            "With everything put back, buffers take {} instead of {}. ",
+            number("buffer_bytes_with", all),
+            number("buffer_bytes", all)
+        ),
+    };
+    let is_changed = |row: &Row| row.get("is_changed") == "true";
+    let is_larger = |row: &Row| is_changed(row) && row.get("buffer_bytes") != row.get("buffer_bytes_with");
+    let mut add = |before: &str, names: Option<String>| {
+        text.extend(names.map(|names| format!("{before}: {names}. ")));
+    };
+    add("Slower with", named(&|row| place(row) == Some("slower"), true));
+    add("Faster with", named(&|row| place(row) == Some("faster"), true));
+    add("Not distinguishable", named(&|row| place(row) == Some("same"), false));
+    if place(all).is_none() {
+        add("More buffers with", named(&is_larger, false));
+        add("No more buffers with", named(&|row| is_changed(row) && !is_larger(row), false));
+    }
+    add("Nothing in this run changes with", named(&|row| !is_changed(row), false));
+    Some(text.trim_end().to_owned())
 }
 
-/// The first few of many rays.
-fn first_of(rays: &[usize]) -> String {
-    rays.iter().take(16).map(usize::to_string).collect::<Vec<_>>().join(" ")
-}
-
-fn plot(rows: &[Row]) -> Plot {
+/// The ratio of times of each item that was measured.
+fn plot(rows: &[Row]) -> Forest {
+    let mut names: Vec<String> = Vec::new();
+    for row in rows.iter().filter(|row| row.number("time_ratio").is_some()) {
+        if !names.iter().any(|name| name == row.get("item")) {
+            names.push(row.get("item").to_owned());
+        }
+    }
     let mut series = Vec::new();
-    for (color, accelerator, mark) in [(0, "grid", Mark::Dot), (1, "bvh", Mark::Triangle)] {
-        let of: Vec<(usize, &Row)> = rows.iter().filter(|r| r.get("accelerator") == accelerator).enumerate().collect();
-        // Offset the two series so that they do not overlap.
-        let x = |i: usize| i as f64 + 1.0 + if color == 0 { -0.06 } else { 0.06 };
-        let points = of.iter().filter_map(|(i, r)| Some((x(*i), r.number("time_ratio")?))).collect();
-        let ends = |r: &Row| Some((r.number("time_ratio_low")?, r.number("time_ratio_high")?));
-        let whiskers = of.iter().filter_map(|(_, r)| ends(r)).collect();
-        let name = accelerator.to_owned();
-        series.push(Series { name, points, whiskers, color, mark, stroke: Stroke::None });
+    for (accelerator, schedule) in WAYS {
+        let wanted = [("accelerator", accelerator.name()), ("schedule", schedule.name())];
+        let mut one = Series {
+            name: format!("{accelerator}, {schedule}"),
+            points: Vec::new(),
+            whiskers: Vec::new(),
+            color: usize::from(accelerator == Accelerator::Bvh),
+            mark: if schedule == ScheduleKind::Fused { Mark::Triangle } else { Mark::Dot },
+            stroke: Stroke::None,
+        };
+        for row in rows.iter().filter(|row| row.is(&wanted)) {
+            let place = names.iter().position(|name| name == row.get("item"));
+            if let (Some(ratio), Some(place)) = (row.number("time_ratio"), place) {
+                let end = |column| row.number(column).unwrap_or(f64::NAN);
+                one.points.push((ratio, place as f64));
+                one.whiskers.push((end("time_ratio_low"), end("time_ratio_high")));
+            }
+        }
+        series.extend((!one.points.is_empty()).then_some(one));
     }
-    series.push(Series::dashed("no difference", 6, vec![(0.5, 1.0), (3.5, 1.0)]));
-    Plot {
-        title: "Time with everything restored, relative to time without".into(),
-        x: Axis::new("schedule", Scale::Names(&["second", "compact", "fused"])),
-        y: Axis::new("ratio of times", Scale::Linear),
+    Forest {
+        title: "Time with what the scene does not need".into(),
+        x: Axis::new("ratio of times, with to without", Scale::Linear),
+        names,
+        neutral: 1.0,
         series,
-        places: Vec::new(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_hit_differs_by_a_bit() {
-        let hit = RayHit { t: 1.0, u: 0.0, v: 0.5, triangle: 3 };
-        let a = [Some(hit), None, Some(hit), Some(hit)];
-        let b = [Some(RayHit { u: -0.0, ..hit }), None, None, Some(hit)];
-        assert_eq!(differing(&a, &b), [0, 2]);
-        assert_eq!(first_of(&differing(&a, &b)), "0 2");
     }
 }

@@ -79,6 +79,9 @@ impl Part {
 
 /// A column's name for people: units are with the numbers.
 fn name_of(column: &str) -> String {
+    if let Some(column) = column.strip_suffix("_with") {
+        return name_of(column) + " with";
+    }
     let bare = column.strip_suffix("_ns").or_else(|| column.strip_suffix("_s")).unwrap_or(column);
     let bare = bare.strip_suffix("_bytes").filter(|b| *b != "structure").unwrap_or(bare);
     bare.replace('_', " ")

@@ -12,7 +12,8 @@ pub(super) use crate::stiff::COLUMNS;
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
-    let cost = work.stiff.cost(work.meter, work.reporter)?;
+    let start = work.stiff.ok_or(Error::NothingBuilt)?;
+    let cost = start.cost(work.meter, work.reporter)?;
     // The families are the same for all scenes: their rows are written once.
     if table.rows.is_empty() {
         table.rows.extend(cost.rows.rows.iter().cloned());
@@ -21,7 +22,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     }
     work.stage("stiff");
     let subject = work.subject;
-    let mut own = work.stiff.scene(&subject.scene.name, &subject.scene, work.meter, work.reporter)?;
+    let mut own = start.scene(&subject.scene.name, &subject.scene, work.meter, work.reporter)?;
     for row in &mut own.rows.rows {
         *row = row.clone().set("scene", &*subject.scene.name).set("scene_hash", subject.hash);
     }

@@ -52,15 +52,15 @@ pub(super) struct Work<'a> {
     /// Rays of another program.
     pub(super) rays: Option<&'a RaysFile>,
     /// The families of stiff scenes.
-    pub(super) stiff: &'a Start,
+    pub(super) stiff: Option<&'a Start>,
 }
 
 /// A plan that can be started many times.
 pub(super) struct Planned {
-    plan: Arc<Plan>,
+    pub(super) plan: Arc<Plan>,
     data: Arc<SceneData>,
     /// Seconds for planning: mostly for building the structure.
-    build_s: f64,
+    pub(super) build_s: f64,
 }
 
 /// A renderer that is ready to run, with the times to build it.
@@ -82,6 +82,11 @@ pub(super) struct Times {
 }
 
 impl Times {
+    /// Times that were measured otherwise: one per round.
+    pub(super) fn of(runs: Vec<Option<f64>>) -> Self {
+        Self { runs, is_given_up: false }
+    }
+
     fn known(&self) -> Vec<f64> {
         self.runs.iter().copied().flatten().collect()
     }
@@ -89,11 +94,6 @@ impl Times {
     /// The number of rounds.
     pub(super) fn rounds(&self) -> usize {
         self.runs.len()
-    }
-
-    /// The number of runs with a time.
-    pub(super) fn runs(&self) -> usize {
-        self.known().len()
     }
 
     /// The median.
@@ -107,11 +107,15 @@ impl Times {
         Self { runs: wanted.collect(), is_given_up: self.is_given_up }
     }
 
+    /// Its runs with the other's runs of the same rounds, where both have a time.
+    pub(super) fn pairs(&self, to: &Self) -> impl Iterator<Item = (f64, f64)> {
+        self.runs.iter().zip(&to.runs).filter_map(|(a, b)| Some(((*a)?, (*b)?)))
+    }
+
     /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
     pub(super) fn ratio(&self, to: &Self, seed: u32) -> Option<(f64, Option<Interval>)> {
-        let pairs = || self.runs.iter().zip(&to.runs).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-        let ratios: Vec<f64> = pairs().map(|(a, b)| a / b).collect();
-        let interval = interval::of_ratio(&pairs().collect::<Vec<_>>(), u64::from(seed));
+        let ratios: Vec<f64> = self.pairs(to).map(|(a, b)| a / b).collect();
+        let interval = interval::of_ratio(&self.pairs(to).collect::<Vec<_>>(), u64::from(seed));
         Some((interval.map_or(median(&ratios)?, |interval| interval.median), interval))
     }
 

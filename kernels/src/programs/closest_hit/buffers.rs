@@ -2,6 +2,7 @@
 
 use bytemuck::{bytes_of, cast_slice};
 
+use crate::options::keep::Item;
 use crate::options::reasons::{Because, FUSED, GIVEN, MANY_STEPS, ONE_SAMPLE, ONE_STEP, Reason, Run, STEPPED};
 use crate::scene_data::buffer::{BufferInfo, storage, uniform};
 
@@ -92,25 +93,29 @@ pub static BUFFERS: &[BufferInfo] = &[
         "nine f32 per triangle: unit vertex normals",
         |data| cast_slice(&data.normals),
         |run| run.of_shading("no vertex normals: shading is flat"),
-    ),
+    )
+    .of(Item::Normals),
     storage(
         "texcoords",
         "six f32 per triangle: base colour texture coordinates",
         |data| cast_slice(&data.texcoords),
         |run| run.of_shading("no base colour texture"),
-    ),
+    )
+    .of(Item::Textures),
     storage(
         "vertex_colors",
         "nine f32 per triangle: linear colours",
         |data| cast_slice(&data.vertex_colors),
         |run| run.of_shading("no vertex colours"),
-    ),
+    )
+    .of(Item::VertexColors),
     storage(
         "triangle_materials",
         "u32 per triangle: index into materials",
         |data| cast_slice(&data.triangle_materials),
         |run| run.of_shading("one material"),
-    ),
+    )
+    .of(Item::ManyMaterials),
     storage(
         "materials",
         "32 bytes: base colour, texture, emissive, double-sided",
@@ -128,13 +133,15 @@ pub static BUFFERS: &[BufferInfo] = &[
         "16 bytes: first texel, width, height, sampling",
         |data| cast_slice(&data.textures),
         |run| run.of_shading("no base colour texture"),
-    ),
+    )
+    .of(Item::Textures),
     storage(
         "texels",
         "two u32 per texel: linear R G B, 16 bits each",
         |data| cast_slice(&data.texels),
         |run| run.of_shading("no base colour texture"),
-    ),
+    )
+    .of(Item::Textures),
 ];
 
 /// Why the distances for empty-space skipping are left out.
