@@ -108,7 +108,8 @@ fn changed_results_and_other_programs_fail_by_name() {
     }
     let against = |binary: &str| ["--against", binary, "--at-most", "1.05", "-o", "none"].map(str::to_owned);
     let old = "does not speak version 1 of the protocol of 'bench --against'";
-    for (binary, wanted) in [("/bin/true", old), ("/bin/echo", old), ("nowhere", "cannot start nowhere: No such file")] {
+    for (binary, wanted) in [("/bin/true", old), ("/bin/echo", old), ("nowhere", "cannot start nowhere: No such file")]
+    {
         let arguments = against(binary);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         place.fails(1, wanted, &bench(&file, &arguments));
@@ -161,7 +162,11 @@ fn a_baseline_fails_by_hits_and_counts_and_is_undecided_within_the_drift() {
         let outcome = gate("changed", "500", &folder);
         assert_eq!(outcome.code, Some(1), "{column}: {outcome:?}");
         let wanted = wanted.replace("before has", "changed has");
-        assert_eq!(outcome.stderr.lines().filter(|l| l.starts_with("fail: ") && l.contains(&wanted)).count(), 2, "{outcome:?}");
+        assert_eq!(
+            outcome.stderr.lines().filter(|l| l.starts_with("fail: ") && l.contains(&wanted)).count(),
+            2,
+            "{outcome:?}"
+        );
     }
     // Without a limit nothing fails, and changed hits are named.
     edit(&place, "before", "changed", "summary.csv", |name, value| match name {

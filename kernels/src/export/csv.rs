@@ -4,15 +4,13 @@
 //! | column | holds |
 //! |---|---|
 //! | `schema_version` | [`SCHEMA_VERSION`]; increased when the meaning of a column changes |
-//! | `run_id` | identifies one invocation of the command |
-//! | `configuration` | identifies what was run, within `run_id` |
+//! | `run_id`, `configuration` | identify one invocation of the command, and what was run in it |
 //! | `scene` … `height_px` | what was run, and on which device |
 //! | `repeat`, `is_warmup` | repetition, from 0, and whether it was only a warm-up |
 //! | `pass_index` | index in the run, from 0 |
 //! | `iteration` | iteration of the schedule's loop, from 1; 0 before the loop |
 //! | `kernel` | the kernel that ran |
-//! | `gpu_begin_ns` | since the run's first timed pass began, on the clock that `clock` names |
-//! | `gpu_duration_ns` | on the same clock |
+//! | `gpu_begin_ns`, `gpu_duration_ns` | since the run's first timed pass began, and of the pass, by `clock` |
 //! | `cpu_encode_ns` | host time to record the pass |
 //! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
 //! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stay for the next pass |
@@ -276,7 +274,6 @@ impl<W: Write> PassesCsv<W> {
 mod tests {
     use super::*;
     use crate::programs::closest_hit::kernels;
-
     use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 
     fn run(timer: Option<Timer>) -> RunContext {

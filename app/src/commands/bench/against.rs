@@ -132,7 +132,8 @@ impl Comparison {
         let names = ["this build".to_owned(), binaries[1].display().to_string()];
         let [(this, notes), (that, other_notes)] = built;
         let mut all = notes;
-        all.extend(other_notes.into_iter().map(|note| format!("{}: {note}", names[1])));
+        let own: Vec<_> = other_notes.into_iter().filter(|note| !all.contains(note)).collect();
+        all.extend(own.into_iter().map(|note| format!("{}: {note}", names[1])));
         all.iter().for_each(|note| progress.say(format_args!("note: {note}")));
         let rows = [this, that].map(|side| side.into_iter().map(|announced| announced.row).collect::<Vec<_>>());
         let matched = matched(&rows[0], &rows[1], &names[1]);

@@ -191,9 +191,7 @@ impl Gate {
             (Verdict::Undecided, format!("noise decides neither for {} of {}", all - within, rows_are(all)))
         };
         if self.verdict == Verdict::Undecided {
-            let open = self.rows.iter().filter(|row| row.times.verdict == Verdict::Undecided);
-            let needed: Option<Vec<u64>> = open.map(|row| row.times.needed_repeats).collect();
-            self.needed_repeats = needed.and_then(|needed| needed.into_iter().max());
+            self.needed_repeats = needed_repeats(self.at_most, self.rows.iter().map(|row| &row.times));
         }
         self
     }
@@ -211,6 +209,15 @@ impl Gate {
         }
         lines
     }
+}
+
+/// Repeats that would probably decide. One row that fails is enough: if the ratios of some rows lie above the limit, the
+/// fewest that one of them needs; otherwise the most that any undecided row needs. `None` if no number would do.
+pub(crate) fn needed_repeats<'a>(at_most: f64, rows: impl Iterator<Item = &'a Times>) -> Option<u64> {
+    let open: Vec<&Times> = rows.filter(|row| row.verdict == Verdict::Undecided).collect();
+    let above = open.iter().filter(|row| row.time_ratio.is_some_and(|ratio| ratio > at_most));
+    let fewest = above.filter_map(|row| row.needed_repeats).min();
+    fewest.or_else(|| open.iter().map(|row| row.needed_repeats).collect::<Option<Vec<_>>>()?.into_iter().max())
 }
 
 fn rows_are(count: usize) -> String {
@@ -264,9 +271,13 @@ mod tests {
         assert_eq!(verdict(&[(Pass, None), (Fail, None), (Undecided, Some(9))]), Fail);
         assert_eq!(verdict(&[(Pass, None), (Pass, None)]), Pass);
         assert_eq!(verdict(&[]), Undecided);
-        let open = gate(&[(Pass, None), (Undecided, Some(9)), (Undecided, Some(70))]);
-        assert_eq!((open.verdict, open.needed_repeats), (Undecided, Some(70)));
-        assert_eq!(gate(&[(Undecided, Some(9)), (Undecided, None)]).needed_repeats, None);
+        let open = |first, second| gate(&[(Pass, None), (Undecided, first), (Undecided, second)]);
+        // Both ratios lie above the limit.
+        assert_eq!((open(Some(9), Some(70)).verdict, open(Some(9), Some(70)).needed_repeats), (Undecided, Some(9)));
+        assert_eq!((open(Some(9), None).needed_repeats, open(None, None).needed_repeats), (Some(9), None));
+        let below = |needed_repeats| Times { time_ratio: Some(1.0), needed_repeats, ..Times::unknown() };
+        assert_eq!(needed_repeats(1.05, [below(Some(9)), below(Some(70))].iter()), Some(70));
+        assert_eq!(needed_repeats(1.05, [below(Some(9)), below(None)].iter()), None);
         let failed = gate(&[(Pass, None), (Fail, None)]);
         assert_eq!(failed.because, "1 of 2 rows slower than 1.05 times the time of old");
         assert_eq!(failed.failures(), ["box 8x8 primary, grid fused robust: 1.200 times as slow, at least 1.100"]);

@@ -162,9 +162,9 @@ Time of this build divided by that of old; limit 1.05; 40 rounds. signs
     fn the_terminal_has_the_same_table() {
         let table = super::text(&gate(&[(Verdict::Pass, None), (Verdict::Undecided, Some(80))]));
         let expected = "\
-configuration                       result                   ratio   from  to  this ms  other ms
-box 8x8 primary, grid fused robust  within                   1.200  1.100   –    1.200     1.000
-box 8x8 primary, grid fused robust  undecided (80 repeats)   1.200  1.100   –    1.200     1.000
+configuration                       result                  ratio   from  to  this ms  other ms
+box 8x8 primary, grid fused robust  within                  1.200  1.100   –    1.200     1.000
+box 8x8 primary, grid fused robust  undecided (80 repeats)  1.200  1.100   –    1.200     1.000
 
 Undecided: noise decides neither for 1 of 2 rows
 About 80 repeats would decide: --repeats 80.

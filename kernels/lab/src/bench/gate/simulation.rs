@@ -1,7 +1,7 @@
 //! The gate on simulated times whose truth is known.
 
 use super::paired::{Looks, SITTINGS, judge, order};
-use super::{Times, Verdict};
+use super::{Times, Verdict, needed_repeats};
 use crate::rays::Random;
 
 const TRIALS: u64 = 2_000;
@@ -103,9 +103,7 @@ fn a_build_that_takes_a_fifth_longer_fails_within_the_repeats_that_the_gate_asks
             if verdict != Verdict::Undecided {
                 return verdict == Verdict::Fail;
             }
-            let open = rows.iter().filter(|row| row.verdict == Verdict::Undecided);
-            let needed: Option<Vec<u64>> = open.map(|row| row.needed_repeats).collect();
-            let Some(repeats) = needed.and_then(|needed| needed.into_iter().max()) else { return false };
+            let Some(repeats) = needed_repeats(1.05, rows.iter()) else { return false };
             asked.push(repeats);
             run(trial + TRIALS, repeats.min(100_000) as usize, slow, 1.05, 0.0).0 == Verdict::Fail
         });
