@@ -4,11 +4,16 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::{bench, cornell_box, rows, runs_agree};
+use super::{cornell_box, rows, runs_agree};
 use crate::common::Place;
 
 /// This build.
 const THIS: &str = env!("CARGO_BIN_EXE_raystep");
+
+/// A small benchmark on the CPU, with further arguments.
+fn bench<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&["bench", scene, "--sizes", "16x12", "--device", "cpu", "--warmups", "1"], more].concat()
+}
 
 fn json(place: &Place, name: &str) -> Value {
     serde_json::from_slice(&place.read(name)).expect("JSON")
