@@ -71,9 +71,15 @@ fn drift_in_words(gate: &Gate, drift: &super::drift::Drift) -> String {
     )
 }
 
+/// Most repeats that anyone would wait for; it is also the most that the command line takes.
+const MOST_REPEATS: u64 = 100_000;
+
 /// How to get an answer.
 fn needed_in_words(gate: &Gate) -> String {
     match gate.needed_repeats {
+        Some(repeats) if repeats > MOST_REPEATS => {
+            format!("More than {MOST_REPEATS} repeats would be needed: the ratio is too near the limit for this noise.")
+        }
         Some(repeats) => format!("About {repeats} repeats would decide: --repeats {repeats}."),
         None if gate.drift.is_some() => "More repeats would not decide.".into(),
         None => "The ratio is at the limit: no number of repeats would decide.".into(),
@@ -176,6 +182,7 @@ About 80 repeats would decide: --repeats 80.
     fn an_open_question_says_what_would_answer_it() {
         let open = gate_text(Some(80));
         assert!(open.contains("About 80 repeats would decide: --repeats 80."), "{open}");
+        assert!(gate_text(Some(100_001)).contains("More than 100000 repeats would be needed"));
         assert!(gate_text(None).contains("no number of repeats would decide"));
         let drift =
             super::super::drift::Drift { within_this: 1.1, within_other: 1.0, fixed_work_ratio: Some(1.0), seen: 1.1 };
