@@ -205,8 +205,8 @@ fn exit(gate: &Gate) -> Result<(), Error> {
         Verdict::Pass => Ok(()),
         Verdict::Fail => Err(Error::failed(&gate.because)),
         Verdict::Undecided => {
-            let remark = gate::remarks(gate).pop().unwrap_or_default();
-            Err(Error::undecided(format!("{}. {remark}", gate.because)))
+            let remarks = gate::remarks(gate).join(" ");
+            Err(Error::undecided(format!("{}. {remarks}", gate.because)))
         }
     }
 }
