@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::{cornell_box, rows, runs_agree};
+use super::agree::runs_agree;
+use super::{cornell_box, rows};
 use crate::common::Place;
 
 /// This build.
