@@ -13,8 +13,8 @@ use crate::{usage, window};
 
 /// A ray tracer for inspecting every pass and every stream
 ///
-/// Small kernels process per-ray streams on any GPU or on the CPU. Exit codes: 0 success, 1 failure, 2 wrong usage;
-/// 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM.
+/// Small kernels process per-ray streams on any GPU or on the CPU. Exit codes: 0 success, 1 failure, 2 wrong usage,
+/// 3 undecided (bench --at-most); 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM.
 #[derive(Parser, Debug)]
 #[command(
     name = "raystep",

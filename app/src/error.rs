@@ -12,6 +12,9 @@ pub(crate) const FAILED: u8 = 1;
 /// Wrong usage.
 pub(crate) const USAGE: u8 = 2;
 
+/// A comparison that noise does not decide.
+pub(crate) const UNDECIDED: u8 = 3;
+
 /// One line, and the exit code.
 #[derive(Debug)]
 pub(crate) struct Error {
@@ -31,6 +34,11 @@ impl Error {
         Self::new(message, USAGE)
     }
 
+    /// A comparison has no answer: exit code 3.
+    pub(crate) fn undecided(message: impl fmt::Display) -> Self {
+        Self::new(message, UNDECIDED)
+    }
+
     /// The message, as part of another line.
     pub(crate) fn message(&self) -> &str {
         &self.message
@@ -45,7 +53,8 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", self.message)
+        let what = if self.code == UNDECIDED { "undecided" } else { "error" };
+        write!(f, "{what}: {}", self.message)
     }
 }
 

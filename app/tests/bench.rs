@@ -2,8 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::common::{Place, scene};
+use agree::{passes_agree, runs_agree};
 use serde_json::Value;
+
+use crate::common::{Place, scene};
+
+mod agree;
+mod gate;
 
 type Row = BTreeMap<String, String>;
 
@@ -13,7 +18,7 @@ fn cornell_box() -> String {
 
 /// A small benchmark on the CPU, with further arguments.
 fn bench<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&["bench", scene, "--sizes", "16x12", "--device", "cpu", "--repeats", "3", "--warmups", "1"], more].concat()
+    [&["bench", scene, "--sizes", "16x12", "--device", "cpu", "--repeats", "6", "--warmups", "1"], more].concat()
 }
 
 /// Rows by column; every row has as many fields as there are columns.
@@ -44,10 +49,11 @@ fn every_configuration_has_its_row_and_the_files_agree() {
     let (names, summary) = rows(&place.read("out/summary.csv"));
     assert_eq!(
         names.join(","),
-        "schema_version,run_id,scene,scene_hash,triangles,accelerator,schedule,numerics,tuning,rays_kind,device,\
-         width_px,height_px,rays,build_s,compile_s,n,invalid,median_device_ns,p05_device_ns,p95_device_ns,\
-         median_wall_ns,timer_source,rays_per_s,passes,useful_steps_per_thread,cells_per_ray,tests_per_ray,\
-         repeated_per_ray,bytes_per_triangle,hits,hits_hash,baseline_ratio"
+        "schema_version,run_id,configuration,build,scene,scene_hash,triangles,accelerator,schedule,numerics,grid,skip,\
+         steps_per_pass,keep_all,rays_kind,seed,adapter,width_px,height_px,rays,build_s,start_s,clock,runs,\
+         invalid_runs,median_ns,low_ns,high_ns,min_ns,max_ns,interval_method,interval_level,median_wall_ns,\
+         fixed_work_ns,rays_per_s,time_ratio,time_ratio_low,time_ratio_high,ratio_to,passes,useful_steps_per_thread,\
+         cells_per_ray,tests_per_ray,repeated_per_ray,structure_bytes,bytes_per_triangle,hits,hits_hash,baseline_ratio"
     );
     let groups: Vec<_> = summary.chunks(3).collect();
     let expected: Vec<_> = ["cornell-box", "teapot"]
@@ -61,14 +67,21 @@ fn every_configuration_has_its_row_and_the_files_agree() {
             assert_eq!((row["accelerator"].as_str(), row["schedule"].as_str()), way);
             assert_eq!((row["scene"].as_str(), row["rays_kind"].as_str()), (scene, kind));
             assert_eq!((row["width_px"].as_str(), row["height_px"].as_str()), ("16", "12"));
-            assert_eq!((row["numerics"].as_str(), row["tuning"].as_str()), ("robust", "grid=auto skip=auto"));
-            assert_eq!((row["n"].as_str(), row["invalid"].as_str(), row["device"].as_str()), ("3", "0", "cpu"));
-            assert_eq!((row["timer_source"].as_str(), row["baseline_ratio"].as_str()), ("cpu_clock", ""));
-            let [p05, median, p95] = ["p05", "median", "p95"].map(|p| number(row, &format!("{p}_device_ns")));
-            assert!(0.0 < p05 && p05 <= median && median <= p95, "{row:?}");
+            assert_eq!((row["numerics"].as_str(), row["grid"].as_str()), ("robust", "auto"));
+            assert_eq!([&row["skip"], &row["steps_per_pass"], &row["keep_all"]], ["auto", "", "false"]);
+            assert_eq!(
+                (row["runs"].as_str(), row["invalid_runs"].as_str(), row["adapter"].as_str()),
+                ("6", "0", "cpu")
+            );
+            assert_eq!((row["clock"].as_str(), row["baseline_ratio"].as_str()), ("cpu_clock", ""));
+            let [min, low, median, high, max] =
+                ["min", "low", "median", "high", "max"].map(|name| number(row, &format!("{name}_ns")));
+            assert!(0.0 < min && min <= low && low <= median && median <= high && high <= max, "{row:?}");
+            assert_eq!(row["interval_method"], "order_statistics");
+            assert!((number(row, "interval_level") - 0.96875).abs() < 1e-9, "{row:?}");
             assert!(median <= number(row, "median_wall_ns"), "passes take longer than the run: {row:?}");
             assert!(is_near(number(row, "rays_per_s"), number(row, "rays") / median * 1e9), "{row:?}");
-            assert!(number(row, "build_s") > 0.0 && number(row, "compile_s") > 0.0);
+            assert!(number(row, "build_s") > 0.0 && number(row, "start_s") > 0.0);
             let bytes = number(row, "bytes_per_triangle");
             assert_eq!(bytes == 0.0, way.0 == "none", "{row:?}");
             // The same rays, and the same hits, in every configuration.
@@ -76,6 +89,10 @@ fn every_configuration_has_its_row_and_the_files_agree() {
                 assert_eq!(row[name], group[0][name], "{name}");
             }
         }
+        // The fastest is compared with itself, the others with it.
+        let to: BTreeSet<_> = group.iter().map(|row| row["ratio_to"].as_str()).collect();
+        let fastest = group.iter().find(|row| to.contains(row["configuration"].as_str())).expect("one of the group");
+        assert!(to.len() == 1 && is_near(number(fastest, "time_ratio"), 1.0), "{fastest:?}");
         let none = &group[2];
         if kind != "shadow" {
             // Without an accelerator every ray tests every triangle, and visits no cells.
@@ -102,15 +119,17 @@ fn every_configuration_has_its_row_and_the_files_agree() {
     assert!(number(&groups[4][0], "hits") < 192.0, "the teapot does not fill the image");
 
     passes_agree(&place, &summary);
+    runs_agree(&place, "out", &summary);
     let run: Value = serde_json::from_slice(&place.read("out/run.json")).expect("JSON");
-    assert_eq!((&run["kind"], &run["schema_version"]), (&"raystep bench".into(), &1.into()));
+    assert_eq!((&run["kind"], &run["schema_version"]), (&"raystep bench".into(), &2.into()));
     assert_eq!(run["command_line"][1], "bench");
-    assert_eq!((&run["options"]["repeats"], &run["options"]["warmups"]), (&3.into(), &1.into()));
+    assert_eq!((&run["options"]["repeats"], &run["options"]["warmups"]), (&6.into(), &1.into()));
     assert_eq!(run["options"]["sizes"][0], "16x12");
-    assert!(run["adapter"].is_null() && run["timer_source"] == "cpu_clock" && run["timestamp_period_ns"].is_null());
+    assert!(run["adapter"].is_null() && run["clock"] == "cpu_clock" && run["timestamp_period_ns"].is_null());
     let configurations = run["configurations"].as_array().expect("configurations");
-    let ids: Vec<_> = configurations.iter().map(|c| c["run_id"].as_str().expect("an id")).collect();
-    assert_eq!(ids, summary.iter().map(|row| row["run_id"].as_str()).collect::<Vec<_>>());
+    let ids: Vec<_> = configurations.iter().map(|c| c["configuration"].as_str().expect("an id")).collect();
+    assert_eq!(ids, summary.iter().map(|row| row["configuration"].as_str()).collect::<Vec<_>>());
+    assert!(summary.iter().all(|row| run["run_id"] == row["run_id"].as_str()));
     assert!(configurations[0]["shaders"]["intersect"].as_str().is_some_and(|hash| hash.starts_with("fnv1a64:")));
     assert_ne!(configurations[0]["shaders"]["intersect"], configurations[2]["shaders"]["intersect"]);
     // FNV-1a, 64 bits, of cornell-box.gltf, computed by another program; update it if that file changes.
@@ -144,8 +163,7 @@ fn trees_and_passes_of_several_steps_are_described_as_they_are() {
         assert_eq!(row["hits_hash"], summary[0]["hits_hash"], "{row:?}");
         let useful = number(row, "useful_steps_per_thread");
         assert!(useful <= 1.0 && (schedule != "fused" || useful == 1.0), "{row:?}");
-        let tuning = if schedule == "compact" { "grid=auto skip=auto steps_per_pass=8" } else { "grid=auto skip=auto" };
-        assert_eq!(row["tuning"], tuning);
+        assert_eq!(row["steps_per_pass"], if schedule == "compact" { "8" } else { "" });
         // Only the kernel that tests one triangle per pass counts repeated tests, and not with a BVH.
         let looks_back = schedule == "second" && matches!(accelerator, "grid" | "none");
         assert_eq!(row["repeated_per_ray"].is_empty(), !looks_back, "{row:?}");
@@ -164,26 +182,23 @@ fn trees_and_passes_of_several_steps_are_described_as_they_are() {
     }
 }
 
-/// `passes.csv` has one run of each configuration, which must agree with `summary.csv`.
-fn passes_agree(place: &Place, summary: &[Row]) {
-    let (_, passes) = rows(&place.read("out/passes.csv"));
-    let mut of: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
-    for pass in &passes {
-        of.entry(&pass["run_id"]).or_default().push(pass);
+#[test]
+fn a_seed_determines_the_rays_and_the_order() {
+    let place = Place::new();
+    let file = cornell_box();
+    for (seed, folder) in [("5", "a"), ("5", "b"), ("6", "c")] {
+        let what = ["--accelerators", "grid,bvh", "--rays", "random", "--seed", seed, "-o", folder];
+        place.ok(&bench(&file, &what));
     }
-    assert_eq!(of.len(), summary.len());
-    for row in summary {
-        let passes = &of[row["run_id"].as_str()];
-        assert_eq!(passes.len().to_string(), row["passes"]);
-        let sum = |name: &str| passes.iter().map(|pass| number(pass, name)).sum::<f64>();
-        assert!(is_near(number(row, "useful_steps_per_thread"), sum("rays_in") / sum("threads_launched")), "{row:?}");
-        for (i, pass) in passes.iter().enumerate() {
-            assert_eq!((pass["pass_index"].as_str(), pass["valid"].as_str()), (i.to_string().as_str(), "true"));
-            assert_eq!((pass["repeat"].as_str(), pass["is_warmup"].as_str()), ("3", "false"));
-            assert_eq!((&pass["accelerator"], &pass["schedule"]), (&row["accelerator"], &row["schedule"]));
-        }
-        assert_eq!(passes[0]["gpu_begin_ns"], "0", "each run starts at 0");
-    }
+    let of = |folder: &str| {
+        let (_, summary) = rows(&place.read(&format!("{folder}/summary.csv")));
+        let (_, runs) = rows(&place.read(&format!("{folder}/runs.csv")));
+        let order: Vec<String> = runs.iter().map(|run| run["place"].clone()).collect();
+        (summary[0]["hits_hash"].clone(), summary[0]["seed"].clone(), order)
+    };
+    assert_eq!(of("a"), of("b"));
+    assert_ne!((of("a").0, of("a").2), (of("c").0, of("c").2));
+    assert_eq!(of("c").1, "6");
 }
 
 #[test]
@@ -198,8 +213,8 @@ fn a_baseline_gives_ratios_and_says_what_has_none() {
     edited.write_record(&names).expect("memory");
     for row in &before {
         let value = |name: &String| match name.as_str() {
-            "median_device_ns" => "1000.0".into(),
-            "device" => "a faster one".into(),
+            "median_ns" => "1000.0".into(),
+            "adapter" => "a faster one".into(),
             "scene_hash" => "0".into(),
             _ => row[name].clone(),
         };
@@ -212,11 +227,11 @@ fn a_baseline_gives_ratios_and_says_what_has_none() {
     let outcome = place.ok(&now);
     let (_, rows) = rows(&place.read("now/summary.csv"));
     let [second, first] = &rows[..] else { panic!("expected two rows: {rows:?}") };
-    assert!(is_near(number(second, "baseline_ratio"), number(second, "median_device_ns") / 1000.0), "{second:?}");
+    assert!(is_near(number(second, "baseline_ratio"), number(second, "median_ns") / 1000.0), "{second:?}");
     assert_eq!(first["baseline_ratio"], "");
     for note in [
-        "note: before has no match for cornell-box 16x12 primary, grid first robust grid=auto skip=auto",
-        "note: before also has cornell-box 16x12 primary, none second robust grid=auto skip=auto, which was not measured now",
+        "note: before has no match for cornell-box 16x12 primary, grid first robust",
+        "note: before also has cornell-box 16x12 primary, none second robust, which was not measured now",
         "note: before was measured on a faster one, and this is cpu",
         "note: cornell-box has changed since before was measured",
     ] {
@@ -246,7 +261,10 @@ fn a_folder_is_replaced_only_where_a_benchmark_wrote_it() {
     assert_eq!(place.read("out/mine.txt"), b"mine");
     let names = std::fs::read_dir(place.path("out")).expect("the folder").map(|e| e.expect("an entry").file_name());
     let names: BTreeSet<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
-    assert_eq!(names.into_iter().collect::<Vec<_>>(), ["mine.txt", "passes.csv", "run.json", "summary.csv"]);
+    assert_eq!(
+        names.into_iter().collect::<Vec<_>>(),
+        ["datapackage.json", "mine.txt", "passes.csv", "run.json", "runs.csv", "summary.csv"]
+    );
 
     std::fs::copy(cornell_box(), place.path("out/passes.csv")).expect("a copy");
     let itself = ["bench", "out/passes.csv", "-o", "out", "--force", "--device", "cpu", "--sizes", "8x8"];
@@ -293,14 +311,13 @@ fn a_gpu_is_timed_by_its_own_clock_and_hits_the_same() {
     assert_eq!((gpu.len(), cpu.len()), (4, 4));
     for (gpu, cpu) in gpu.iter().zip(&cpu) {
         let has_clock = run["timestamp_period_ns"].is_f64();
-        assert_eq!(gpu["timer_source"], if has_clock { "gpu_timestamp" } else { "host" });
+        assert_eq!(gpu["clock"], if has_clock { "gpu_timestamp" } else { "host" });
         assert_eq!(run["clock_check"]["agrees"], has_clock, "{}", run["clock_check"]);
-        for name in ["median_device_ns", "p05_device_ns", "p95_device_ns"] {
-            assert_eq!(gpu[name].is_empty(), !has_clock, "{name}");
-        }
-        let ns = number(gpu, if has_clock { "median_device_ns" } else { "median_wall_ns" });
-        assert!(is_near(number(gpu, "rays_per_s"), number(gpu, "rays") / ns * 1e9), "{gpu:?}");
-        assert_eq!((gpu["n"].as_str(), run["adapter"]["name"] == gpu["device"].as_str()), ("2", true));
+        let by_host = ["median_ns", "median_wall_ns"].map(|name| number(gpu, name));
+        assert_eq!(by_host[0] == by_host[1], !has_clock, "{gpu:?}");
+        assert!(is_near(number(gpu, "rays_per_s"), number(gpu, "rays") / by_host[0] * 1e9), "{gpu:?}");
+        assert_eq!((gpu["runs"].as_str(), run["adapter"]["name"] == gpu["adapter"].as_str()), ("2", true));
+        assert_eq!(gpu["low_ns"], "", "two runs have no interval");
         // Only hits determine which pixels have a bounce ray.
         assert_eq!((&gpu["rays"], &gpu["hits"]), (&cpu["rays"], &cpu["hits"]));
     }
@@ -338,10 +355,13 @@ fn wrong_usage_and_unreadable_baselines_are_one_line() {
         ),
         (1, "there is no folder nowhere", &["bench", &file, "-o", "nowhere/out"]),
         (1, "expected a folder written by 'raystep bench'", &["bench", &file, "-o", "out", "--baseline", "old"]),
-        (1, "it is not a summary of a benchmark", &["bench", &file, "-o", "out", "--baseline", "bad"]),
+        (1, "it is not a file of a benchmark", &["bench", &file, "-o", "out", "--baseline", "bad"]),
+        (1, "its schema_version is 1; expected 2", &["bench", &file, "-o", "out", "--baseline", "old-version"]),
     ];
     std::fs::create_dir(place.path("bad")).expect("a folder");
     std::fs::write(place.path("bad/summary.csv"), "a,b\n1\n").expect("a file");
+    std::fs::create_dir(place.path("old-version")).expect("a folder");
+    std::fs::write(place.path("old-version/summary.csv"), "schema_version,run_id\n1,a\n").expect("a file");
     for (code, wanted, arguments) in cases {
         place.fails(*code, wanted, arguments);
     }

@@ -86,16 +86,16 @@ fn passes_csv_reads_strictly_and_adds_up() {
     let names = reader.headers().expect("a header").clone();
     assert_eq!(
         names.iter().collect::<Vec<_>>().join(","),
-        "schema_version,run_id,scene,accelerator,schedule,numerics,device,width_px,height_px,repeat,is_warmup,\
+        "schema_version,run_id,configuration,scene,accelerator,schedule,numerics,adapter,width_px,height_px,repeat,is_warmup,\
          pass_index,iteration,kernel,gpu_begin_ns,gpu_duration_ns,cpu_encode_ns,rays_in,rays_out,threads_launched,\
-         cells_visited,triangles_tested,timer_source,timer_resolution_ns,valid,host_run_ns"
+         cells_visited,triangles_tested,clock,clock_resolution_ns,valid,host_run_ns"
     );
     let column = |name: &str| names.iter().position(|n| n == name).expect("a column");
     let rows: Vec<_> = reader.records().map(|r| r.expect("as many fields as names")).collect();
     let sum = |name: &str| rows.iter().map(|r| r[column(name)].parse::<u64>().expect("a number")).sum::<u64>();
     for (i, row) in rows.iter().enumerate() {
         assert_eq!(row[column("pass_index")], i.to_string());
-        assert_eq!((&row[column("timer_source")], &row[column("valid")]), ("cpu_clock", "true"));
+        assert_eq!((&row[column("clock")], &row[column("valid")]), ("cpu_clock", "true"));
         assert_eq!(&row[column("cpu_encode_ns")], "", "unknown values are empty");
         assert!(["256", "512", "768"].contains(&&row[column("threads_launched")]), "chunks of 512 and 256: {row:?}");
     }
@@ -131,7 +131,7 @@ fn trace_json_loads_as_trace_events_and_adds_up() {
         let bytes = place.read("passes.csv");
         let mut reader = csv::ReaderBuilder::new().flexible(false).from_reader(bytes.as_slice());
         let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
-        if trace["otherData"]["timer_source"] == "host" {
+        if trace["otherData"]["clock"] == "host" {
             // The adapter's clock is unreliable: the run as a whole has a time, but no pass.
             assert_eq!((device, slices("pass").len(), slices("run").len()), ("gpu", 0, 1));
             assert_eq!(about("passes_without_times") as usize, rows.len());
@@ -142,9 +142,9 @@ fn trace_json_loads_as_trace_events_and_adds_up() {
         for (slice, row) in slices("pass").iter().zip(&rows) {
             assert_eq!(
                 (&slice["name"], &slice["args"]["rays_in"]),
-                (&row[13].into(), &row[17].parse::<u64>().expect("rays").into())
+                (&row[14].into(), &row[18].parse::<u64>().expect("rays").into())
             );
-            let begin_ns: f64 = row[14].parse().expect("a time");
+            let begin_ns: f64 = row[15].parse().expect("a time");
             assert!((slice["ts"].as_f64().expect("a time") * 1000.0 - begin_ns).abs() < 0.01);
         }
         let whole = sum(&slices("pass")) + sum(&slices("gap")) - about("overlaps_us");
@@ -174,10 +174,10 @@ fn a_gpus_times_are_true_or_the_hosts() {
     let column = |name: &str| names.iter().position(|n| n == name).expect("a column");
     let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
     let trace_ns = run["seconds"]["trace"].as_f64().expect("seconds") * 1e9;
-    let is_true = rows[0][column("timer_source")] == *"gpu_timestamp";
+    let is_true = rows[0][column("clock")] == *"gpu_timestamp";
     for row in &rows {
         let times = ["gpu_begin_ns", "gpu_duration_ns", "host_run_ns"].map(|name| !row[column(name)].is_empty());
-        let (valid, source) = (&row[column("valid")], &row[column("timer_source")]);
+        let (valid, source) = (&row[column("valid")], &row[column("clock")]);
         if is_true {
             assert_eq!((times, valid, source), ([true, true, false], "true", "gpu_timestamp"), "{row:?}");
         } else {
@@ -193,7 +193,7 @@ fn a_gpus_times_are_true_or_the_hosts() {
         assert!(sum <= trace_ns, "{sum} of {trace_ns} ns");
     }
     assert_eq!(outcome.stderr.contains("passes have no times, a run has the host's"), !is_true, "{outcome:?}");
-    assert_eq!(run["timer_source"], if is_true { "gpu_timestamp" } else { "host" });
+    assert_eq!(run["clock"], if is_true { "gpu_timestamp" } else { "host" });
     assert!(clock["host_ns"].as_u64() >= Some(1_000_000), "{clock}");
     // The clock is checked again in this run, and the result must be the same.
     assert_eq!(clock["agrees"], is_true, "{clock}");

@@ -13,13 +13,13 @@ type Files = Vec<(String, Vec<u8>)>;
 
 fn files_of(bytes: &[u8]) -> Files {
     let mut zip = ZipArchive::new(Cursor::new(bytes)).expect("a ZIP file");
+    let count = zip.len();
     let read = |i: usize| {
         let mut file = zip.by_index(i).expect("a file");
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).expect("its bytes");
         (file.name().expect("a name").into_owned(), bytes)
     };
-    let count = ZipArchive::new(Cursor::new(bytes)).expect("a ZIP file").len();
     (0..count).map(read).collect()
 }
 

@@ -1,11 +1,16 @@
 //! `raystep bench`
 
+mod against;
 mod output;
+mod process;
+mod protocol;
+mod serve;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use raystep_kernels::{Accelerator, RaySource, ScheduleKind};
+use raystep_lab::bench::gate::{self, Gate, Verdict};
 use raystep_lab::bench::{self, Baseline};
 use raystep_lab::meter::Meter;
 use raystep_lab::{RayKind, Size, Subject};
@@ -20,19 +25,26 @@ use crate::error::Error;
 use crate::output::TargetFolder;
 use crate::scene_file::read_file;
 use crate::session::run_id;
-use crate::terminal::{Progress, print};
+use crate::terminal::{Progress, print, say};
 
 /// Benchmark tracing
 ///
 /// Each scene, size and kind of rays forms a group, in which every accelerator is combined with every schedule. Runs
-/// are interleaved: run 1 of each configuration, then run 2 of each, and so on, so that drift affects all equally.
-/// Building and compiling are timed separately. DIR/summary.csv has one row per configuration: n, median, 5th and 95th
-/// percentile of the device time of a run, rays per second, and counters; DIR/passes.csv has the passes of one
-/// additional run of each; DIR/run.json describes machine and options. Shading is excluded.
+/// are interleaved: run 1 of each configuration, then run 2 of each, and so on, in random order, so that drift affects
+/// all equally. Building and compiling are timed separately. DIR/summary.csv has one row per configuration: median time
+/// of a run with its interval, rays per second, counters, and the ratio to the fastest of the group; DIR/runs.csv has
+/// every timed run; DIR/passes.csv has the passes of one additional run of each; DIR/run.json describes machine and
+/// options, DIR/datapackage.json the columns. Shading is excluded.
 ///
 /// Rays: primary, from the camera; bounce, one from each primary hit, cosine-weighted about the normal; shadow, from
 /// each primary hit to a light, or, if the scene has none, to the top centre of its box; random, from anywhere in the
 /// scene's box in any direction. They are the same in every run.
+///
+/// With --at-most R it is a gate: is this build at most R times as slow as another, with the same hits, tests, cells
+/// and passes? --against BINARY runs both builds alternately, in several processes each; --baseline DIR compares with
+/// an earlier benchmark, whose times count only where R is beyond the drift of the machine that the two show. Exit code
+/// 0: every upper bound is within R; 1: a lower bound exceeds R (all rows together at a level of 5%), or hits, work,
+/// device, scene or rows differ; 3: noise decides neither. DIR/gate.json and DIR/gate.md have the result.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -40,7 +52,9 @@ Examples:
   raystep bench scenes/teapot.glb --accelerators grid,bvh --schedules second,compact,fused -o bench
   raystep bench scenes/teapot.glb --sizes 512x512,1920x1080 --rays primary,bounce,shadow -o bench
   raystep bench scenes/teapot.glb --repeats 50 -o before
-  raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after")]
+  raystep bench scenes/teapot.glb --repeats 50 --baseline before -o after
+  raystep bench scenes/teapot.glb --repeats 50 --baseline before --at-most 1.5 -o after
+  raystep bench scenes/teapot.glb --against old/raystep --at-most 1.05 -o gate")]
 pub(crate) struct BenchArgs {
     /// The scenes: glTF 2.0, .gltf or .glb
     #[arg(required = true, value_name = "SCENE")]
@@ -68,20 +82,36 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "KIND…", value_delimiter = ',', default_value = RayKind::default().name(),
           value_parser = named(RayKind::ALL, RayKind::name), help_heading = "What is measured")]
     rays: Vec<RayKind>,
-    /// Measured runs per configuration
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32>(1, MOST_RUNS), allow_negative_numbers = true,
+    /// Measured runs per configuration [default: 10; with --against at most 40]
+    ///
+    /// With --against, fewer are made if a quarter or half of them decide.
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
-    repeats: u32,
+    repeats: Option<u32>,
     /// Warm-up runs per configuration, not counted
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(0, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
     warmups: u32,
+    /// Seed of the rays and of the order within rounds
+    #[arg(long, value_name = "N", default_value_t = bench::SEED, allow_negative_numbers = true,
+          value_parser = whole::<u32>(0, u64::from(u32::MAX)), help_heading = "What is measured")]
+    seed: u32,
     /// Folder of an earlier benchmark, to add ratios of the times
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Comparison")]
     baseline: Option<PathBuf>,
+    /// Another build of raystep to compare with: runs of both alternate; requires --at-most
+    #[arg(long, value_name = "BINARY", conflicts_with = "baseline", help_heading = "Comparison")]
+    against: Option<PathBuf>,
+    /// Largest acceptable ratio of times, this build's divided by the other's: exit code 1 if it is exceeded, 3 if noise
+    /// decides neither
+    #[arg(long, value_name = "R", value_parser = parse_ratio, allow_negative_numbers = true, help_heading = "Comparison")]
+    at_most: Option<f64>,
+    /// Answers a program that compares two builds, by the protocol of the module `protocol`
+    #[arg(long, hide = true)]
+    serve: bool,
     /// Output folder: new, or empty
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "DIR", required_unless_present = "serve")]
+    output: Option<PathBuf>,
     /// Replace the benchmark in a folder that is not empty; other files are kept
     #[arg(long)]
     force: bool,
@@ -100,6 +130,12 @@ pub(crate) struct BenchArgs {
     device: DeviceArgs,
 }
 
+/// Parses `--at-most`.
+fn parse_ratio(text: &str) -> Result<f64, String> {
+    let ratio = text.parse::<f64>().ok().filter(|ratio| (0.01..=1000.0).contains(ratio));
+    ratio.ok_or_else(|| "expected a ratio of times from 0.01 to 1000, such as 1.05".to_owned())
+}
+
 impl BenchArgs {
     /// A scene, and how it is read.
     fn file(&self, path: &Path) -> SceneArgs {
@@ -112,30 +148,77 @@ impl BenchArgs {
             schedules: distinct(&self.schedules),
             sizes: distinct(&self.sizes),
             rays: distinct(&self.rays),
-            repeats: self.repeats,
+            repeats: self.repeats(),
             warmups: self.warmups,
+            seed: self.seed,
             tuning: self.tuning.options(RaySource::Given(Vec::new())),
         }
+    }
+
+    fn repeats(&self) -> u32 {
+        self.repeats.unwrap_or(if self.against.is_some() { 40 } else { 10 })
     }
 }
 
 /// Most runs of a configuration.
 const MOST_RUNS: u64 = 100_000;
 
-pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
-    args.tuning.check(&args.accelerators, &args.schedules)?;
-    let table = TargetFolder::new(&args.output, args.force)?.fill(&[], |folder| fill(args, folder))?;
-    if args.quiet.quiet { Ok(()) } else { print(&table) }
+/// What a benchmark leaves behind beside its files.
+struct Done {
+    /// For the terminal.
+    text: String,
+    gate: Option<Gate>,
 }
 
-/// Measures and writes every file; returns the table of results.
-fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
-    output::refuse_others(&args.output)?;
+pub(crate) fn run(args: &BenchArgs) -> Result<(), Error> {
+    args.tuning.check(&args.accelerators, &args.schedules)?;
+    if args.serve {
+        return serve::run(args);
+    }
+    let Some(output) = &args.output else { return Err(Error::usage("--output DIR is required")) };
+    match (args.at_most, &args.against, &args.baseline) {
+        (Some(_), None, None) => {
+            return Err(Error::usage(
+                "--at-most needs a build to compare with: add --against BINARY or --baseline DIR",
+            ));
+        }
+        (None, Some(_), _) => return Err(Error::usage("--against needs a limit: add --at-most R, such as 1.05")),
+        _ => {}
+    }
+    let stale = output::stale(args.at_most.is_some(), args.against.is_some());
+    let done = TargetFolder::new(output, args.force)?.fill(&stale, |folder| match (&args.against, args.at_most) {
+        (Some(other), Some(at_most)) => against::fill(args, other, at_most, folder, output),
+        _ => fill(args, folder, output),
+    })?;
+    if !args.quiet.quiet {
+        print(&done.text)?;
+    }
+    done.gate.map_or(Ok(()), |gate| exit(&gate))
+}
+
+/// A line for each failure, and the error that determines the exit code.
+fn exit(gate: &Gate) -> Result<(), Error> {
+    for failure in gate.failures() {
+        say(format_args!("fail: {failure}"));
+    }
+    match gate.verdict {
+        Verdict::Pass => Ok(()),
+        Verdict::Fail => Err(Error::failed(&gate.because)),
+        Verdict::Undecided => {
+            let remarks = gate::remarks(gate).join(" ");
+            Err(Error::undecided(format!("{}. {remarks}", gate.because)))
+        }
+    }
+}
+
+/// Measures and writes every file.
+fn fill(args: &BenchArgs, folder: &TargetFolder, output: &Path) -> Result<Done, Error> {
+    output::refuse_others(output)?;
     let progress = Progress::new(args.quiet.quiet);
     // Checks come before slow work.
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
     progress.stage("reading scenes");
-    let (inputs, subjects) = read_scenes(args, folder, &progress)?;
+    let (inputs, subjects) = read_scenes(args, Some(folder), &progress)?;
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
     let wanted = args.wanted();
@@ -146,23 +229,32 @@ fn fill(args: &BenchArgs, folder: &TargetFolder) -> Result<String, Error> {
             measured.notes.push(note);
         }
     }
+    let gate = baseline
+        .zip(args.at_most)
+        .map(|(baseline, at_most)| baseline.gate(&measured.run_id, &measured.rows, &measured.runs, at_most));
     progress.stage("writing");
-    output::write(folder, args, &wanted, &meter.machine, &inputs, &subjects, &measured)?;
+    let scenes = inputs.iter().zip(&subjects).map(|(input, subject)| output::AboutScene::new(input, subject)).collect();
+    let about = output::About::new(args, &measured.run_id, &measured.notes, scenes);
+    output::write(folder, about.on(&meter.machine, &measured), &measured, true, gate.as_ref())?;
     progress.finish();
-    progress.say(format_args!("wrote {} to {}", output::NAMES.join(", "), args.output.display()));
-    Ok(bench::text(&measured.rows))
+    progress.say(format_args!("wrote {} to {}", output::written(&gate, true).join(", "), output.display()));
+    let text = bench::text(&measured.rows);
+    let text = gate.as_ref().map_or(text.clone(), |gate| format!("{text}\n{}", gate::text(gate)));
+    Ok(Done { text, gate })
 }
 
 /// Reads every scene once, and refuses to overwrite any.
 fn read_scenes(
     args: &BenchArgs,
-    folder: &TargetFolder,
+    folder: Option<&TargetFolder>,
     progress: &Progress,
 ) -> Result<(Vec<Input>, Vec<Subject>), Error> {
     let mut all = Vec::new();
     for path in &distinct(&args.scenes) {
         let (input, subject) = input::read(args.file(path), &args.camera, progress)?;
-        folder.refuse_inputs(&input.files, |name| output::NAMES.contains(&name))?;
+        if let Some(folder) = folder {
+            folder.refuse_inputs(&input.files, |name| output::NAMES.contains(&name))?;
+        }
         all.push((input, subject));
     }
     Ok(all.into_iter().unzip())
@@ -171,14 +263,21 @@ fn read_scenes(
 /// Most bytes of an earlier summary: several million configurations.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Reads the summary from the folder of an earlier benchmark.
+/// Reads the folder of an earlier benchmark. One that compared two builds has rows of both; those of the other are left
+/// out.
 fn read_baseline(folder: &Path) -> Result<Baseline, Error> {
-    let path = folder.join(output::SUMMARY);
-    let cannot = |reason: String| {
-        let at = path.display();
-        Error::failed(format!("--baseline: {at}: {reason}; expected a folder written by 'raystep bench'"))
+    let read = |name: &str| {
+        let path = folder.join(name);
+        read_file(&path, MOST_BYTES).map_err(|e| cannot(&path, &e.to_string()))
     };
-    let bytes = read_file(&path, MOST_BYTES).map_err(|e| cannot(e.to_string()))?;
-    let rows = bench::read_summary(bytes.as_slice()).map_err(|e| cannot(e.to_string()))?;
-    Ok(Baseline { folder: folder.display().to_string(), rows })
+    let rows = bench::read_summary(read(output::SUMMARY)?.as_slice());
+    let mut rows = rows.map_err(|e| cannot(&folder.join(output::SUMMARY), &e.to_string()))?;
+    rows.retain(|row| row.build == bench::summary::THIS);
+    let runs = bench::read_runs(read(output::RUNS)?.as_slice());
+    let runs = runs.map_err(|e| cannot(&folder.join(output::RUNS), &e.to_string()))?;
+    Ok(Baseline { folder: folder.display().to_string(), rows, runs })
+}
+
+fn cannot(path: &Path, reason: &str) -> Error {
+    Error::failed(format!("--baseline: {}: {reason}; expected a folder written by 'raystep bench'", path.display()))
 }

@@ -76,11 +76,12 @@ impl Inspector {
         };
         Some(RunContext {
             run_id: format!("inspector-{}", self.model.generation),
+            configuration: "0".into(),
             scene: opened.scene.name.clone(),
             accelerator: plan.accelerator.name(),
             schedule: settings.schedule.name(),
             numerics: settings.numerics.name(),
-            device: if settings.device == DeviceKind::Gpu { opened.device.clone() } else { "cpu".into() },
+            adapter: if settings.device == DeviceKind::Gpu { opened.device.clone() } else { "cpu".into() },
             width_px: plan.width,
             height_px: plan.height,
             repeat: 0,

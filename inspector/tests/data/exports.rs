@@ -20,11 +20,12 @@ fn run() -> (RunContext, Renderer) {
         pollster::block_on(Renderer::new(&scene, &options, &Device::Cpu(Some(|| 7)))).expect("a small scene");
     let run = RunContext {
         run_id: "1".into(),
+        configuration: "0".into(),
         scene: "a/b \"c\"\n深".into(),
         accelerator: "grid",
         schedule: "second",
         numerics: "robust",
-        device: "cpu".into(),
+        adapter: "cpu".into(),
         width_px: 9,
         height_px: 7,
         repeat: 0,
@@ -52,7 +53,7 @@ fn exports_are_the_command_lines_formats() {
     assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>(), COLUMNS);
     let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
     assert_eq!(rows.len(), passes.len());
-    assert_eq!((&rows[0][20], &rows[1][20], &rows[0][2]), ("5", "", "a/b \"c\"\n深"));
+    assert_eq!((&rows[0][21], &rows[1][21], &rows[0][3]), ("5", "", "a/b \"c\"\n深"));
 
     let events = exports::passes_trace(&run, passes).expect("JSON");
     assert_eq!(named(&events), "a-b--c--深.trace.json");

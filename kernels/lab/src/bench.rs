@@ -4,17 +4,22 @@
 //! Blocks while it waits for the device, and reads the host's clock: intended for a command line.
 
 mod baseline;
+pub mod gate;
 mod measure;
+mod prepare;
 mod rays;
+pub mod runs;
+mod serve;
 pub mod summary;
 mod table;
 
 use std::collections::BTreeMap;
 
-use measure::{Bench, Group};
+use measure::Bench;
+use prepare::Group;
 use rays::Viewed;
 use raystep_kernels::export::csv::RunContext;
-use raystep_kernels::{Accelerator, GridSize, Keep, Options, Pass, ScheduleKind};
+use raystep_kernels::{Accelerator, GridSize, Options, Pass, ScheduleKind};
 
 use crate::Error;
 use crate::meter::Meter;
@@ -23,6 +28,8 @@ use crate::reporter::Reporter;
 use crate::subject::{Size, Subject};
 pub use baseline::Baseline;
 pub use rays::SEED;
+pub use runs::{RunRow, read_runs, write_runs};
+pub use serve::{Announced, Served};
 pub use summary::{ReadError, SCHEMA_VERSION, SummaryRow, read_summary, useful_steps_per_thread, write_summary};
 pub use table::text;
 
@@ -41,6 +48,8 @@ pub struct Wanted {
     pub repeats: u32,
     /// Warm-up runs before them.
     pub warmups: u32,
+    /// Seed of rays, and of the orders within rounds.
+    pub seed: u32,
     /// All other options. The rays, accelerator and schedule in it are ignored.
     pub tuning: Options,
 }
@@ -52,6 +61,8 @@ pub struct Measured {
     pub run_id: String,
     /// One per configuration; those of a group are adjacent.
     pub rows: Vec<SummaryRow>,
+    /// Every counted run; those of a configuration are adjacent and in order.
+    pub runs: Vec<RunRow>,
     /// Passes and kernels of each row's configuration.
     pub details: Vec<Details>,
     /// Everything worth noting.
@@ -69,6 +80,12 @@ pub struct Details {
     pub shaders: BTreeMap<&'static str, String>,
 }
 
+impl Details {
+    fn without_passes(context: RunContext) -> Self {
+        Self { context, passes: Vec::new(), shaders: BTreeMap::new() }
+    }
+}
+
 /// Measures all configurations of all scenes. One that cannot be built or run becomes a note, unless all fail.
 ///
 /// # Errors
@@ -81,17 +98,24 @@ pub fn measure(
     reporter: &dyn Reporter,
 ) -> Result<Measured, Error> {
     let mut bench = Bench::new(wanted, run_id, meter, reporter);
-    if let Some(note) = meter.machine.note_on_times() {
+    all_groups(wanted, subjects, &mut bench)?;
+    bench.finish()
+}
+
+/// Hands every group to `bench`.
+fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> Result<(), Error> {
+    let machine = bench.machine();
+    if let Some(note) = machine.note_on_times() {
         bench.note(note);
     }
-    let ways = ways(wanted, &mut bench);
+    let ways = ways(wanted, bench);
     for subject in subjects {
         for &size in &wanted.sizes {
-            let mut viewed = Viewed::new(subject, size, wanted.tuning.grid);
+            let mut viewed = Viewed::new(subject, size, wanted.tuning.grid, wanted.seed);
             for &kind in &wanted.rays {
                 let name = format!("{} {size} {kind}", subject.scene.name);
-                reporter.stage(&format!("{name}: generating rays"));
-                match viewed.rays(kind, &meter.machine) {
+                bench.stage(&format!("{name}: generating rays"));
+                match viewed.rays(kind, machine) {
                     Ok(Some(rays)) => bench.group(Group { name, subject, size, kind }, rays, &ways)?,
                     Ok(None) => bench.skip(format!("{name}: no pixel has such a ray")),
                     Err(error) => bench.failed(&name, error)?,
@@ -99,7 +123,7 @@ pub fn measure(
             }
         }
     }
-    bench.finish()
+    Ok(())
 }
 
 /// Accelerators paired with schedules; a note for each pair that would measure nothing new.
@@ -119,16 +143,6 @@ fn ways(wanted: &Wanted, bench: &mut Bench<'_>) -> Vec<(Accelerator, ScheduleKin
         }
     }
     ways
-}
-
-/// The options that distinguish two runs with the same accelerator, schedule and numerics.
-#[must_use]
-pub fn tuning_text(tuning: &Options, has_steps: bool) -> String {
-    let mut text = format!("grid={} skip={}", grid_text(tuning.grid), tuning.skip);
-    if has_steps {
-        text += &format!(" steps_per_pass={}", tuning.steps_per_pass);
-    }
-    text + if tuning.keep == Keep::ALL { " keep_all" } else { "" }
 }
 
 /// In the command line's format.

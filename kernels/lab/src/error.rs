@@ -34,6 +34,16 @@ pub enum Error {
     /// No configuration could be built.
     #[error("nothing was built")]
     NothingBuilt,
+    /// The configurations of a comparison are kept in memory together.
+    #[error(
+        "the configurations take more than {} MiB together: compare fewer sizes, kinds of rays, structures or schedules \
+         at a time",
+        most >> 20
+    )]
+    TooLargeTogether {
+        /// Most bytes.
+        most: u64,
+    },
     /// A run took longer than it may.
     #[error("stopped: too slow, or endless")]
     GivenUp,

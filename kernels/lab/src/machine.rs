@@ -93,11 +93,12 @@ impl Machine {
     pub fn run_context(&self, run_id: String, scene: &Scene, options: &Options, plan: &Plan) -> RunContext {
         RunContext {
             run_id,
+            configuration: "0".into(),
             scene: scene.name.clone(),
             accelerator: options.accelerator.name(),
             schedule: options.schedule.name(),
             numerics: options.numerics.name(),
-            device: self.name(),
+            adapter: self.name(),
             width_px: plan.width,
             height_px: plan.height,
             repeat: 0,

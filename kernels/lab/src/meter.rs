@@ -5,6 +5,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use raystep_kernels::numbers::parallel::map_ranges;
 use raystep_kernels::{Device, Load, Progress, RenderError, Renderer};
 
 use crate::machine::Machine;
@@ -148,6 +149,30 @@ impl Meter {
     pub fn keep_clocks(&self) {
         self.load.iter().for_each(Load::submit);
         self.machine.settle();
+    }
+
+    /// The time of a fixed piece of work by the host's clock, in nanoseconds: it tells a slower machine from slower
+    /// kernels. On a GPU it is the load that keeps its clocks up, otherwise integer arithmetic on all cores.
+    #[must_use]
+    pub fn fixed_work_ns(&self) -> u64 {
+        /// About a millisecond on two cores.
+        const TASKS: usize = 64;
+        const STEPS: u64 = 1 << 15;
+        self.machine.settle();
+        let start = Instant::now();
+        match &self.load {
+            Some(load) if load.has_effect() => {
+                load.submit();
+                self.machine.settle();
+            }
+            _ => {
+                // Knuth's MMIX generator.
+                let step =
+                    |value: u64, _| std::hint::black_box(value.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+                map_ranges(TASKS, 1, |range| (0..STEPS).fold(range.start as u64, step));
+            }
+        }
+        start.elapsed().as_nanos() as u64
     }
 
     /// Keeps the device busy for this long, until its clocks are up; what runs next should keep them there.

@@ -2,6 +2,7 @@
 
 pub mod interval;
 pub mod proportion;
+pub mod sign;
 
 /// `y = intercept + slope * x`
 #[derive(Clone, Copy, Debug, PartialEq)]

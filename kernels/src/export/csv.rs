@@ -4,23 +4,22 @@
 //! | column | holds |
 //! |---|---|
 //! | `schema_version` | [`SCHEMA_VERSION`]; increased when the meaning of a column changes |
-//! | `run_id` | the same for all rows of one run |
+//! | `run_id`, `configuration` | identify one invocation of the command, and what was run in it |
 //! | `scene` … `height_px` | what was run, and on which device |
 //! | `repeat`, `is_warmup` | repetition, from 0, and whether it was only a warm-up |
 //! | `pass_index` | index in the run, from 0 |
 //! | `iteration` | iteration of the schedule's loop, from 1; 0 before the loop |
 //! | `kernel` | the kernel that ran |
-//! | `gpu_begin_ns` | since the run's first timed pass began, on the clock that `timer_source` names |
-//! | `gpu_duration_ns` | on the same clock |
+//! | `gpu_begin_ns`, `gpu_duration_ns` | since the run's first timed pass began, and of the pass, by `clock` |
 //! | `cpu_encode_ns` | host time to record the pass |
 //! | `rays_in` | rays in one of the kernel's states before the pass: those it worked on |
 //! | `rays_out` | those of them that the pass moved to a state of another kernel; the rest stay for the next pass |
 //! | `threads_launched` | by this pass, with or without a ray to work on; see [`Pass::threads_launched`] |
 //! | `cells_visited`, `triangles_tested` | by this pass (with a BVH, nodes); known if counters were requested |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: only the whole run has a time; empty if nothing was timed |
-//! | `timer_resolution_ns` | smallest step of that clock |
+//! | `clock` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: only the whole run has a time; empty if nothing was timed |
+//! | `clock_resolution_ns` | smallest step of that clock |
 //! | `valid` | `true` if the timer gave a duration, `false` if it failed to; empty if nothing was timed |
-//! | `host_run_ns` | time of the whole run on the host's clock, including the wait for the device; known if `timer_source` is `host` |
+//! | `host_run_ns` | time of the whole run on the host's clock, including the wait for the device; known if `clock` is `host` |
 
 use std::io::Write;
 
@@ -29,17 +28,18 @@ use serde::{Serialize, Serializer};
 use crate::renderer::Pass;
 
 /// Version of the columns.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 26] = [
+pub const COLUMNS: [&str; 27] = [
     "schema_version",
     "run_id",
+    "configuration",
     "scene",
     "accelerator",
     "schedule",
     "numerics",
-    "device",
+    "adapter",
     "width_px",
     "height_px",
     "repeat",
@@ -55,8 +55,8 @@ pub const COLUMNS: [&str; 26] = [
     "threads_launched",
     "cells_visited",
     "triangles_tested",
-    "timer_source",
-    "timer_resolution_ns",
+    "clock",
+    "clock_resolution_ns",
     "valid",
     "host_run_ns",
 ];
@@ -83,7 +83,7 @@ pub enum Timer {
 }
 
 impl Timer {
-    /// Its name in the column `timer_source`.
+    /// Its name in the column `clock`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -116,8 +116,10 @@ impl Serialize for Timer {
 /// What all rows of a run have in common. Also in JSON, where a run is not repeated, under the columns' names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunContext {
-    /// Distinguishes runs when files are joined.
+    /// Identifies one invocation of the command, so that files can be joined.
     pub run_id: String,
+    /// Identifies what was run, within `run_id`.
+    pub configuration: String,
     /// The scene's name.
     pub scene: String,
     /// `--accelerator`
@@ -127,7 +129,7 @@ pub struct RunContext {
     /// `--numerics`
     pub numerics: &'static str,
     /// The adapter's name, or `cpu`.
-    pub device: String,
+    pub adapter: String,
     /// Texels per row.
     pub width_px: u32,
     /// Rows.
@@ -139,7 +141,7 @@ pub struct RunContext {
     #[serde(skip)]
     pub is_warmup: bool,
     /// What timed the passes, if anything did.
-    #[serde(rename = "timer_source")]
+    #[serde(rename = "clock")]
     pub timer: Option<Timer>,
     /// [`Renderer::host_ns`](crate::Renderer::host_ns) of the whole run; written if passes have no times.
     pub host_run_ns: Option<u64>,
@@ -194,8 +196,8 @@ pub fn known(value: Option<impl ToString>) -> String {
 /// Writes `passes.csv`.
 pub struct PassesCsv<W: Write> {
     writer: ::csv::Writer<W>,
-    /// Run, repetition and first timed pass's begin, for the rows being written.
-    began: Option<(String, u32, u64)>,
+    /// Configuration, repetition and first timed pass's begin, for the rows being written.
+    began: Option<(([String; 2], u32), u64)>,
 }
 
 impl<W: Write> PassesCsv<W> {
@@ -211,12 +213,10 @@ impl<W: Write> PassesCsv<W> {
 
     /// When the run began, on its clock: at `begin_ns` if this is its first timed pass.
     fn run_began_ns(&mut self, run: &RunContext, begin_ns: u64) -> u64 {
+        let key = ([run.run_id.clone(), run.configuration.clone()], run.repeat);
         match &self.began {
-            Some((run_id, repeat, began)) if *run_id == run.run_id && *repeat == run.repeat => *began,
-            _ => {
-                self.began = Some((run.run_id.clone(), run.repeat, begin_ns));
-                begin_ns
-            }
+            Some((of, began)) if *of == key => *began,
+            _ => self.began.insert((key, begin_ns)).1,
         }
     }
 
@@ -232,11 +232,12 @@ impl<W: Write> PassesCsv<W> {
         let row: [String; COLUMNS.len()] = [
             SCHEMA_VERSION.to_string(),
             run.run_id.clone(),
+            run.configuration.clone(),
             run.scene.clone(),
             run.accelerator.into(),
             run.schedule.into(),
             run.numerics.into(),
-            run.device.clone(),
+            run.adapter.clone(),
             run.width_px.to_string(),
             run.height_px.to_string(),
             run.repeat.to_string(),
@@ -273,17 +274,17 @@ impl<W: Write> PassesCsv<W> {
 mod tests {
     use super::*;
     use crate::programs::closest_hit::kernels;
-
     use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 
     fn run(timer: Option<Timer>) -> RunContext {
         RunContext {
             run_id: "1".into(),
+            configuration: "0".into(),
             scene: "a \"b\", c\nd".into(),
             accelerator: "grid",
             schedule: "second",
             numerics: "robust",
-            device: "cpu".into(),
+            adapter: "cpu".into(),
             width_px: 9,
             height_px: 8,
             repeat: 0,
@@ -329,7 +330,7 @@ mod tests {
         let row = rows(None, None, None);
         assert_eq!(value(&row, "scene"), "a \"b\", c\nd");
         let unknown = ["gpu_begin_ns", "gpu_duration_ns", "cpu_encode_ns", "cells_visited", "triangles_tested"];
-        for name in unknown.iter().chain(&["timer_source", "timer_resolution_ns", "valid"]) {
+        for name in unknown.iter().chain(&["clock", "clock_resolution_ns", "valid"]) {
             assert_eq!(value(&row, name), "", "{name}");
         }
         assert_eq!(value(&row, "rays_in"), "72");
@@ -346,8 +347,8 @@ mod tests {
             ("gpu_duration_ns", "1200"),
             ("cells_visited", "10"),
             ("triangles_tested", "11"),
-            ("timer_source", "gpu_timestamp"),
-            ("timer_resolution_ns", "0.5"),
+            ("clock", "gpu_timestamp"),
+            ("clock_resolution_ns", "0.5"),
             ("valid", "true"),
         ];
         for (name, expected) in expected {
@@ -364,8 +365,8 @@ mod tests {
         let expected = [
             ("gpu_begin_ns", ""),
             ("gpu_duration_ns", ""),
-            ("timer_source", "host"),
-            ("timer_resolution_ns", "20"),
+            ("clock", "host"),
+            ("clock_resolution_ns", "20"),
             ("valid", "false"),
             ("host_run_ns", "77"),
         ];
@@ -380,7 +381,7 @@ mod tests {
         let mut csv = PassesCsv::new(&mut file).expect("memory");
         let clock = Some(Timer::GpuTimestamp { resolution_ns: 1.0 });
         let again = RunContext { repeat: 1, ..run(clock) };
-        let other = RunContext { run_id: "2".into(), ..again.clone() };
+        let other = RunContext { configuration: "1".into(), ..again.clone() };
         for (run, begin_ns) in [
             (&run(clock), [None, Some(1 << 60), Some((1 << 60) + 7)]),
             (&again, [Some(5), None, Some(6)]),

@@ -18,7 +18,7 @@ use crate::tables::state::StateCounts;
 use crate::tables::stream::{Stream, Texel};
 
 /// Version of these JSON objects.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// Summary of a run, for `--summary-json`.
 #[derive(Clone, Debug, Serialize)]
@@ -49,7 +49,7 @@ pub struct Summary {
     /// Multiply lengths and t in streams by this for scene units.
     pub scene_units_per_stream_unit: f64,
     /// As in `passes.csv`; `null` if passes were not timed.
-    pub timer_source: Option<&'static str>,
+    pub clock: Option<&'static str>,
     /// As in `passes.csv`.
     pub host_run_ns: Option<u64>,
     /// Number of passes.

@@ -50,7 +50,7 @@ pub struct TraceEvents {
 pub struct About {
     /// raystep's version.
     pub raystep_version: &'static str,
-    /// As in `passes.csv`; `timer_source` is `null` if passes were not timed.
+    /// As in `passes.csv`; `clock` is `null` if passes were not timed.
     #[serde(flatten)]
     pub run: RunContext,
     /// From the beginning of the first pass to the end of the last.
@@ -99,7 +99,7 @@ struct Sums {
 #[must_use]
 pub fn trace_events(run: &RunContext, passes: &[Pass]) -> TraceEvents {
     let timed = timed(passes);
-    let name = format!("raystep: {}, {} {}, {}", run.scene, run.accelerator, run.schedule, run.device);
+    let name = format!("raystep: {}, {} {}, {}", run.scene, run.accelerator, run.schedule, run.adapter);
     let mut events = vec![
         named("process_name", PASSES, name),
         named("thread_name", PASSES, "passes".into()),
@@ -213,11 +213,12 @@ mod tests {
     fn file(times: &[Option<(u64, u64)>]) -> Value {
         let run = RunContext {
             run_id: "1".into(),
+            configuration: "0".into(),
             scene: "a \"b\"".into(),
             accelerator: "grid",
             schedule: "second",
             numerics: "robust",
-            device: "cpu".into(),
+            adapter: "cpu".into(),
             width_px: 5,
             height_px: 2,
             repeat: 0,

@@ -4,53 +4,64 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
-use raystep_kernels::export::csv::PassesCsv;
+use raystep_kernels::Gpu;
+use raystep_kernels::export::csv::{COLUMNS as PASSES_COLUMNS, PassesCsv};
 use raystep_kernels::export::json::AdapterInfo;
-use raystep_kernels::{Gpu, ScheduleKind};
-use raystep_lab::bench::{Measured, SCHEMA_VERSION, SEED, Wanted, grid_text, tuning_text, write_summary};
-use raystep_lab::statistics::PERCENTILES;
+use raystep_lab::bench::gate::{Gate, markdown};
+use raystep_lab::bench::{Measured, SCHEMA_VERSION, grid_text, runs, summary, write_runs, write_summary};
+use raystep_lab::tidy::package::{self, Resource};
 use raystep_lab::{Machine, Subject};
 use serde::Serialize;
 
 use super::BenchArgs;
 use crate::commands::input::Input;
+use crate::commands::json_text;
 use crate::device::AboutClock;
 use crate::error::Error;
 use crate::output::{self, TargetFolder};
 
 /// One row per configuration.
 pub(super) const SUMMARY: &str = "summary.csv";
+/// One row per timed run.
+pub(super) const RUNS: &str = "runs.csv";
 /// One row per pass.
 const PASSES: &str = "passes.csv";
 /// Machine and options.
 const RUN: &str = "run.json";
+/// A gate's result, for programs and for people.
+const GATE: [&str; 2] = ["gate.json", "gate.md"];
 /// All of them.
-pub(super) const NAMES: [&str; 3] = [PASSES, SUMMARY, RUN];
+pub(super) const NAMES: [&str; 7] = [PASSES, SUMMARY, RUNS, RUN, package::FILE, GATE[0], GATE[1]];
 
 /// The start of `run.json`, which identifies the folder.
 const KIND: &str = "raystep bench";
 
+/// `run.json`. The device is unknown where only other processes open it; the rows name it.
 #[derive(Serialize)]
-struct About<'a> {
+pub(super) struct About<'a> {
     kind: &'static str,
     schema_version: u32,
     raystep_version: &'static str,
     run_id: &'a str,
     command_line: Vec<String>,
+    #[serde(flatten)]
+    machine: Option<AboutMachine<'a>>,
+    options: AboutOptions,
+    scenes: Vec<AboutScene>,
+    configurations: Vec<AboutConfiguration<'a>>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct AboutMachine<'a> {
     device: &'static str,
     device_reason: &'a str,
     adapter: Option<AdapterInfo>,
-    timer_source: &'static str,
+    clock: &'static str,
     /// Nanoseconds per tick of the adapter's timestamps; `null` if another clock is used.
     timestamp_period_ns: Option<f64>,
     /// Time of some work by the adapter's clock and by the host's; `null` if it has no clock.
     clock_check: Option<AboutClock>,
-    options: AboutOptions,
-    /// Definitions of the rays.
-    percentiles: &'static str,
-    scenes: Vec<AboutScene>,
-    configurations: Vec<AboutConfiguration<'a>>,
-    notes: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -63,14 +74,17 @@ struct AboutOptions {
     repeats: u32,
     warmups: u32,
     grid: String,
+    skip: &'static str,
+    steps_per_pass: Option<u32>,
     keep_all: bool,
-    tuning: String,
     seed: u32,
     baseline: Option<String>,
+    against: Option<String>,
+    at_most: Option<f64>,
 }
 
 #[derive(Serialize)]
-struct AboutScene {
+pub(super) struct AboutScene {
     name: String,
     path: String,
     files: usize,
@@ -78,9 +92,21 @@ struct AboutScene {
     triangles: usize,
 }
 
+impl AboutScene {
+    pub(super) fn new(input: &Input, subject: &Subject) -> Self {
+        Self {
+            name: subject.scene.name.clone(),
+            path: input.path.to_string_lossy().into_owned(),
+            files: input.files.len(),
+            hash: subject.hash.to_string(),
+            triangles: subject.scene.triangles.len(),
+        }
+    }
+}
+
 #[derive(Serialize)]
 struct AboutConfiguration<'a> {
-    run_id: &'a str,
+    configuration: &'a str,
     /// Hashes of the composed WGSL, by kernel.
     shaders: &'a BTreeMap<&'static str, String>,
 }
@@ -92,75 +118,99 @@ pub(super) fn refuse_others(folder: &Path) -> Result<(), Error> {
     })
 }
 
-/// Writes every file.
-pub(super) fn write(
-    folder: &TargetFolder,
-    args: &BenchArgs,
-    wanted: &Wanted,
-    machine: &Machine,
-    inputs: &[Input],
-    subjects: &[Subject],
-    measured: &Measured,
-) -> Result<(), Error> {
-    folder.write(PASSES, |out| {
-        let mut csv = PassesCsv::new(out)?;
-        for run in &measured.details {
-            run.passes.iter().try_for_each(|pass| csv.write(&run.context, pass, None))?;
-        }
-        csv.finish()
-    })?;
-    folder.write(SUMMARY, |out| write_summary(out, &measured.rows))?;
-    let scenes = inputs.iter().zip(subjects).map(|(input, subject)| AboutScene {
-        name: subject.scene.name.clone(),
-        path: input.path.to_string_lossy().into_owned(),
-        files: input.files.len(),
-        hash: subject.hash.to_string(),
-        triangles: subject.scene.triangles.len(),
-    });
-    let text = crate::commands::json_text(&about(args, wanted, machine, scenes.collect(), measured))?;
-    folder.write(RUN, |out| out.write_all(text.as_bytes()))
+/// The files of one benchmark.
+pub(super) fn written(gate: &Option<Gate>, has_passes: bool) -> Vec<&'static str> {
+    let passes = has_passes.then_some(PASSES);
+    passes.into_iter().chain([SUMMARY, RUNS, RUN, package::FILE]).chain(gate.iter().flat_map(|_| GATE)).collect()
 }
 
-fn about<'a>(
-    args: &BenchArgs,
-    wanted: &Wanted,
-    machine: &'a Machine,
-    scenes: Vec<AboutScene>,
-    measured: &'a Measured,
-) -> About<'a> {
-    let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-    let configurations = measured.details.iter();
-    About {
-        kind: KIND,
-        schema_version: SCHEMA_VERSION,
-        raystep_version: env!("CARGO_PKG_VERSION"),
-        run_id: &measured.run_id,
-        command_line: std::iter::once("raystep".to_owned()).chain(command_line).collect(),
-        device: machine.kind(),
-        device_reason: &machine.reason,
-        adapter: machine.gpu().map(AdapterInfo::from),
-        timer_source: machine.timer().name(),
-        timestamp_period_ns: machine.gpu().and_then(Gpu::clock_period_ns),
-        clock_check: machine.gpu().and_then(Gpu::clock_check).map(AboutClock::from),
-        options: AboutOptions {
-            accelerators: args.accelerators.iter().map(|a| a.name()).collect(),
-            schedules: args.schedules.iter().map(|s| s.name()).collect(),
-            numerics: args.tuning.numerics.name(),
-            sizes: args.sizes.iter().map(ToString::to_string).collect(),
-            rays: args.rays.iter().map(|k| k.name()).collect(),
-            repeats: args.repeats,
-            warmups: args.warmups,
-            grid: grid_text(args.tuning.grid),
-            keep_all: args.tuning.keep_all,
-            tuning: tuning_text(&wanted.tuning, args.schedules.contains(&ScheduleKind::Compact)),
-            seed: SEED,
-            baseline: args.baseline.as_ref().map(|path| path.to_string_lossy().into_owned()),
-        },
-        percentiles: PERCENTILES,
-        scenes,
-        configurations: configurations
-            .map(|run| AboutConfiguration { run_id: &run.context.run_id, shaders: &run.shaders })
-            .collect(),
-        notes: &measured.notes,
+/// Files that an earlier benchmark may have left, and this one does not write.
+pub(super) fn stale(has_gate: bool, is_against: bool) -> Vec<String> {
+    let gate = GATE.iter().filter(|_| !has_gate);
+    gate.copied().chain(is_against.then_some(PASSES)).map(str::to_owned).collect()
+}
+
+/// Writes every file; `passes.csv` only if `has_passes`.
+pub(super) fn write(
+    folder: &TargetFolder,
+    about: About<'_>,
+    measured: &Measured,
+    has_passes: bool,
+    gate: Option<&Gate>,
+) -> Result<(), Error> {
+    let mut files = vec![
+        Resource { file: SUMMARY, what: "a configuration", columns: &summary::COLUMNS },
+        Resource { file: RUNS, what: "a timed run", columns: &runs::COLUMNS },
+    ];
+    if has_passes {
+        files.push(Resource { file: PASSES, what: "a pass of one more run", columns: &PASSES_COLUMNS });
+        folder.write(PASSES, |out| {
+            let mut csv = PassesCsv::new(out)?;
+            for run in &measured.details {
+                run.passes.iter().try_for_each(|pass| csv.write(&run.context, pass, None))?;
+            }
+            csv.finish()
+        })?;
+    }
+    folder.write(SUMMARY, |out| write_summary(out, &measured.rows))?;
+    folder.write(RUNS, |out| write_runs(out, &measured.runs))?;
+    let schema = package::describe("raystep-bench", "raystep bench", &files);
+    let mut texts = vec![(RUN, json_text(&about)?), (package::FILE, json_text(&schema)?)];
+    if let Some(gate) = gate {
+        texts.extend([(GATE[0], json_text(gate)?), (GATE[1], markdown(gate))]);
+    }
+    texts.into_iter().try_for_each(|(name, text)| folder.write(name, |out| out.write_all(text.as_bytes())))
+}
+
+impl<'a> About<'a> {
+    pub(super) fn new(args: &BenchArgs, run_id: &'a str, notes: &'a [String], scenes: Vec<AboutScene>) -> Self {
+        let command_line = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+        let path = |path: &Option<std::path::PathBuf>| path.as_ref().map(|path| path.to_string_lossy().into_owned());
+        Self {
+            kind: KIND,
+            schema_version: SCHEMA_VERSION,
+            raystep_version: env!("CARGO_PKG_VERSION"),
+            run_id,
+            command_line: std::iter::once("raystep".to_owned()).chain(command_line).collect(),
+            machine: None,
+            options: AboutOptions {
+                accelerators: args.accelerators.iter().map(|a| a.name()).collect(),
+                schedules: args.schedules.iter().map(|s| s.name()).collect(),
+                numerics: args.tuning.numerics.name(),
+                sizes: args.sizes.iter().map(ToString::to_string).collect(),
+                rays: args.rays.iter().map(|k| k.name()).collect(),
+                repeats: args.repeats(),
+                warmups: args.warmups,
+                grid: grid_text(args.tuning.grid),
+                skip: args.tuning.skip.name(),
+                steps_per_pass: args.tuning.steps_per_pass,
+                keep_all: args.tuning.keep_all,
+                seed: args.seed,
+                baseline: path(&args.baseline),
+                against: path(&args.against),
+                at_most: args.at_most,
+            },
+            scenes,
+            configurations: Vec::new(),
+            notes,
+        }
+    }
+
+    /// With the machine, and with the kernels of what was measured on it.
+    pub(super) fn on(mut self, machine: &'a Machine, measured: &'a Measured) -> Self {
+        self.machine = Some(AboutMachine {
+            device: machine.kind(),
+            device_reason: &machine.reason,
+            adapter: machine.gpu().map(AdapterInfo::from),
+            clock: machine.timer().name(),
+            timestamp_period_ns: machine.gpu().and_then(Gpu::clock_period_ns),
+            clock_check: machine.gpu().and_then(Gpu::clock_check).map(AboutClock::from),
+        });
+        let configuration = |run: &'a raystep_lab::bench::Details| AboutConfiguration {
+            configuration: &run.context.configuration,
+            shaders: &run.shaders,
+        };
+        self.configurations = measured.details.iter().map(configuration).collect();
+        self
     }
 }

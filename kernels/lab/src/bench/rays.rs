@@ -8,7 +8,7 @@ use crate::rays::{PrimaryHits, RayKind, random};
 use crate::subject::{Size, Subject};
 use crate::{Error, Machine};
 
-/// Seed of all random rays: the same in every run of this version.
+/// The default seed of random rays and orders.
 pub const SEED: u32 = 1;
 
 /// A scene at one size.
@@ -16,13 +16,14 @@ pub(super) struct Viewed<'a> {
     subject: &'a Subject,
     size: Size,
     grid: GridSize,
+    seed: u32,
     /// Hits of the primary rays, traced when first needed.
     hits: Option<Vec<Option<RayHit>>>,
 }
 
 impl<'a> Viewed<'a> {
-    pub(super) fn new(subject: &'a Subject, size: Size, grid: GridSize) -> Self {
-        Self { subject, size, grid, hits: None }
+    pub(super) fn new(subject: &'a Subject, size: Size, grid: GridSize, seed: u32) -> Self {
+        Self { subject, size, grid, seed, hits: None }
     }
 
     /// Rays of a kind; `None` if the scene has none of them.
@@ -30,7 +31,7 @@ impl<'a> Viewed<'a> {
         let (Subject { scene, camera, .. }, Size { width, height }) = (self.subject, self.size);
         let rays = match kind {
             RayKind::Primary => return Ok(Some(self.subject.camera_rays(self.size))),
-            RayKind::Random => random(&scene.bounds(), width as usize * height as usize, SEED),
+            RayKind::Random => random(&scene.bounds(), width as usize * height as usize, self.seed),
             RayKind::Bounce | RayKind::Shadow => {
                 let hits = match self.hits.take() {
                     Some(hits) => hits,
@@ -38,7 +39,7 @@ impl<'a> Viewed<'a> {
                 };
                 let hits = self.hits.insert(hits);
                 let hits = PrimaryHits { scene, camera, width, hits };
-                if kind == RayKind::Bounce { hits.bounce(SEED) } else { hits.shadow(SEED) }
+                if kind == RayKind::Bounce { hits.bounce(self.seed) } else { hits.shadow(self.seed) }
             }
         };
         Ok((!rays.is_empty()).then_some(RaySource::Given(rays)))

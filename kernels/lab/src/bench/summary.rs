@@ -1,90 +1,145 @@
 //! The results of a benchmark: `summary.csv`, one row per configuration, RFC 4180, raw numbers with their unit in the
-//! column's name. Unknown values are empty, never 0.
-//!
-//! | column | contents |
-//! |---|---|
-//! | `schema_version` | [`SCHEMA_VERSION`]; it rises when a column changes its meaning |
-//! | `run_id` | identifies the configuration, also in `passes.csv` |
-//! | `scene`, `scene_hash`, `triangles` | name, [hash](crate::hash::Hash) of all files it was read from, size |
-//! | `accelerator` … `tuning` | how it was traced; `tuning` has the other options that affect speed |
-//! | `rays_kind` … `height_px` | kind of rays, device, and image size |
-//! | `rays` | rays per run; a pixel without a hit has no bounce or shadow ray |
-//! | `build_s` | wall-clock time for planning, including composing kernels and building the acceleration structure |
-//! | `compile_s` | wall-clock time for compiling, allocating and uploading. raystep compiles every kernel anew; the driver may have cached its results |
-//! | `n` | counted runs with a valid time |
-//! | `invalid` | counted runs whose time was missing, 0 or negative |
-//! | `median_device_ns`, `p05_device_ns`, `p95_device_ns` | time of a run on the clock that `timer_source` names |
-//! | `median_wall_ns` | wall-clock time of the same runs, including waiting for the device |
-//! | `timer_source` | `gpu_timestamp` or `cpu_clock`; `host` if the device has no clock, or one that disagrees with the host's: then only `median_wall_ns` is a time |
-//! | `rays_per_s` | `rays` divided by the median device time, or by the wall-clock median if the device has no clock |
-//! | `passes` | passes per run |
-//! | `useful_steps_per_thread` | rays worked on divided by threads launched, over all passes |
-//! | `cells_per_ray`, `tests_per_ray`, `repeated_per_ray` | cells (or BVH nodes) visited, triangles tested, repeated tests of a triangle the ray had already met; counted in a separate run, as far as the schedule can count |
-//! | `bytes_per_triangle` | bytes of the grid or BVH, plus those of triangles that kernels read packed |
-//! | `hits`, `hits_hash` | rays that hit something, and a [hash](crate::hash::Hash) of all hits: equal hashes mean equal bits |
-//! | `baseline_ratio` | median divided by the baseline's: above 1 is slower |
-//!
-//! Percentiles are defined by [`crate::statistics::PERCENTILES`].
+//! column's name. Unknown values are empty, never 0. [`crate::tidy::columns`] describes the columns.
 
 use std::io::{Read, Write};
 
 use raystep_kernels::renderer::Pass;
 use serde::{Deserialize, Serialize};
 
-/// Version of the columns.
-pub const SCHEMA_VERSION: u32 = 1;
+use super::runs::{self, RunRow};
+use crate::statistics::interval::{self, Interval};
+use crate::statistics::median;
+pub use crate::tidy::SCHEMA_VERSION;
 
-/// `timer_source` of times measured by the host.
-const HOST: &str = "host";
+/// `clock` of times measured by the host.
+pub(super) const HOST: &str = "host";
 
-/// A row of `summary.csv`; its columns are described [above](self).
+/// `build` of rows that this program measured itself.
+pub const THIS: &str = "this";
+
+/// The columns of `summary.csv`.
+pub const COLUMNS: [&str; 49] = [
+    "schema_version",
+    "run_id",
+    "configuration",
+    "build",
+    "scene",
+    "scene_hash",
+    "triangles",
+    "accelerator",
+    "schedule",
+    "numerics",
+    "grid",
+    "skip",
+    "steps_per_pass",
+    "keep_all",
+    "rays_kind",
+    "seed",
+    "adapter",
+    "width_px",
+    "height_px",
+    "rays",
+    "build_s",
+    "start_s",
+    "clock",
+    "runs",
+    "invalid_runs",
+    "median_ns",
+    "low_ns",
+    "high_ns",
+    "min_ns",
+    "max_ns",
+    "interval_method",
+    "interval_level",
+    "median_wall_ns",
+    "fixed_work_ns",
+    "rays_per_s",
+    "time_ratio",
+    "time_ratio_low",
+    "time_ratio_high",
+    "ratio_to",
+    "passes",
+    "useful_steps_per_thread",
+    "cells_per_ray",
+    "tests_per_ray",
+    "repeated_per_ray",
+    "structure_bytes",
+    "bytes_per_triangle",
+    "hits",
+    "hits_hash",
+    "baseline_ratio",
+];
+
+/// A row of `summary.csv`. `start_s` includes compiling: raystep compiles every kernel anew, but the driver may have
+/// cached its results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct SummaryRow {
     pub schema_version: u32,
     pub run_id: String,
+    pub configuration: String,
+    pub build: String,
     pub scene: String,
     pub scene_hash: String,
     pub triangles: u64,
     pub accelerator: String,
     pub schedule: String,
     pub numerics: String,
-    pub tuning: String,
+    pub grid: String,
+    pub skip: String,
+    pub steps_per_pass: Option<u32>,
+    pub keep_all: bool,
     pub rays_kind: String,
-    pub device: String,
+    pub seed: u32,
+    pub adapter: String,
     pub width_px: u32,
     pub height_px: u32,
     pub rays: u64,
     pub build_s: f64,
-    pub compile_s: f64,
-    pub n: usize,
-    pub invalid: usize,
-    pub median_device_ns: Option<f64>,
-    pub p05_device_ns: Option<f64>,
-    pub p95_device_ns: Option<f64>,
+    pub start_s: f64,
+    pub clock: String,
+    pub runs: usize,
+    pub invalid_runs: usize,
+    pub median_ns: Option<f64>,
+    pub low_ns: Option<f64>,
+    pub high_ns: Option<f64>,
+    pub min_ns: Option<f64>,
+    pub max_ns: Option<f64>,
+    pub interval_method: Option<String>,
+    pub interval_level: Option<f64>,
     pub median_wall_ns: Option<f64>,
-    pub timer_source: Option<String>,
+    pub fixed_work_ns: Option<f64>,
     pub rays_per_s: Option<f64>,
+    pub time_ratio: Option<f64>,
+    pub time_ratio_low: Option<f64>,
+    pub time_ratio_high: Option<f64>,
+    pub ratio_to: Option<String>,
     pub passes: usize,
     pub useful_steps_per_thread: Option<f64>,
     pub cells_per_ray: Option<f64>,
     pub tests_per_ray: Option<f64>,
     pub repeated_per_ray: Option<f64>,
+    pub structure_bytes: u64,
     pub bytes_per_triangle: Option<f64>,
     pub hits: u64,
     pub hits_hash: String,
     pub baseline_ratio: Option<f64>,
 }
 
-/// A `summary.csv` that cannot be read.
+/// A file of a benchmark that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// Not CSV, or not these columns.
-    #[error("it is not a summary of a benchmark: {0}")]
+    #[error("it is not a file of a benchmark: {0}")]
     Csv(#[from] ::csv::Error),
     /// Written by another version.
     #[error("its schema_version is {0}; expected {SCHEMA_VERSION}")]
     Version(u32),
+}
+
+/// Refuses rows of another version.
+pub(super) fn check_version(versions: impl IntoIterator<Item = u32>) -> Result<(), ReadError> {
+    versions.into_iter().find(|&v| v != SCHEMA_VERSION).map_or(Ok(()), |version| Err(ReadError::Version(version)))
 }
 
 /// Writes `summary.csv`.
@@ -99,36 +154,78 @@ pub fn write_summary(out: impl Write, rows: &[SummaryRow]) -> std::io::Result<()
     writer.flush()
 }
 
+/// The one column that every version had.
+#[derive(Deserialize)]
+struct Version {
+    schema_version: u32,
+}
+
 /// Reads `summary.csv`.
 ///
 /// # Errors
 /// If it is not such a file, or has another version.
-pub fn read_summary(input: impl Read) -> Result<Vec<SummaryRow>, ReadError> {
-    let rows: Vec<SummaryRow> = ::csv::Reader::from_reader(input).deserialize().collect::<Result<_, _>>()?;
-    match rows.iter().find(|row| row.schema_version != SCHEMA_VERSION) {
-        Some(row) => Err(ReadError::Version(row.schema_version)),
-        None => Ok(rows),
+pub fn read_summary(mut input: impl Read) -> Result<Vec<SummaryRow>, ReadError> {
+    let mut bytes = Vec::new();
+    input.read_to_end(&mut bytes).map_err(::csv::Error::from)?;
+    // Another version has other columns, and its number says more than the first that is missing.
+    let mut reader = ::csv::Reader::from_reader(bytes.as_slice());
+    if reader.headers()?.iter().any(|name| name == "schema_version") {
+        let versions = reader.into_deserialize::<Version>().map_while(Result::ok);
+        check_version(versions.map(|row| row.schema_version))?;
     }
+    Ok(::csv::Reader::from_reader(bytes.as_slice()).deserialize().collect::<Result<_, _>>()?)
 }
 
 impl SummaryRow {
-    /// The time to compare, in nanoseconds, and its clock: the device's if that is reliable.
-    #[must_use]
-    pub fn time_ns(&self) -> Option<(f64, &str)> {
-        match &self.timer_source {
-            Some(source) if source != HOST => self.median_device_ns.map(|ns| (ns, source.as_str())),
-            // Old rows have no name for the host's clock.
-            _ => self.median_wall_ns.map(|ns| (ns, HOST)),
+    /// Fills in the statistics of its counted runs. `seed` is that of bootstrapped intervals.
+    pub fn set_times(&mut self, counted: &[RunRow], seed: u64) {
+        let valid = runs::valid(counted);
+        (self.runs, self.invalid_runs) = (valid.ns.len(), valid.invalid);
+        self.median_ns = valid.median();
+        self.min_ns = valid.ns.iter().copied().reduce(f64::min);
+        self.max_ns = valid.ns.iter().copied().reduce(f64::max);
+        if let Some(Interval { low, high, level, method, .. }) = interval::of_median(&valid.ns, seed) {
+            (self.low_ns, self.high_ns) = (Some(low), Some(high));
+            (self.interval_level, self.interval_method) = (Some(level), Some(method.name().into()));
+        }
+        let of = |ns: fn(&RunRow) -> u64| median(&counted.iter().map(|run| ns(run) as f64).collect::<Vec<_>>());
+        (self.median_wall_ns, self.fixed_work_ns) = (of(|run| run.wall_ns), of(|run| run.fixed_work_ns));
+        self.rays_per_s = self.median_ns.filter(|&ns| ns > 0.0).map(|ns| self.rays as f64 / ns * 1e9);
+    }
+
+    /// Fills in the ratio of its runs' times to those of the configuration `to` in the same rounds.
+    pub fn set_ratio(&mut self, to: &str, pairs: &[(f64, f64)], seed: u64) {
+        self.ratio_to = Some(to.to_owned());
+        let ratios: Vec<f64> = pairs.iter().map(|(a, b)| a / b).collect();
+        self.time_ratio = median(&ratios);
+        if let Some(Interval { low, high, median, .. }) = interval::of_ratio(pairs, seed) {
+            (self.time_ratio, self.time_ratio_low, self.time_ratio_high) = (Some(median), Some(low), Some(high));
         }
     }
 
     /// Whether two rows have the same configuration, possibly on different devices.
     #[must_use]
     pub fn is_same_configuration(&self, other: &Self) -> bool {
-        fn key(r: &SummaryRow) -> ([&str; 6], u32, u32) {
-            ([&r.scene, &r.accelerator, &r.schedule, &r.numerics, &r.tuning, &r.rays_kind], r.width_px, r.height_px)
+        type Key<'a> = ([&'a str; 7], Option<u32>, bool, u32, u32, u32);
+        fn key(r: &SummaryRow) -> Key<'_> {
+            let texts = [&r.scene, &r.accelerator, &r.schedule, &r.numerics, &r.grid, &r.skip, &r.rays_kind];
+            (texts.map(String::as_str), r.steps_per_pass, r.keep_all, r.width_px, r.height_px, r.seed)
         }
         key(self) == key(other)
+    }
+
+    /// Its configuration in words.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let Self { scene, width_px, height_px, rays_kind, accelerator, schedule, numerics, grid, skip, .. } = self;
+        let mut name = format!("{scene} {width_px}x{height_px} {rays_kind}, {accelerator} {schedule} {numerics}");
+        if (grid.as_str(), skip.as_str()) != ("auto", "auto") {
+            name += &format!(" grid={grid} skip={skip}");
+        }
+        if let Some(steps) = self.steps_per_pass {
+            name += &format!(" steps_per_pass={steps}");
+        }
+        name + if self.keep_all { " keep_all" } else { "" }
     }
 
     /// The baseline's row with the same configuration; preferably one measured with the same scene files.
@@ -141,8 +238,8 @@ impl SummaryRow {
     /// This row's time divided by the other's; `None` if either is unknown or the clocks differ.
     #[must_use]
     pub fn ratio_to(&self, then: &Self) -> Option<f64> {
-        let ((now, clock), (then, clock_then)) = self.time_ns().zip(then.time_ns())?;
-        (clock == clock_then && then > 0.0).then(|| now / then)
+        let (now, before) = self.median_ns.zip(then.median_ns)?;
+        (self.clock == then.clock && before > 0.0).then(|| now / before)
     }
 }
 
@@ -164,32 +261,36 @@ mod tests {
     fn row() -> SummaryRow {
         SummaryRow {
             schema_version: SCHEMA_VERSION,
-            run_id: "a-0".into(),
+            run_id: "a".into(),
             scene: "odd, \"name\"\nof two lines".into(),
-            // Only digits, but still text.
-            scene_hash: "0000000000000012".into(),
+            scene_hash: "fnv1a64:0000000000000012".into(),
             accelerator: "grid".into(),
-            median_device_ns: Some(1500.5),
-            timer_source: Some("gpu_timestamp".into()),
+            median_ns: Some(1500.5),
+            clock: "gpu_timestamp".into(),
             ..SummaryRow::default()
         }
     }
 
+    fn run(round: usize, time_ns: u64) -> RunRow {
+        RunRow { round, time_ns: Some(time_ns), wall_ns: time_ns + 1, fixed_work_ns: 10, ..RunRow::default() }
+    }
+
     #[test]
     fn a_summary_is_read_back_as_it_was_written() {
-        let rows = [row(), SummaryRow { n: 7, build_s: 1e-9, ..SummaryRow { schema_version: 1, ..row() } }];
+        let rows = [row(), SummaryRow { runs: 7, build_s: 1e-9, steps_per_pass: Some(8), ..row() }];
         let mut file = Vec::new();
         write_summary(&mut file, &rows).expect("memory");
         assert_eq!(read_summary(file.as_slice()).expect("a summary"), rows);
 
         let mut reader = ::csv::ReaderBuilder::new().flexible(false).from_reader(file.as_slice());
         let names = reader.headers().expect("names").clone();
+        assert_eq!(names.iter().collect::<Vec<_>>(), COLUMNS);
         let first = reader.records().next().expect("a row").expect("as many fields as names");
         let value = |name: &str| &first[names.iter().position(|n| n == name).expect(name)];
-        for name in ["p05_device_ns", "median_wall_ns", "cells_per_ray", "baseline_ratio"] {
+        for name in ["low_ns", "median_wall_ns", "cells_per_ray", "baseline_ratio", "steps_per_pass"] {
             assert_eq!(value(name), "", "unknown is empty: {name}");
         }
-        assert_eq!((value("scene_hash"), value("median_device_ns")), ("0000000000000012", "1500.5"));
+        assert_eq!((value("scene_hash"), value("median_ns")), ("fnv1a64:0000000000000012", "1500.5"));
     }
 
     #[test]
@@ -198,33 +299,52 @@ mod tests {
         write_summary(&mut file, &[SummaryRow { schema_version: 9, ..row() }]).expect("memory");
         let refused = |bytes: &[u8]| read_summary(bytes).map_err(|e| e.to_string()).expect_err("no summary");
         assert!(refused(&file).contains("schema_version is 9"));
+        assert!(refused(b"schema_version,run_id\r\n1,a\r\n").contains("schema_version is 1"));
         for bytes in
             [&b"a,b\r\n1,2\r\n"[..], b"a,b\r\n1\r\n", &[0xff, 0xfe, b'\n', b'1', b'\n'], &file[..file.len() - 4]]
         {
-            assert!(refused(bytes).starts_with("it is not a summary of a benchmark: "), "{bytes:?}");
+            assert!(refused(bytes).starts_with("it is not a file of a benchmark: "), "{bytes:?}");
         }
         assert!(read_summary(&b""[..]).is_ok_and(|rows| rows.is_empty()));
     }
 
     #[test]
+    fn times_have_an_interval_from_six_runs_on() {
+        let mut row = row();
+        row.set_times(&[5, 1, 4, 2, 3].map(|ns| run(0, ns)), 1);
+        assert_eq!((row.runs, row.median_ns, row.low_ns, row.interval_level), (5, Some(3.0), None, None));
+        assert_eq!(
+            (row.min_ns, row.max_ns, row.median_wall_ns, row.fixed_work_ns),
+            (Some(1.0), Some(5.0), Some(4.0), Some(10.0))
+        );
+        let invalid = RunRow { time_ns: None, ..run(6, 1) };
+        row.set_times(&[&[5, 1, 4, 2, 3, 6].map(|ns| run(0, ns))[..], &[invalid]].concat(), 1);
+        assert_eq!((row.runs, row.invalid_runs, row.low_ns, row.high_ns), (6, 1, Some(1.0), Some(6.0)));
+        assert_eq!(row.interval_method.as_deref(), Some("order_statistics"));
+        assert!(row.interval_level.is_some_and(|level| (level - 0.96875).abs() < 1e-9), "{row:?}");
+        row.set_ratio("7", &[(2.0, 1.0); 6], 1);
+        assert!(row.time_ratio_low.is_some_and(|low| (low - 2.0).abs() < 1e-12), "{row:?}");
+        assert_eq!(row.ratio_to.as_deref(), Some("7"));
+    }
+
+    #[test]
     fn a_baseline_is_matched_by_configuration_and_clock() {
-        let then = SummaryRow { median_device_ns: Some(1000.0), device: "another".into(), ..row() };
+        let then = SummaryRow { median_ns: Some(1000.0), adapter: "another".into(), ..row() };
         let moved = SummaryRow { scene_hash: "x".into(), run_id: "b".into(), ..then.clone() };
         let other = [
             SummaryRow { rays_kind: "bounce".into(), ..then.clone() },
             SummaryRow { width_px: 5, ..then.clone() },
-            SummaryRow { tuning: "grid=20,20,20".into(), ..then.clone() },
+            SummaryRow { grid: "20,20,20".into(), ..then.clone() },
+            SummaryRow { steps_per_pass: Some(3), ..then.clone() },
+            SummaryRow { keep_all: true, ..then.clone() },
+            SummaryRow { seed: 7, ..then.clone() },
             SummaryRow { schedule: "fused".into(), ..then.clone() },
         ];
         assert_eq!(row().in_baseline(&other), None);
         assert_eq!(row().in_baseline(&[moved.clone(), then.clone()]), Some(&then));
         assert_eq!(row().in_baseline(std::slice::from_ref(&moved)), Some(&moved));
         assert_eq!(row().ratio_to(&then), Some(1.5005));
-        let by_wall = SummaryRow { timer_source: None, median_wall_ns: Some(1000.0), ..then };
-        assert_eq!((row().ratio_to(&by_wall), by_wall.ratio_to(&by_wall)), (None, Some(1.0)));
-        // The device's clock is ignored.
-        let by_host = SummaryRow { timer_source: Some("host".into()), median_wall_ns: Some(3000.0), ..row() };
-        assert_eq!((by_host.time_ns(), by_host.ratio_to(&by_wall)), (Some((3000.0, "host")), Some(3.0)));
+        assert_eq!(row().ratio_to(&SummaryRow { clock: HOST.into(), ..then }), None);
     }
 
     #[test]

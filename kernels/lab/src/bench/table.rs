@@ -7,7 +7,7 @@ use crate::text::aligned;
 const NAMES: [&str; 2] = ["accelerator", "schedule"];
 
 /// The numeric columns.
-const COLUMNS: [&str; 6] = ["median ms", "p05", "p95", "Mray/s", "to fastest", "to baseline"];
+const COLUMNS: [&str; 6] = ["median ms", "low", "high", "Mray/s", "to fastest", "to baseline"];
 
 /// One table per group, all with the same column widths.
 #[must_use]
@@ -17,14 +17,10 @@ pub fn text(rows: &[SummaryRow]) -> String {
     let names = NAMES.iter().chain(columns);
     let mut lines: Vec<Vec<String>> = vec![names.map(|n| (*n).to_owned()).collect()];
     let groups = || rows.chunk_by(|a, b| title(a) == title(b));
-    for group in groups() {
-        // Only times of the same clock can be compared; all rows of a run have the same one.
-        let fastest = group.iter().filter_map(|row| row.time_ns()).map(|(ns, _)| ns).reduce(f64::min);
-        for row in group {
-            let mut cells = vec![row.accelerator.clone(), row.schedule.clone()];
-            cells.extend(numbers(row, fastest).into_iter().take(columns.len()));
-            lines.push(cells);
-        }
+    for row in rows {
+        let mut cells = vec![row.accelerator.clone(), row.schedule.clone()];
+        cells.extend(numbers(row).into_iter().take(columns.len()));
+        lines.push(cells);
     }
     let lines: Vec<String> = aligned(&lines, NAMES.len()).into_iter().map(|line| format!("  {line}")).collect();
     let (head, mut lines) = (&lines[0], &lines[1..]);
@@ -43,27 +39,36 @@ fn title(row: &SummaryRow) -> String {
 }
 
 /// The values of [`COLUMNS`].
-fn numbers(row: &SummaryRow, fastest: Option<f64>) -> [String; 6] {
+fn numbers(row: &SummaryRow) -> [String; 6] {
     let ms = |ns: Option<f64>| ns.map_or("-".into(), |ns| format!("{:.3}", ns / 1e6));
-    let time = row.time_ns().map(|(ns, _)| ns);
-    let ratio = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}"));
-    let to_fastest = time.zip(fastest).filter(|&(_, fastest)| fastest > 0.0).map(|(ns, fastest)| ns / fastest);
     [
-        ms(time),
-        ms(row.p05_device_ns),
-        ms(row.p95_device_ns),
+        ms(row.median_ns),
+        ms(row.low_ns),
+        ms(row.high_ns),
         row.rays_per_s.map_or("-".into(), |rate| format!("{:.3}", rate / 1e6)),
-        ratio(to_fastest),
-        ratio(row.baseline_ratio),
+        to_fastest(row),
+        row.baseline_ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")),
     ]
+}
+
+/// The ratio to the fastest of the group with its interval, unless that says that they cannot be distinguished.
+fn to_fastest(row: &SummaryRow) -> String {
+    let Some(ratio) = row.time_ratio else { return "-".into() };
+    match row.time_ratio_low.zip(row.time_ratio_high) {
+        _ if row.ratio_to.as_ref() == Some(&row.configuration) => "fastest".into(),
+        Some((low, high)) if (low..=high).contains(&1.0) => "as fast".into(),
+        Some((low, high)) => format!("{ratio:.2} [{low:.2}, {high:.2}]"),
+        None => format!("{ratio:.2}"),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn row(schedule: &str, rays_kind: &str, ns: Option<f64>) -> SummaryRow {
+    fn row(schedule: &str, rays_kind: &str, ns: Option<f64>, ratio: Option<[f64; 3]>) -> SummaryRow {
         SummaryRow {
+            configuration: schedule.into(),
             scene: "box".into(),
             triangles: 26,
             accelerator: "grid".into(),
@@ -72,32 +77,45 @@ mod tests {
             width_px: 32,
             height_px: 8,
             rays: 256,
-            timer_source: Some("cpu_clock".into()),
-            median_device_ns: ns,
-            p05_device_ns: ns.map(|ns| ns * 0.9),
-            p95_device_ns: ns.map(|ns| ns * 1.2),
+            clock: "cpu_clock".into(),
+            median_ns: ns,
+            low_ns: ns.map(|ns| ns * 0.9),
+            high_ns: ns.map(|ns| ns * 1.2),
             rays_per_s: ns.map(|ns| 256e9 / ns),
+            time_ratio: ratio.map(|r| r[0]),
+            time_ratio_low: ratio.map(|r| r[1]),
+            time_ratio_high: ratio.map(|r| r[2]),
+            ratio_to: Some("second".into()),
             ..SummaryRow::default()
         }
     }
 
     #[test]
-    fn columns_are_aligned_and_the_fastest_is_1() {
-        let rows =
-            [row("first", "primary", Some(2.5e6)), row("second", "primary", Some(1e6)), row("first", "bounce", None)];
+    fn columns_are_aligned_and_what_cannot_be_distinguished_is_as_fast() {
+        let rows = [
+            row("first", "primary", Some(2.5e6), Some([2.5, 2.25, 3.0])),
+            row("second", "primary", Some(1e6), Some([1.0; 3])),
+            row("fused", "primary", Some(1.1e6), Some([1.1, 0.9, 1.2])),
+            row("first", "bounce", None, None),
+        ];
         let expected = "\
 box (26 triangles), 32x8: 256 primary rays
-  accelerator  schedule  median ms    p05    p95  Mray/s  to fastest
-  grid         first         2.500  2.250  3.000   0.102        2.50
-  grid         second        1.000  0.900  1.200   0.256        1.00
+  accelerator  schedule  median ms    low   high  Mray/s         to fastest
+  grid         first         2.500  2.250  3.000   0.102  2.50 [2.25, 3.00]
+  grid         second        1.000  0.900  1.200   0.256            fastest
+  grid         fused         1.100  0.990  1.320   0.233            as fast
 
 box (26 triangles), 32x8: 256 bounce rays
-  accelerator  schedule  median ms    p05    p95  Mray/s  to fastest
-  grid         first             -      -      -       -           -
+  accelerator  schedule  median ms    low   high  Mray/s         to fastest
+  grid         first             -      -      -       -                  -
 ";
         assert_eq!(text(&rows), expected);
-        let compared = SummaryRow { baseline_ratio: Some(1.25), ..row("first", "primary", Some(1.0)) };
-        assert!(text(&[compared]).ends_with("        1.00         1.25\n"));
+        let few = SummaryRow {
+            time_ratio_low: None,
+            baseline_ratio: Some(1.25),
+            ..row("first", "primary", Some(1.0), Some([1.5; 3]))
+        };
+        assert!(text(&[few]).ends_with("        1.50         1.25\n"));
         assert_eq!(text(&[]), "");
     }
 }

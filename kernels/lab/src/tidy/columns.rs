@@ -79,14 +79,23 @@ pub const COLUMNS: &[Column] = &[
     text("run_id", "identifies one invocation of the command, in all its files"),
     text("configuration", "identifies what was run, within run_id"),
     text("section", "section of the report"),
+    text("build", "which build ran it: this, or other for the one it is compared with"),
     text("scene", "name of the scene"),
     text("scene_hash", "hash of all files the scene was read from, with the method as prefix"),
     text("adapter", "name of the GPU adapter, or cpu for the CPU reference kernels"),
     // What was run.
     text("method", "name of another program's method; empty for raystep's"),
+    count("triangles", "triangles of the scene"),
     text("accelerator", "acceleration structure: grid, bvh or none"),
     text("schedule", "how walks are divided into passes: first, second, compact or fused"),
     text("numerics", "robust or paper"),
+    text("grid", "requested cells of the grid along x, y and z, or auto"),
+    text("skip", "whether empty cells are skipped over: auto, on or off"),
+    count("steps_per_pass", "most steps per ray and pass; empty for schedules without this option"),
+    truth("keep_all", "whether nothing is omitted from the plan"),
+    count("width_px", "rays per row of the image"),
+    count("height_px", "rows of the image"),
+    text("rays_kind", "primary, bounce, shadow or random"),
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
     count("rays", "rays traced in a run"),
@@ -98,8 +107,15 @@ pub const COLUMNS: &[Column] = &[
     count("invalid_runs", "counted runs whose time was missing, 0 or negative"),
     count("round", "round of interleaved runs, from 0; runs of the same round are compared"),
     count("place", "position in the round, from 0; the order is random"),
+    count("sitting", "processes that ran it, from 0: where builds are compared, new ones are started several times"),
     number("time_ns", "time of a run, in nanoseconds, by the clock"),
     number("wall_ns", "the same by the host's clock, including waits for the device"),
+    number(
+        "fixed_work_ns",
+        "time of a fixed piece of work just before a run, by the host's clock, or the median of these: it shows the speed of the machine",
+    ),
+    number("median_wall_ns", "median time of a run by the host's clock, including waits for the device"),
+    number("rays_per_s", "rays divided by the median time"),
     number("median_ns", "median time of a run, in nanoseconds"),
     number("low_ns", "lower end of the interval of the median"),
     number("high_ns", "upper end of the interval of the median"),
@@ -111,6 +127,7 @@ pub const COLUMNS: &[Column] = &[
     number("time_ratio", "median of the ratios of runs in the same round, to the configuration in ratio_to"),
     number("time_ratio_low", "lower end of its interval"),
     number("time_ratio_high", "upper end of its interval"),
+    number("baseline_ratio", "median time divided by that of an earlier benchmark: above 1 is slower"),
     text("ratio_to", "the configuration that ratios are relative to"),
     number("build_s", "seconds for planning, mostly for building the structure"),
     number("start_s", "seconds for allocating, uploading and compiling: the median of starts after the first"),
@@ -145,6 +162,12 @@ pub const COLUMNS: &[Column] = &[
     count("passes", "passes of a run"),
     number("cells_per_ray", "cells or nodes visited, per ray"),
     number("tests_per_ray", "triangles tested, per ray"),
+    number(
+        "repeated_per_ray",
+        "tests of a triangle that the ray had already met, per ray; empty if the schedule cannot count them",
+    ),
+    number("useful_steps_per_thread", "rays worked on divided by threads launched, over all passes"),
+    number("bytes_per_triangle", "structure_bytes, plus the bytes of packed triangles, divided by triangles"),
     count("structure_bytes", "bytes of the grid or BVH"),
     count("hits", "rays that hit something"),
     text("hits_hash", "hash of all hits: equal hashes mean equal bits"),
@@ -167,7 +190,6 @@ pub const COLUMNS: &[Column] = &[
     number("v_ulp", "the same in units in the last place of 1"),
     text("expected", "pass, fail, or any if nothing is expected"),
     text("result", "pass, or fail if there is any error or too many rays are undecided"),
-    count("cells_visited", "cells visited by the farthest ray"),
     number("error_units", "largest error of tMax, in units of 2^-24 max(|plane|, |origin|) / |direction|"),
     number("error_t", "the same in t"),
     number("bound_units", "the bound of robust numerics; empty for others"),
@@ -181,17 +203,39 @@ pub const COLUMNS: &[Column] = &[
     // Stiff scenes.
     text("family", "scenes that differ in one parameter; scene for one that is of no family"),
     number("parameter", "the family's parameter; empty for a scene of no family"),
-    count("triangles", "triangles of the scene"),
     text("version", "version of raystep"),
     truth("is_quick", "whether fewer rays were traced"),
     truth("is_lower_bound", "whether a run was stopped: its time is at least this"),
     number("stiffness", "cells or nodes plus tests expected at a random point of a random triangle"),
     number("predicted_line", "the same along a random line through the scene"),
+    // Passes.
+    count("repeat", "repetition, from 0"),
+    truth("is_warmup", "whether the repetition was only a warm-up"),
+    count("pass_index", "index of a pass in its run, from 0"),
+    count("iteration", "iteration of the schedule's loop, from 1; 0 before the loop"),
+    text("kernel", "the kernel that ran"),
+    count("gpu_begin_ns", "since the run's first timed pass began, by the clock"),
+    count("gpu_duration_ns", "duration of a pass, by the clock"),
+    count("cpu_encode_ns", "host time to record the pass"),
+    count("rays_in", "rays in one of the kernel's states before the pass: those it worked on"),
+    count("rays_out", "those of them that the pass moved to a state of another kernel"),
+    count("threads_launched", "threads launched by a pass, with or without a ray to work on"),
+    count(
+        "cells_visited",
+        "cells or nodes visited: by a pass, known if counters were requested; or by the farthest ray of a walk",
+    ),
+    count("triangles_tested", "triangles tested by a pass; known if counters were requested"),
+    number("clock_resolution_ns", "smallest step of the clock"),
+    truth("valid", "whether the timer gave a duration; empty if nothing was timed"),
+    count("host_run_ns", "time of the whole run by the host's clock; known if clock is host"),
 ];
 
 #[cfg(test)]
 mod tests {
+    use raystep_kernels::export::csv;
+
     use super::*;
+    use crate::bench::{runs, summary};
 
     #[test]
     fn names_are_unique_and_fields_have_types() {
@@ -207,5 +251,8 @@ mod tests {
         assert!(Kind::Boolean.holds("true") && !Kind::Boolean.holds("1"));
         assert_eq!(column("median_ns").map(|c| c.kind), Some(Kind::Number));
         assert_eq!(column("p05_device_ns"), None);
+        let of_bench = [&summary::COLUMNS[..], &runs::COLUMNS, &csv::COLUMNS].concat();
+        let unknown: Vec<_> = of_bench.into_iter().filter(|name| column(name).is_none()).collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
     }
 }

@@ -63,9 +63,15 @@ impl Load {
         Self { gpu, pipeline, group }
     }
 
-    /// Submits the load. Does nothing on a software adapter, whose clocks do not matter.
+    /// Whether [`submit`](Self::submit) does anything: not on a software adapter, whose clocks do not matter.
+    #[must_use]
+    pub fn has_effect(&self) -> bool {
+        matches!(self.gpu.info.device_type, wgpu::DeviceType::DiscreteGpu | wgpu::DeviceType::IntegratedGpu)
+    }
+
+    /// Submits the load, if it [has an effect](Self::has_effect).
     pub fn submit(&self) {
-        if !matches!(self.gpu.info.device_type, wgpu::DeviceType::DiscreteGpu | wgpu::DeviceType::IntegratedGpu) {
+        if !self.has_effect() {
             return;
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

@@ -1,0 +1,202 @@
+//! Builds configurations: everything that is done before they are timed.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use raystep_kernels::export::csv::RunContext;
+use raystep_kernels::export::json::{CounterSums, hit_count};
+use raystep_kernels::export::structure::{Structure, structure_bytes};
+use raystep_kernels::plan::Plan;
+use raystep_kernels::{Accelerator, Keep, Numerics, Options, RaySource, RenderError, Renderer, ScheduleKind};
+
+use super::summary::THIS;
+use super::{Details, SCHEMA_VERSION, SummaryRow, Wanted, grid_text, useful_steps_per_thread};
+use crate::meter::Meter;
+use crate::rays::RayKind;
+use crate::subject::{Size, Subject};
+use crate::ways::{MISSES_ALL, misses_all};
+use crate::{Error, Hash, Machine};
+
+/// Configurations to compare: they trace the same rays.
+#[derive(Clone)]
+pub(super) struct Group<'a> {
+    /// For display.
+    pub(super) name: String,
+    pub(super) subject: &'a Subject,
+    pub(super) size: Size,
+    pub(super) kind: RayKind,
+}
+
+/// A configuration that is ready to run.
+pub(super) struct Ready {
+    /// Name of the group whose hits can be compared.
+    pub(super) group: String,
+    pub(super) row: SummaryRow,
+    pub(super) details: Details,
+    pub(super) renderer: Renderer,
+    pub(super) bytes: u64,
+    is_any_hit: bool,
+}
+
+impl Ready {
+    /// Fills in the hits of its last run.
+    pub(super) fn set_hits(&mut self, machine: &Machine) -> Result<(), RenderError> {
+        let hits = machine.wait(self.renderer.hits())?;
+        (self.row.hits, self.row.hits_hash) = (hit_count(&hits), Hash::of_hits(&hits, self.is_any_hit).to_string());
+        Ok(())
+    }
+}
+
+/// What is done beside building.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// The work is counted, and passes are timed.
+    Full,
+    /// Neither.
+    Brief,
+}
+
+/// Builds configurations.
+#[derive(Clone, Copy)]
+pub(super) struct Builder<'a> {
+    pub(super) wanted: &'a Wanted,
+    pub(super) meter: &'a Meter,
+    pub(super) extent: Extent,
+}
+
+impl<'a> Builder<'a> {
+    fn machine(&self) -> &'a Machine {
+        &self.meter.machine
+    }
+
+    /// Plans, builds, compiles and uploads, each timed. Counters and timers of passes do not slow the counted runs:
+    /// they use renderers of their own, each dropped before the next is made. `stage` and `note` are told.
+    pub(super) fn build(
+        &self,
+        [run_id, configuration]: [String; 2],
+        group: &Group<'_>,
+        options: &mut Options,
+        stage: impl Fn(&str),
+        mut note: impl FnMut(&str),
+    ) -> Result<Ready, Error> {
+        let (subject, machine) = (group.subject, self.machine());
+        stage("counting");
+        (options.counters, options.timings, options.keep_passes) = (true, false, false);
+        let counts = if self.extent == Extent::Full { self.count(group, options) } else { None };
+        stage("building");
+        (options.counters, options.timings, options.keep_passes) = (false, true, true);
+        machine.forget_kernels();
+        let start = Instant::now();
+        let (plan, data) = Plan::new(&subject.scene, options, &machine.limits())?;
+        let build_s = start.elapsed().as_secs_f64();
+        if misses_all(&subject.scene, options, &plan) {
+            note(MISSES_ALL);
+        }
+        if options.accelerator == Accelerator::Auto {
+            let Structure { accelerator, accelerator_because, .. } = Structure::of(options.accelerator, &plan, &data);
+            note(&format!("{}: auto is {accelerator}: {accelerator_because}", subject.scene.name));
+        }
+        stage("compiling kernels and timing passes");
+        let context = machine.run_context(run_id.clone(), &subject.scene, options, &plan);
+        let context = RunContext { configuration: configuration.clone(), repeat: self.wanted.repeats, ..context };
+        let clock = context.timer.map_or("", |timer| timer.name()).to_owned();
+        let (details, start_s) = match self.extent {
+            Extent::Full => {
+                let compiling = Renderer::from_plan(plan.clone(), data.clone(), options, &machine.device);
+                self.time_passes(context, compiling)?
+            }
+            Extent::Brief => (Details::without_passes(context), 0.0),
+        };
+        (options.timings, options.keep_passes) = (times_every_pass(machine), false);
+        let renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device))?;
+
+        let plan = renderer.plan();
+        let per_ray = |count: fn(&CounterSums) -> Option<u64>| {
+            counts.as_ref().filter(|_| plan.rays > 0).and_then(count).map(|sum| sum as f64 / plan.rays as f64)
+        };
+        let row = SummaryRow {
+            schema_version: SCHEMA_VERSION,
+            run_id,
+            configuration,
+            build: THIS.into(),
+            scene: subject.scene.name.clone(),
+            scene_hash: subject.hash.to_string(),
+            triangles: plan.triangles,
+            accelerator: options.accelerator.to_string(),
+            schedule: options.schedule.to_string(),
+            numerics: options.numerics.to_string(),
+            grid: grid_text(options.grid),
+            skip: options.skip.to_string(),
+            steps_per_pass: (options.schedule == ScheduleKind::Compact).then_some(options.steps_per_pass),
+            keep_all: options.keep == Keep::ALL,
+            rays_kind: group.kind.to_string(),
+            seed: self.wanted.seed,
+            adapter: machine.name(),
+            width_px: group.size.width,
+            height_px: group.size.height,
+            rays: plan.rays,
+            build_s,
+            start_s,
+            clock,
+            cells_per_ray: per_ray(|sums| Some(sums.cells_visited)),
+            tests_per_ray: per_ray(|sums| Some(sums.triangles_tested)),
+            repeated_per_ray: per_ray(|sums| sums.repeated_tests),
+            structure_bytes: structure_bytes(plan),
+            bytes_per_triangle: bytes_per_triangle(plan),
+            passes: details.passes.len(),
+            useful_steps_per_thread: useful_steps_per_thread(&details.passes),
+            ..SummaryRow::default()
+        };
+        let (bytes, is_any_hit) = (plan.bytes(), options.any_hit);
+        Ok(Ready { group: group.name.clone(), row, details, renderer, bytes, is_any_hit })
+    }
+
+    /// The passes of a run in which every pass is timed, after a warm-up run, and the seconds until it could start,
+    /// which include compiling the kernels; planning has already composed them.
+    fn time_passes(
+        &self,
+        context: RunContext,
+        compiling: impl Future<Output = Result<Renderer, RenderError>>,
+    ) -> Result<(Details, f64), Error> {
+        let start = Instant::now();
+        let mut renderer = self.machine().wait(compiling)?;
+        self.machine().settle();
+        let start_s = start.elapsed().as_secs_f64();
+        for _ in 0..2 {
+            self.meter.run(&mut renderer, |_, _| ControlFlow::Continue(()))?;
+        }
+        let shaders = renderer.plan().variants.iter();
+        let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();
+        let context = RunContext { host_run_ns: renderer.host_ns(), ..context };
+        Ok((Details { context, passes: renderer.passes().to_vec(), shaders }, start_s))
+    }
+
+    /// Sums of the counters; `None` if this configuration cannot count.
+    fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
+        let (scene, machine) = (&group.subject.scene, self.machine());
+        let (plan, data) = Plan::new(scene, options, &machine.limits()).ok()?;
+        let counters = plan.counters()?;
+        let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device)).ok()?;
+        machine.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
+        CounterSums::of(&machine.wait(renderer.values(counters)).ok()?, renderer.plan())
+    }
+}
+
+/// The options of a group's runs. A shadow ray ends at the first hit found with t < 1, whichever it is; the paper has
+/// no such rays.
+pub(super) fn options(wanted: &Wanted, rays: RaySource, kind: RayKind) -> Options {
+    let any_hit = kind == RayKind::Shadow && wanted.tuning.numerics == Numerics::Robust;
+    let rays = if any_hit { rays.until(1.0) } else { rays };
+    Options { rays, shade: false, any_hit, ..wanted.tuning.clone() }
+}
+
+/// Whether counted runs need a time for every pass: on the CPU, the device time is their sum.
+fn times_every_pass(machine: &Machine) -> bool {
+    machine.gpu().is_none()
+}
+
+/// Bytes per triangle of the grid or BVH, plus those of packed triangles.
+fn bytes_per_triangle(plan: &Plan) -> Option<f64> {
+    let packed = plan.buffers.iter().filter(|b| b.what == "packed_triangles").map(|b| b.bytes).sum::<u64>();
+    (plan.triangles > 0).then(|| (structure_bytes(plan) + packed) as f64 / plan.triangles as f64)
+}
