@@ -14,6 +14,7 @@ mod resolved;
 mod rules;
 mod samples;
 mod section;
+mod words;
 mod work;
 
 use std::io;
@@ -55,12 +56,17 @@ pub struct Wanted {
     pub is_quick: bool,
     /// Seed of all random numbers.
     pub seed: u32,
+    /// How many seeds to measure where a section varies them: at least 6 for an interval.
+    pub seeds: u32,
     /// Whether to write every judged ray.
     pub has_rays: bool,
 }
 
 /// The seed unless another one is requested.
 pub const SEED: u32 = 2007;
+
+/// The number of seeds unless another one is requested.
+pub const SEEDS: u32 = 10;
 
 /// The results.
 pub struct Report {
@@ -80,7 +86,7 @@ pub fn measure(
     meter: &Meter,
     reporter: &dyn Reporter,
 ) -> Result<Report, Error> {
-    let Wanted { sections, size, grid, is_quick, seed, has_rays } = wanted;
+    let Wanted { sections, size, grid, is_quick, seed, seeds, has_rays } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
     let record = Record::new(run_id, *seed, *has_rays);
     let mut scenes: Vec<Scene> = Vec::new();
@@ -89,10 +95,10 @@ pub fn measure(
     for subject in subjects {
         let mut parts = Vec::new();
         for (section, table) in &mut tables {
-            let (size, grid, is_quick, section_name) = (*size, *grid, *is_quick, section.name);
+            let (size, grid, is_quick, seeds, section_name) = (*size, *grid, *is_quick, *seeds, section.name);
             let (record, ahead) = (&record, left.text());
             let reporter = &Ahead { reporter, text: ahead };
-            let work = Work { subject, meter, size, grid, is_quick, reporter, section: section_name, record };
+            let work = Work { subject, meter, size, grid, is_quick, seeds, reporter, section: section_name, record };
             let before = table.rows.len();
             let part = match (section.run)(&work, table) {
                 Ok(part) => {

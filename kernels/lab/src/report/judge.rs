@@ -253,8 +253,8 @@ mod tests {
         let (subject, meter, size) = (&subject, &meter, Size { width: 16, height: 16 });
         let record = Record::new("test".into(), 1, false);
         let (section, record) = ("test", &record);
-        let work =
-            Work { subject, meter, size, grid: GridSize::Auto, is_quick: true, reporter: &Silent, section, record };
+        let (grid, reporter) = (GridSize::Auto, &Silent);
+        let work = Work { subject, meter, size, grid, is_quick: true, seeds: 1, reporter, section, record };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.build(&options).expect("a plan").renderer;
         let mut judge = Judge::default();

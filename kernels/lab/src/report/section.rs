@@ -81,7 +81,7 @@ pub const SECTIONS: &[Section] = &[
         file: "scaled.csv",
         row: "a scale and a set of rules",
         seconds: 8.0,
-        columns: moved::COLUMNS,
+        columns: moved::SCALED_COLUMNS,
         run: moved::scaled,
     },
     Section {

@@ -39,6 +39,8 @@ pub(super) struct Work<'a> {
     /// The resolution for sections that do not vary it.
     pub(super) grid: GridSize,
     pub(super) is_quick: bool,
+    /// How many seeds to measure where a section varies them.
+    pub(super) seeds: u32,
     pub(super) reporter: &'a dyn Reporter,
     /// The section that is measured.
     pub(super) section: &'static str,
@@ -52,6 +54,16 @@ pub(super) struct Planned {
     data: Arc<SceneData>,
     /// Seconds for planning: mostly for building the structure.
     build_s: f64,
+}
+
+impl Planned {
+    pub(super) fn plan(&self) -> Arc<Plan> {
+        self.plan.clone()
+    }
+
+    pub(super) fn data(&self) -> &SceneData {
+        &self.data
+    }
 }
 
 /// A renderer that is ready to run, with the times to build it.
@@ -96,6 +108,11 @@ impl Times {
     pub(super) fn in_rounds(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
         let wanted = self.runs.iter().enumerate().map(|(round, time)| time.filter(|_| is_wanted(round)));
         Self { runs: wanted.collect(), is_given_up: self.is_given_up }
+    }
+
+    /// How much longer each run took than the other's run of the same round, in nanoseconds.
+    pub(super) fn differences(&self, to: &Self) -> Vec<f64> {
+        self.runs.iter().zip(&to.runs).filter_map(|(a, b)| Some((*a)? - (*b)?)).collect()
     }
 
     /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
@@ -249,8 +266,18 @@ impl Work<'_> {
         renderers: &mut [&mut Renderer],
         repeats: usize,
     ) -> Result<Vec<Times>, Error> {
+        self.time_rounds(names, renderers, interval::FEWEST.min(repeats), repeats)
+    }
+
+    /// The same with a minimum number of rounds, however long they take.
+    pub(super) fn time_rounds(
+        &self,
+        names: &[String],
+        renderers: &mut [&mut Renderer],
+        fewest: usize,
+        repeats: usize,
+    ) -> Result<Vec<Times>, Error> {
         let all = Some(REPEATS_TAKE * renderers.len() as u32);
-        let fewest = interval::FEWEST.min(repeats);
         let turns = Turns { all, fewest, seed: u64::from(self.seed()), ..Turns::of(1, repeats) };
         let of = ((1 + repeats) * renderers.len()) as u64;
         let mut done = 0;
