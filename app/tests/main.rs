@@ -13,6 +13,7 @@ mod link;
 mod messages;
 mod report;
 mod report_files;
+mod report_sections;
 #[cfg(unix)]
 mod signals;
 mod stability;

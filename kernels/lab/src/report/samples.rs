@@ -327,7 +327,7 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
                 )
             });
             part.prose.push(format!(
-                "{sampler}, {}: the error falls with the power {} of the number of samples, the median of {} seeds{range}.\
+                "{sampler}, {}: the error is proportional to samples to the power {}, the median of {} seeds{range}.\
                  {dropped}",
                 of.words(),
                 with_interval("slope", slope),

@@ -27,9 +27,12 @@ impl Builds {
         interval::of_median(&self.0, 0)
     }
 
-    /// Between which the typical time lies: its interval, or all times if there are too few for one.
-    fn range(&self) -> Option<[f64; 2]> {
-        self.interval().map(|i| [i.low, i.high]).or(Some([quantile(&self.0, 0.0)?, quantile(&self.0, 1.0)?]))
+    /// The median of how much longer building takes than planning without a structure in the same rounds, and between
+    /// which values it lies: its interval, or all differences if there are too few for one.
+    fn beyond(&self, none: &Self) -> Option<(f64, [f64; 2])> {
+        let longer: Vec<f64> = self.0.iter().zip(&none.0).map(|(build, none)| build - none).collect();
+        let interval = interval::of_median(&longer, 0).map(|i| [i.low, i.high]);
+        Some((median(&longer)?, interval.or(Some([quantile(&longer, 0.0)?, quantile(&longer, 1.0)?]))?))
     }
 
     pub(super) fn fill(&self, row: Row) -> Row {
@@ -77,8 +80,8 @@ pub(super) struct Saved {
     pub(super) interval: Option<[f64; 2]>,
 }
 
-/// A number of rays, with the fewest and the most that the intervals of times allow; the most is `None` if they allow
-/// that a structure saves nothing.
+/// A number of rays, with the fewest and the most that the intervals of times allow; `None` if they allow that a
+/// structure saves nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PaysOff {
     pub(super) rays: Option<f64>,
@@ -90,13 +93,12 @@ pub(super) struct PaysOff {
 pub(super) fn pays_off(builds: &Builds, of_none: &Builds, saved: Saved) -> PaysOff {
     let rays = |build_s: f64, saved_ns: f64| (saved_ns > 0.0).then(|| (1e9 * build_s / saved_ns).max(0.0).ceil());
     let all = || {
-        let ([low, high], [none_low, none_high], [least, most]) = (builds.range()?, of_none.range()?, saved.interval?);
-        Some((rays(low - none_high, most), rays(high - none_low, least)))
+        let ((middle, [low, high]), [least, most]) = (builds.beyond(of_none)?, saved.interval?);
+        // If the interval includes that nothing is saved, the median does not tell whether anything is.
+        let high = rays(high, least)?;
+        Some(PaysOff { rays: rays(middle, saved.median), low: rays(low, most), high: Some(high) })
     };
-    let (low, high) = all().unwrap_or_default();
-    let middle = builds.median().zip(of_none.median()).and_then(|(build, none)| rays(build - none, saved.median));
-    // A median by itself does not tell whether anything is saved.
-    PaysOff { rays: middle.filter(|_| high.is_some()), low: low.filter(|_| high.is_some()), high }
+    all().unwrap_or(PaysOff { rays: None, low: None, high: None })
 }
 
 impl PaysOff {

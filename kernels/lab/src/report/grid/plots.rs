@@ -1,6 +1,7 @@
 //! The plots of grid resolutions and of structures.
 
 use crate::plots::{Axis, Bars, Plot, Scale, Series};
+use crate::report::human;
 use crate::report::page::number;
 use crate::tidy::Row;
 
@@ -55,7 +56,10 @@ pub(super) fn bytes(rows: &[Row]) -> Plot {
 /// One bar for each structure.
 fn bars(rows: &[Row], title: &str, color: usize, length_ms: impl Fn(&Row) -> Option<f64>) -> Bars {
     let is_shown = |r: &&Row| r.get("accelerator") != "grid" || r.get("is_automatic") == "true";
-    let bar = |r: &Row| Some((r.get("accelerator").to_owned(), vec![(length_ms(r)?, color)]));
+    let bar = |r: &Row| {
+        let length = length_ms(r)?;
+        Some((format!("{}, {}", r.get("accelerator"), human::time(1e6 * length)), vec![(length, color)]))
+    };
     Bars {
         title: title.into(),
         x: "time, ms".into(),

@@ -54,12 +54,12 @@ fn resolution(automatic: &Row, selected: &Row) -> String {
 fn pays_off(row: &Row) -> String {
     let name = match row.get("accelerator") {
         "grid" => "automatic grid",
-        name => name,
+        _ => "BVH",
     };
     match row.get("paid_off_rays") {
-        "" => format!("After how many rays the {name} pays off is not determined."),
+        "" => format!("After how many rays building the {name} pays off is not determined."),
         _ => format!(
-            "The {name} pays off after {} rays (between {} and {}).",
+            "Building the {name} pays off after {} rays (between {} and {}).",
             number("paid_off_rays", row),
             number("paid_off_rays_low", row),
             number("paid_off_rays_high", row)

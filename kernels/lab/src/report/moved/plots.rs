@@ -62,11 +62,14 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
     }
 }
 
-/// A count per million over places, with its interval.
+/// A count per million over places, with its interval if anything was counted.
 fn per_million(column: &str, count: &str, rows: &[&Row], series: Series) -> Series {
     let name = |end: &str| format!("{count}_per_million{end}");
     let points = rows.iter().filter_map(|r| Some((r.number(column)?, r.number(&name(""))?))).collect();
-    let ends = |r: &&Row| Some((r.number(&name("_low"))?, r.number(&name("_high"))?));
+    let ends = |r: &&Row| match r.number(&name(""))? {
+        0.0 => Some((0.0, 0.0)),
+        _ => Some((r.number(&name("_low"))?, r.number(&name("_high"))?)),
+    };
     Series { points, whiskers: rows.iter().filter_map(ends).collect(), ..series }
 }
 
@@ -82,13 +85,15 @@ pub(super) fn wrong(column: &str, rows: &[Row]) -> Plot {
         ] {
             let of: Vec<&Row> = rows.iter().filter(|r| r.is(&[("numerics", numerics), ("stratum", stratum)])).collect();
             let name = format!("{numerics}: {words}");
-            let of =
-                per_million(column, "wrong", &of, Series { mark, stroke, ..Series::line(name, color, Vec::new()) });
-            // Where none is wrong, all intervals are the same.
-            let whiskers = if numerics == "robust" { Vec::new() } else { of.whiskers };
-            series.push(Series { whiskers, ..of });
+            series.push(per_million(
+                column,
+                "wrong",
+                &of,
+                Series { mark, stroke, ..Series::line(name, color, Vec::new()) },
+            ));
         }
     }
+    series.push(bound_of_none(column, "wrong", rows));
     Plot {
         title: "Wrong rays, compared with the rounded scene".into(),
         x: axis_of(column),
@@ -98,17 +103,30 @@ pub(super) fn wrong(column: &str, rows: &[Row]) -> Plot {
     }
 }
 
+/// The upper bound where nothing was counted: the same for all series, so it is one line instead of many bars.
+fn bound_of_none(column: &str, count: &str, rows: &[Row]) -> Series {
+    let is_none = |r: &&Row| r.number(&format!("{count}_per_million")) == Some(0.0);
+    let bound = |r: &Row| Some((r.number(column)?, r.number(&format!("{count}_per_million_high"))?));
+    let mut points: Vec<(f64, f64)> = rows.iter().filter(is_none).filter_map(bound).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    points.dedup_by_key(|point| point.0);
+    Series::dashed("bound where none", 6, points)
+}
+
 /// Rays that hit something else than before the scene was rounded.
 pub(super) fn changed(column: &str, rows: &[Row]) -> Plot {
     let of = |(numerics, color, mark, stroke): (&str, usize, Mark, Stroke)| {
         let of: Vec<&Row> = rows.iter().filter(|r| r.is(&[("numerics", numerics), ("stratum", "anywhere")])).collect();
         per_million(column, "changed", &of, Series { mark, stroke, ..Series::line(numerics, color, Vec::new()) })
     };
+    let mut series: Vec<Series> =
+        [("robust", 0, Mark::Dot, Stroke::Solid), ("paper", 1, Mark::Triangle, Stroke::Dashed)].map(of).into();
+    series.push(bound_of_none(column, "changed", rows));
     Plot {
         title: "Changed hits, compared with the scene before rounding".into(),
         x: axis_of(column),
         y: Axis::new("changed rays per million", Scale::LogWithZero),
-        series: [("robust", 0, Mark::Dot, Stroke::Solid), ("paper", 1, Mark::Triangle, Stroke::Dashed)].map(of).into(),
+        series,
         places: Vec::new(),
     }
 }

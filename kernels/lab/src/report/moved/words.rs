@@ -43,7 +43,13 @@ pub(super) fn say(column: &str, rows: &[Row], part: &mut Part) {
             number("arithmetic_by_depth_rounding", row)
         ));
     }
-    part.prose.extend(papers(column, rows));
+    let papers = papers(column, rows);
+    if !papers.is_empty() {
+        part.prose.push(format!(
+            "The paper's rules, each stratum by itself and compared with the rounded scene, with exact 95% intervals: {}.",
+            papers.join("; ")
+        ));
+    }
 }
 
 /// The paper's rules nearest to the origin, or at scale 1, and where they differ most from that.
@@ -64,12 +70,8 @@ fn papers(column: &str, rows: &[Row]) -> Vec<String> {
             )
         };
         let Some(verdict) = compared(near, far) else { continue };
-        sentences.push(format!(
-            "The paper's rules at {words}: {} at 1, {} at {}: {verdict}.",
-            value(near),
-            value(far),
-            number(column, far)
-        ));
+        let (near_at, far_at) = (number(column, near), number(column, far));
+        sentences.push(format!("{words}, {} at {near_at} and {} at {far_at}: {verdict}", value(near), value(far)));
     }
     sentences
 }
@@ -79,7 +81,7 @@ fn compared(near: &Row, far: &Row) -> Option<&'static str> {
     let ends = |row: &Row| Some([row.number("wrong_per_million_low")?, row.number("wrong_per_million_high")?]);
     let ([near_low, near_high], [far_low, far_high]) = (ends(near)?, ends(far)?);
     Some(match () {
-        () if far_high < near_low => "fewer, compared with the rounded scene",
+        () if far_high < near_low => "fewer",
         () if far_low > near_high => "more",
         () => "not distinguishable",
     })
@@ -90,8 +92,8 @@ pub(super) fn errors_caption(rows: &[Row]) -> String {
     format!(
         "Errors of t with robust numerics, of up to {} rays in random directions; both errors are of the same rays. \
          Arithmetic: compared with exact hits of the scene as it is after rounding to f32. Forward: compared with exact \
-         hits of the scene before it was moved or scaled, so that it includes this rounding. No intervals: largest and \
-         median of these rays.",
+         hits of the scene before it was moved or scaled, so that it includes this rounding; both parts may cancel. \
+         No intervals: largest and median of these rays.",
         number("rays", row)
     )
 }
@@ -108,8 +110,8 @@ pub(super) fn bound_caption(rows: &[Row]) -> String {
 pub(super) fn wrong_caption(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
     format!(
-        "Wrong rays per million of {} in each stratum, with exact 95% intervals (Clopper and Pearson) for the paper's \
-         rules. The truth is the scene after rounding to f32: this tells whether a ray is right for the rounded scene, \
+        "Wrong rays per million of {} in each stratum, with exact 95% intervals (Clopper and Pearson); where \
+         none is wrong, the dashed line is the one-sided 95% bound. The truth is the scene after rounding to f32: this tells whether a ray is right for the rounded scene, \
          not whether rounding has changed the scene. Far away, where few different coordinates remain, few wrong rays do \
          not mean a result close to that of the given scene; the next figure and the forward error show that.",
         number("rays", row)
@@ -120,7 +122,8 @@ pub(super) fn changed_caption(rows: &[Row]) -> String {
     let Some(row) = rows.iter().find(|r| !r.get("changed_rays").is_empty()) else { return String::new() };
     format!(
         "The other comparison: rays per million of {} in random directions that hit another triangle than in the scene \
-         before it was moved or scaled, or none, with exact 95% intervals (Clopper and Pearson). Rounding the scene \
+         before it was moved or scaled, or none, with exact 95% intervals (Clopper and Pearson); where none has changed, \
+         the dashed line is the one-sided 95% bound. Rounding the scene \
          changes these hits whatever the rules.",
         number("rays", row)
     )
@@ -142,9 +145,9 @@ mod tests {
             let rows = [paper(1.0, 201.0, 150.0, 250.0), far];
             papers("offset_extents", &rows).pop().expect("a sentence")
         };
-        assert!(of(paper(1e6, 195.0, 140.0, 240.0)).ends_with("not distinguishable."));
-        assert!(of(paper(1e6, 20.0, 5.0, 60.0)).ends_with("fewer, compared with the rounded scene."));
-        assert!(of(paper(1e6, 600.0, 500.0, 700.0)).ends_with("more."));
+        assert!(of(paper(1e6, 195.0, 140.0, 240.0)).ends_with(": not distinguishable"));
+        assert!(of(paper(1e6, 20.0, 5.0, 60.0)).ends_with(": fewer"));
+        assert!(of(paper(1e6, 600.0, 500.0, 700.0)).ends_with(": more"));
         assert!(papers("offset_extents", &[paper(1.0, 1.0, 0.0, 2.0)]).is_empty());
     }
 }

@@ -2,6 +2,7 @@
 
 use raystep_kernels::Sampler;
 
+use super::super::human;
 use super::super::page::number;
 use super::slopes::{Of, of_quantity};
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
@@ -36,15 +37,15 @@ pub(super) fn errors(of: Of, rows: &[Row]) -> Plot {
         let line = slope.and_then(|row| Some((row, through_middle(&points, row.number("slope")?)?)));
         series.push(Series { mark, whiskers, stroke: Stroke::None, ..Series::line(sampler.name(), color, points) });
         if let Some((row, ends)) = line {
-            // Formatted as in the CSV.
-            series.push(Series::dashed(format!("{sampler}: slope {}", row.get("slope")), color, ends));
+            let slope = human::field("slope", row.get("slope"));
+            series.push(Series::dashed(format!("{sampler}: slope {slope}"), color, ends));
         }
     }
     let of_pixels: Vec<&Row> = of_quantity(rows, "median_error").filter(|r| r.get("pixels") == of.name()).collect();
     let own = of_pixels.iter().find_map(|r| r.number("reference_rmse"));
     let samples: Vec<f64> = of_pixels.iter().filter_map(|r| r.number("samples")).collect();
     if let (Some(own), [first, .., last]) = (own, &samples[..]) {
-        series.push(Series::dashed("error of the reference", 6, vec![(*first, own), (*last, own)]));
+        series.push(Series::dashed("the reference's own", 6, vec![(*first, own), (*last, own)]));
     }
     Plot {
         title: format!("Error of the image, {}", of.words()),
