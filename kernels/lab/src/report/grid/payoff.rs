@@ -91,7 +91,7 @@ pub(super) struct PaysOff {
 
 /// After how many rays the time to build a structure, beyond that of a plan without one, equals the time it saved.
 pub(super) fn pays_off(builds: &Builds, of_none: &Builds, saved: Saved) -> PaysOff {
-    let rays = |build_s: f64, saved_ns: f64| (saved_ns > 0.0).then(|| (1e9 * build_s / saved_ns).max(0.0).ceil());
+    let rays = |build_s: f64, saved_ns: f64| (saved_ns > 0.0).then(|| (1e9 * build_s / saved_ns).max(0.0).round());
     let all = || {
         let ((middle, [low, high]), [least, most]) = (builds.beyond(of_none)?, saved.interval?);
         // If the interval includes that nothing is saved, the median does not tell whether anything is.
@@ -117,7 +117,7 @@ mod tests {
         let builds = Builds(vec![9e-3, 10e-3, 10e-3, 10e-3, 10e-3, 11e-3]);
         let none = Builds(vec![1e-3; 6]);
         let found = pays_off(&builds, &none, Saved { median: 100.0, interval: Some([90.0, 110.0]) });
-        let expected = PaysOff { rays: Some(90_000.0), low: Some(72_728.0), high: Some(111_112.0) };
+        let expected = PaysOff { rays: Some(90_000.0), low: Some(72_727.0), high: Some(111_111.0) };
         assert_eq!(found, expected);
         // Not determined: nothing may be saved, or there is no interval.
         let unknown = PaysOff { rays: None, low: None, high: None };
