@@ -16,6 +16,7 @@ mod messages;
 mod report;
 mod report_bundle;
 mod report_files;
+mod report_sections;
 #[cfg(unix)]
 mod signals;
 mod stability;

@@ -72,6 +72,10 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "N", default_value_t = report::SEED, allow_negative_numbers = true,
           value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
     seed: u32,
+    /// Number of seeds where samples per pixel are measured; below 6 there are no intervals
+    #[arg(long, value_name = "N", default_value_t = report::SEEDS, allow_negative_numbers = true,
+          value_parser = whole::<u32>(1, 1000))]
+    seeds: u32,
     /// Also write DIR/rays.csv: every judged ray, with its verdict, error and error bound
     #[arg(long)]
     rays_csv: bool,
@@ -231,6 +235,7 @@ fn measure(
         grid: args.grid,
         is_quick: args.quick,
         seed: args.seed,
+        seeds: args.seeds,
         has_rays: args.rays_csv,
         methods,
         rays,

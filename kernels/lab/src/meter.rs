@@ -10,7 +10,8 @@ use raystep_kernels::{Device, Load, Progress, RenderError, Renderer};
 
 use crate::machine::Machine;
 use crate::rays::Random;
-use crate::statistics::{Spread, median};
+use crate::statistics::interval::{self, Interval};
+use crate::statistics::median;
 
 /// A machine that can time runs.
 pub struct Meter {
@@ -120,10 +121,10 @@ impl Valid {
         median(&self.ns)
     }
 
-    /// Median, 5th and 95th percentile.
+    /// The 95% confidence interval of the median; `None` if there are too few runs.
     #[must_use]
-    pub fn spread(&self) -> Option<Spread> {
-        Spread::of(&self.ns)
+    pub fn interval(&self) -> Option<Interval> {
+        interval::of_median(&self.ns, 0)
     }
 }
 

@@ -16,6 +16,7 @@ mod rules;
 mod samples;
 mod section;
 mod stiff;
+mod words;
 mod work;
 
 use std::io;
@@ -61,6 +62,8 @@ pub struct Wanted {
     pub is_quick: bool,
     /// Seed of all random numbers.
     pub seed: u32,
+    /// How many seeds to measure where a section varies them: at least 6 for an interval.
+    pub seeds: u32,
     /// Whether to write every judged ray.
     pub has_rays: bool,
     /// Results of other programs, for the section `choices`.
@@ -73,6 +76,9 @@ pub struct Wanted {
 
 /// The seed unless another one is requested.
 pub const SEED: u32 = 2007;
+
+/// The number of seeds unless another one is requested.
+pub const SEEDS: u32 = 10;
 
 /// The results.
 pub struct Report {
@@ -92,7 +98,7 @@ pub fn measure(
     meter: &Meter,
     reporter: &dyn Reporter,
 ) -> Result<Report, Error> {
-    let Wanted { sections, size, grid, is_quick, seed, has_rays, methods, rays, stiff } = wanted;
+    let Wanted { sections, size, grid, is_quick, seed, seeds, has_rays, methods, rays, stiff } = wanted;
     let mut tables: Vec<_> = sections.iter().map(|&s| (s, Table::new(s.columns))).collect();
     let record = Record::new(run_id, *seed, *has_rays);
     let mut scenes: Vec<Scene> = Vec::new();
@@ -108,6 +114,7 @@ pub fn measure(
                 size: *size,
                 grid: *grid,
                 is_quick: *is_quick,
+                seeds: *seeds,
                 reporter,
                 section: section.name,
                 record: &record,

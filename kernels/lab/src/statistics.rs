@@ -4,32 +4,55 @@ pub mod interval;
 pub mod proportion;
 pub mod sign;
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Farthest a point may lie from a [`Line`], relative to its y: beyond it, the points are not on a line, and its slope is
+/// no rate of theirs.
+const FARTHEST: f64 = 0.25;
+
 /// `y = intercept + slope * x`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// y at x = 0.
+    /// y at x = 0, at least 0.
     pub intercept: f64,
-    /// Increase of y per unit of x.
+    /// Increase of y per unit of x, above 0.
     pub slope: f64,
+    /// The 95% confidence interval of the slope (Student 1908); `None` if there are no more points than unknowns.
+    pub slope_interval: Option<[f64; 2]>,
     /// Largest distance of a point from the line, relative to the point's y.
     pub worst: f64,
 }
 
 impl Line {
-    /// Least squares. `None` if there are fewer than two different x.
+    /// The line through times: least squares of the distances relative to y, because a long time is off by more than a
+    /// short one, and with an intercept of at least 0, because nothing takes less than no time. Points whose y is not
+    /// above 0 are left out. `None` if fewer than two different x remain, if the line does not rise, or if the points
+    /// are not on a line: one is more than a quarter of its y away.
     #[must_use]
     pub fn through(points: &[(f64, f64)]) -> Option<Self> {
-        let n = points.len() as f64;
-        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-        let spread: f64 = points.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
-        if points.len() < 2 || spread <= 0.0 {
+        let points: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.0.is_finite() && p.1 > 0.0).collect();
+        let sum = |f: fn(f64, f64) -> f64| points.iter().map(|&(x, y)| f(x, y) / (y * y)).sum::<f64>();
+        let (w, wx, wxx, wy, wxy) =
+            (sum(|_, _| 1.0), sum(|x, _| x), sum(|x, _| x * x), sum(|_, y| y), sum(|x, y| x * y));
+        let spread = wxx - wx * wx / w;
+        if points.len() < 2 || spread.is_nan() || spread <= 1e-12 * wxx {
             return None;
         }
-        let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
-        let intercept = y - slope * x;
-        let worst = points.iter().map(|p| ((intercept + slope * p.0 - p.1) / p.1).abs()).fold(0.0, f64::max);
-        Some(Self { intercept, slope, worst })
+        let (slope, unknowns, information) = match (wxy - wx * wy / w) / spread {
+            slope if wy >= slope * wx => (slope, 2, spread),
+            // The intercept would be negative.
+            _ => (wxy / wxx, 1, wxx),
+        };
+        let intercept = if unknowns == 2 { (wy - slope * wx) / w } else { 0.0 };
+        let off = || points.iter().map(|&(x, y)| (intercept + slope * x - y) / y);
+        let worst = off().map(f64::abs).fold(0.0, f64::max);
+        let free = points.len() - unknowns;
+        let interval = (free > 0).then_some(free as f64).and_then(|free| {
+            let error = (off().map(|d| d * d).sum::<f64>() / free / information).sqrt();
+            let reach = StudentsT::new(0.0, 1.0, free).ok()?.inverse_cdf(0.975) * error;
+            Some([slope - reach, slope + reach])
+        });
+        (slope > 0.0 && worst <= FARTHEST).then_some(Self { intercept, slope, slope_interval: interval, worst })
     }
 }
 
@@ -39,7 +62,11 @@ impl Line {
 pub fn power_law(points: &[(f64, f64)]) -> Option<f64> {
     let is_positive = |p: &&(f64, f64)| p.0 > 0.0 && p.1 > 0.0;
     let logarithms: Vec<_> = points.iter().filter(is_positive).map(|p| (p.0.ln(), p.1.ln())).collect();
-    Line::through(&logarithms).map(|line| line.slope)
+    let n = logarithms.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| logarithms.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let spread: f64 = logarithms.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
+    (spread > 0.0).then(|| logarithms.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread)
 }
 
 /// The root mean square; `None` without values.
@@ -88,16 +115,6 @@ impl Spread {
     }
 }
 
-/// Minimum number of values for a 5th and 95th percentile.
-const FEWEST_FOR_PERCENTILES: usize = 20;
-
-/// The 5th and 95th percentile, or minimum and maximum if there are few values.
-#[must_use]
-pub fn low_and_high(values: &[f64]) -> [Option<f64>; 2] {
-    let ends = if values.len() < FEWEST_FOR_PERCENTILES { [0.0, 1.0] } else { [0.05, 0.95] };
-    ends.map(|share| quantile(values, share))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,14 +124,23 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_found_with_what_it_misses() {
+    fn a_line_is_found_with_what_it_misses_or_there_is_none() {
         let exact = Line::through(&[(1.0, 5.0), (2.0, 7.0), (4.0, 11.0)]).expect("a line");
-        assert!((exact.intercept - 3.0).abs() < 1e-12 && (exact.slope - 2.0).abs() < 1e-12 && exact.worst < 1e-12);
-        // Computed by hand: slope 1, intercept 1/3; the middle point, 1, is 1/3 below its line.
-        let off = Line::through(&[(0.0, 0.5), (1.0, 1.0), (2.0, 2.5)]).expect("a line");
-        assert!((off.slope - 1.0).abs() < 1e-12 && (off.intercept - 1.0 / 3.0).abs() < 1e-12);
-        assert!((off.worst - 1.0 / 3.0).abs() < 1e-12, "{off:?}");
-        assert_eq!(Line::through(&[(1.0, 5.0), (1.0, 6.0)]), None);
+        assert!(is_near(exact.intercept, 3.0) && is_near(exact.slope, 2.0) && exact.worst < 1e-12);
+        // The normal equations with weights 1 / y², solved with NumPy; t(0.975, 1) = 12.7062.
+        let off = Line::through(&[(1.0, 1.1), (2.0, 1.9), (4.0, 4.0)]).expect("a line");
+        assert!((off.slope - 0.9242265).abs() < 1e-6 && (off.intercept - 0.1530846).abs() < 1e-6, "{off:?}");
+        let [low, high] = off.slope_interval.expect("an interval");
+        assert!((low - -0.1511520).abs() < 1e-5 && (high - 1.9996051).abs() < 1e-5, "{off:?}");
+        // Two points have no interval; and below 0 no time can begin.
+        assert_eq!(Line::through(&[(1.0, 2.0), (2.0, 3.0)]).map(|line| line.slope_interval), Some(None));
+        let from_0 = Line::through(&[(1.0, 0.9), (2.0, 2.1), (3.0, 3.2)]).expect("a line");
+        // (Σ x/y) / (Σ x²/y²)
+        assert!(from_0.intercept == 0.0 && (from_0.slope - 0.993_540).abs() < 1e-6, "{from_0:?}");
+        // Curved, falling, or only one x.
+        assert_eq!(Line::through(&[(1.0, 1.0), (2.0, 4.0), (4.0, 16.0), (8.0, 64.0)]), None);
+        assert_eq!(Line::through(&[(1.0, 3.0), (2.0, 2.9), (3.0, 2.8)]), None);
+        assert_eq!((Line::through(&[(1.0, 5.0), (1.0, 6.0)]), Line::through(&[])), (None, None));
     }
 
     #[test]
@@ -146,13 +172,5 @@ mod tests {
         assert_eq!(Spread::of(&[3.0, 4.0]).map(|s| s.median), Some(3.5));
         assert_eq!(Spread::of(&[7.0]), Some(Spread { median: 7.0, p05: 7.0, p95: 7.0 }));
         assert_eq!(Spread::of(&[]), None);
-    }
-
-    #[test]
-    fn few_values_have_ends_and_many_have_percentiles() {
-        let values = |n: u32| (0..n).map(f64::from).collect::<Vec<_>>();
-        assert_eq!(low_and_high(&values(19)), [Some(0.0), Some(18.0)]);
-        assert_eq!(low_and_high(&values(21)), [Some(1.0), Some(19.0)]);
-        assert_eq!(low_and_high(&[]), [None; 2]);
     }
 }

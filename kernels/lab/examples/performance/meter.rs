@@ -22,7 +22,7 @@ use raystep_lab::meter::{Ended, Time, Times, Turns, Valid, in_turn};
 use raystep_scenes::Scene;
 
 use crate::machine::Machine;
-use crate::row::{Row, median_p05_p95};
+use crate::row::{Row, median_low_high};
 use crate::scenes::Viewed;
 use crate::sections::Deadline;
 
@@ -272,7 +272,7 @@ impl Meter<'_> {
         let row = &mut self.rows[ready.at];
         let device = Valid::of(&times.device_ns());
         (row.n, row.invalid) = (device.ns.len(), device.invalid);
-        [row.median_device_ns, row.p05_device_ns, row.p95_device_ns] = median_p05_p95(&device);
+        [row.median_device_ns, row.low_device_ns, row.high_device_ns] = median_low_high(&device);
         let wall: Vec<_> = times.runs.iter().map(|run| run.time.device_ns.map(|_| run.time.wall_ns)).collect();
         row.median_wall_ns = Valid::of(&wall).median();
         match self.machine.wait(ready.renderer.hits()) {

@@ -34,8 +34,11 @@ pub(crate) struct Row {
     pub(crate) n: usize,
     pub(crate) invalid: usize,
     pub(crate) median_device_ns: Option<f64>,
-    pub(crate) p05_device_ns: Option<f64>,
-    pub(crate) p95_device_ns: Option<f64>,
+    /// Ends of the 95% confidence interval of the median, from 6 runs.
+    #[serde(default)]
+    pub(crate) low_device_ns: Option<f64>,
+    #[serde(default)]
+    pub(crate) high_device_ns: Option<f64>,
     pub(crate) median_wall_ns: Option<f64>,
     pub(crate) passes: Option<usize>,
     pub(crate) threads_launched: Option<u64>,
@@ -92,8 +95,11 @@ pub(crate) struct Probe {
     pub(crate) invalid: usize,
     /// Time of a whole submission or run.
     pub(crate) median_device_ns: Option<f64>,
-    pub(crate) p05_device_ns: Option<f64>,
-    pub(crate) p95_device_ns: Option<f64>,
+    /// Ends of the 95% confidence interval of the median, from 6 runs.
+    #[serde(default)]
+    pub(crate) low_device_ns: Option<f64>,
+    #[serde(default)]
+    pub(crate) high_device_ns: Option<f64>,
     pub(crate) value: Option<f64>,
     pub(crate) reason: String,
 }
@@ -102,7 +108,7 @@ impl Probe {
     pub(crate) fn with_times(mut self, times: &[Option<u64>]) -> Self {
         let times = Valid::of(times);
         (self.n, self.invalid) = (times.ns.len(), times.invalid);
-        [self.median_device_ns, self.p05_device_ns, self.p95_device_ns] = median_p05_p95(&times);
+        [self.median_device_ns, self.low_device_ns, self.high_device_ns] = median_low_high(&times);
         if self.n == 0 && self.reason.is_empty() {
             self.reason = "no time was valid".into();
         }
@@ -110,7 +116,8 @@ impl Probe {
     }
 }
 
-/// `None` if no time was valid.
-pub(crate) fn median_p05_p95(times: &Valid) -> [Option<f64>; 3] {
-    times.spread().map_or([None; 3], |s| [s.median, s.p05, s.p95].map(Some))
+/// The median and the ends of its interval; unknown if too few times were valid.
+pub(crate) fn median_low_high(times: &Valid) -> [Option<f64>; 3] {
+    let interval = times.interval();
+    [times.median(), interval.map(|i| i.low), interval.map(|i| i.high)]
 }

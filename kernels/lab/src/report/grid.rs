@@ -1,6 +1,8 @@
 //! How fine a grid should be, and when building an accelerator pays off.
 
-use std::time::Instant;
+mod payoff;
+mod plots;
+mod words;
 
 use raystep_kernels::export::json::GridSummary;
 use raystep_kernels::export::structure::structure_bytes;
@@ -8,12 +10,12 @@ use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
 
 use super::judge::{Drawn, Judge};
-use super::page::{Part, number};
+use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
-use crate::plots::{Axis, Bars, Plot, Scale, Series};
-use crate::statistics::quantile;
-use crate::tidy::{KEYS, Row, TIMES, Table, VERDICTS, count, joined};
+use crate::statistics::interval;
+use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
+use payoff::{builds, pays_off, saved};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -21,6 +23,7 @@ const GROUPS: &[&[&str]] = &[
         "accelerator",
         "resolution_factor",
         "is_automatic",
+        "is_selected",
         "cells_x",
         "cells_y",
         "cells_z",
@@ -28,16 +31,27 @@ const GROUPS: &[&[&str]] = &[
         "leaps",
         "references",
         "structure_bytes",
+        "builds",
         "build_s",
+        "build_s_low",
+        "build_s_high",
+        "build_s_min",
+        "build_s_max",
         "rays",
-        "ns_per_ray",
-        "trace_ratio",
-        "view_s",
-        "view_with_build_s",
-        "paid_off_rays",
         "passes",
+        "ns_per_ray",
     ],
     TIMES,
+    RATIO,
+    &[
+        "held_out_rounds",
+        "held_out_time_ratio",
+        "held_out_time_ratio_low",
+        "held_out_time_ratio_high",
+        "paid_off_rays",
+        "paid_off_rays_low",
+        "paid_off_rays_high",
+    ],
     VERDICTS,
 ];
 
@@ -47,20 +61,24 @@ const SHOWN: &[&str] = &[
     "accelerator",
     "resolution_factor",
     "is_automatic",
-    "cells_x",
-    "cells_y",
-    "cells_z",
+    "is_selected",
+    "cells",
     "references",
     "structure_bytes",
     "build_s",
+    "build_s_min",
+    "build_s_max",
     "rays",
     "runs",
     "median_ns",
     "low_ns",
     "high_ns",
-    "trace_ratio",
-    "view_with_build_s",
+    "time_ratio",
+    "time_ratio_low",
+    "time_ratio_high",
     "paid_off_rays",
+    "paid_off_rays_low",
+    "paid_off_rays_high",
     "judged_rays",
     "wrong_rays",
     "at_bound",
@@ -84,6 +102,10 @@ impl Way {
         }
     }
 
+    fn is_automatic(&self) -> bool {
+        self.factor.is_some() && self.options.grid == GridSize::Auto
+    }
+
     fn name(&self) -> String {
         match self.factor {
             Some(factor) => format!("the grid at {factor:.3} times the automatic resolution"),
@@ -95,10 +117,9 @@ impl Way {
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
     work.stage("grid resolution");
-    let first = table.rows.len();
     let mut built: Vec<(Way, Built)> = Vec::new();
     for way in ways(work, &mut part)? {
-        match build(work, &way.options) {
+        match work.build(&way.options) {
             Ok(ready) => built.push((way, ready)),
             Err(error) => {
                 work.can_go_on()?;
@@ -106,57 +127,76 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             }
         }
     }
+    let builds = builds(work, &built)?;
     let names: Vec<String> = built.iter().map(|(way, _)| work.configuration(&[&way.id()])).collect();
     let mut renderers: Vec<_> = built.iter_mut().map(|(_, b)| &mut b.renderer).collect();
-    let times = work.time_in_turn(&names, &mut renderers, work.either(3, 9))?;
+    // Half of the rounds select a resolution; the others, enough for an interval, estimate it.
+    let fewest = work.either(interval::FEWEST, 2 * interval::FEWEST);
+    let times = work.time_rounds(&names, &mut renderers, fewest, work.either(fewest, 24))?;
+    let automatic = built.iter().position(|(way, _)| way.is_automatic());
+    let none = built.iter().position(|(way, _)| way.options.accelerator == Accelerator::None);
+    let selected = automatic.and_then(|automatic| select(&built, &times, automatic));
+    let is_whole = |i: usize| built[i].1.renderer.plan().rays == view_rays(work);
     let mut judges = [Judge::default(), Judge::default()];
-    for ((way, ready), times) in built.iter().zip(&times) {
+    let mut rows = Vec::new();
+    for (i, ((way, ready), times_of)) in built.iter().zip(&times).enumerate() {
         // Without an accelerator there may be fewer rays, and then the correct hits differ, too.
         let judge = &mut judges[usize::from(way.options.accelerator == Accelerator::None)];
         let judged = judge.judge(work, &ready.renderer)?;
-        if times.is_given_up {
+        if times_of.is_given_up {
             part.notes.push(format!("{}: {}", way.name(), judged.given_up()));
         }
+        let mut row = builds[i].fill(times_of.fill(row(work, way, ready, times_of), work.seed()));
+        if let Some(automatic) = automatic.filter(|_| is_whole(i)) {
+            row = times_of.fill_ratio(&times[automatic], &names[automatic], row, work.seed());
+            if selected == Some(i) {
+                row = held_out(times_of, &times[automatic], row, work.seed());
+            }
+        }
+        if let Some(none) = none.filter(|&none| none != i && is_whole(i) && is_whole(none)) {
+            let rays = ready.renderer.plan().rays;
+            let saved = saved(&times[none], times_of, rays, work.seed());
+            row = saved.map_or(row.clone(), |saved| pays_off(&builds[i], &builds[none], saved).fill(row));
+        }
+        row = row.set("is_selected", way.factor.map(|_| selected == Some(i)));
         let (of, rays) = (judge.sample().len(), ready.renderer.plan().rays as usize);
-        table.rows.push(judged.fill(row(work, way, ready, times), Drawn::of_pixels(of, rays)));
+        rows.push(judged.fill(row, Drawn::of_pixels(of, rays)));
     }
-    compare(&mut table.rows[first..]);
-    let rows = &table.rows[first..];
-    part.figure("time", time_plot(rows).svg()?, "");
-    part.figure("bytes", bytes_plot(rows).svg()?, "");
-    part.figure("build", bars(rows).svg()?, "");
-    part.table(rows, SHOWN);
-    say(work, rows, &mut part);
+    part.figure("time", plots::times(&rows).svg()?, plots::times_caption(&rows));
+    part.figure("build", plots::builds(&rows).svg()?, plots::builds_caption(&rows));
+    part.figure("bytes", plots::bytes(&rows).svg()?, "Memory of the grid: cells and lists of triangles.");
+    part.figure("structures", plots::structure_times(&rows).svg()?, plots::structures_caption(&rows));
+    part.figure("structures-build", plots::structure_builds(&rows).svg()?, plots::builds_caption(&rows));
+    part.table(&rows, SHOWN);
+    words::say(work, &rows, &mut part);
+    table.rows.extend(rows);
     Ok(part)
 }
 
-fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
-    let automatic = rows.iter().find(|r| r.get("is_automatic") == "true");
-    let fastest = rows.iter().filter(|r| r.get("accelerator") == "grid");
-    let fastest = fastest.filter(|r| r.number("trace_ratio").is_some());
-    let fastest = fastest.min_by(|a, b| {
-        let time = |r: &Row| r.number("trace_ratio").unwrap_or(f64::INFINITY);
-        time(a).total_cmp(&time(b))
-    });
-    if let (Some(automatic), Some(fastest)) = (automatic, fastest) {
-        part.prose.push(format!(
-            "The ratio is relative to the automatic resolution, {} × {} × {}; the fastest resolution takes {} of its \
-             time. Wrong rays at any resolution: at most {}.",
-            number("cells_x", automatic),
-            number("cells_y", automatic),
-            number("cells_z", automatic),
-            number("trace_ratio", fastest),
-            rows.iter()
-                .max_by_key(|r| r.number("wrong_rays").unwrap_or(0.0) as u64)
-                .map_or_else(|| "?".into(), |row| number("wrong_rays", row)),
-        ));
-    }
-    part.prose.push(format!(
-        "Times are {}; building is timed by the wall clock on the CPU. A structure pays off after the number of rays \
-         for which its building time, beyond that of any plan, equals the time saved compared with testing every \
-         triangle.",
-        work.clock_in_words()
-    ));
+/// Whether a round selects the resolution, rather than estimating its time: pairs of rounds, which have opposite orders,
+/// take turns.
+fn selects(round: usize) -> bool {
+    (round / 2).is_multiple_of(2)
+}
+
+/// The grid with the least time in half of the rounds.
+fn select(built: &[(Way, Built)], times: &[Times], automatic: usize) -> Option<usize> {
+    let to = times[automatic].in_rounds(selects);
+    let ratio = |i: usize| Some(times[i].in_rounds(selects).ratio(&to, 0)?.0);
+    let grids = (0..built.len()).filter(|&i| built[i].0.factor.is_some());
+    let ratios = grids.filter_map(|i| Some((i, ratio(i)?)));
+    ratios.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+}
+
+/// Fills the columns of the ratio in rounds that did not take part in the selection.
+fn held_out(times: &Times, automatic: &Times, row: Row, seed: u32) -> Row {
+    let [times, automatic] = [times, automatic].map(|times| times.in_rounds(|round| !selects(round)));
+    let ratio = times.ratio(&automatic, seed);
+    let interval = ratio.and_then(|(_, interval)| interval);
+    row.set("held_out_rounds", times.runs())
+        .set("held_out_time_ratio", ratio.map(|(median, _)| median))
+        .set("held_out_time_ratio_low", interval.map(|i| i.low))
+        .set("held_out_time_ratio_high", interval.map(|i| i.high))
 }
 
 /// The automatic grid, coarser and finer ones, the BVH, and no accelerator.
@@ -213,7 +253,7 @@ fn rays_of(rays: &RaySource) -> u64 {
 
 /// The rays of the view, with fewer pixels if testing every triangle would take too long.
 fn fewer_rays(work: &Work<'_>) -> RaySource {
-    let tests = work.either(1u64 << 24, 1 << 28);
+    let tests = work.either(1u64 << 24, 1 << 26);
     let most = (tests / (work.subject.scene.triangles.len() as u64).max(1)).max(64);
     let mut size = work.size;
     while u64::from(size.width) * u64::from(size.height) > most && size.width * size.height > 1 {
@@ -223,34 +263,16 @@ fn fewer_rays(work: &Work<'_>) -> RaySource {
     Work { size, ..*work }.camera_rays()
 }
 
-/// Builds. The build time is the median of three; only planning is repeated.
-fn build(work: &Work<'_>, options: &Options) -> Result<Built, Error> {
-    let mut built = work.build(options)?;
-    let mut times = vec![built.build_s];
-    for _ in 0..work.either(0, 2) {
-        work.machine().forget_kernels();
-        let begin = Instant::now();
-        Plan::new(&work.subject.scene, options, &work.machine().limits())?;
-        times.push(begin.elapsed().as_secs_f64());
-    }
-    built.build_s = quantile(&times, 0.5).unwrap_or(built.build_s);
-    Ok(built)
-}
-
 fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
     let (plan, data) = (built.renderer.plan(), built.renderer.data());
     let grid = GridSummary::of(plan, data);
-    let median = times.median();
     let cell = |axis: usize| grid.map(|g| g.cells[axis]);
-    let per_ray = median.filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
-    // Times with fewer rays are not comparable: a GPU that is not fully used takes longer per ray.
-    let view_s = median.filter(|_| plan.rays == view_rays(work)).map(|ns| ns / 1e9);
-    let row = work
-        .row(COLUMNS)
+    let per_ray = times.median().filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
+    work.row(COLUMNS)
         .set("configuration", work.configuration(&[&way.id()]))
         .set("accelerator", way.options.accelerator.name())
         .set("resolution_factor", way.factor)
-        .set("is_automatic", way.factor.map(|_| way.options.grid == GridSize::Auto))
+        .set("is_automatic", way.factor.map(|_| way.is_automatic()))
         .set("cells_x", cell(0))
         .set("cells_y", cell(1))
         .set("cells_z", cell(2))
@@ -258,81 +280,19 @@ fn row(work: &Work<'_>, way: &Way, built: &Built, times: &Times) -> Row {
         .set("leaps", grid.map(|g| g.leaps))
         .set("references", grid.map(|g| g.references))
         .set("structure_bytes", structure_bytes(plan))
-        .set("build_s", built.build_s)
         .set("rays", plan.rays)
         .set("ns_per_ray", per_ray)
-        .set("view_s", view_s)
-        .set("view_with_build_s", view_s.map(|s| s + built.build_s))
         .set("passes", built.renderer.pass_count())
-        .set("clock", work.clock());
-    times.fill(row, work.seed())
+        .set("clock", work.clock())
 }
 
-/// Adds the columns that compare rows, for those that traced the whole view.
-fn compare(rows: &mut [Row]) {
-    let whole = |r: &Row| r.number("view_s").and_then(|_| r.number("ns_per_ray"));
-    let automatic = rows.iter().find(|r| r.get("is_automatic") == "true").and_then(whole);
-    let is_none = |r: &Row| r.get("accelerator") == "none";
-    let none = rows.iter().find(|r| is_none(r)).and_then(|r| whole(r).zip(r.number("build_s")));
-    for row in rows.iter_mut() {
-        let (per_ray, build_s) = (whole(row), row.number("build_s"));
-        let ratio = per_ray.zip(automatic).map(|(ns, automatic)| ns / automatic);
-        let pays = per_ray.zip(build_s).zip(none).filter(|_| !is_none(row)).and_then(|((ns, build), (none, least))| {
-            // A structure that does not save time never pays off.
-            (none > ns).then(|| (1e9 * (build - least) / (none - ns)).max(0.0).ceil())
-        });
-        *row = row.clone().set("trace_ratio", ratio).set("paid_off_rays", pays);
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn over_cells(rows: &[Row], y: impl Fn(&Row) -> Option<f64>) -> Vec<(f64, f64)> {
-    rows.iter().filter_map(|r| Some((r.number("cells")?, y(r)?))).collect()
-}
-
-fn automatic_place(rows: &[Row]) -> Vec<(f64, String)> {
-    let cells = rows.iter().find(|r| r.get("is_automatic") == "true").and_then(|r| r.number("cells"));
-    cells.map(|cells| (cells, "automatic".to_owned())).into_iter().collect()
-}
-
-fn cells_axis() -> Axis {
-    Axis::new("cells of the grid", Scale::Log)
-}
-
-fn time_plot(rows: &[Row]) -> Plot {
-    let grid: Vec<Row> = rows.iter().filter(|r| r.get("accelerator") == "grid").cloned().collect();
-    let mut trace = Series::line("trace the view", 0, over_cells(&grid, |r| Some(r.number("median_ns")? / 1e6)));
-    trace.whiskers =
-        grid.iter().filter_map(|r| Some((r.number("low_ns")? / 1e6, r.number("high_ns")? / 1e6))).collect();
-    Plot {
-        title: "Time by resolution".into(),
-        x: cells_axis(),
-        y: Axis::new("time, ms", Scale::Log),
-        series: vec![trace, Series::line("plan and build", 1, over_cells(&grid, |r| Some(r.number("build_s")? * 1e3)))],
-        places: automatic_place(rows),
-    }
-}
-
-fn bytes_plot(rows: &[Row]) -> Plot {
-    let line = Series::line("cells and lists", 2, over_cells(rows, |r| Some(r.number("structure_bytes")? / 1024.0)));
-    Plot {
-        title: "Memory by resolution".into(),
-        x: cells_axis(),
-        y: Axis::new("memory, KiB", Scale::Log),
-        series: vec![line],
-        places: automatic_place(rows),
-    }
-}
-
-fn bars(rows: &[Row]) -> Bars {
-    let is_shown = |r: &&Row| r.get("accelerator") != "grid" || r.get("is_automatic") == "true";
-    let bar = |r: &Row| {
-        let (build, view) = (r.number("build_s")? * 1e3, r.number("view_s")? * 1e3);
-        Some((r.get("accelerator").to_owned(), vec![(build, 0), (view, 1)]))
-    };
-    Bars {
-        title: "One view, including building".into(),
-        x: "time, ms".into(),
-        legend: vec!["plan and build".into(), "trace the view".into()],
-        bars: rows.iter().filter(is_shown).filter_map(bar).collect(),
+    #[test]
+    fn rounds_that_select_come_in_pairs_and_are_half_of_all() {
+        let of: Vec<bool> = (0..8).map(selects).collect();
+        assert_eq!(of, [true, true, false, false, true, true, false, false]);
     }
 }

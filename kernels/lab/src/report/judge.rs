@@ -253,9 +253,10 @@ mod tests {
         let (subject, meter, size) = (&subject, &meter, Size { width: 16, height: 16 });
         let record = Record::new("test".into(), 1, false);
         let (section, record) = ("test", &record);
-        let (grid, is_quick, reporter) = (GridSize::Auto, true, &Silent);
+        let (grid, is_quick, seeds, reporter) = (GridSize::Auto, true, 1, &Silent);
         let (methods, rays, stiff) = (&[][..], None, None);
-        let work = Work { subject, meter, size, grid, is_quick, reporter, section, record, methods, rays, stiff };
+        let work =
+            Work { subject, meter, size, grid, is_quick, seeds, reporter, section, record, methods, rays, stiff };
         let options = Options { steps_per_pass: 1, shade: false, ..Options::new(work.camera_rays()) };
         let mut renderer = work.build(&options).expect("a plan").renderer;
         let mut judge = Judge::default();

@@ -108,7 +108,8 @@ pub fn costs(
     let (size, grid, section) = (Size { width: 0, height: 0 }, options.grid, "left-out");
     let (methods, rays, stiff) = (&[][..], None, None);
     let record = &record;
-    let work = Work { subject, meter, size, grid, is_quick: false, reporter, section, record, methods, rays, stiff };
+    let (is_quick, seeds) = (false, 1);
+    let work = Work { subject, meter, size, grid, is_quick, seeds, reporter, section, record, methods, rays, stiff };
     measure::costs(&work, options, ALONE_TAKES)
 }
 

@@ -1,74 +1,81 @@
 //! The error of t in scenes far from the origin, and in scenes with tiny or huge units.
 //!
-//! Two errors are distinguished. The *arithmetic error* comes from tracing the scene as it is in f32: it is measured
-//! against f64 with the same f32 inputs, and predicted for each ray by the bound in `crate::reference`. The *rounding
-//! error* comes from moving or scaling the scene, before any ray is traced: each coordinate is off by up to half a unit
-//! in the last place, h. A plane with the normal n through vertices c is hit where (o + t·d − c)·n = 0. To first order,
-//! with vertex weights that add up to 1,
+//! Two errors are distinguished, on the same rays. The *arithmetic error* comes from tracing the scene as it is in f32:
+//! it is measured against f64 with the same f32 inputs, and predicted for each ray by the bound in `crate::reference`.
+//! A result with a small one is right for a scene close to the given one: its backward error is small. The *forward
+//! error* is measured against the scene before it was moved or scaled, and so includes the rounding of every coordinate
+//! to f32, off by up to half a unit in the last place, h. A plane with the normal n through vertices c is hit where
+//! (o + t·d − c)·n = 0. To first order, with vertex weights that add up to 1, rounding changes t by
 //!
 //! ```text
 //! |Δt| ≤ Σ |n_axis| · (h(o_axis) + max h(c_axis)) / |d·n|
 //! ```
 //!
-//! Both are worst cases. A tighter line, though not a bound, is one rounding, 2⁻²⁴, of the depth of the farthest vertex
-//! of the hit triangle: t is a mean of the vertices' depths, each rounded, and errors of their weights change it only
-//! as far as the depths differ.
+//! Both bounds are worst cases. A tighter line, though not a bound, is one rounding, 2⁻²⁴, of the depth of the farthest
+//! vertex of the hit triangle: t is a mean of the vertices' depths, each rounded, and errors of their weights change it
+//! only as far as the depths differ.
 //!
 //! Errors of t are converted to distances along the ray, relative to the scene's extent, so that all places are
-//! comparable.
+//! comparable. Rays are judged by strata: in any direction, and at corners, at middles of edges and along edges of the
+//! moved scene.
 
+mod errors;
 mod plots;
+mod words;
 
+use std::fmt;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
 use raystep_kernels::{Numerics, Options, Ray, RaySource};
 use raystep_scenes::Scene;
 
-use super::judge::{Drawn, Judge, Judged};
-use super::page::{Part, number};
+use super::judge::{Drawn, Judge, bounds, fill};
+use super::page::Part;
 use super::work::Work;
 use crate::Error;
 use crate::meter::Ended;
 use crate::rays::{Aim, aimed};
-use crate::statistics::proportion::exact_interval;
-use crate::statistics::quantile;
+use crate::reference::Counts;
 use crate::subject::Subject;
 use crate::tidy::{KEYS, Row, Table, VERDICTS, count, joined};
+use errors::measure;
 
-const GROUPS: &[&[&str]] = &[
-    KEYS,
-    &[
-        "offset_extents",
-        "scale",
-        "numerics",
-        "rays",
-        "lost_per_million",
-        "lost_per_million_low",
-        "lost_per_million_high",
-        "measured_rays",
-        "t_error_extents_largest",
-        "t_error_extents_median",
-        "t_bound_extents_largest",
-        "t_bound_extents_median",
-        "t_largest_by_bound",
-        "t_error_by_own_bound_largest",
-        "t_bound_extents_of_largest_error",
-        "t_step_extents_largest",
-        "t_largest_by_step",
-        "rounding_rays",
-        "rounding_error_extents_largest",
-        "rounding_error_extents_median",
-        "rounding_bound_extents_largest",
-        "rounding_bound_extents_median",
-        "rounding_largest_by_bound",
-        "rounding_error_by_own_bound_largest",
-        "rounding_beyond_bound_rays",
-    ],
-    VERDICTS,
+const ERRORS: &[&str] = &[
+    "numerics",
+    "stratum",
+    "rays",
+    "measured_rays",
+    "arithmetic_error_extents_largest",
+    "arithmetic_error_extents_median",
+    "arithmetic_bound_extents_largest",
+    "arithmetic_bound_extents_median",
+    "arithmetic_error_by_bound_largest",
+    "depth_rounding_extents_largest",
+    "arithmetic_by_depth_rounding",
+    "forward_error_extents_largest",
+    "forward_error_extents_median",
+    "forward_bound_extents_largest",
+    "forward_bound_extents_median",
+    "forward_error_by_bound_largest",
+    "beyond_forward_bound_rays",
+    "changed_rays",
+    "changed_per_million",
+    "changed_per_million_low",
+    "changed_per_million_high",
 ];
 
-pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
+const MOVED: &[&[&str]] = &[KEYS, &["offset_extents"], ERRORS, VERDICTS];
+const SCALED: &[&[&str]] = &[KEYS, &["scale"], ERRORS, VERDICTS];
+
+/// Columns of the section `moved`.
+pub(super) const COLUMNS: &[&str] = &joined::<{ count(MOVED) }>(MOVED);
+
+/// Columns of the section `scaled`.
+pub(super) const SCALED_COLUMNS: &[&str] = &joined::<{ count(SCALED) }>(SCALED);
+
+/// What rays are aimed at, a stratum each. Those in any direction come first, and are traced again in every place.
+const STRATA: [Aim<'static>; 4] = [Aim::Anywhere, Aim::Corners, Aim::Middles, Aim::Along];
 
 /// Where the scene is placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +97,7 @@ pub(super) fn scaled(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> 
     run(work, table, "scale", &(-4..=4).map(|k| Place::Scaled(10f64.powi(5 * k))).collect::<Vec<_>>())
 }
 
-fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Result<Part, Error> {
+fn run(work: &Work<'_>, table: &mut Table, column: &'static str, places: &[Place]) -> Result<Part, Error> {
     let mut part = Part::default();
     let scene = &work.subject.scene;
     if scene.triangles.is_empty() {
@@ -98,62 +105,29 @@ fn run(work: &Work<'_>, table: &mut Table, column: &str, places: &[Place]) -> Re
         return Ok(part);
     }
     let first = table.rows.len();
-    let count = work.either(256, 2048).min(Judge::most_rays(work) / 2);
+    let count = work.either(256, 1024).min(Judge::most_rays(work) / STRATA.len());
     let here = Here::new(work, count)?;
-    for &place in places {
-        work.stage(&format!("error at {place:?}"));
-        if let Err(error) = one(work, &here, place, table, &mut part) {
-            work.can_go_on()?;
-            part.notes.push(format!("{place:?}: {}", work.explain(&error)));
+    for (i, &place) in places.iter().enumerate() {
+        work.stage(&format!("error at {place}"));
+        work.reporter.part("places", i as u64, places.len() as u64);
+        match one(work, &here, place, table.columns, &mut part) {
+            Ok(rows) => table.rows.extend(rows),
+            Err(error) => {
+                work.can_go_on()?;
+                part.notes.push(format!("{place}: {}", work.explain(&error)));
+            }
         }
     }
     let rows = &table.rows[first..];
-    part.figure("bound", plots::by_bound(column, rows).svg()?, "");
-    part.figure("error", plots::errors(column, rows).svg()?, "");
-    part.figure("wrong", plots::lost(column, rows).svg()?, "");
-    let is_shown = |c: &&str| !KEYS.contains(c) && !matches!(*c, "offset_extents" | "scale" | "at_bound");
-    let columns: Vec<&str> = std::iter::once(column).chain(COLUMNS.iter().copied().filter(is_shown)).collect();
+    part.figure("error", plots::errors(column, rows).svg()?, words::errors_caption(rows));
+    part.figure("bound", plots::by_bound(column, rows).svg()?, words::bound_caption(rows));
+    part.figure("wrong", plots::wrong(column, rows).svg()?, words::wrong_caption(rows));
+    part.figure("changed", plots::changed(column, rows).svg()?, words::changed_caption(rows));
+    let is_shown = |c: &&str| !KEYS.contains(c) && *c != "at_bound";
+    let columns: Vec<&str> = table.columns.iter().copied().filter(is_shown).collect();
     part.table(rows, &columns);
-    say(rows, &mut part);
+    words::say(column, rows, &mut part);
     Ok(part)
-}
-
-/// Adds a sentence on how tight the predictions are.
-fn say(rows: &[Row], part: &mut Part) {
-    let ends = |column: &str| {
-        let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
-        let mut all: Vec<(f64, &Row)> = robust.filter_map(|r| Some((r.number(column)?, r))).collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Some((*all.first()?, *all.last()?))
-    };
-    let share = |column: &str| {
-        let ((_, least), (most, most_row)) = ends(column)?;
-        let verdict = match most {
-            m if m > 1.0 => ": the bound does not hold",
-            m if m < 0.1 => ": the bound is too loose",
-            _ => "",
-        };
-        Some(format!("{} to {} of its own bound{verdict}", number(column, least), number(column, most_row)))
-    };
-    if let Some(share) = share("t_error_by_own_bound_largest") {
-        part.prose.push(format!(
-            "With robust numerics, the arithmetic error of the ray closest to its bound is {share}. Every ray has \
-             its own bound: that of a ray that grazes its triangle may be a thousand times larger."
-        ));
-    }
-    if let Some(share) = share("rounding_error_by_own_bound_largest") {
-        part.prose.push(format!(
-            "The error from rounding the scene before tracing is, for the ray closest to its bound, {share}. This \
-             bound follows from half a unit in the last place of each coordinate: |Δt| ≤ Σ |n| · (h(origin) + \
-             h(corner)) / |d·n|, plus the arithmetic bound."
-        ));
-    }
-    if let Some((_, (_, of_step))) = ends("t_largest_by_step") {
-        part.prose.push(format!(
-            "The largest error is at most {} times one rounding, 2⁻²⁴, of the largest depth.",
-            number("t_largest_by_step", of_step)
-        ));
-    }
 }
 
 /// The original scene, and the rays whose t is compared with that of the moved or scaled scene.
@@ -191,6 +165,15 @@ fn extent(scene: &Scene) -> f64 {
     f64::from((bounds.max - bounds.min).max_element())
 }
 
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Moved(by) => write!(f, "an offset of {by:e} extents"),
+            Self::Scaled(by) => write!(f, "a scale of {by:e}"),
+        }
+    }
+}
+
 impl Place {
     /// Part of a configuration's id.
     fn id(self) -> String {
@@ -221,155 +204,83 @@ impl Place {
     }
 }
 
-fn one(work: &Work<'_>, here: &Here, place: Place, table: &mut Table, part: &mut Part) -> Result<(), Error> {
+/// A row for each stratum with each numerics.
+fn one(
+    work: &Work<'_>,
+    here: &Here,
+    place: Place,
+    columns: &'static [&'static str],
+    part: &mut Part,
+) -> Result<Vec<Row>, Error> {
     let mut scene = work.subject.scene.clone();
     scene.triangles.iter_mut().flatten().for_each(|p| *p = place.point(*p, here.extent));
     let is_lost = |v: &f32| !v.is_finite() || (*v != 0.0 && v.abs() < f32::MIN_POSITIVE);
     if scene.triangles.iter().flatten().flatten().any(is_lost) {
-        part.notes.push(format!("{place:?}: coordinates exceed the range of f32"));
-        return Ok(());
+        part.notes.push(format!("{place}: coordinates exceed the range of f32"));
+        return Ok(Vec::new());
     }
-    // The first half keeps the original directions; the second half is aimed at the edges of the moved scene.
+    // Rays in any direction keep theirs; the others are aimed at the edges of the moved scene.
     let again = here.rays.iter().map(|r| Ray { origin: place.point(r.origin, here.extent), ..*r });
-    let edges = aimed(&scene, Aim::Edges, here.rays.len(), work.seed() + 1);
-    let rays: Vec<Ray> = again.chain(edges).collect();
+    let mut rays: Vec<Ray> = again.collect();
+    let mut ends = vec![0, rays.len()];
+    for (aim, seed) in STRATA.into_iter().zip(work.seed()..).skip(1) {
+        rays.extend(aimed(&scene, aim, here.rays.len(), seed));
+        ends.push(rays.len());
+    }
     let Subject { camera, hash, file, .. } = work.subject;
     let subject = Subject { scene, camera: camera.clone(), hash: *hash, file: file.clone() };
     let work = Work { subject: &subject, ..*work };
 
     let mut judge = Judge::default();
+    let mut rows = Vec::new();
     for numerics in [Numerics::Robust, Numerics::Paper] {
         let options = Options { numerics, shade: false, ..Options::new(RaySource::Given(rays.clone())) };
         let mut renderer = work.build(&options)?.renderer;
         if work.run(&mut renderer)? == Ended::GivenUp {
-            part.notes.push(format!("{place:?}, {numerics}: stopped: too slow, or endless"));
+            part.notes.push(format!("{place}, {numerics}: stopped: too slow, or endless"));
             continue;
         }
         let judged = judge.judge(&work, &renderer)?;
-        let unit = renderer.data().units.scene_units_per_stream_unit();
-        let measured = measure(&judged, &judge, extent(&subject.scene) / unit);
-        let rounding = rounding(&judged, &judge, &renderer, here, place, &subject.scene, &rays);
-        let row = work.row(COLUMNS).set("numerics", numerics.name()).set("rays", rays.len());
-        let row = row.set("configuration", work.configuration(&[&place.id(), numerics.name()]));
-        let row = match place {
-            Place::Moved(by) => row.set("offset_extents", by),
-            Place::Scaled(by) => row.set("scale", by),
-        };
-        let (missed, of) = (judged.counts.missed, judged.counts.rays());
-        let lost = exact_interval(missed, of);
-        let row = judged
-            .fill(row, Drawn::AtRandom)
-            .set("lost_per_million", (of > 0).then(|| 1e6 * missed as f64 / of as f64))
-            .set("lost_per_million_low", lost.map(|i| 1e6 * i[0]))
-            .set("lost_per_million_high", lost.map(|i| 1e6 * i[1]));
-        table.rows.push(rounding.fill("rounding", "rounding_rays", measured.fill("t", "measured_rays", row)));
-    }
-    Ok(())
-}
-
-/// Errors with their predictions, ray by ray, in extents.
-#[derive(Default)]
-struct Errors {
-    errors: Vec<f64>,
-    bounds: Vec<f64>,
-    /// Predicted for the arithmetic: one rounding of the largest depth.
-    steps: Vec<f64>,
-}
-
-impl Errors {
-    fn add(&mut self, error: f64, bound: f64) {
-        self.errors.push(error);
-        self.bounds.push(bound);
-    }
-
-    fn fill(&self, of: &str, count: &str, row: Row) -> Row {
-        let largest = |values: &[f64]| quantile(values, 1.0);
-        let (error, bound) = (largest(&self.errors), largest(&self.bounds));
-        let own = self.errors.iter().zip(&self.bounds).map(|(e, b)| e / b);
-        let row = row
-            .set(count, self.errors.len())
-            .set(&format!("{of}_error_extents_largest"), error)
-            .set(&format!("{of}_error_extents_median"), quantile(&self.errors, 0.5))
-            .set(&format!("{of}_bound_extents_largest"), bound)
-            .set(&format!("{of}_bound_extents_median"), quantile(&self.bounds, 0.5))
-            .set(&format!("{of}_largest_by_bound"), error.zip(bound).map(|(e, b)| e / b));
-        match of {
-            "t" => {
-                let step = largest(&self.steps);
-                let pairs = self.errors.iter().zip(&self.bounds);
-                let worst = pairs.max_by(|a, b| a.0.total_cmp(b.0)).map(|(_, bound)| *bound);
-                row.set("t_error_by_own_bound_largest", own.reduce(f64::max))
-                    .set("t_bound_extents_of_largest_error", worst)
-                    .set("t_step_extents_largest", step)
-                    .set("t_largest_by_step", error.zip(step).map(|(e, s)| e / s))
-            }
-            _ => row
-                .set("rounding_error_by_own_bound_largest", own.clone().reduce(f64::max))
-                .set("rounding_beyond_bound_rays", own.filter(|&share| share > 1.0).count()),
+        let hits = work.machine().wait(renderer.hits())?;
+        for (aim, ends) in STRATA.into_iter().zip(ends.windows(2)) {
+            let of = ends[0]..ends[1];
+            let in_stratum = || judge.sample().iter().zip(&judged.verdicts).filter(|(ray, _)| of.contains(ray));
+            let mut counts = Counts::default();
+            in_stratum().filter_map(|(_, verdict)| *verdict).for_each(|verdict| counts.add(verdict));
+            let unresolved = in_stratum().filter(|(_, verdict)| verdict.is_none()).count();
+            let is_again = aim == Aim::Anywhere;
+            let errors =
+                measure(&judged, &judge, &of, is_again.then_some((here, place)), &subject.scene, &rays, &renderer);
+            let row =
+                work.row(columns).set("numerics", numerics.name()).set("stratum", aim.name()).set("rays", of.len());
+            let row = row.set("configuration", work.configuration(&[&place.id(), numerics.name(), aim.name()]));
+            let row = match place {
+                Place::Moved(by) => row.set("offset_extents", by),
+                Place::Scaled(by) => row.set("scale", by),
+            };
+            let row = errors.fill(fill(row, &counts, Drawn::AtRandom).set("at_bound", unresolved));
+            let found = hits[of.clone()].iter().map(|hit| hit.map(|hit| hit.triangle));
+            rows.push(if is_again { changed(row, found, here) } else { row });
         }
     }
+    Ok(rows)
 }
 
-/// Measures the arithmetic error. `extent` is in traced units, as t is.
-fn measure(judged: &Judged, judge: &Judge, extent: f64) -> Errors {
-    let mut errors = Errors::default();
-    for right in &judged.right {
-        let length = DVec3::from(judge.direction(right.place)).length() / extent;
-        errors.add((right.t - right.exact.t).abs() * length, right.exact.t_bound * length);
-        errors.steps.push(0.5 * f64::from(f32::EPSILON) * right.exact.far * length);
-    }
-    errors
-}
-
-/// Measures how t changed, by rounding of the scene and arithmetic together.
-fn rounding(
-    judged: &Judged,
-    judge: &Judge,
-    renderer: &raystep_kernels::Renderer,
-    here: &Here,
-    place: Place,
-    scene: &Scene,
-    rays: &[Ray],
-) -> Errors {
-    let mut errors = Errors::default();
-    for right in &judged.right {
-        let index = judge.sample()[right.place];
-        let Some(Some((triangle, t))) = here.exact.get(index).copied() else { continue };
-        if triangle != right.exact.triangle {
-            continue;
-        }
-        let scale = renderer.t_scale(index);
-        let (ray, corners) = (&rays[index], &scene.triangles[triangle as usize]);
-        let [direction, a, b, c] =
-            [ray.direction, corners[0], corners[1], corners[2]].map(|v| glam::Vec3::from(v).as_dvec3());
-        let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-        let half_steps =
-            |axis: usize| half_step(ray.origin[axis]) + corners.iter().map(|c| half_step(c[axis])).fold(0.0, f64::max);
-        let moved: f64 =
-            (0..3).map(|axis| normal[axis].abs() * half_steps(axis)).sum::<f64>() / direction.dot(normal).abs();
-        let length = direction.length() / (here.extent * place.scale());
-        errors
-            .add((right.t * scale - t * place.scale()).abs() * length, (moved + right.exact.t_bound * scale) * length);
-    }
-    errors
-}
-
-/// Half the distance to the next f32: the largest error of rounding to this number.
-fn half_step(value: f32) -> f64 {
-    let magnitude = value.abs();
-    0.5 * (f64::from(f32::from_bits(magnitude.to_bits() + 1)) - f64::from(magnitude))
+/// Fills the columns of rays that hit something else than before the scene was rounded.
+fn changed(row: Row, found: impl ExactSizeIterator<Item = Option<u32>>, here: &Here) -> Row {
+    let of = found.len() as u64;
+    let exact = here.exact.iter().map(|exact| exact.map(|(triangle, _)| triangle));
+    let changed = found.zip(exact).filter(|(found, exact)| found != exact).count() as u64;
+    let ends = bounds(changed, of);
+    row.set("changed_rays", changed)
+        .set("changed_per_million", (of > 0).then(|| 1e6 * changed as f64 / of as f64))
+        .set("changed_per_million_low", ends.map(|ends| 1e6 * ends[0]))
+        .set("changed_per_million_high", ends.map(|ends| 1e6 * ends[1]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn half_a_step_is_what_rounding_costs_at_most() {
-        assert_eq!(half_step(1.0), 0.5f64.powi(24));
-        assert_eq!(half_step(-3.0), 0.5f64.powi(23));
-        assert_eq!(half_step(0.0), f64::from(f32::from_bits(1)) * 0.5);
-    }
 
     #[test]
     fn points_are_moved_and_scaled_exactly_before_they_are_rounded() {

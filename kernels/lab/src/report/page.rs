@@ -21,6 +21,8 @@ pub(super) struct Part {
     lead_table: String,
     /// Paragraphs, as HTML.
     pub(super) prose: Vec<String>,
+    /// Whether figures and tables are folded: of little interest to most readers.
+    pub(super) is_folded: bool,
     /// Missing results with reasons, and other notes, as plain text.
     pub(super) notes: Vec<String>,
     figures: Vec<Figure>,
@@ -216,8 +218,14 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
         for paragraph in &part.prose {
             let _ = writeln!(page, "<p>{paragraph}</p>");
         }
+        if part.is_folded {
+            *page += "<details><summary>Figures and table</summary>\n";
+        }
         part.figures.iter().for_each(|figure| drawn(page, &scene.slug, key, figure, &caption(figure)));
         part.tables.iter().for_each(|table| *page += table);
+        if part.is_folded {
+            *page += "</details>\n";
+        }
         if !part.notes.is_empty() {
             *page += "<ul class=\"note\">";
             for note in &part.notes {

@@ -1,8 +1,13 @@
 //! Rays resolved, and rays resolved wrongly, over time and per pass.
 //!
-//! Every configuration runs twice: once with timed passes and no read-back, and once pass by pass, reading after each
-//! pass which rays are resolved. Kernels are deterministic, so both runs have the same passes. The hit of a resolved
-//! ray does not change any more, so each ray is judged once, at the end.
+//! Every configuration runs twice: with timed passes and no read-back, and pass by pass, reading after each pass which
+//! rays are resolved. Kernels are deterministic, so both runs have the same passes. The hit of a resolved ray does not
+//! change any more, so each ray is judged once, at the end.
+//!
+//! A row is a pass, with the time at which it ended by the clock of passes; timing passes costs some microseconds each.
+//! Which configuration is fastest is the matter of other sections, with whole runs in turn.
+
+mod plots;
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -15,9 +20,7 @@ use super::page::{Part, number};
 use super::work::{TESTS_PER_PASS, Work};
 use crate::Error;
 use crate::meter::Ended;
-use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::reference::Verdict;
-use crate::statistics::median;
 use crate::tidy::{KEYS, Row, Table, count, joined};
 use crate::ways::{MISSES_ALL, misses_all};
 
@@ -31,14 +34,13 @@ const GROUPS: &[&[&str]] = &[
         "judged_rays",
         "pass_index",
         "kernel",
-        "time_ns",
+        "pass_end_ns",
         "resolved_rays",
-        "judged_resolved_rays",
-        "judged_wrong_rays",
-        "judged_undecided_rays",
+        "resolved_judged_rays",
+        "resolved_wrong_rays",
+        "resolved_wrong_per_million",
+        "resolved_undecided_rays",
         "is_last",
-        "run_ns",
-        "run_ratio",
         "clock",
     ],
 ];
@@ -50,14 +52,12 @@ const SHOWN: &[&str] = &[
     "schedule",
     "numerics",
     "pass_index",
-    "time_ns",
-    "run_ns",
-    "run_ratio",
+    "pass_end_ns",
     "rays",
     "resolved_rays",
     "judged_rays",
-    "judged_wrong_rays",
-    "judged_undecided_rays",
+    "resolved_wrong_rays",
+    "resolved_undecided_rays",
 ];
 
 /// Maximum number of tests in a run without an accelerator.
@@ -70,14 +70,17 @@ struct Way {
     numerics: Numerics,
 }
 
-/// Every configuration, and the paper's numerics with its own faster schedule.
-fn ways() -> Vec<Way> {
+/// Every configuration, and the paper's numerics with its own faster schedule; in a quick report, without the schedules
+/// between the paper's and the fused one.
+fn ways(is_quick: bool) -> Vec<Way> {
     use Accelerator::{Bvh, Grid, None};
     let mut ways = Vec::new();
     for accelerator in [Grid, Bvh, None] {
         for &schedule in ScheduleKind::ALL {
             // Without a grid or BVH, `second` is the same as `first`.
-            if accelerator != None || schedule != ScheduleKind::Second {
+            let is_same = accelerator == None && schedule == ScheduleKind::Second;
+            let is_papers = matches!(schedule, ScheduleKind::First | ScheduleKind::Second);
+            if !(is_same || is_quick && is_papers) {
                 ways.push(Way { accelerator, schedule, numerics: Numerics::Robust });
             }
         }
@@ -89,9 +92,10 @@ fn ways() -> Vec<Way> {
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
+    part.is_folded = true;
     let first = table.rows.len();
     let mut judge = Judge::default();
-    for way in ways() {
+    for way in ways(work.is_quick) {
         let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
         work.stage(&format!("resolution of rays, {what}"));
         match one(work, way, &mut judge, &mut part) {
@@ -103,34 +107,27 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             }
         }
     }
-    let rows = &mut table.rows[first..];
-    // Only robust numerics: the paper's may be fast by missing everything.
-    let robust = rows.iter().filter(|r| r.get("numerics") == "robust");
-    let fastest = robust.filter_map(|r| r.number("run_ns")).fold(f64::INFINITY, f64::min);
-    for row in rows.iter_mut() {
-        let ratio = row.number("run_ns").filter(|_| fastest.is_finite()).map(|ns| ns / fastest);
-        *row = row.clone().set("run_ratio", ratio);
-    }
     let rows = &table.rows[first..];
     for accelerator in ["grid", "bvh", "none"] {
-        part.figure(accelerator, resolved_plot(accelerator, rows).svg()?, "");
+        part.figure(accelerator, plots::resolved(accelerator, rows).svg()?, plots::resolved_caption(accelerator, rows));
     }
-    let wrong = wrong_plot(rows);
-    if rows.iter().any(|r| r.number("judged_wrong_rays").is_some_and(|n| n > 0.0)) {
-        part.figure("wrong", wrong.svg()?, "");
+    if rows.iter().any(|r| r.number("resolved_wrong_rays").is_some_and(|n| n > 0.0)) {
+        part.figure("wrong", plots::wrong(rows).svg()?, plots::wrong_caption(rows));
     }
-    part.table(rows.iter().filter(|r| r.get("is_last") == "true"), SHOWN);
-    let robust = rows.iter().filter(|r| r.is(&[("is_last", "true"), ("numerics", "robust")]));
-    let most_wrong = robust.max_by_key(|r| r.number("judged_wrong_rays").unwrap_or(0.0) as u64);
-    if let Some(row) = most_wrong {
-        part.prose.push(format!(
-            "With robust numerics, at most {} of {} judged rays were resolved wrongly.",
-            number("judged_wrong_rays", row),
-            number("judged_rays", row)
-        ));
+    let last = || rows.iter().filter(|r| r.get("is_last") == "true");
+    part.table(last(), SHOWN);
+    let wrong = |row: &&Row| row.number("resolved_wrong_rays").unwrap_or(0.0) as u64;
+    for (numerics, name) in [("robust", "robust numerics"), ("paper", "the paper's rules")] {
+        if let Some(row) = last().filter(|r| r.get("numerics") == numerics).max_by_key(wrong) {
+            part.prose.push(format!(
+                "With {name}, at most {} of {} judged rays were resolved wrongly.",
+                number("resolved_wrong_rays", row),
+                number("judged_rays", row)
+            ));
+        }
     }
     part.prose.push(format!(
-        "Times are {}; ratios are relative to the fastest configuration with robust numerics in this table.",
+        "Times are those at which passes ended, {}, with every pass timed. They are not for ranking: whole runs in turn are.",
         work.clock_in_words()
     ));
     Ok(part)
@@ -156,29 +153,16 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         Accelerator::None => Options { steps_per_pass: TESTS_PER_PASS, ..options },
         _ => options,
     };
-    let planned = work.plan(&options)?;
-    let mut timed = work.start(&planned, &options)?.renderer;
+    let mut timed = work.build(&options)?.renderer;
     if misses_all(&work.subject.scene, &options, timed.plan()) {
         part.notes.push(MISSES_ALL.into());
     }
-    let given_up = || Ok(Err("stopped: too slow, or endless".into()));
-    let Some(Timed { passes, ends_ns, run_ns }) = timed_passes(work, &mut timed)? else { return given_up() };
+    let Some((passes, ends_ns)) = timed_passes(work, &mut timed)? else {
+        return Ok(Err("stopped: too slow, or endless".into()));
+    };
     if ends_ns.contains(&None) {
         part.notes.push(format!("{accelerator} {schedule} {numerics}: some passes have no valid time"));
     }
-    // Timing passes costs several microseconds each, so the total comes from runs without it.
-    let run_ns = match work.machine().gpu() {
-        None => run_ns,
-        Some(_) => {
-            let mut plain = work.start(&planned, &Options { timings: false, ..options })?.renderer;
-            let name = work.configuration(&[accelerator.name(), schedule.name(), numerics.name()]);
-            let times = work.time_in_turn(&[name], &mut [&mut plain], work.either(3, 5))?;
-            if times[0].is_given_up {
-                return given_up();
-            }
-            times[0].median()
-        }
-    };
     let read = read_back(work, &mut timed, &passes, judge)?;
     let judged = judge.judge(work, &timed)?;
     let last = read.len().saturating_sub(1);
@@ -186,54 +170,48 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
         let resolved = judged.verdicts.iter().zip(&r.is_resolved).filter(|(_, is)| **is);
         let resolved: Vec<Verdict> = resolved.filter_map(|(verdict, _)| *verdict).collect();
         let count = |is: fn(Verdict) -> bool| resolved.iter().filter(|v| is(**v)).count();
+        let (wrong, judged_rays) = (count(Verdict::is_error), judged.counts.rays());
         work.row(COLUMNS)
             .set("configuration", work.configuration(&[accelerator.name(), schedule.name(), numerics.name()]))
             .set("accelerator", accelerator.name())
             .set("schedule", schedule.name())
             .set("numerics", numerics.name())
             .set("rays", timed.plan().rays)
-            .set("judged_rays", judged.counts.rays())
+            .set("judged_rays", judged_rays)
             .set("pass_index", r.pass)
             .set("kernel", passes[r.pass].kernel.name())
-            .set("time_ns", ends_ns[r.pass])
+            .set("pass_end_ns", ends_ns[r.pass])
             .set("resolved_rays", passes[r.pass].kernel.program().states.decided(&passes[r.pass].counts))
-            .set("judged_resolved_rays", resolved.len())
-            .set("judged_wrong_rays", count(Verdict::is_error))
-            .set("judged_undecided_rays", count(|v| v == Verdict::Tie))
+            .set("resolved_judged_rays", resolved.len())
+            .set("resolved_wrong_rays", wrong)
+            .set("resolved_wrong_per_million", (judged_rays > 0).then(|| 1e6 * wrong as f64 / judged_rays as f64))
+            .set("resolved_undecided_rays", count(|v| v == Verdict::Tie))
             .set("is_last", i == last)
-            .set("run_ns", run_ns)
             .set("clock", work.clock())
     };
     Ok(Ok(read.iter().enumerate().map(row).collect()))
 }
 
-/// A run with timed passes.
-struct Timed {
-    passes: Vec<Pass>,
-    /// When each pass ended, in nanoseconds from the start of the first; `None` if unknown.
-    ends_ns: Vec<Option<f64>>,
-    /// The median of all runs.
-    run_ns: Option<f64>,
-}
+/// Passes, and when each ended, in nanoseconds from the start of the first; `None` if unknown.
+type Timed = (Vec<Pass>, Vec<Option<f64>>);
 
 /// Of three runs, the one with the median time of the last pass; `None` if one was stopped.
 fn timed_passes(work: &Work<'_>, renderer: &mut Renderer) -> Result<Option<Timed>, Error> {
     let has_clock = work.machine().timer().times_passes();
-    let mut runs: Vec<(Vec<Pass>, Vec<Option<f64>>)> = Vec::new();
-    let mut run_ns = Vec::new();
+    let mut runs: Vec<Timed> = Vec::new();
+    // The first run warms up.
     for run in 0..4 {
-        let Ended::Done(time) = work.run(renderer)? else { return Ok(None) };
+        if work.run(renderer)? == Ended::GivenUp {
+            return Ok(None);
+        }
         let ends = if has_clock { ends_of(renderer.passes()) } else { by_wall_clock(work, renderer)? };
-        // The first run warms up.
         if run > 0 {
-            run_ns.extend(work.ns(time));
             runs.push((renderer.passes().to_vec(), ends));
         }
     }
-    let last = |run: &(Vec<Pass>, Vec<Option<f64>>)| run.1.last().copied().flatten().unwrap_or(f64::INFINITY);
+    let last = |run: &Timed| run.1.last().copied().flatten().unwrap_or(f64::INFINITY);
     runs.sort_by(|a, b| last(a).total_cmp(&last(b)));
-    let run_ns = median(&run_ns);
-    Ok(runs.into_iter().nth(1).map(|(passes, ends_ns)| Timed { passes, ends_ns, run_ns }))
+    Ok(runs.into_iter().nth(1))
 }
 
 /// When each pass ended, from the start of the first. Some clocks are set back between two submissions: passes have no
@@ -297,74 +275,6 @@ fn read_back(
         before = now;
     }
     Ok(read)
-}
-
-fn curve(row: &[&Row], y: impl Fn(&Row) -> Option<f64>) -> Vec<(f64, f64)> {
-    row.iter().filter_map(|r| Some((r.number("time_ns")? / 1e6, y(r)?))).collect()
-}
-
-/// Starts the curve at zero, up to the first pass that changes it.
-fn from_zero(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    let begin = points.first().map(|p| (p.0, 0.0));
-    begin.into_iter().chain(points).collect()
-}
-
-fn rows_of<'a>(rows: &'a [Row], wanted: &[(&str, &str)]) -> Vec<&'a Row> {
-    rows.iter().filter(|r| r.is(wanted)).collect()
-}
-
-fn resolved_plot(accelerator: &str, rows: &[Row]) -> Plot {
-    let share = |r: &Row| Some(100.0 * r.number("resolved_rays")? / r.number("rays").filter(|&n| n > 0.0)?);
-    let ways = [("first", "robust"), ("second", "robust"), ("compact", "robust"), ("fused", "robust")];
-    let paper = [("first", "paper"), ("second", "paper")];
-    let series = ways.iter().chain(&paper).enumerate().filter_map(|(i, &(schedule, numerics))| {
-        let of_way = [("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)];
-        let is_point = schedule == "fused";
-        let points = curve(&rows_of(rows, &of_way), share);
-        // `fused` resolves all rays in one pass; it does not matter that it shades them afterwards.
-        let points =
-            if is_point { points.into_iter().filter(|p| p.1 > 0.0).take(1).collect() } else { from_zero(points) };
-        let name = if numerics == "paper" { format!("{schedule}, paper's rules") } else { schedule.to_owned() };
-        let mark = if is_point { Mark::Square } else { Mark::None };
-        let stroke = if is_point { Stroke::None } else { Stroke::Steps };
-        (!points.is_empty()).then(|| Series { name, points, whiskers: Vec::new(), color: i.min(4), mark, stroke })
-    });
-    Plot {
-        title: format!("Resolved rays, {accelerator}"),
-        x: Axis::new("time since the start, ms", Scale::Log),
-        y: Axis::new("resolved rays, %", Scale::Linear),
-        series: series.collect(),
-        places: Vec::new(),
-    }
-}
-
-fn wrong_plot(rows: &[Row]) -> Plot {
-    let wrong = |r: &Row| {
-        let (wrong, judged) = (r.number("judged_wrong_rays")?, r.number("judged_rays").filter(|&n| n > 0.0)?);
-        Some(1e6 * wrong / judged)
-    };
-    let mut series = Vec::new();
-    for (color, accelerator) in ["grid", "bvh", "none"].into_iter().enumerate() {
-        for (numerics, schedules, stroke) in
-            [("paper", &["first", "second"][..], Stroke::Steps), ("robust", &["compact"], Stroke::Dashed)]
-        {
-            for schedule in schedules {
-                let of_way = [("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)];
-                let points = from_zero(curve(&rows_of(rows, &of_way), wrong));
-                let name = format!("{accelerator} {schedule}, {numerics}");
-                if !points.is_empty() {
-                    series.push(Series { name, points, whiskers: Vec::new(), color, mark: Mark::None, stroke });
-                }
-            }
-        }
-    }
-    Plot {
-        title: "Rays resolved wrongly".into(),
-        x: Axis::new("time since the start, ms", Scale::Log),
-        y: Axis::new("wrong per million judged", Scale::LogWithZero),
-        series,
-        places: Vec::new(),
-    }
 }
 
 #[cfg(test)]

@@ -1,87 +1,92 @@
-//! Several samples per pixel: the image's error over time.
+//! Several samples per pixel: how the image's error falls with their number.
 //!
-//! The reference is the mean of two images with more samples and with seeds of their own; half the difference of the
-//! two estimates the reference's own error, as both are independent. An error that is less than ten times as large
-//! cannot be told from the reference's, and is not plotted.
+//! Seeds are independent sequences of samples, but a seed's image of few samples is the beginning of its image of many:
+//! errors of one seed depend on each other. A slope is fitted to every seed, and only the slopes are independent
+//! observations with an interval.
+//!
+//! The reference is the mean of two images with more samples and with seeds of their own; half the difference of the two
+//! estimates its own error, which is independent of the measured one, so its square is subtracted from the square of
+//! the difference. An error that is less than three times as large depends on that estimate, and is not fitted.
+
+mod plots;
+mod slopes;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use raystep_kernels::{Image, Options, RaySource, Renderer, Sampler, Samples, ScheduleKind};
 
 use super::page::{Part, number};
-use super::work::Work;
+use super::words::{Compared, compared, with_interval};
+use super::work::{Planned, Work};
 use crate::Error;
-use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
-use crate::statistics::{power_law, root_mean_square};
-use crate::tidy::{KEYS, Row, Table, count, joined};
+use crate::statistics::root_mean_square;
+use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, count, joined};
+use slopes::{Of, of_quantity};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
     &[
+        "quantity",
         "sampler",
+        "pixels",
+        "seed",
+        "seeds",
         "samples",
         "width_px",
         "height_px",
-        "time_ns",
+        "pixel_count",
         "rmse",
-        "is_plotted",
-        "slope",
-        "edge_pixels",
-        "edges_rmse",
-        "edges_is_plotted",
-        "edges_slope",
         "reference_samples",
         "reference_rmse",
-        "edges_reference_rmse",
-        "clock",
+        "error",
+        "error_low",
+        "error_high",
+        "is_fitted",
+        "local_slope",
+        "local_slope_low",
+        "local_slope_high",
+        "slope",
+        "slope_low",
+        "slope_high",
+        "rays",
+        "ns_per_ray",
     ],
+    TIMES,
+    RATIO,
 ];
 
 pub(super) const COLUMNS: &[&str] = &joined::<{ count(GROUPS) }>(GROUPS);
 
 const SHOWN: &[&str] = &[
+    "quantity",
     "sampler",
+    "pixels",
     "samples",
-    "time_ns",
-    "rmse",
-    "is_plotted",
-    "edges_rmse",
-    "edges_is_plotted",
-    "reference_samples",
-    "reference_rmse",
-    "edges_reference_rmse",
+    "seeds",
+    "error",
+    "error_low",
+    "error_high",
+    "is_fitted",
+    "local_slope",
+    "local_slope_low",
+    "local_slope_high",
+    "slope",
+    "slope_low",
+    "slope_high",
+    "runs",
+    "median_ns",
+    "low_ns",
+    "high_ns",
+    "ns_per_ray",
 ];
-
-/// How many times smaller the reference's own error must be.
-const CLEARLY: f64 = 10.0;
 
 /// Time limit for the section; what is not measured by then is omitted.
 const LONGEST: Duration = Duration::from_secs(600);
 
-/// Pixels in which the error is measured.
-#[derive(Clone, Copy)]
-enum Of {
-    All,
-    Edges,
-}
-
-/// Column names for errors of all pixels, or of edge pixels.
-impl Of {
-    fn figure(self) -> &'static str {
-        match self {
-            Self::All => "pixels",
-            Self::Edges => "edges",
-        }
-    }
-
-    fn column(self, name: &str) -> String {
-        match self {
-            Self::All => name.to_owned(),
-            Self::Edges => format!("edges_{name}"),
-        }
-    }
-}
+/// Samples of a timed run.
+const TIMED: u32 = 16;
 
 struct Reference {
     image: Image,
@@ -93,27 +98,50 @@ struct Reference {
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
-    let first = table.rows.len();
     let begin = Instant::now();
-    let most: u32 = work.either(64, 1024);
-    match reference(work, most, begin)? {
-        None => part.notes.push("stopped: too slow".into()),
-        Some(reference) => {
-            for &sampler in Sampler::ALL {
-                work.stage(&format!("samples, {sampler}"));
-                let rows = one(work, sampler, most, &reference, begin, &mut part)?;
-                table.rows.extend(rows);
+    let most: u32 = work.either(64, 256);
+    let Some(reference) = reference(work, most, begin)? else {
+        part.notes.push("stopped: too slow".into());
+        return Ok(part);
+    };
+    let images = Images { work, most, reference, begin };
+    let mut rows = Vec::new();
+    for &sampler in Sampler::ALL {
+        work.stage(&format!("samples, {sampler}"));
+        let planned = work.plan(&options(work, Samples { count: most, sampler, seed: work.seed() }))?;
+        for seed in seeds(work) {
+            match images.of_seed(&planned, sampler, seed)? {
+                Some(of_seed) => rows.extend(of_seed),
+                None => {
+                    part.notes.push(format!("{sampler}, seed {seed} and later: left out, too slow"));
+                    break;
+                }
             }
         }
     }
-    let rows = &mut table.rows[first..];
-    fit(rows);
-    say(work, rows, &mut part);
-    for of in [Of::All, Of::Edges] {
-        part.figure(of.figure(), plot(of, rows).svg()?, "");
+    let blank = |sampler: &str, what: &str| {
+        work.row(COLUMNS).set("configuration", work.configuration(&[sampler, what])).set("sampler", sampler)
+    };
+    slopes::fill(&mut rows);
+    let found = slopes::of_seeds(&rows, |sampler, seed| blank(sampler, &format!("seed-{seed}")));
+    rows.extend(found);
+    let found = slopes::medians(&rows, u64::from(work.seed()), |sampler| blank(sampler, "all-seeds"));
+    rows.extend(found);
+    rows.extend(timed(work, &mut part)?);
+    for of in Of::BOTH {
+        part.figure(of.name(), plots::errors(of, &rows).svg()?, plots::error_caption(of, &rows));
     }
-    part.table(rows.iter(), SHOWN);
+    part.figure("slopes", plots::local_slopes(&rows).svg()?, plots::slope_caption(&rows));
+    part.table(rows.iter().filter(|row| row.get("seed").is_empty()), SHOWN);
+    say(work, &rows, &mut part);
+    table.rows.extend(rows);
     Ok(part)
+}
+
+/// The seeds of the measured images.
+fn seeds(work: &Work<'_>) -> impl Iterator<Item = u32> {
+    let first = work.seed();
+    (0..work.seeds).map(move |i| first.wrapping_add(i))
 }
 
 fn options(work: &Work<'_>, samples: Samples) -> Options {
@@ -122,7 +150,7 @@ fn options(work: &Work<'_>, samples: Samples) -> Options {
 
 /// Small images, since many samples are needed.
 fn rays(work: &Work<'_>) -> RaySource {
-    let side = work.either(48, 96);
+    let side = work.either(32, 64);
     let mut size = work.size;
     size.height = size.height.min(side);
     size.width = size.width.min(side);
@@ -144,10 +172,12 @@ fn run_to(work: &Work<'_>, renderer: &mut Renderer, samples: u32, begin: Instant
 
 fn reference(work: &Work<'_>, most: u32, begin: Instant) -> Result<Option<Reference>, Error> {
     work.stage("samples: the reference");
-    let each = 2 * most;
+    let each = 4 * most;
     let mut halves = Vec::new();
-    for half in 0..2 {
-        let samples = Samples { count: each, sampler: Sampler::Sobol, seed: work.seed() + 1 + half };
+    // After the seeds of the measured images.
+    let first = work.seed().wrapping_add(work.seeds);
+    for seed in [first, first.wrapping_add(1)] {
+        let samples = Samples { count: each, sampler: Sampler::Sobol, seed };
         let mut renderer = work.build(&options(work, samples))?.renderer;
         if !run_to(work, &mut renderer, each, begin)? {
             return Ok(None);
@@ -193,158 +223,146 @@ fn rmse(a: &Image, b: &Image, of: Option<&[bool]>) -> Option<f64> {
     root_mean_square(wanted.flat_map(|(_, (a, b))| [0, 1, 2].map(|c| f64::from(a[c]) - f64::from(b[c]))))
 }
 
-fn one(
-    work: &Work<'_>,
-    sampler: Sampler,
+/// What the images of all seeds share.
+struct Images<'a> {
+    work: &'a Work<'a>,
+    /// Samples of the last image.
     most: u32,
-    reference: &Reference,
+    reference: Reference,
     begin: Instant,
-    part: &mut Part,
-) -> Result<Vec<Row>, Error> {
-    let samples = Samples { count: most, sampler, seed: work.seed() };
-    let mut renderer = work.build(&options(work, samples))?.renderer;
-    let mut rows = Vec::new();
-    // Warm up once. Do not start at 1: one of several samples is anywhere in its pixel, whereas an image with a single
-    // sample uses the pixel's centre.
-    let mut count = 2;
-    run_to(work, &mut renderer, count, begin)?;
-    renderer.restart();
-    let mut wall = Duration::ZERO;
-    while count <= most {
-        work.machine().settle();
-        let started = Instant::now();
-        let is_there = run_to(work, &mut renderer, count, begin)?;
-        // Stopped runs count too: their samples are used below.
-        wall += started.elapsed();
-        if !is_there {
-            part.notes.push(format!("{sampler}: stopped before {count} samples: too slow"));
-            break;
-        }
-        let image = work.machine().wait(renderer.image())?;
-        let errors = [None, Some(reference.is_edge.as_slice())].map(|of| rmse(&image, &reference.image, of));
-        let plotted = |i: usize| Some(errors[i]? > 0.0 && errors[i]? > CLEARLY * reference.error[i]?);
-        rows.push(
-            work.row(COLUMNS)
-                .set("configuration", work.configuration(&[sampler.name(), &count.to_string()]))
-                .set("sampler", sampler.name())
-                .set("samples", count)
-                .set("width_px", image.width)
-                .set("height_px", image.height)
-                .set("rmse", errors[0])
-                .set("is_plotted", plotted(0))
-                .set("edge_pixels", reference.is_edge.iter().filter(|is| **is).count())
-                .set("edges_rmse", errors[1])
-                .set("edges_is_plotted", plotted(1))
-                .set("reference_samples", reference.samples)
-                .set("reference_rmse", reference.error[0])
-                .set("edges_reference_rmse", reference.error[1])
-                .set("clock", work.clock()),
-        );
-        count *= 2;
-    }
-    // Every sample traces equally many rays, and passes of several samples are submitted together, so the run's time is
-    // divided equally among samples.
-    let done = renderer.samples().max(1);
-    let has_clock = work.machine().timer().times_passes();
-    let total = if has_clock { renderer.device_ns() } else { Some(wall.as_nanos() as u64) };
-    let per_sample = total.filter(|&ns| ns > 0).map(|ns| ns as f64 / f64::from(done));
-    let timed = |row: Row| {
-        let time = per_sample.zip(row.number("samples")).map(|(ns, samples)| ns * samples);
-        row.set("time_ns", time)
-    };
-    Ok(rows.into_iter().map(timed).collect())
 }
 
-fn points(rows: &[Row], sampler: &str, of: Of, x: &str) -> Vec<(f64, f64)> {
-    let wanted = rows.iter().filter(|r| r.is(&[("sampler", sampler), (&of.column("is_plotted"), "true")]));
-    wanted.filter_map(|r| Some((r.number(x)?, r.number(&of.column("rmse"))?))).collect()
-}
-
-/// Adds the exponents of error against samples.
-fn fit(rows: &mut [Row]) {
-    for of in [Of::All, Of::Edges] {
-        for sampler in Sampler::ALL {
-            let slope = power_law(&points(rows, sampler.name(), of, "samples"));
-            for row in rows.iter_mut().filter(|r| r.get("sampler") == sampler.name()) {
-                *row = row.clone().set(&of.column("slope"), slope);
+impl Images<'_> {
+    /// Errors of one seed's images of 2, 4, 8… samples; `None` if they take too long.
+    fn of_seed(&self, planned: &Planned, sampler: Sampler, seed: u32) -> Result<Option<Vec<Row>>, Error> {
+        let Self { work, most, reference, begin } = self;
+        let samples = Samples { count: *most, sampler, seed };
+        let mut data = planned.data().clone();
+        data.sampling.seed = seed;
+        let (plan, data, device) = (planned.plan(), Arc::new(data), &work.machine().device);
+        let options = options(work, samples);
+        let mut renderer = work.machine().wait(Renderer::from_plan(plan, data, &options, device))?;
+        let mut rows = Vec::new();
+        // Not from 1: one of several samples is anywhere in its pixel, whereas an image with a single sample uses the
+        // pixel's centre.
+        let mut count = 2;
+        while count <= *most {
+            if !run_to(work, &mut renderer, count, *begin)? {
+                return Ok(None);
             }
+            let image = work.machine().wait(renderer.image())?;
+            for (of, own) in Of::BOTH.into_iter().zip(reference.error) {
+                let is_edge = (of == Of::Edges).then_some(reference.is_edge.as_slice());
+                let pixels = is_edge.map_or(image.pixels.len(), |is| is.iter().filter(|is| **is).count());
+                let row = work
+                    .row(COLUMNS)
+                    .set("configuration", work.configuration(&[sampler.name(), &format!("seed-{seed}")]));
+                let row = row.set("quantity", "error").set("sampler", sampler.name()).set("pixels", of.name());
+                let row = row.set("seed", seed).set("samples", count);
+                let row = row.set("width_px", image.width).set("height_px", image.height).set("pixel_count", pixels);
+                let row = row.set("rmse", rmse(&image, &reference.image, is_edge));
+                rows.push(row.set("reference_samples", reference.samples).set("reference_rmse", own));
+            }
+            count *= 2;
         }
+        Ok(Some(rows))
     }
+}
+
+/// The time of a sample, of both samplers in turn.
+fn timed(work: &Work<'_>, part: &mut Part) -> Result<Vec<Row>, Error> {
+    work.stage("samples: their time");
+    let mut built = Vec::new();
+    for &sampler in Sampler::ALL {
+        built.push(work.build(&options(work, Samples { count: TIMED, sampler, seed: work.seed() }))?.renderer);
+    }
+    let names: Vec<_> = Sampler::ALL.iter().map(|s| work.configuration(&[s.name(), "time"])).collect();
+    let rays = built.iter().map(|renderer| renderer.plan().rays * u64::from(TIMED)).collect::<Vec<_>>();
+    let mut renderers: Vec<_> = built.iter_mut().collect();
+    let times = work.time_in_turn(&names, &mut renderers, work.either(6, 20))?;
+    let (mut rows, mut first) = (Vec::new(), None);
+    for (i, (sampler, times)) in Sampler::ALL.iter().zip(&times).enumerate() {
+        if times.is_given_up {
+            part.notes.push(format!("{sampler}: no time, too slow"));
+            continue;
+        }
+        let row = work.row(COLUMNS).set("configuration", &*names[i]).set("quantity", "time");
+        let row =
+            row.set("sampler", sampler.name()).set("samples", TIMED).set("rays", rays[i]).set("clock", work.clock());
+        let per_ray = times.median().filter(|_| rays[i] > 0).map(|ns| ns / rays[i] as f64);
+        let row = times.fill(row.set("ns_per_ray", per_ray), work.seed());
+        rows.push(match first {
+            Some(first) => times.fill_ratio(first, &names[0], row, work.seed()),
+            None => row,
+        });
+        first = first.or(Some(times));
+    }
+    Ok(rows)
 }
 
 fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
-    for (of, name) in [(Of::All, "all pixels"), (Of::Edges, "pixels at edges")] {
+    for of in Of::BOTH {
         for sampler in Sampler::ALL {
-            let of_sampler = || rows.iter().filter(|r| r.get("sampler") == sampler.name());
-            let Some(row) = of_sampler().find(|r| r.number(&of.column("slope")).is_some()) else { continue };
-            let slope = number(&of.column("slope"), row);
-            let dropped: Vec<&Row> = of_sampler().filter(|r| r.get(&of.column("is_plotted")) != "true").collect();
-            let dropped = match dropped.first() {
-                Some(first) => format!(
-                    " From {} samples on, the reference's own error, {}, is more than a tenth of the error, so these \
-                     are not plotted.",
-                    number("samples", first),
-                    number(&of.column("reference_rmse"), row)
+            let is_of = |row: &&Row| row.is(&[("sampler", sampler.name()), ("pixels", of.name())]);
+            let of_quantity = |quantity: &'static str| of_quantity(rows, quantity).filter(is_of);
+            let Some(slope) = of_quantity("median_slope").next() else { continue };
+            let mut local: Vec<&Row> =
+                of_quantity("median_error").filter(|r| r.number("local_slope").is_some()).collect();
+            local.sort_by(|a, b| {
+                a.number("local_slope").partial_cmp(&b.number("local_slope")).unwrap_or(std::cmp::Ordering::Equal)
+            });
+            let range = match (local.first(), local.last()) {
+                (Some(steep), Some(flat)) => format!(
+                    "; from one number of samples to the next between {} and {}",
+                    number("local_slope", steep),
+                    number("local_slope", flat)
                 ),
-                None => String::new(),
+                _ => String::new(),
             };
+            let dropped = of_quantity("median_error").find(|r| r.get("is_fitted") == "false").map_or(String::new(), |row| {
+                format!(
+                    " From {} samples on, the reference's own error, {}, is more than a third of the error: not fitted.",
+                    number("samples", row),
+                    number("reference_rmse", row)
+                )
+            });
             part.prose.push(format!(
-                "{sampler}, {name}: the error is proportional to samples to the power \
-                                     {slope}.{dropped}"
+                "{sampler}, {}: the error is proportional to samples to the power {}, the median of {} seeds{range}.\
+                 {dropped}",
+                of.words(),
+                with_interval("slope", slope),
+                number("seeds", slope),
             ));
         }
     }
-    if let Some(row) = rows.first() {
+    if let Some(row) = of_quantity(rows, "time").find(|row| row.number("time_ratio").is_some()) {
+        let verdict = match compared("time_ratio", row) {
+            Compared::Faster => "faster",
+            Compared::Slower => "slower",
+            Compared::NotDistinguishable => "not distinguishable",
+            Compared::Unknown => "too few runs to tell them apart",
+        };
         part.prose.push(format!(
-            "{} × {} pixels, {} of them at edges. The reference has {} samples per pixel with other seeds. Times are \
-             {}, divided equally among a run's samples.",
-            number("width_px", row),
-            number("height_px", row),
-            number("edge_pixels", row),
-            number("reference_samples", row),
+            "Time: a run of {} samples with the {} sampler takes {} times as long as with the other, in {} pairs of runs: \
+             {verdict}. Times are {}.",
+            number("samples", row),
+            row.get("sampler"),
+            with_interval("time_ratio", row),
+            number("runs", row),
             work.clock_in_words()
         ));
     }
-}
-
-fn plot(of: Of, rows: &[Row]) -> Plot {
-    let mut series = Vec::new();
-    for (color, sampler, mark) in [(0, Sampler::Sobol, Mark::Dot), (1, Sampler::Random, Mark::Triangle)] {
-        let over_time: Vec<_> =
-            points(rows, sampler.name(), of, "time_ns").into_iter().map(|(ns, rmse)| (ns / 1e6, rmse)).collect();
-        // The fitted slope, through the middle point.
-        let row = rows.iter().find(|r| r.get("sampler") == sampler.name());
-        let slope = row.and_then(|r| r.number(&of.column("slope")));
-        let ends = over_time.first().zip(over_time.last()).zip(slope).map(|((first, last), slope)| {
-            let n = over_time.len() as f64;
-            let middle = |f: fn(&(f64, f64)) -> f64| (over_time.iter().map(|p| f(p).ln()).sum::<f64>() / n).exp();
-            let (x, y) = (middle(|p| p.0), middle(|p| p.1));
-            [first.0, last.0].map(|at| (at, y * (at / x).powf(slope))).to_vec()
-        });
-        series.push(Series { mark, ..Series::line(sampler.name(), color, over_time) });
-        if let (Some(ends), Some(row)) = (ends, row) {
-            // Formatted as in the CSV.
-            let slope = row.get(&of.column("slope"));
-            series.push(Series::dashed(format!("{sampler}: slope {slope}"), color, ends));
-        }
-    }
-    let own = rows.iter().find_map(|r| r.number(&of.column("reference_rmse")));
-    let times: Vec<f64> = rows.iter().filter_map(|r| Some(r.number("time_ns")? / 1e6)).collect();
-    let (low, high) = times.iter().fold((f64::INFINITY, 0.0), |(l, h), &t| (f64::min(l, t), f64::max(h, t)));
-    if let Some(own) = own.filter(|_| low <= high) {
-        let points = vec![(low, own), (high, own)];
-        series.push(Series { stroke: Stroke::Dashed, ..Series::dashed("error of the reference", 6, points) });
-    }
-    let title = match of {
-        Of::All => "Error of the image over time, all pixels",
-        Of::Edges => "Error of the image over time, pixels at edges",
-    };
-    Plot {
-        title: title.into(),
-        x: Axis::new("time, ms", Scale::Log),
-        y: Axis::new("root mean square error, linear light", Scale::Log),
-        series,
-        places: Vec::new(),
+    if let Some(row) = rows.iter().find(|row| row.get("quantity") == "error") {
+        let of_edges = rows.iter().find(|row| row.is(&[("quantity", "error"), ("pixels", "edges")]));
+        part.prose.push(format!(
+            "{} × {} pixels, {} of them at edges. The reference has {} samples per pixel with seeds of its own; the square \
+             of its own error is subtracted. Seeds are independent sequences; a seed's image of few samples is the \
+             beginning of its image of many.",
+            number("width_px", row),
+            number("height_px", row),
+            of_edges.map_or_else(|| "?".into(), |row| number("pixel_count", row)),
+            number("reference_samples", row),
+        ));
     }
 }
 

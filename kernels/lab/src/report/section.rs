@@ -60,8 +60,7 @@ pub const SECTIONS: &[Section] = &[
         name: "resolved",
         title: "Resolution of rays",
         is_default: true,
-        what: "Rays with a final hit after each pass, over the time since the start: one run with timed passes, and \
-               one that is read back after each pass.",
+        what: "How rays come to their final hits, pass by pass: not which way is fastest.",
         file: "resolved.csv",
         row: "a pass of a configuration",
         seconds: 8.0,
@@ -73,9 +72,9 @@ pub const SECTIONS: &[Section] = &[
         title: "Offset",
         is_default: true,
         what: "The scene moved away from the origin: error of t along the rays, as a distance relative to the \
-               scene's extent.",
+               scene's extent, of the arithmetic alone and with rounding of the scene; and wrong rays by strata.",
         file: "moved.csv",
-        row: "a place and a set of rules",
+        row: "a place, a set of rules and a stratum of rays",
         seconds: 6.0,
         columns: moved::COLUMNS,
         run: moved::moved,
@@ -86,17 +85,17 @@ pub const SECTIONS: &[Section] = &[
         is_default: true,
         what: "The same for the scaled scene.",
         file: "scaled.csv",
-        row: "a scale and a set of rules",
+        row: "a scale, a set of rules and a stratum of rays",
         seconds: 8.0,
-        columns: moved::COLUMNS,
+        columns: moved::SCALED_COLUMNS,
         run: moved::scaled,
     },
     Section {
         name: "grid",
         title: "Grid resolution",
         is_default: true,
-        what: "Time, memory and building time over the resolution of the grid, all with the same hits; and the cost \
-               of a structure before its first ray.",
+        what: "Time, memory and building time over the resolution of the grid; and after how many rays building a \
+               structure pays off.",
         file: "grid.csv",
         row: "a structure or resolution",
         seconds: 12.0,
@@ -107,10 +106,10 @@ pub const SECTIONS: &[Section] = &[
         name: "samples",
         title: "Samples",
         is_default: true,
-        what: "Root mean square error of the image over time, from two samples per pixel: how fast it converges to \
-               the limit of infinitely many samples.",
+        what: "Root mean square error of the image over samples per pixel, from two: how fast it converges to the \
+               limit of infinitely many samples.",
         file: "samples.csv",
-        row: "a number of samples",
+        row: "a number of samples of a seed, or what quantity says",
         seconds: 20.0,
         columns: samples::COLUMNS,
         run: samples::run,

@@ -42,6 +42,8 @@ pub(super) struct Work<'a> {
     /// The resolution for sections that do not vary it.
     pub(super) grid: GridSize,
     pub(super) is_quick: bool,
+    /// How many seeds to measure where a section varies them.
+    pub(super) seeds: u32,
     pub(super) reporter: &'a dyn Reporter,
     /// The section that is measured.
     pub(super) section: &'static str,
@@ -61,6 +63,16 @@ pub(super) struct Planned {
     data: Arc<SceneData>,
     /// Seconds for planning: mostly for building the structure.
     pub(super) build_s: f64,
+}
+
+impl Planned {
+    pub(super) fn plan(&self) -> Arc<Plan> {
+        self.plan.clone()
+    }
+
+    pub(super) fn data(&self) -> &SceneData {
+        &self.data
+    }
 }
 
 /// A renderer that is ready to run, with the times to build it.
@@ -91,6 +103,11 @@ impl Times {
         self.runs.iter().copied().flatten().collect()
     }
 
+    /// The number of runs with a time.
+    pub(super) fn runs(&self) -> usize {
+        self.known().len()
+    }
+
     /// The number of rounds.
     pub(super) fn rounds(&self) -> usize {
         self.runs.len()
@@ -110,6 +127,11 @@ impl Times {
     /// Its runs with the other's runs of the same rounds, where both have a time.
     pub(super) fn pairs(&self, to: &Self) -> impl Iterator<Item = (f64, f64)> {
         self.runs.iter().zip(&to.runs).filter_map(|(a, b)| Some(((*a)?, (*b)?)))
+    }
+
+    /// How much longer each run took than the other's run of the same round, in nanoseconds.
+    pub(super) fn differences(&self, to: &Self) -> Vec<f64> {
+        self.pairs(to).map(|(a, b)| a - b).collect()
     }
 
     /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
@@ -262,8 +284,18 @@ impl Work<'_> {
         renderers: &mut [&mut Renderer],
         repeats: usize,
     ) -> Result<Vec<Times>, Error> {
+        self.time_rounds(names, renderers, interval::FEWEST.min(repeats), repeats)
+    }
+
+    /// The same with a minimum number of rounds, however long they take.
+    pub(super) fn time_rounds(
+        &self,
+        names: &[String],
+        renderers: &mut [&mut Renderer],
+        fewest: usize,
+        repeats: usize,
+    ) -> Result<Vec<Times>, Error> {
         let all = Some(REPEATS_TAKE * renderers.len() as u32);
-        let fewest = interval::FEWEST.min(repeats);
         let turns = Turns { all, fewest, seed: u64::from(self.seed()), ..Turns::of(1, repeats) };
         let of = ((1 + repeats) * renderers.len()) as u64;
         let mut done = 0;

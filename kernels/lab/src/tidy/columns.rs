@@ -99,7 +99,7 @@ pub const COLUMNS: &[Column] = &[
     text("rule", "numerical rule replaced by the paper's; empty if none"),
     text("stratum", "group of rays that were chosen in the same way"),
     count("rays", "rays traced in a run"),
-    count("seed", "seed of rays and orders"),
+    count("seed", "seed of rays, samples and orders"),
     truth("is_automatic", "whether the grid's resolution is the automatic one"),
     // Times.
     text("clock", "gpu_timestamp, cpu_clock, or host if the device has no valid clock"),
@@ -122,6 +122,8 @@ pub const COLUMNS: &[Column] = &[
     number("min_ns", "shortest run"),
     number("max_ns", "longest run"),
     number("ns_per_ray", "median time divided by rays"),
+    number("ns_per_ray_low", "lower end of the interval of ns_per_ray"),
+    number("ns_per_ray_high", "upper end of the interval of ns_per_ray"),
     text("interval_method", "order_statistics or bootstrap; empty without an interval"),
     number("interval_level", "probability that the interval covers the true median"),
     number("time_ratio", "median of the ratios of runs in the same round, to the configuration in ratio_to"),
@@ -129,7 +131,7 @@ pub const COLUMNS: &[Column] = &[
     number("time_ratio_high", "upper end of its interval"),
     number("baseline_ratio", "median time divided by that of an earlier benchmark: above 1 is slower"),
     text("ratio_to", "the configuration that ratios are relative to"),
-    number("build_s", "seconds for planning, mostly for building the structure"),
+    number("build_s", "seconds for planning, mostly for building the structure; the median of several builds"),
     number("start_s", "seconds for allocating, uploading and compiling: the median of starts after the first"),
     // What the scene does not need: columns that end with _with are those of a run that has it nevertheless.
     text("item", "what the plan omits because the scene does not need it; all for everything together"),
@@ -158,6 +160,19 @@ pub const COLUMNS: &[Column] = &[
     number("wrong_per_million_low", "lower end of its exact 95% interval (Clopper and Pearson)"),
     number("wrong_per_million_high", "upper end; if none is wrong, the one-sided 95% bound"),
     count("at_bound", "rays that were not resolved when the run was stopped"),
+    number("undecided_per_million", "undecided rays per million judged"),
+    number("most_wrong_per_million", "limit of wrong_per_million_high for a choice to be accurate"),
+    truth("is_accurate", "whether wrong_per_million_high is within that limit"),
+    truth("is_fastest", "whether it is the fastest accurate choice"),
+    truth("is_front", "whether no other choice is both faster and as accurate"),
+    count("witness_rays", "hits whose t was compared with rational arithmetic"),
+    number("witness_error_by_bound", "their largest error of t, relative to the ray's bound"),
+    number("witness_reference_error_by_bound", "the same of the f64 reference"),
+    count("wrong_here_only", "rays that are wrong here and right with robust numerics"),
+    count("wrong_robust_only", "rays that are right here and wrong with robust numerics"),
+    number("p_value", "McNemar's exact test of both counts"),
+    number("p_value_holm", "the same adjusted for all rules and structures (Holm)"),
+    truth("is_needed", "whether rays are wrong or unresolved without the rule that are right with it"),
     // Work.
     count("passes", "passes of a run"),
     number("cells_per_ray", "cells or nodes visited, per ray"),
@@ -228,6 +243,85 @@ pub const COLUMNS: &[Column] = &[
     number("clock_resolution_ns", "smallest step of the clock"),
     truth("valid", "whether the timer gave a duration; empty if nothing was timed"),
     count("host_run_ns", "time of the whole run by the host's clock; known if clock is host"),
+    // Passes, in order of time.
+    number("pass_end_ns", "end of the pass, in nanoseconds since the start of the first one, by the clock"),
+    count("resolved_rays", "rays with a final hit after the pass"),
+    count("resolved_judged_rays", "judged rays with a final hit after the pass"),
+    count("resolved_wrong_rays", "of these, the wrong ones"),
+    number("resolved_wrong_per_million", "the same per million of all judged rays"),
+    count("resolved_undecided_rays", "judged rays with a final hit that f32 cannot decide"),
+    truth("is_last", "whether it is the last pass"),
+    // Offset and scale.
+    number("offset_extents", "offset from the given place, in extents of the scene"),
+    number("scale", "factor by which the scene is scaled"),
+    count(
+        "measured_rays",
+        "rays whose t is measured: those with the right triangle, in any direction also before rounding",
+    ),
+    number(
+        "arithmetic_error_extents_largest",
+        "largest error of t against the rounded scene, as a distance in extents",
+    ),
+    number("arithmetic_error_extents_median", "median of these errors"),
+    number("arithmetic_bound_extents_largest", "largest bound of these errors"),
+    number("arithmetic_bound_extents_median", "median bound of these errors"),
+    number("arithmetic_error_by_bound_largest", "largest of these errors divided by the same ray's bound"),
+    number("depth_rounding_extents_largest", "one rounding, 2^-24, of the largest depth of a vertex of a hit triangle"),
+    number("arithmetic_by_depth_rounding", "largest error divided by it"),
+    number("forward_error_extents_largest", "largest error of t of the same rays against the scene before rounding"),
+    number("forward_error_extents_median", "median of these errors"),
+    number("forward_bound_extents_largest", "largest bound of these errors"),
+    number("forward_bound_extents_median", "median bound of these errors"),
+    number("forward_error_by_bound_largest", "largest of these errors divided by the same ray's bound"),
+    count("beyond_forward_bound_rays", "rays whose error exceeds their bound"),
+    count("changed_rays", "rays that hit another triangle than before the scene was rounded, or none"),
+    number("changed_per_million", "the same per million rays"),
+    number("changed_per_million_low", "lower end of its exact 95% interval (Clopper and Pearson)"),
+    number("changed_per_million_high", "upper end; if none has changed, the one-sided 95% bound"),
+    // Grid resolution.
+    number("resolution_factor", "cells along each axis relative to the automatic resolution"),
+    truth("is_selected", "whether it is the fastest resolution in half of the rounds"),
+    count("cells_x", "cells of the grid along x"),
+    count("cells_y", "cells of the grid along y"),
+    count("cells_z", "cells of the grid along z"),
+    count("cells", "cells of the grid"),
+    truth("leaps", "whether rays skip empty cells"),
+    count("references", "entries in the lists of triangles of all cells"),
+    count("builds", "times that it was planned and built"),
+    number("build_s_low", "lower end of the interval of build_s, from 6 builds"),
+    number("build_s_high", "upper end of the interval of build_s, from 6 builds"),
+    number("build_s_min", "shortest build"),
+    number("build_s_max", "longest build"),
+    count("held_out_rounds", "rounds that did not take part in selecting the resolution"),
+    number("held_out_time_ratio", "median ratio of times in these rounds"),
+    number("held_out_time_ratio_low", "lower end of its interval"),
+    number("held_out_time_ratio_high", "upper end of its interval"),
+    count(
+        "paid_off_rays",
+        "rays after which building has paid off against testing every triangle; empty if not determined",
+    ),
+    count("paid_off_rays_low", "fewest such rays that the intervals of both times allow"),
+    count("paid_off_rays_high", "most such rays that the intervals of both times allow"),
+    // Samples per pixel.
+    text("quantity", "what the row is: error, slope (of a seed), median_error, median_slope (over seeds) or time"),
+    text("sampler", "positions of samples: sobol or random"),
+    text("pixels", "pixels in which the error is measured: all or edges"),
+    count("seeds", "seeds of which it is the median"),
+    count("samples", "samples per pixel"),
+    count("pixel_count", "pixels in which the error is measured"),
+    number("rmse", "root mean square difference from the reference, in linear light"),
+    count("reference_samples", "samples per pixel of the reference"),
+    number("reference_rmse", "estimated error of the reference itself"),
+    number("error", "root of the difference of the squares of rmse and reference_rmse"),
+    number("error_low", "lower end of the interval of the median error"),
+    number("error_high", "upper end of the interval of the median error"),
+    truth("is_fitted", "whether every seed's error is more than three times that of the reference"),
+    number("local_slope", "exponent of the error over samples, from the previous number of samples"),
+    number("local_slope_low", "lower end of the interval of the median exponent"),
+    number("local_slope_high", "upper end of the interval of the median exponent"),
+    number("slope", "exponent of the error over samples, fitted to one seed, or the median over seeds"),
+    number("slope_low", "lower end of the interval of the median slope"),
+    number("slope_high", "upper end of the interval of the median slope"),
 ];
 
 #[cfg(test)]
@@ -236,6 +330,7 @@ mod tests {
 
     use super::*;
     use crate::bench::{runs, summary};
+    use crate::report::SECTIONS;
 
     #[test]
     fn names_are_unique_and_fields_have_types() {
@@ -249,6 +344,10 @@ mod tests {
         assert!(Kind::Integer.holds("12") && Kind::Integer.holds("") && !Kind::Integer.holds("1.5"));
         assert!(Kind::Number.holds("1e-20") && !Kind::Number.holds("NaN") && !Kind::Number.holds("x"));
         assert!(Kind::Boolean.holds("true") && !Kind::Boolean.holds("1"));
+        for section in SECTIONS {
+            let unknown: Vec<_> = section.columns.iter().filter(|name| column(name).is_none()).collect();
+            assert!(unknown.is_empty(), "{}: {unknown:?}", section.file);
+        }
         assert_eq!(column("median_ns").map(|c| c.kind), Some(Kind::Number));
         assert_eq!(column("p05_device_ns"), None);
         let of_bench = [&summary::COLUMNS[..], &runs::COLUMNS, &csv::COLUMNS].concat();

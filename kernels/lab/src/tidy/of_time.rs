@@ -4,13 +4,23 @@
 #[must_use]
 pub fn is_of_time(column: &str) -> bool {
     let is_unit = ["_ns", "_s", "_ns_low", "_ns_high", "_s_with"].iter().any(|end| column.ends_with(end));
-    let is_rate =
-        ["ns_per_ray", "time_ratio", "start_ratio", "paid_off", "interval_"].iter().any(|b| column.starts_with(b));
+    let is_rate = ["ns_per_ray", "time_ratio", "start_ratio", "build", "held_out_", "paid_off", "interval_"]
+        .iter()
+        .any(|b| column.starts_with(b));
     is_unit
         || is_rate
         || matches!(
             column,
-            "run_id" | "runs" | "invalid_runs" | "round" | "place" | "clock" | "ratio_to" | "is_fastest" | "is_front"
+            "run_id"
+                | "runs"
+                | "invalid_runs"
+                | "round"
+                | "place"
+                | "clock"
+                | "ratio_to"
+                | "is_fastest"
+                | "is_front"
+                | "is_selected"
         )
 }
 
@@ -20,9 +30,17 @@ mod tests {
 
     #[test]
     fn errors_and_counts_are_not_of_time() {
-        for column in
-            ["median_ns", "build_s", "start_s_with", "time_ratio_low", "ns_per_ray_high", "runs", "is_fastest"]
-        {
+        for column in [
+            "median_ns",
+            "build_s",
+            "build_s_low",
+            "builds",
+            "start_s_with",
+            "time_ratio_low",
+            "ns_per_ray_high",
+            "runs",
+            "is_fastest",
+        ] {
             assert!(is_of_time(column), "{column}");
         }
         for column in ["wrong_rays", "passes", "tests_per_ray", "structure_bytes", "t_error", "is_needed", "rays"] {

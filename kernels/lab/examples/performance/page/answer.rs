@@ -40,11 +40,10 @@ pub(super) fn answer(machine: &Measured) -> String {
 /// Describes the machine, how often it ran, and the spread of its times.
 pub(super) fn machine(machine: &Measured) -> String {
     let about = &machine.about;
-    let spreads = machine.rows.iter().filter(|row| row.n > 4);
-    let mut spreads: Vec<f64> =
-        spreads.filter_map(|r| Some((r.p95_device_ns? - r.p05_device_ns?) / r.median_device_ns?)).collect();
-    spreads.sort_by(f64::total_cmp);
-    let at = |share: f64| spreads.get((share * spreads.len().saturating_sub(1) as f64) as usize).copied();
+    let width = |r: &Row| Some((r.high_device_ns? - r.low_device_ns?) / r.median_device_ns?);
+    let mut widths: Vec<f64> = machine.rows.iter().filter_map(width).collect();
+    widths.sort_by(f64::total_cmp);
+    let at = |share: f64| widths.get((share * widths.len().saturating_sub(1) as f64) as usize).copied();
     let timed: Vec<&Row> = machine.rows.iter().filter(|row| row.n > 0).collect();
     let left_out = machine.rows.len() - timed.len();
     let invalid: usize = machine.rows.iter().map(|row| row.invalid).sum::<usize>()
@@ -71,8 +70,8 @@ pub(super) fn machine(machine: &Measured) -> String {
     );
     if let (Some(half), Some(most)) = (at(0.5), at(0.95)) {
         text += &format!(
-            " The range from the 5th to the 95th percentile is {} of the median in half of the configurations, and below {} \
-             in 19 of 20.",
+            " The 95% interval of the median is {} of it wide in half of the configurations with at least 6 runs, and below \
+             {} in 19 of 20.",
             percent(half),
             percent(most)
         );

@@ -82,8 +82,8 @@ pub(super) fn tdelta(machine: &Measured) -> String {
         for p in &of_size {
             let per_pass = p.median_device_ns.map(|ns| ns / p.passes as f64);
             let spread = p
-                .p05_device_ns
-                .zip(p.p95_device_ns)
+                .low_device_ns
+                .zip(p.high_device_ns)
                 .map(|(a, b)| format!("{} – {}", time(a / p.passes as f64), time(b / p.passes as f64)));
             rows.push(vec![
                 format!("{}×{}, {}", of.0, of.1, p.what),
@@ -102,7 +102,7 @@ pub(super) fn tdelta(machine: &Measured) -> String {
         "",
         "bytes per ray",
         "time per pass",
-        "5th to 95th percentile",
+        "95% interval of the median",
         "/ worked out",
         "rays in a different cell at the end",
     ];

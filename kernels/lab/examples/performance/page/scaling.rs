@@ -94,16 +94,19 @@ pub(super) fn resolution(machine: &Measured) -> String {
     for scene in scenes(machine, "resolution") {
         for (way, of_way) in ways(machine, "resolution", &scene) {
             let points = curve(&of_way, |r| r.rays as f64, |r| r.median_device_ns);
-            let Some(line) = Line::through(&points) else { continue };
             let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
+            // Times that are not on a line have no rate.
+            let line = Line::through(&points);
+            let interval = line.and_then(|line| line.slope_interval);
             rows.push(vec![
                 scene.clone(),
                 way,
                 format!("{} to {}", count(first.0), count(last.0)),
-                if line.intercept < 0.0 { format!("−{}", time(-line.intercept)) } else { time(line.intercept) },
-                number(line.slope),
-                number(1e3 / line.slope),
-                percent(line.worst),
+                or_dash(line.map(|line| line.intercept), time),
+                or_dash(line.map(|line| line.slope), number),
+                interval.map_or("–".into(), |[low, high]| format!("{} – {}", number(low), number(high))),
+                or_dash(line.map(|line| 1e3 / line.slope), number),
+                or_dash(line.map(|line| line.worst), percent),
             ]);
         }
     }
@@ -116,6 +119,7 @@ pub(super) fn resolution(machine: &Measured) -> String {
         "rays",
         "intercept",
         "ns per ray",
+        "95% interval",
         "Mray/s without the intercept",
         "farthest from the line",
     ];

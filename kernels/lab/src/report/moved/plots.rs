@@ -11,9 +11,9 @@ fn axis_of(column: &str) -> Axis {
     Axis::new(label, Scale::Log)
 }
 
-/// Points of the rows with robust numerics: one column over another.
+/// Points of rays in random directions with robust numerics: one column over another.
 fn points(rows: &[Row], x: &str, y: &str) -> Vec<(f64, f64)> {
-    let of = rows.iter().filter(|r| r.get("numerics") == "robust");
+    let of = rows.iter().filter(|r| r.is(&[("numerics", "robust"), ("stratum", "anywhere")]));
     of.filter_map(|r| Some((r.number(x)?, r.number(y)?))).collect()
 }
 
@@ -22,15 +22,15 @@ fn points(rows: &[Row], x: &str, y: &str) -> Vec<(f64, f64)> {
 pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
     let of = |y: &str| points(rows, column, y);
     let mut series = vec![
-        Series::line("arithmetic", 0, of("t_error_by_own_bound_largest")),
-        Series::line("with rounding", 1, of("rounding_error_by_own_bound_largest")),
+        Series::line("arithmetic", 0, of("arithmetic_error_by_bound_largest")),
+        Series::line("forward", 1, of("forward_error_by_bound_largest")),
     ];
-    let ends = of("t_error_by_own_bound_largest");
+    let ends = of("arithmetic_error_by_bound_largest");
     for (name, color, at) in [("the bound", 6, 1.0), ("a tenth of it", 4, 0.1)] {
         series.push(Series::dashed(name, color, ends.iter().map(|p| (p.0, at)).collect()));
     }
     Plot {
-        title: "Largest error of t relative to the same ray's bound, robust numerics".into(),
+        title: "Largest error of t relative to the same ray's bound".into(),
         x: axis_of(column),
         y: Axis::new("error relative to bound", Scale::Log),
         series,
@@ -38,26 +38,23 @@ pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
     }
 }
 
-/// Errors of t, and, over offsets, the predicted rounding error of the scene.
+/// Errors of t, and, over offsets, the predicted forward error.
 pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
     let points = |y: &str| points(rows, column, y);
     let mut series = Vec::new();
-    for (color, name, of, which) in [
-        (0, "arithmetic, largest", "t", "largest"),
-        (4, "arithmetic, median", "t", "median"),
-        (1, "with rounding, largest", "rounding", "largest"),
-        (3, "with rounding, median", "rounding", "median"),
-    ] {
-        series.push(Series::line(name, color, points(&format!("{of}_error_extents_{which}"))));
-        // Relative to the extent, the predicted rounding error is the same at every scale, so it is not plotted.
-        if of == "rounding" && column != "scale" {
+    for (color, of, which) in
+        [(0, "arithmetic", "largest"), (4, "arithmetic", "median"), (1, "forward", "largest"), (3, "forward", "median")]
+    {
+        series.push(Series::line(format!("{of}, {which}"), color, points(&format!("{of}_error_extents_{which}"))));
+        // Relative to the extent, the prediction is the same at every scale, so it is not plotted.
+        if of == "forward" && column != "scale" {
             let predicted = points(&format!("{of}_bound_extents_{which}"));
-            series.push(Series::dashed(format!("predicted, {which}"), color, predicted));
+            series.push(Series::dashed(format!("forward bound, {which}"), color, predicted));
         }
     }
-    series.push(Series::dashed("one rounding of the depth", 6, points("t_step_extents_largest")));
+    series.push(Series::dashed("one rounding of the depth", 6, points("depth_rounding_extents_largest")));
     Plot {
-        title: "Error of t along the ray, robust numerics".into(),
+        title: "Error of t along the ray".into(),
         x: axis_of(column),
         y: Axis::new("error, in extents of the scene", Scale::Log),
         series,
@@ -65,24 +62,70 @@ pub(super) fn errors(column: &str, rows: &[Row]) -> Plot {
     }
 }
 
-/// Rays with an error, by both numerics.
-pub(super) fn lost(column: &str, rows: &[Row]) -> Plot {
+/// A count per million over places, with its interval if anything was counted.
+fn per_million(column: &str, count: &str, rows: &[&Row], series: Series) -> Series {
+    let name = |end: &str| format!("{count}_per_million{end}");
+    let points = rows.iter().filter_map(|r| Some((r.number(column)?, r.number(&name(""))?))).collect();
+    let ends = |r: &&Row| match r.number(&name(""))? {
+        0.0 => Some((0.0, 0.0)),
+        _ => Some((r.number(&name("_low"))?, r.number(&name("_high"))?)),
+    };
+    Series { points, whiskers: rows.iter().filter_map(ends).collect(), ..series }
+}
+
+/// Wrong rays of both numerics, a line for each stratum. The truth is the rounded scene.
+pub(super) fn wrong(column: &str, rows: &[Row]) -> Plot {
     let mut series = Vec::new();
-    for (color, numerics, mark) in [(0, "robust", Mark::Dot), (1, "paper", Mark::Triangle)] {
-        for (what, name, stroke) in [("wrong", "wrong", Stroke::Solid), ("lost", "lost", Stroke::Dashed)] {
-            let of: Vec<&Row> = rows.iter().filter(|r| r.get("numerics") == numerics).collect();
-            let column_of = |end: &str| format!("{what}_per_million{end}");
-            let points = of.iter().filter_map(|r| Some((r.number(column)?, r.number(&column_of(""))?))).collect();
-            let ends = |r: &&Row| Some((r.number(&column_of("_low"))?, r.number(&column_of("_high"))?));
-            let whiskers = if what == "wrong" { of.iter().filter_map(ends).collect() } else { Vec::new() };
-            let mark = if what == "wrong" { mark } else { Mark::None };
-            series.push(Series { name: format!("{numerics}: {name}"), points, whiskers, color, mark, stroke });
+    for (numerics, stroke) in [("paper", Stroke::Solid), ("robust", Stroke::Dashed)] {
+        for (color, stratum, words, mark) in [
+            (1, "corners", "corners", Mark::Dot),
+            (3, "edge_middles", "middles of edges", Mark::Triangle),
+            (5, "along_edges", "along edges", Mark::Square),
+            (0, "anywhere", "any direction", Mark::Dot),
+        ] {
+            let of: Vec<&Row> = rows.iter().filter(|r| r.is(&[("numerics", numerics), ("stratum", stratum)])).collect();
+            let name = format!("{numerics}: {words}");
+            series.push(per_million(
+                column,
+                "wrong",
+                &of,
+                Series { mark, stroke, ..Series::line(name, color, Vec::new()) },
+            ));
         }
     }
+    series.push(bound_of_none(column, "wrong", rows));
     Plot {
-        title: "Wrong rays, and lost rays among them".into(),
+        title: "Wrong rays, compared with the rounded scene".into(),
         x: axis_of(column),
-        y: Axis::new("rays per million", Scale::LogWithZero),
+        y: Axis::new("wrong rays per million", Scale::LogWithZero),
+        series,
+        places: Vec::new(),
+    }
+}
+
+/// The upper bound where nothing was counted: the same for all series, so it is one line instead of many bars.
+fn bound_of_none(column: &str, count: &str, rows: &[Row]) -> Series {
+    let is_none = |r: &&Row| r.number(&format!("{count}_per_million")) == Some(0.0);
+    let bound = |r: &Row| Some((r.number(column)?, r.number(&format!("{count}_per_million_high"))?));
+    let mut points: Vec<(f64, f64)> = rows.iter().filter(is_none).filter_map(bound).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    points.dedup_by_key(|point| point.0);
+    Series::dashed("bound where none", 6, points)
+}
+
+/// Rays that hit something else than before the scene was rounded.
+pub(super) fn changed(column: &str, rows: &[Row]) -> Plot {
+    let of = |(numerics, color, mark, stroke): (&str, usize, Mark, Stroke)| {
+        let of: Vec<&Row> = rows.iter().filter(|r| r.is(&[("numerics", numerics), ("stratum", "anywhere")])).collect();
+        per_million(column, "changed", &of, Series { mark, stroke, ..Series::line(numerics, color, Vec::new()) })
+    };
+    let mut series: Vec<Series> =
+        [("robust", 0, Mark::Dot, Stroke::Solid), ("paper", 1, Mark::Triangle, Stroke::Dashed)].map(of).into();
+    series.push(bound_of_none(column, "changed", rows));
+    Plot {
+        title: "Changed hits, compared with the scene before rounding".into(),
+        x: axis_of(column),
+        y: Axis::new("changed rays per million", Scale::LogWithZero),
         series,
         places: Vec::new(),
     }

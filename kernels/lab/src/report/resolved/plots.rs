@@ -1,0 +1,152 @@
+//! The plots of resolved rays.
+
+use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
+use crate::report::page::number;
+use crate::tidy::Row;
+
+/// Schedules and numerics, with their colours.
+const WAYS: [(&str, &str, usize); 6] = [
+    ("first", "robust", 0),
+    ("second", "robust", 4),
+    ("compact", "robust", 2),
+    ("fused", "robust", 3),
+    ("first", "paper", 1),
+    ("second", "paper", 1),
+];
+
+/// Milliseconds from the first to the last pass of all configurations: the time axis of all plots. The left end is half
+/// the earliest time, so that a curve's first step is seen.
+fn range(rows: &[Row]) -> Option<[f64; 2]> {
+    let times = rows.iter().filter_map(|r| r.number("pass_end_ns")).filter(|&ns| ns > 0.0).map(|ns| ns / 1e6);
+    let (low, high) = times.fold((f64::INFINITY, 0.0), |(l, h), t| (f64::min(l, t), f64::max(h, t)));
+    (low <= high).then_some([0.5 * low, high])
+}
+
+/// Makes the time axis the same in all plots, and draws nothing.
+fn same_axis([low, high]: [f64; 2], y: f64) -> Series {
+    Series { mark: Mark::None, stroke: Stroke::None, ..Series::line("", 6, vec![(low, y), (high, y)]) }
+}
+
+fn rows_of<'a>(rows: &'a [Row], wanted: &[(&str, &str)]) -> Vec<&'a Row> {
+    rows.iter().filter(|r| r.is(wanted)).collect()
+}
+
+/// The curve of a configuration: 0 from the left end until the first pass that changes it.
+fn curve(rows: &[&Row], begin: f64, y: impl Fn(&Row) -> Option<f64>) -> Vec<(f64, f64)> {
+    let points = rows.iter().filter_map(|r| Some((r.number("pass_end_ns")? / 1e6, y(r)?)));
+    let points: Vec<_> = points.collect();
+    if points.is_empty() { points } else { std::iter::once((begin, 0.0)).chain(points).collect() }
+}
+
+/// The last row of a configuration, if it is wrong more often than the best one.
+fn is_worse<'a>(rows: &[&'a Row], all: &[Row]) -> Option<&'a Row> {
+    let wrong = |r: &Row| r.number("resolved_wrong_per_million");
+    let best = all.iter().filter(|r| r.get("is_last") == "true").filter_map(wrong).fold(f64::INFINITY, f64::min);
+    rows.iter().find(|r| r.get("is_last") == "true" && wrong(r).is_some_and(|w| w > best)).copied()
+}
+
+pub(super) fn resolved(accelerator: &str, rows: &[Row]) -> Plot {
+    let share = |r: &Row| Some(100.0 * r.number("resolved_rays")? / r.number("rays").filter(|&n| n > 0.0)?);
+    let range = range(rows);
+    let mut series = Vec::new();
+    for (schedule, numerics, color) in WAYS {
+        let of = rows_of(rows, &[("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)]);
+        let points = curve(&of, range.map_or(0.0, |r| r[0]), share);
+        let Some(&last) = points.last() else { continue };
+        let mut name = if numerics == "paper" { format!("{schedule}, paper") } else { schedule.to_owned() };
+        if let Some(row) = is_worse(&of, rows) {
+            name += &format!(": {} wrong", row.get("resolved_wrong_rays"));
+            // The end of a curve that is not comparable is marked.
+            series.push(Series { stroke: Stroke::None, mark: Mark::Triangle, ..Series::line("", color, vec![last]) });
+        }
+        // `fused` resolves all rays in one pass; it does not matter that it shades them afterwards.
+        series.push(match schedule {
+            "fused" => {
+                let points = points.into_iter().filter(|p| p.1 > 0.0).take(1).collect();
+                Series { mark: Mark::Square, stroke: Stroke::None, ..Series::line(name, color, points) }
+            }
+            _ => Series { mark: Mark::None, stroke: Stroke::Steps, ..Series::line(name, color, points) },
+        });
+    }
+    // Nothing is drawn for a structure without curves.
+    series.extend(range.filter(|_| !series.is_empty()).map(|range| same_axis(range, 100.0)));
+    Plot {
+        title: format!("Resolved rays, {accelerator}"),
+        x: Axis::new("time since the start of the first pass, ms", Scale::Log),
+        y: Axis::new("resolved rays, %", Scale::Linear),
+        series,
+        places: Vec::new(),
+    }
+}
+
+pub(super) fn wrong(rows: &[Row]) -> Plot {
+    let wrong = |r: &Row| r.number("resolved_wrong_per_million");
+    let range = range(rows);
+    let mut series = Vec::new();
+    for (color, accelerator) in ["grid", "bvh", "none"].into_iter().enumerate() {
+        for (numerics, schedules, stroke) in
+            [("paper", &["first", "second"][..], Stroke::Steps), ("robust", &["compact"], Stroke::Dashed)]
+        {
+            for schedule in schedules {
+                let of = rows_of(rows, &[("accelerator", accelerator), ("schedule", schedule), ("numerics", numerics)]);
+                let points = curve(&of, range.map_or(0.0, |r| r[0]), wrong);
+                let name = format!("{accelerator} {schedule}, {numerics}");
+                if !points.is_empty() {
+                    series.push(Series { mark: Mark::None, stroke, ..Series::line(name, color, points) });
+                }
+            }
+        }
+    }
+    series.extend(range.map(|range| same_axis(range, 0.0)));
+    Plot {
+        title: "Rays resolved wrongly".into(),
+        x: Axis::new("time since the start of the first pass, ms", Scale::Log),
+        y: Axis::new("wrong per million judged", Scale::LogWithZero),
+        series,
+        places: Vec::new(),
+    }
+}
+
+pub(super) fn resolved_caption(accelerator: &str, rows: &[Row]) -> String {
+    let Some(row) = rows.iter().find(|r| r.get("accelerator") == accelerator) else { return String::new() };
+    format!(
+        "Rays with a final hit, of {}, at the ends of passes; of three runs the one in the middle, without an interval. \
+         Curves are 0 before their first step; fused has one step. The time axis is the same for all structures. \
+         Triangles and numbers of wrong rays, of {} judged, mark curves that are wrong more often than the best one: they \
+         are not comparable.",
+        number("rays", row),
+        number("judged_rays", row)
+    )
+}
+
+pub(super) fn wrong_caption(rows: &[Row]) -> String {
+    let Some(row) = rows.first() else { return String::new() };
+    format!(
+        "Rays resolved wrongly so far, per million of {} judged: all of the view, or a sample of it; without an interval.",
+        number("judged_rays", row)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::COLUMNS;
+    use super::*;
+
+    fn row(schedule: &str, numerics: &str, end_ms: f64, wrong: u32) -> Row {
+        let row = Row::new(COLUMNS).set("accelerator", "grid").set("schedule", schedule).set("numerics", numerics);
+        let row = row.set("pass_end_ns", 1e6 * end_ms).set("rays", 100u32).set("resolved_rays", 100u32);
+        row.set("is_last", true).set("resolved_wrong_rays", wrong).set("resolved_wrong_per_million", wrong)
+    }
+
+    #[test]
+    fn curves_share_an_axis_from_before_the_first_pass_and_wrong_ones_are_marked() {
+        let rows = [row("compact", "robust", 2.0, 0), row("second", "paper", 50.0, 13)];
+        let plot = resolved("grid", &rows);
+        let of = |name: &str| plot.series.iter().find(|s| s.name == name).expect("a curve");
+        assert_eq!(of("compact").points, [(1.0, 0.0), (2.0, 100.0)]);
+        assert_eq!(of("second, paper: 13 wrong").points, [(1.0, 0.0), (50.0, 100.0)]);
+        assert_eq!(plot.series.iter().filter(|s| s.mark == Mark::Triangle).count(), 1);
+        // A structure that is not there has no plot.
+        assert!(resolved("bvh", &rows).series.is_empty());
+    }
+}
