@@ -27,11 +27,6 @@ pub(crate) struct RaysFileArgs {
 const MOST_RAYS: u64 = 1 << 26;
 
 impl RaysFileArgs {
-    /// The files.
-    pub(crate) fn paths(&self) -> Vec<PathBuf> {
-        self.rays_file.iter().chain(&self.strata).cloned().collect()
-    }
-
     /// Reads them.
     pub(crate) fn read(&self) -> Result<Option<RaysFile>, Error> {
         let Some(path) = &self.rays_file else { return Ok(None) };

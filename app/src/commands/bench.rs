@@ -7,6 +7,7 @@ mod protocol;
 mod serve;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use raystep_kernels::{Accelerator, RaySource, ScheduleKind};
@@ -23,6 +24,7 @@ use crate::commands::input::{self, Input};
 use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
+use crate::rays_file::RaysFileArgs;
 use crate::scene_file::read_file;
 use crate::session::run_id;
 use crate::terminal::{Progress, print, say};
@@ -80,7 +82,7 @@ pub(crate) struct BenchArgs {
     sizes: Vec<Size>,
     /// Kinds of rays
     #[arg(long, value_name = "KIND…", value_delimiter = ',', default_value = RayKind::default().name(),
-          value_parser = named(RayKind::ALL, RayKind::name), help_heading = "What is measured")]
+          value_parser = named(RayKind::ALL, RayKind::name), conflicts_with = "rays_file", help_heading = "What is measured")]
     rays: Vec<RayKind>,
     /// Measured runs per configuration [default: 10; with --against at most 40]
     ///
@@ -121,6 +123,8 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     read: ReadArgs,
     #[command(flatten)]
+    rays_file: RaysFileArgs,
+    #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
     camera: CameraArgs,
@@ -142,17 +146,21 @@ impl BenchArgs {
         SceneArgs { scene: path.to_owned(), scene_index: self.scene_index, read: self.read }
     }
 
-    fn wanted(&self) -> bench::Wanted {
-        bench::Wanted {
+    fn wanted(&self) -> Result<bench::Wanted, Error> {
+        if self.rays_file.strata.is_some() {
+            return Err(Error::usage("--strata groups verdicts on rays, which only 'raystep report' has: omit it"));
+        }
+        Ok(bench::Wanted {
             accelerators: distinct(&self.accelerators),
             schedules: distinct(&self.schedules),
             sizes: distinct(&self.sizes),
             rays: distinct(&self.rays),
+            file: self.rays_file.read()?.map(Arc::new),
             repeats: self.repeats(),
             warmups: self.warmups,
             seed: self.seed,
             tuning: self.tuning.options(RaySource::Given(Vec::new())),
-        }
+        })
     }
 
     fn repeats(&self) -> u32 {
@@ -221,7 +229,7 @@ fn fill(args: &BenchArgs, folder: &TargetFolder, output: &Path) -> Result<Done, 
     let (inputs, subjects) = read_scenes(args, Some(folder), &progress)?;
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
-    let wanted = args.wanted();
+    let wanted = args.wanted()?;
     let mut measured = bench::measure(&wanted, &subjects, run_id(), &meter, &progress)?;
     if let Some(baseline) = &baseline {
         for note in baseline.compare(&mut measured.rows) {

@@ -219,6 +219,9 @@ fn measure(
         inputs.push(input);
         subjects.push(subject);
     }
+    if args.rays.rays_file.is_some() && !args.sections().iter().any(|section| section.name == "choices") {
+        return Err(Error::usage("--rays-file applies to the section choices: omit it, or add --section choices"));
+    }
     let methods = args.methods.as_deref().map(read_methods).transpose()?.unwrap_or_default();
     let rays = args.rays.read()?;
     progress.stage("looking for a device");

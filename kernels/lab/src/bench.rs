@@ -14,16 +14,18 @@ pub mod summary;
 mod table;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use measure::Bench;
 use prepare::Group;
 use rays::Viewed;
 use raystep_kernels::export::csv::RunContext;
-use raystep_kernels::{Accelerator, GridSize, Options, Pass, ScheduleKind};
+use raystep_kernels::{Accelerator, GridSize, Options, Pass, RaySource, ScheduleKind};
 
 use crate::Error;
 use crate::meter::Meter;
 use crate::rays::RayKind;
+use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
 use crate::subject::{Size, Subject};
 pub use baseline::Baseline;
@@ -44,6 +46,8 @@ pub struct Wanted {
     pub sizes: Vec<Size>,
     /// Kinds of rays.
     pub rays: Vec<RayKind>,
+    /// Rays of another program, instead of these sizes and kinds.
+    pub file: Option<Arc<RaysFile>>,
     /// Counted runs of each configuration.
     pub repeats: u32,
     /// Warm-up runs before them.
@@ -110,13 +114,23 @@ fn all_groups(wanted: &Wanted, subjects: &[Subject], bench: &mut Bench<'_>) -> R
     }
     let ways = ways(wanted, bench);
     for subject in subjects {
+        if let Some(file) = &wanted.file {
+            let name = format!("{} rays {}", subject.scene.name, file.hash);
+            let rays = RaySource::Given(file.rays.clone());
+            let (size, kind) = (Size { width: 0, height: 0 }, format!("file {}", file.hash));
+            bench.group(Group { name, subject, size, kind, ends_early: false }, rays, &ways)?;
+            continue;
+        }
         for &size in &wanted.sizes {
             let mut viewed = Viewed::new(subject, size, wanted.tuning.grid, wanted.seed);
             for &kind in &wanted.rays {
                 let name = format!("{} {size} {kind}", subject.scene.name);
                 bench.stage(&format!("{name}: generating rays"));
                 match viewed.rays(kind, machine) {
-                    Ok(Some(rays)) => bench.group(Group { name, subject, size, kind }, rays, &ways)?,
+                    Ok(Some(rays)) => {
+                        let (ends_early, kind) = (kind == RayKind::Shadow, kind.to_string());
+                        bench.group(Group { name, subject, size, kind, ends_early }, rays, &ways)?;
+                    }
                     Ok(None) => bench.skip(format!("{name}: no pixel has such a ray")),
                     Err(error) => bench.failed(&name, error)?,
                 }

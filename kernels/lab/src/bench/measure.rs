@@ -90,7 +90,7 @@ impl<'a> Bench<'a> {
         rays: RaySource,
         ways: &[(Accelerator, ScheduleKind)],
     ) -> Result<(), Error> {
-        let mut options = options(self.wanted, rays, group.kind);
+        let mut options = options(self.wanted, rays, group.ends_early);
         let mut of_group = Vec::new();
         for &(accelerator, schedule) in ways {
             let what = format!("{}, {accelerator} {schedule}", group.name);

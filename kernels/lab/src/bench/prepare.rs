@@ -12,7 +12,6 @@ use raystep_kernels::{Accelerator, Keep, Numerics, Options, RaySource, RenderErr
 use super::summary::THIS;
 use super::{Details, SCHEMA_VERSION, SummaryRow, Wanted, grid_text, useful_steps_per_thread};
 use crate::meter::Meter;
-use crate::rays::RayKind;
 use crate::subject::{Size, Subject};
 use crate::ways::{MISSES_ALL, misses_all};
 use crate::{Error, Hash, Machine};
@@ -24,7 +23,10 @@ pub(super) struct Group<'a> {
     pub(super) name: String,
     pub(super) subject: &'a Subject,
     pub(super) size: Size,
-    pub(super) kind: RayKind,
+    /// Kind of rays.
+    pub(super) kind: String,
+    /// Whether rays end at any hit with t < 1, like shadow rays.
+    pub(super) ends_early: bool,
 }
 
 /// A configuration that is ready to run.
@@ -129,7 +131,7 @@ impl<'a> Builder<'a> {
             skip: options.skip.to_string(),
             steps_per_pass: (options.schedule == ScheduleKind::Compact).then_some(options.steps_per_pass),
             keep_all: options.keep == Keep::ALL,
-            rays_kind: group.kind.to_string(),
+            rays_kind: group.kind.clone(),
             seed: self.wanted.seed,
             adapter: machine.name(),
             width_px: group.size.width,
@@ -184,8 +186,8 @@ impl<'a> Builder<'a> {
 
 /// The options of a group's runs. A shadow ray ends at the first hit found with t < 1, whichever it is; the paper has
 /// no such rays.
-pub(super) fn options(wanted: &Wanted, rays: RaySource, kind: RayKind) -> Options {
-    let any_hit = kind == RayKind::Shadow && wanted.tuning.numerics == Numerics::Robust;
+pub(super) fn options(wanted: &Wanted, rays: RaySource, ends_early: bool) -> Options {
+    let any_hit = ends_early && wanted.tuning.numerics == Numerics::Robust;
     let rays = if any_hit { rays.until(1.0) } else { rays };
     Options { rays, shade: false, any_hit, ..wanted.tuning.clone() }
 }
