@@ -76,10 +76,8 @@ pub fn root_mean_square(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
-/// The definition of percentiles, for reports: NumPy's and R's default, in "Sample Quantiles in Statistical Packages".
-pub const PERCENTILES: &str = "linear interpolation between sorted times (Hyndman and Fan 1996, definition 7)";
-
-/// The value below which `share` (0 to 1) of the values lie, by [`PERCENTILES`]. NaN is ignored; `None` without values.
+/// The value below which `share` (0 to 1) of the values lie: linear interpolation between sorted values (Hyndman and
+/// Fan 1996, definition 7). NaN is ignored; `None` without values.
 #[must_use]
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| !v.is_nan()).collect();
@@ -93,26 +91,6 @@ pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
 #[must_use]
 pub fn median(values: &[f64]) -> Option<f64> {
     quantile(values, 0.5)
-}
-
-/// The median of some times, and their spread.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    /// Half of the values are below.
-    pub median: f64,
-    /// 5% of the values are below.
-    pub p05: f64,
-    /// 5% of the values are above.
-    pub p95: f64,
-}
-
-impl Spread {
-    /// `None` without values.
-    #[must_use]
-    pub fn of(times: &[f64]) -> Option<Self> {
-        let at = |share| quantile(times, share);
-        Some(Self { median: at(0.5)?, p05: at(0.05)?, p95: at(0.95)? })
-    }
 }
 
 #[cfg(test)]
@@ -161,16 +139,5 @@ mod tests {
         assert!(quantile(&values, 0.05).is_some_and(|v| is_near(v, 16.0)));
         assert_eq!((quantile(&values, 1.0), quantile(&[f64::NAN], 0.5)), (Some(50.0), None));
         assert_eq!(quantile(&[f64::INFINITY; 2], 0.3), Some(f64::INFINITY));
-    }
-
-    #[test]
-    fn percentiles_are_numpys() {
-        // numpy.percentile([15, 20, 35, 40, 50], [5, 50, 95]); likewise of a single value.
-        let spread = Spread::of(&[40.0, 15.0, 50.0, 35.0, 20.0]).expect("times");
-        assert_eq!(spread.median, 35.0);
-        assert!((spread.p05 - 16.0).abs() < 1e-9 && (spread.p95 - 48.0).abs() < 1e-9, "{spread:?}");
-        assert_eq!(Spread::of(&[3.0, 4.0]).map(|s| s.median), Some(3.5));
-        assert_eq!(Spread::of(&[7.0]), Some(Spread { median: 7.0, p05: 7.0, p95: 7.0 }));
-        assert_eq!(Spread::of(&[]), None);
     }
 }
