@@ -135,7 +135,7 @@ fn the_name_of_a_file_is_shown_in_lines_tables_and_pages() {
         assert_tame(&text, &path.display().to_string());
         assert!(!text.contains("<b>\"x\"") || path.extension().is_some_and(|e| e == "csv"), "{}", path.display());
         if path.ends_with("index.html") {
-            assert!(text.contains(&format!(">{SHOWN}\\n{html}</h2>")), "{text}");
+            assert!(text.contains(&format!(">{SHOWN}\\n{html} <small>")), "{text}");
         }
     }
 }

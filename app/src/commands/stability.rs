@@ -43,10 +43,10 @@ use crate::usage::did_you_mean;
 #[command(after_help = "\
 Examples:
   raystep stability -o stability
-  raystep stability --case axis --case cell-faces
-  raystep stability --quick --device cpu --accelerator grid
   raystep stability --cost -o stability
   raystep stability --cost --family room,slivers --quick --device cpu -o stability
+  raystep stability --case axis --case cell-faces
+  raystep stability --quick --device cpu --accelerator grid
   raystep stability --list")]
 pub(crate) struct StabilityArgs {
     /// Output folder: new, or empty

@@ -47,6 +47,7 @@ pub(super) fn run(bundle: &Path, max_memory: u64, progress: &Progress) -> Result
     print(&text)?;
     match differing {
         0 => Ok(()),
+        1 => Err(cannot(&"1 field that does not depend on time differs")),
         n => Err(cannot(&format!("{n} fields that do not depend on time differ"))),
     }
 }
@@ -142,13 +143,20 @@ fn read(zip: &mut ZipArchive<File>, name: &str, most: u64) -> Result<Vec<u8>, St
     if bytes.len() as u64 > most { Err(format!("{name} is larger than {MANIFEST} says")) } else { Ok(bytes) }
 }
 
-/// Names and rows of a CSV file.
+/// Names and rows of a CSV file, ordered by what they are about.
 fn records(path: &Path) -> Result<(csv::StringRecord, Records), String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let wrong = |e: csv::Error| format!("{name}: {e}");
     let mut reader = csv::Reader::from_path(path).map_err(wrong)?;
     let names = reader.headers().map_err(wrong)?.clone();
-    Ok((names, reader.records().collect::<Result<_, _>>().map_err(wrong)?))
+    let mut rows: Records = reader.records().collect::<Result<_, _>>().map_err(wrong)?;
+    // Some files are ordered by times.
+    let keys: Vec<usize> = ["scene_hash", "configuration", "item", "stratum"]
+        .iter()
+        .filter_map(|key| names.iter().position(|name| name == *key))
+        .collect();
+    rows.sort_by(|a, b| keys.iter().map(|&k| &a[k]).cmp(keys.iter().map(|&k| &b[k])));
+    Ok((names, rows))
 }
 
 /// One line on a file, and the number of fields that differ and should not.

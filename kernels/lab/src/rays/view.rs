@@ -70,7 +70,7 @@ mod tests {
             let theirs = hits(&scene, RaySource::Camera { camera, width, height });
             for (ours, theirs) in ours.into_iter().zip(theirs) {
                 // Both see a triangle in as many pixels, but for those at its outline.
-                let outline = 4.0 * f64::from(theirs).sqrt() + 4.0;
+                let outline = 4.0 * f64::from(theirs.max(ours)).sqrt() + 4.0;
                 assert!(f64::from(ours.abs_diff(theirs)) <= outline, "{ours} and {theirs} pixels");
             }
         }

@@ -136,9 +136,10 @@ impl Times {
 
     /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
     pub(super) fn ratio(&self, to: &Self, seed: u32) -> Option<(f64, Option<Interval>)> {
-        let ratios: Vec<f64> = self.pairs(to).map(|(a, b)| a / b).collect();
+        // The same median with and without an interval: of the logarithms.
+        let logarithms: Vec<f64> = self.pairs(to).map(|(a, b)| (a / b).ln()).collect();
         let interval = interval::of_ratio(&self.pairs(to).collect::<Vec<_>>(), u64::from(seed));
-        Some((interval.map_or(median(&ratios)?, |interval| interval.median), interval))
+        Some((interval.map_or(median(&logarithms)?.exp(), |interval| interval.median), interval))
     }
 
     /// Fills the columns of times.

@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use raystep_kernels::plan::structure_bytes;
-use raystep_kernels::programs::closest_hit::streams;
 use raystep_kernels::{Accelerator, GridSize, Options, RaySource, Renderer, Rule};
 use raystep_scenes::Scene;
 
@@ -137,7 +136,8 @@ impl Work<'_> {
     fn counted(&self, point: &Point<'_>, way: Way, rays: usize) -> Result<([f64; 2], Ended, Duration), Error> {
         let (mut renderer, _) = self.build(point, &self.options(point, way, rays, true))?;
         let (ended, spent) = self.run(&mut renderer)?;
-        let counters = self.meter.machine.wait(renderer.values(streams::COUNTERS))?;
+        let stream = renderer.plan().counters().ok_or(Error::NothingBuilt)?;
+        let counters = self.meter.machine.wait(renderer.values(stream))?;
         let mean = |layer| (0..rays).map(|ray| f64::from(counters.get(layer, ray))).sum::<f64>() / rays.max(1) as f64;
         Ok(([mean(0), mean(1)], ended, spent))
     }

@@ -21,6 +21,7 @@ pub fn is_of_time(column: &str) -> bool {
                 | "is_fastest"
                 | "is_front"
                 | "is_selected"
+                | "is_lower_bound"
         )
 }
 
