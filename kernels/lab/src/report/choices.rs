@@ -6,9 +6,9 @@
 //! both.
 
 mod figure;
+mod strata;
 mod words;
 
-use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 pub(super) use figure::color;
@@ -16,6 +16,7 @@ use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Renderer, ScheduleKind};
+use strata::{ALL, Strata};
 
 use super::judge::{self, Drawn, Judge, Judged};
 use super::methods::Method;
@@ -26,7 +27,6 @@ use crate::rays::view;
 use crate::statistics::interval;
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
 use crate::ways::{MISSES_ALL, misses_all};
-pub(super) use words::{Compared, compared};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -141,57 +141,6 @@ fn ways(is_quick: bool) -> Vec<Way> {
     }
     ways
 }
-
-/// The name of all strata together.
-const ALL: &str = "all";
-
-/// Groups of rays.
-struct Strata<'a> {
-    /// The group of each ray.
-    of_rays: Option<&'a [u32]>,
-    /// The groups that there are, ascending, with their names.
-    names: Vec<(u32, String)>,
-}
-
-impl<'a> Strata<'a> {
-    fn new(work: &Work<'a>) -> Self {
-        let of_rays = work.rays.and_then(|file| file.strata.as_deref());
-        let numbers: BTreeSet<u32> = of_rays.into_iter().flatten().copied().collect();
-        // As many as a page can show; single rays are in rays.csv.
-        let names = numbers.into_iter().take(MOST_STRATA).map(|n| (n, n.to_string())).collect();
-        Self { of_rays, names }
-    }
-
-    fn number(&self, ray: usize) -> Option<u32> {
-        self.of_rays?.get(ray).copied()
-    }
-
-    fn of(&self, ray: usize) -> &str {
-        let name = |number| self.names.iter().find(|(n, _)| *n == number).map(|(_, name)| name.as_str());
-        self.number(ray).and_then(name).unwrap_or("view")
-    }
-
-    /// One row for each group: verdicts only.
-    fn rows(&self, work: &Work<'_>, judge: &Judge, m: &Measured) -> Vec<Row> {
-        let row = |(number, name): &(u32, String)| {
-            let counts = m.judged.counts_of(judge, |ray| self.number(ray) == Some(*number));
-            let rays = self.of_rays.map(|all| all.iter().filter(|n| *n == number).count());
-            let row = work
-                .row(COLUMNS)
-                .set("configuration", m.way.id(work))
-                .set("accelerator", m.way.accelerator.name())
-                .set("schedule", m.way.schedule.name())
-                .set("numerics", m.way.numerics.name())
-                .set("stratum", &**name)
-                .set("rays", rays);
-            judge::fill(row, &counts, Drawn::AtRandom)
-        };
-        self.names.iter().map(row).collect()
-    }
-}
-
-/// Most strata with rows of their own.
-const MOST_STRATA: usize = 64;
 
 /// A choice that was built and timed.
 struct Measured {

@@ -2,6 +2,7 @@
 
 use super::super::human::{cell, data, field};
 use super::super::page::{Part, number};
+use super::super::words::{Compared, compared};
 use super::super::work::Work;
 use crate::html::escaped;
 use crate::tidy::Row;
@@ -22,29 +23,6 @@ fn place(work: &Work<'_>) -> String {
             let cores = std::thread::available_parallelism().map_or(1, usize::from);
             format!("CPU, {}", crate::text::counted(cores, "core"))
         }
-    }
-}
-
-/// What an interval says of a time that is compared with another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::report) enum Compared {
-    /// Its interval lies below 1.
-    Faster,
-    /// Its interval contains 1.
-    Alike,
-    /// Its interval lies above 1.
-    Slower,
-    /// There is no interval.
-    Unknown,
-}
-
-/// Compares a row with the configuration that its ratio is relative to.
-pub(in crate::report) fn compared(row: &Row) -> Compared {
-    match (row.number("time_ratio_low"), row.number("time_ratio_high")) {
-        (Some(_), Some(high)) if high < 1.0 => Compared::Faster,
-        (Some(low), Some(_)) if low > 1.0 => Compared::Slower,
-        (Some(_), Some(_)) => Compared::Alike,
-        _ => Compared::Unknown,
     }
 }
 
@@ -86,14 +64,14 @@ pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
     let is_accurate = |r: &&Row| r.get("is_accurate") == "true";
     let alike: Vec<String> = others()
         .filter(is_accurate)
-        .filter(|r| matches!(compared(r), Compared::Alike | Compared::Unknown))
+        .filter(|r| matches!(compared("time_ratio", r), Compared::NotDistinguishable | Compared::Unknown))
         .map(name)
         .collect();
     text += &match alike.as_slice() {
         [] => " Nothing else that accurate is as fast.".to_owned(),
         names => format!(" Not distinguishable in time: {}.", listed(names)),
     };
-    let inaccurate = |r: &&Row| !is_accurate(r) && compared(r) == Compared::Faster;
+    let inaccurate = |r: &&Row| !is_accurate(r) && compared("time_ratio", r) == Compared::Faster;
     let faster: Vec<String> = others().filter(inaccurate).map(|r| format!("{} ({})", name(r), wrong(r))).collect();
     if !faster.is_empty() {
         text += &format!(" Faster, but not shown to be wrong for at most {limit} of a million: {}.", listed(&faster));
@@ -108,8 +86,8 @@ pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
 /// The fastest robust choice, where the fastest of all is not robust.
 fn robust(rows: &[Row]) -> String {
     let Some(row) = quickest(rows, &[("numerics", "robust")]) else { return String::new() };
-    let ratio = match compared(row) {
-        Compared::Alike => "not distinguishable".to_owned(),
+    let ratio = match compared("time_ratio", row) {
+        Compared::NotDistinguishable => "not distinguishable".to_owned(),
         _ => format!("{} times as long", cell("time_ratio", row.get("time_ratio"))),
     };
     format!(
@@ -140,9 +118,9 @@ fn papers(rows: &[Row], fastest: &Row) -> String {
         _ => format!("{} of {} wrong", number("wrong_rays", paper), number("judged_rays", paper)),
     };
     let ratio = cell("time_ratio", paper.get("time_ratio"));
-    let gain = match compared(paper) {
+    let gain = match compared("time_ratio", paper) {
         Compared::Faster => format!("take {ratio} of the time here"),
-        Compared::Alike => "are no faster here".to_owned(),
+        Compared::NotDistinguishable => "are no faster here".to_owned(),
         Compared::Slower => format!("take {ratio} times as long here"),
         Compared::Unknown => "were not timed often enough to compare".to_owned(),
     };
@@ -168,7 +146,7 @@ pub(super) fn table(rows: &[Row], part: &mut Part) {
     }
     chosen.sort_by(|a, b| a.number("median_ns").unwrap_or(0.0).total_cmp(&b.number("median_ns").unwrap_or(0.0)));
     let cells = |row: &&Row| {
-        let ratio = match (row.get("is_fastest"), compared(row)) {
+        let ratio = match (row.get("is_fastest"), compared("time_ratio", row)) {
             ("true", _) => "1".to_owned(),
             // What is wrong too often is not ranked.
             _ if row.get("is_accurate") != "true" => "wrong too often".to_owned(),

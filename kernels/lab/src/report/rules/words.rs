@@ -1,8 +1,8 @@
 //! Which rules the scene needs, in words.
 
-use super::super::choices::{Compared, compared};
 use super::super::human::{cell, data};
 use super::super::page::{Part, number};
+use super::super::words::{Compared, compared};
 use super::figure::compared_rows;
 use crate::tidy::Row;
 
@@ -15,9 +15,9 @@ fn change(row: &Row) -> String {
         });
         data(row.get(column), &shown)
     };
-    match compared(row) {
+    match compared("time_ratio", row) {
         Compared::Unknown => "time not determined".into(),
-        Compared::Alike => "no measurable time".into(),
+        Compared::NotDistinguishable => "no measurable time".into(),
         Compared::Faster | Compared::Slower => format!("{} time", percent("time_ratio")),
     }
 }
