@@ -155,13 +155,14 @@ impl Plot {
                 text_at(area, &text, (FRAME.left - 7, at), 13, (HPos::Right, VPos::Center))?;
             }
             border(area)?;
-            for (value, name) in &self.places {
+            for (i, (value, name)) in self.places.iter().enumerate() {
                 let (at, _) = place((*value, 0.0));
                 dashes(area, &[(at, FRAME.top), (at, FRAME.bottom)], BLACK.stroke_width(1))?;
                 // Beside the line, on the side with more space.
                 let is_right = at > (FRAME.left + FRAME.right) / 2;
                 let (x, side) = if is_right { (at - 5, HPos::Right) } else { (at + 5, HPos::Left) };
-                text_at(area, name, (x, FRAME.top + 5), 13, (side, VPos::Top))?;
+                // One below the other, as they may be close together.
+                text_at(area, name, (x, FRAME.top + 5 + 15 * i as i32), 13, (side, VPos::Top))?;
             }
             for (s, points) in self.series.iter().zip(&points) {
                 let color = PALETTE[s.color % PALETTE.len()];

@@ -143,6 +143,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         // Without an accelerator there may be fewer rays, and then the correct hits differ, too.
         let judge = &mut judges[usize::from(way.options.accelerator == Accelerator::None)];
         let judged = judge.judge(work, &ready.renderer)?;
+        judge.record(work, &ready.renderer, &judged, &work.configuration(&[&way.id()]), |_| "pixels");
         if times_of.is_given_up {
             part.notes.push(format!("{}: {}", way.name(), judged.given_up()));
         }

@@ -241,6 +241,9 @@ fn one(
             continue;
         }
         let judged = judge.judge(&work, &renderer)?;
+        let aim_of =
+            |ray: usize| STRATA[ends[1..].iter().filter(|&&end| ray >= end).count().min(STRATA.len() - 1)].name();
+        judge.record(&work, &renderer, &judged, &work.configuration(&[&place.id(), numerics.name()]), aim_of);
         let hits = work.machine().wait(renderer.hits())?;
         for (aim, ends) in STRATA.into_iter().zip(ends.windows(2)) {
             let of = ends[0]..ends[1];
@@ -253,7 +256,7 @@ fn one(
                 measure(&judged, &judge, &of, is_again.then_some((here, place)), &subject.scene, &rays, &renderer);
             let row =
                 work.row(columns).set("numerics", numerics.name()).set("stratum", aim.name()).set("rays", of.len());
-            let row = row.set("configuration", work.configuration(&[&place.id(), numerics.name(), aim.name()]));
+            let row = row.set("configuration", work.configuration(&[&place.id(), numerics.name()]));
             let row = match place {
                 Place::Moved(by) => row.set("offset_extents", by),
                 Place::Scaled(by) => row.set("scale", by),

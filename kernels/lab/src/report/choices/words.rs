@@ -47,7 +47,7 @@ pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
     let limit = rows.first().map_or(String::new(), |row| number("most_wrong_per_million", row));
     let Some(fastest) = rows.iter().find(|r| r.get("is_fastest") == "true") else {
         let text = format!(
-            "{scene}, {}: no choice could be shown to be wrong for at most {limit} of a million rays.",
+            "{scene}, {}: no choice could be shown to be within the limit of {limit} wrong rays per million.",
             escaped(&place(work))
         );
         part.lead.push(text);
@@ -72,9 +72,14 @@ pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
         names => format!(" Not distinguishable in time: {}.", listed(names)),
     };
     let inaccurate = |r: &&Row| !is_accurate(r) && compared("time_ratio", r) == Compared::Faster;
-    let faster: Vec<String> = others().filter(inaccurate).map(|r| format!("{} ({})", name(r), wrong(r))).collect();
-    if !faster.is_empty() {
-        text += &format!(" Faster, but not shown to be wrong for at most {limit} of a million: {}.", listed(&faster));
+    let faster: Vec<&Row> = others().filter(inaccurate).collect();
+    if let Some(worst) = faster.iter().max_by_key(|r| r.number("wrong_rays").unwrap_or(0.0) as u64) {
+        let names: Vec<String> = faster.iter().map(|r| name(r)).collect();
+        let (count, of) = (number("wrong_rays", worst), number("judged_rays", worst));
+        text += &format!(
+            " Faster, but not within the limit of {limit} wrong per million: {} (up to {count} of {of} wrong).",
+            listed(&names)
+        );
     }
     text += &match fastest.get("numerics") {
         "paper" => robust(rows),
