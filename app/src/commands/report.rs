@@ -165,7 +165,13 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
     let progress = Progress::new(args.quiet.quiet);
     match &args.verify {
         Some(bundle) => verify::run(bundle, args.read.max_memory, &progress),
-        None => report(args, &progress).map(|_| ()),
+        None => {
+            report(args, &progress)?;
+            progress.finish();
+            let page = args.output.iter().map(|output| output.join(report::PAGE)).next().unwrap_or_default();
+            progress.say(format_args!("wrote {} with its CSV files and plots", page.display()));
+            Ok(())
+        }
     }
 }
 
@@ -195,8 +201,6 @@ fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
     if let Some((target, bytes)) = bundle.zip(zip) {
         output::write(vec![(target, bytes)])?;
     }
-    progress.finish();
-    progress.say(format_args!("wrote {} with its CSV files and plots", output.join(report::PAGE).display()));
     Ok(machine)
 }
 
