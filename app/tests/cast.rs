@@ -18,7 +18,7 @@ fn cornell_box() -> String {
 }
 
 /// An npy file of float32 with this shape.
-fn npy(shape: &str, numbers: &[f32]) -> Vec<u8> {
+pub(crate) fn npy(shape: &str, numbers: &[f32]) -> Vec<u8> {
     let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n");
     let length = u16::try_from(header.len()).expect("a short header");
     let data = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
@@ -41,13 +41,13 @@ fn dumped(place: &Place, stream: &str) -> Vec<u32> {
 }
 
 /// Words of the hits in a file: t, u, v, triangle, material.
-fn hits(file: &[u8]) -> Vec<[u32; 5]> {
+pub(crate) fn hits(file: &[u8]) -> Vec<[u32; 5]> {
     let word = |hit: &[u8], i: usize| u32::from_le_bytes([hit[4 * i], hit[4 * i + 1], hit[4 * i + 2], hit[4 * i + 3]]);
     file[HEADER..].chunks_exact(HIT).map(|hit| [0, 1, 2, 3, 4].map(|i| word(hit, i))).collect()
 }
 
 /// Origins and directions of random-looking rays inside of the box, six numbers each.
-fn inside(count: usize) -> Vec<f32> {
+pub(crate) fn inside(count: usize) -> Vec<f32> {
     let number = |i: usize| ((i * 7919 + 13) % 1999) as f32 / 1000.0 - 1.0;
     (0..count).flat_map(|ray| [0, 1, 2, 3, 4, 5].map(|k| number(6 * ray + k) * if k < 3 { 0.5 } else { 1.0 })).collect()
 }

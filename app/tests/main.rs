@@ -13,6 +13,7 @@ mod inspect;
 mod left_out;
 mod link;
 mod messages;
+mod rays_file;
 mod report;
 mod report_bundle;
 mod report_files;
