@@ -24,6 +24,7 @@ pub mod divergence;
 mod error;
 pub mod hash;
 pub mod html;
+mod human;
 pub mod judge;
 pub mod layer_stats;
 pub mod lockstep;

@@ -1,12 +1,14 @@
 //! The device that measurements run on, with its clocks.
 
+use std::ops::ControlFlow;
 use std::sync::OnceLock;
 use std::time::Instant;
 
 use raystep_kernels::export::csv::{RunContext, Timer};
+use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::shader::forget_variants;
-use raystep_kernels::{Device, Gpu, Limits, Options};
+use raystep_kernels::{Device, Gpu, Limits, Options, Renderer};
 use raystep_scenes::Scene;
 
 use crate::block_on;
@@ -86,6 +88,18 @@ impl Machine {
             // A lost device is reported by its next use.
             let _ = gpu.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None });
         }
+    }
+
+    /// Sums of the counters of a run with these options, which are counted for it; `None` if such a run cannot count, or
+    /// fails.
+    #[must_use]
+    pub fn counts(&self, scene: &Scene, options: &Options) -> Option<CounterSums> {
+        let options = Options { counters: true, timings: false, keep_passes: false, ..options.clone() };
+        let (plan, data) = Plan::new(scene, &options, &self.limits()).ok()?;
+        let counters = plan.counters()?;
+        let mut renderer = self.wait(Renderer::from_plan(plan, data, &options, &self.device)).ok()?;
+        self.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
+        CounterSums::of(&self.wait(renderer.values(counters)).ok()?, renderer.plan())
     }
 
     /// The columns that all rows of a run in `passes.csv` share.

@@ -4,7 +4,6 @@
 
 mod choices;
 mod grid;
-mod human;
 mod judge;
 pub mod left_out;
 pub mod methods;

@@ -2,6 +2,7 @@
 //! their unit in the column's name, unknown values empty. [`package`] describes a folder of them for programs.
 
 pub mod columns;
+pub(crate) mod fill;
 mod of_time;
 pub mod package;
 

@@ -83,8 +83,10 @@ impl<'a> Builder<'a> {
     ) -> Result<Ready, Error> {
         let (subject, machine) = (group.subject, self.machine());
         stage("counting");
-        (options.counters, options.timings, options.keep_passes) = (true, false, false);
-        let counts = if self.extent == Extent::Full { self.count(group, options) } else { None };
+        let counts = match self.extent {
+            Extent::Full => self.machine().counts(&group.subject.scene, options),
+            _ => None,
+        };
         stage("building");
         (options.counters, options.timings, options.keep_passes) = (false, true, true);
         machine.forget_kernels();
@@ -171,16 +173,6 @@ impl<'a> Builder<'a> {
         let shaders = shaders.map(|v| (v.kernel.name(), Hash::of(v.source.as_bytes()).to_string())).collect();
         let context = RunContext { host_run_ns: renderer.host_ns(), ..context };
         Ok((Details { context, passes: renderer.passes().to_vec(), shaders }, start_s))
-    }
-
-    /// Sums of the counters; `None` if this configuration cannot count.
-    fn count(&self, group: &Group<'_>, options: &Options) -> Option<CounterSums> {
-        let (scene, machine) = (&group.subject.scene, self.machine());
-        let (plan, data) = Plan::new(scene, options, &machine.limits()).ok()?;
-        let counters = plan.counters()?;
-        let mut renderer = machine.wait(Renderer::from_plan(plan, data, options, &machine.device)).ok()?;
-        machine.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
-        CounterSums::of(&machine.wait(renderer.values(counters)).ok()?, renderer.plan())
     }
 }
 

@@ -9,22 +9,21 @@ mod figure;
 mod strata;
 mod words;
 
-use std::ops::ControlFlow;
-
 pub(super) use figure::color;
-use raystep_kernels::export::json::CounterSums;
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Renderer, ScheduleKind};
 use strata::{ALL, Strata};
 
-use super::judge::{self, Drawn, Judge, Judged};
+use super::judge::{Judge, Judged};
 use super::methods::Method;
 use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
 use crate::rays::view;
 use crate::statistics::interval;
+use crate::statistics::proportion::at_most;
+use crate::tidy::fill::{self, Drawn};
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
 use crate::ways::{MISSES_ALL, misses_all};
 
@@ -96,6 +95,9 @@ const SHOWN_STRATA: &[&str] = &[
 /// Maximum number of tests in a run without an accelerator.
 const MOST_TESTS: u64 = 1 << 28;
 
+/// Most bytes of all choices together: they are timed in turn.
+const MOST_BYTES: u64 = 4 << 30;
+
 /// Share of wrong rays, per million, up to which a choice is called accurate.
 pub(super) const MOST_WRONG: f64 = 100.0;
 
@@ -139,6 +141,8 @@ fn ways(is_quick: bool) -> Vec<Way> {
             }
         }
     }
+    // If there is no room for all of them, the slowest are missing.
+    ways.sort_by_key(|way| ![ScheduleKind::Fused, ScheduleKind::Compact].contains(&way.schedule));
     ways
 }
 
@@ -162,7 +166,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     for way in ways(work.is_quick) {
         let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
         work.stage(&format!("building {what}"));
-        match build(work, way, &rays, &mut part) {
+        match build(work, way, &rays, &ready, &mut part) {
             Ok(Some(built)) => ready.push((way, built)),
             Ok(None) => {}
             Err(error) => {
@@ -205,26 +209,43 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     Ok(part)
 }
 
-fn build(work: &Work<'_>, way: Way, rays: &[Ray], part: &mut Part) -> Result<Option<Built>, Error> {
-    let tests = (work.subject.scene.triangles.len() * rays.len()) as u64;
-    if way.accelerator == Accelerator::None && tests > MOST_TESTS {
-        let note = format!("none: testing every triangle for each of {} rays takes too long", rays.len());
-        if !part.notes.contains(&note) {
-            part.notes.push(note);
+/// Builds a choice, unless it would take too long or too much memory beside those that are already `built`.
+fn build(
+    work: &Work<'_>,
+    way: Way,
+    rays: &[Ray],
+    built: &[(Way, Built)],
+    part: &mut Part,
+) -> Result<Option<Built>, Error> {
+    let mut note = |text: String| {
+        if !part.notes.contains(&text) {
+            part.notes.push(text);
         }
+    };
+    let tests = work.subject.scene.triangles.len().saturating_mul(rays.len()) as u64;
+    if way.accelerator == Accelerator::None && tests > MOST_TESTS {
+        note(format!("none: testing every triangle for each of {} rays takes too long", rays.len()));
         return Ok(None);
     }
     let options = way.options(rays);
-    let built = work.build(&options)?;
-    if misses_all(&work.subject.scene, &options, built.renderer.plan()) && !part.notes.iter().any(|n| n == MISSES_ALL) {
-        part.notes.push(MISSES_ALL.into());
+    let planned = work.plan(&options)?;
+    let bytes = |plan: &Plan| plan.bytes() + size_of_val(rays) as u64;
+    let before: u64 = built.iter().map(|(_, built)| bytes(built.renderer.plan())).sum();
+    if before + bytes(&planned.plan) > MOST_BYTES && !built.is_empty() {
+        let [structure, schedule, numerics] = [way.accelerator.name(), way.schedule.name(), way.numerics.name()];
+        note(format!("{structure} {schedule} {numerics}: the choices together would take more than 4 GiB"));
+        return Ok(None);
+    }
+    let built = work.start(&planned, &options)?;
+    if misses_all(&work.subject.scene, &options, built.renderer.plan()) {
+        note(MISSES_ALL.into());
     }
     Ok(Some(built))
 }
 
 /// The share of wrong rays up to which a choice is called accurate: [`MOST_WRONG`], or what the judged rays can show.
 fn limit(measured: &[Measured]) -> f64 {
-    let shown = |m: &Measured| judge::bounds(0, m.judged.counts.rays()).map(|[_, high]| 1e6 * high);
+    let shown = |m: &Measured| at_most(0, m.judged.counts.rays()).map(|high| 1e6 * high);
     measured.iter().filter_map(shown).fold(MOST_WRONG, f64::max)
 }
 
@@ -259,10 +280,6 @@ fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured],
 
 /// The row of a method of another program.
 fn own_row(work: &Work<'_>, method: &Method, limit: f64) -> Row {
-    let Method { judged_rays, wrong_rays, undecided, .. } = *method;
-    let million = |share: f64| 1e6 * share;
-    let of = judged_rays as f64;
-    let [low, high] = judge::bounds(wrong_rays, judged_rays).map_or([None; 2], |ends| ends.map(Some));
     let row = work
         .row(COLUMNS)
         .set("configuration", work.configuration(&["own", &method.method]))
@@ -271,17 +288,19 @@ fn own_row(work: &Work<'_>, method: &Method, limit: f64) -> Row {
         .set("ns_per_ray", method.ns_per_ray)
         .set("ns_per_ray_low", method.ns_per_ray_low)
         .set("ns_per_ray_high", method.ns_per_ray_high)
-        .set("judged_rays", judged_rays)
-        .set("wrong_rays", wrong_rays)
-        .set("undecided", undecided)
-        .set("wrong_per_million", million(wrong_rays as f64 / of))
-        .set("wrong_per_million_low", low.map(million))
-        .set("wrong_per_million_high", high.map(million))
-        .set("undecided_per_million", million(undecided as f64 / of))
+        .set("undecided", method.undecided)
+        .set("undecided_per_million", fill::per_million(method.undecided, method.judged_rays))
         .set("most_wrong_per_million", limit)
         .set("is_fastest", false);
-    let is_accurate = row.number("wrong_per_million_high").zip(row.number("most_wrong_per_million"));
-    row.set("is_accurate", is_accurate.is_some_and(|(high, most)| high <= most))
+    let row = fill::shares(row, method.wrong_rays, method.judged_rays, Drawn::AtRandom);
+    let is_accurate = is_within_limit(&row);
+    row.set("is_accurate", is_accurate)
+}
+
+/// Whether the upper bound of wrong rays is at most the limit: both as they are written, with the same digits.
+fn is_within_limit(row: &Row) -> bool {
+    let ends = row.number("wrong_per_million_high").zip(row.number("most_wrong_per_million"));
+    ends.is_some_and(|(high, most)| high <= most)
 }
 
 fn mark_front(rows: &mut [Row]) {
@@ -305,7 +324,7 @@ fn front(rows: &[Row]) -> Vec<bool> {
 fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -> Row {
     let Measured { way, built, times, judged } = m;
     let plan = built.renderer.plan();
-    let sums = counters(work, &way.options(rays));
+    let sums = work.machine().counts(&work.subject.scene, &way.options(rays));
     let per_ray = |sum: u64| (plan.rays > 0).then(|| sum as f64 / plan.rays as f64);
     let row = work
         .row(COLUMNS)
@@ -323,13 +342,10 @@ fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -
         .set("build_s", built.build_s)
         .set("most_wrong_per_million", limit);
     let row = judged.fill(times.fill(row, work.seed()), Drawn::AtRandom);
-    let of = judged.counts.rays();
-    let undecided = (of > 0).then(|| 1e6 * judged.counts.ties as f64 / of as f64);
+    let undecided = fill::per_million(judged.counts.ties, judged.counts.rays());
     let of_ray = |column: &str| row.number(column).filter(|_| plan.rays > 0).map(|ns| ns / plan.rays as f64);
     let (ns, low, high) = (of_ray("median_ns"), of_ray("low_ns"), of_ray("high_ns"));
-    // Both as they are written, with the same digits.
-    let ends = row.number("wrong_per_million_high").zip(row.number("most_wrong_per_million"));
-    let is_accurate = judged.at_bound == 0 && ends.is_some_and(|(high, most)| high <= most);
+    let is_accurate = judged.at_bound == 0 && is_within_limit(&row);
     let witness = judge.witness(judged, &built.renderer, WITNESSED);
     row.set("ns_per_ray", ns)
         .set("ns_per_ray_low", low)
@@ -339,15 +355,4 @@ fn row(work: &Work<'_>, rays: &[Ray], judge: &Judge, m: &Measured, limit: f64) -
         .set("witness_rays", witness.rays)
         .set("witness_error_by_bound", witness.error_by_bound)
         .set("witness_reference_error_by_bound", witness.reference_error_by_bound)
-}
-
-/// Sums of the counters of a separate run; `None` if this choice cannot count.
-fn counters(work: &Work<'_>, options: &Options) -> Option<CounterSums> {
-    let options = Options { counters: true, ..options.clone() };
-    let (plan, data) = Plan::new(&work.subject.scene, &options, &work.machine().limits()).ok()?;
-    let counters = plan.counters()?;
-    let machine = work.machine();
-    let mut renderer = machine.wait(Renderer::from_plan(plan, data, &options, &machine.device)).ok()?;
-    machine.wait(renderer.run(|_| ControlFlow::Continue(()))).ok()?;
-    CounterSums::of(&machine.wait(renderer.values(counters)).ok()?, renderer.plan())
 }

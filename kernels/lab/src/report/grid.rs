@@ -9,11 +9,12 @@ use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
 
-use super::judge::{Drawn, Judge};
+use super::judge::Judge;
 use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
 use crate::statistics::interval;
+use crate::tidy::fill::Drawn;
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
 use payoff::{builds, pays_off, saved};
 

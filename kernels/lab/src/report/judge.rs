@@ -13,8 +13,8 @@ use super::work::Work;
 use crate::Error;
 use crate::judge::{self, Cracks, Traced, sample};
 use crate::reference::{Counts, Possible, Verdict, error_of_t};
-use crate::statistics::proportion::{at_most, exact_interval};
 use crate::tidy::Row;
+use crate::tidy::fill::{Drawn, verdicts};
 
 /// The correct hits, computed for the first run and kept for later runs.
 #[derive(Default)]
@@ -165,7 +165,7 @@ impl Judged {
 
     /// Fills the columns of verdicts.
     pub(super) fn fill(&self, row: Row, drawn: Drawn) -> Row {
-        fill(row, &self.counts, drawn).set("at_bound", self.at_bound)
+        verdicts(row, &self.counts, drawn).set("at_bound", self.at_bound)
     }
 
     /// The verdicts on some rays, counted.
@@ -189,45 +189,6 @@ impl Judged {
         }
         count
     }
-}
-
-/// How judged rays were chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Drawn {
-    /// Independently at random, or one at random in each of many parts, which only makes counts more certain
-    /// (Hoeffding 1956): they have an interval.
-    AtRandom,
-    /// All that there are: nothing is estimated, so there is no interval.
-    Census,
-}
-
-impl Drawn {
-    /// How a sample of all pixels' centres was drawn.
-    pub(super) fn of_pixels(judged: usize, rays: usize) -> Self {
-        if judged < rays { Self::AtRandom } else { Self::Census }
-    }
-}
-
-/// Fills the columns of verdicts.
-pub(super) fn fill(row: Row, counts: &Counts, drawn: Drawn) -> Row {
-    let (rays, errors) = (counts.rays(), counts.errors());
-    let million = |share: f64| 1e6 * share;
-    let [low, high] =
-        bounds(errors, rays).filter(|_| drawn == Drawn::AtRandom).map_or([None; 2], |ends| ends.map(Some));
-    row.set("judged_rays", rays)
-        .set("missed", counts.missed)
-        .set("false_hits", counts.false_hits)
-        .set("wrong_hits", counts.wrong)
-        .set("undecided", counts.ties)
-        .set("wrong_rays", errors)
-        .set("wrong_per_million", (rays > 0).then(|| million(errors as f64 / rays as f64)))
-        .set("wrong_per_million_low", low.map(million))
-        .set("wrong_per_million_high", high.map(million))
-}
-
-/// The interval of a share: exact and two-sided at 95%; if nothing was observed, from 0 to the one-sided bound.
-pub(super) fn bounds(count: u64, of: u64) -> Option<[f64; 2]> {
-    if count == 0 { at_most(0, of).map(|high| [0.0, high]) } else { exact_interval(count, of) }
 }
 
 #[cfg(test)]

@@ -30,14 +30,15 @@ use glam::DVec3;
 use raystep_kernels::{Numerics, Options, Ray, RaySource};
 use raystep_scenes::Scene;
 
-use super::judge::{Drawn, Judge, bounds, fill};
+use super::judge::Judge;
 use super::page::Part;
 use super::work::Work;
 use crate::Error;
 use crate::meter::Ended;
 use crate::rays::{Aim, aimed};
-use crate::reference::Counts;
+use crate::statistics::proportion::interval_or_bound;
 use crate::subject::Subject;
+use crate::tidy::fill::{Drawn, per_million, verdicts};
 use crate::tidy::{KEYS, Row, Table, VERDICTS, count, joined};
 use errors::measure;
 
@@ -247,10 +248,9 @@ fn one(
         let hits = work.machine().wait(renderer.hits())?;
         for (aim, ends) in STRATA.into_iter().zip(ends.windows(2)) {
             let of = ends[0]..ends[1];
-            let in_stratum = || judge.sample().iter().zip(&judged.verdicts).filter(|(ray, _)| of.contains(ray));
-            let mut counts = Counts::default();
-            in_stratum().filter_map(|(_, verdict)| *verdict).for_each(|verdict| counts.add(verdict));
-            let unresolved = in_stratum().filter(|(_, verdict)| verdict.is_none()).count();
+            let counts = judged.counts_of(&judge, |ray| of.contains(&ray));
+            let in_stratum = judge.sample().iter().filter(|ray| of.contains(ray)).count() as u64;
+            let unresolved = in_stratum - counts.rays();
             let is_again = aim == Aim::Anywhere;
             let errors =
                 measure(&judged, &judge, &of, is_again.then_some((here, place)), &subject.scene, &rays, &renderer);
@@ -261,7 +261,7 @@ fn one(
                 Place::Moved(by) => row.set("offset_extents", by),
                 Place::Scaled(by) => row.set("scale", by),
             };
-            let row = errors.fill(fill(row, &counts, Drawn::AtRandom).set("at_bound", unresolved));
+            let row = errors.fill(verdicts(row, &counts, Drawn::AtRandom).set("at_bound", unresolved));
             let found = hits[of.clone()].iter().map(|hit| hit.map(|hit| hit.triangle));
             rows.push(if is_again { changed(row, found, here) } else { row });
         }
@@ -274,9 +274,9 @@ fn changed(row: Row, found: impl ExactSizeIterator<Item = Option<u32>>, here: &H
     let of = found.len() as u64;
     let exact = here.exact.iter().map(|exact| exact.map(|(triangle, _)| triangle));
     let changed = found.zip(exact).filter(|(found, exact)| found != exact).count() as u64;
-    let ends = bounds(changed, of);
+    let ends = interval_or_bound(changed, of);
     row.set("changed_rays", changed)
-        .set("changed_per_million", (of > 0).then(|| 1e6 * changed as f64 / of as f64))
+        .set("changed_per_million", per_million(changed, of))
         .set("changed_per_million_low", ends.map(|ends| 1e6 * ends[0]))
         .set("changed_per_million_high", ends.map(|ends| 1e6 * ends[1]))
 }

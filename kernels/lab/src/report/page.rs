@@ -3,9 +3,9 @@
 
 use std::fmt::Write as _;
 
-use super::human::{cell, data};
 use super::section::SECTIONS;
 use crate::html::{self, escaped};
+use crate::human::{cell, data};
 use crate::plots;
 use crate::subject::Size;
 use crate::tidy::Row;
@@ -122,7 +122,7 @@ pub(super) fn number(column: &str, row: &Row) -> String {
 /// A number that is in `about.csv`.
 fn about_number(value: usize) -> String {
     let text = value.to_string();
-    data(&text, &super::human::field("", &text))
+    data(&text, &crate::human::field("", &text))
 }
 
 /// A scene of the report.

@@ -3,47 +3,35 @@
 use std::cell::RefCell;
 
 use crate::Hash;
-use crate::tidy::{Row, Table};
+use crate::tidy::{KEYS, Row, Table, count, joined};
 
 /// File of all timed runs.
 pub(super) const RUNS: &str = "runs.csv";
 
-pub(super) const RUN_COLUMNS: &[&str] = &[
-    "schema_version",
-    "run_id",
-    "section",
-    "scene",
-    "scene_hash",
-    "adapter",
-    "configuration",
-    "round",
-    "place",
-    "time_ns",
-    "wall_ns",
-    "clock",
-];
+const RUN_GROUPS: &[&[&str]] = &[KEYS, &["section", "round", "place", "time_ns", "wall_ns", "clock"]];
+
+pub(super) const RUN_COLUMNS: &[&str] = &joined::<{ count(RUN_GROUPS) }>(RUN_GROUPS);
 
 /// File of all judged rays.
 pub(super) const RAYS: &str = "rays.csv";
 
-pub(super) const RAY_COLUMNS: &[&str] = &[
-    "schema_version",
-    "run_id",
-    "section",
-    "scene",
-    "scene_hash",
-    "adapter",
-    "configuration",
-    "ray",
-    "stratum",
-    "verdict",
-    "found_triangle",
-    "found_t",
-    "exact_triangle",
-    "exact_t",
-    "t_error",
-    "t_bound",
+const RAY_GROUPS: &[&[&str]] = &[
+    KEYS,
+    &[
+        "section",
+        "ray",
+        "stratum",
+        "verdict",
+        "found_triangle",
+        "found_t",
+        "exact_triangle",
+        "exact_t",
+        "t_error",
+        "t_bound",
+    ],
 ];
+
+pub(super) const RAY_COLUMNS: &[&str] = &joined::<{ count(RAY_GROUPS) }>(RAY_GROUPS);
 
 /// Tables that grow while sections run.
 #[derive(Debug)]

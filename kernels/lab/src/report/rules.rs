@@ -12,12 +12,13 @@ mod words;
 use raystep_kernels::plan::Plan;
 use raystep_kernels::{Accelerator, Numerics, Options, Ray, RaySource, Rule, ScheduleKind, Skip};
 
-use super::judge::{self, Drawn, Judge, Judged};
+use super::judge::{Judge, Judged};
 use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
 use crate::rays::{Aim, Planes, aimed};
 use crate::statistics::proportion::{holm, mcnemar};
+use crate::tidy::fill::{Drawn, verdicts};
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
 use crate::ways::has_rule;
 
@@ -227,7 +228,7 @@ fn rows(work: &Work<'_>, strata: &Strata, judge: &Judge, m: &Measured, robust: O
     let of_stratum = |(name, end): &(&'static str, usize)| {
         let counts = judged.counts_of(judge, |ray| strata.of(ray) == *name);
         let begin = strata.ends.iter().map(|(_, end)| *end).filter(|e| e < end).max().unwrap_or(0);
-        judge::fill(base().set("stratum", *name).set("rays", end - begin), &counts, Drawn::AtRandom)
+        verdicts(base().set("stratum", *name).set("rays", end - begin), &counts, Drawn::AtRandom)
     };
     std::iter::once(row).chain(strata.ends.iter().map(of_stratum)).collect()
 }

@@ -15,10 +15,10 @@ use crate::meter::{Ended, Meter, Time, Turns, in_turn};
 use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
 use crate::statistics::interval::{self, Interval};
-use crate::statistics::{median, quantile};
+use crate::statistics::median;
 use crate::stiff::Start;
 use crate::subject::{Size, Subject};
-use crate::tidy::Row;
+use crate::tidy::{Row, fill};
 use crate::{Error, Machine};
 
 /// Time limit of one run.
@@ -100,7 +100,7 @@ impl Times {
     }
 
     fn known(&self) -> Vec<f64> {
-        self.runs.iter().copied().flatten().collect()
+        fill::known(&self.runs)
     }
 
     /// The number of runs with a time.
@@ -125,8 +125,8 @@ impl Times {
     }
 
     /// Its runs with the other's runs of the same rounds, where both have a time.
-    pub(super) fn pairs(&self, to: &Self) -> impl Iterator<Item = (f64, f64)> {
-        self.runs.iter().zip(&to.runs).filter_map(|(a, b)| Some(((*a)?, (*b)?)))
+    pub(super) fn pairs<'t>(&'t self, to: &'t Self) -> impl Iterator<Item = (f64, f64)> + 't {
+        fill::pairs(&self.runs, &to.runs)
     }
 
     /// How much longer each run took than the other's run of the same round, in nanoseconds.
@@ -136,35 +136,17 @@ impl Times {
 
     /// The median ratio to the other's runs of the same rounds, with its interval if there are enough.
     pub(super) fn ratio(&self, to: &Self, seed: u32) -> Option<(f64, Option<Interval>)> {
-        // The same median with and without an interval: of the logarithms.
-        let logarithms: Vec<f64> = self.pairs(to).map(|(a, b)| (a / b).ln()).collect();
-        let interval = interval::of_ratio(&self.pairs(to).collect::<Vec<_>>(), u64::from(seed));
-        Some((interval.map_or(median(&logarithms)?.exp(), |interval| interval.median), interval))
+        fill::ratio_of(&self.runs, &to.runs, seed)
     }
 
     /// Fills the columns of times.
     pub(super) fn fill(&self, row: Row, seed: u32) -> Row {
-        let known = self.known();
-        let interval = interval::of_median(&known, u64::from(seed));
-        row.set("runs", known.len())
-            .set("invalid_runs", self.runs.len() - known.len())
-            .set("median_ns", self.median())
-            .set("low_ns", interval.map(|i| i.low))
-            .set("high_ns", interval.map(|i| i.high))
-            .set("min_ns", quantile(&known, 0.0))
-            .set("max_ns", quantile(&known, 1.0))
-            .set("interval_method", interval.map(|i| i.method.name()))
-            .set("interval_level", interval.map(|i| i.level))
+        fill::times(row, &self.runs, seed)
     }
 
     /// Fills the columns of the ratio to another configuration.
     pub(super) fn fill_ratio(&self, to: &Self, name: &str, row: Row, seed: u32) -> Row {
-        let ratio = self.ratio(to, seed);
-        let interval = ratio.and_then(|(_, interval)| interval);
-        row.set("ratio_to", ratio.map(|_| name))
-            .set("time_ratio", ratio.map(|(median, _)| median))
-            .set("time_ratio_low", interval.map(|i| i.low))
-            .set("time_ratio_high", interval.map(|i| i.high))
+        fill::ratio(row, &self.runs, &to.runs, name, seed)
     }
 }
 

@@ -19,6 +19,13 @@ pub fn at_most(count: u64, of: u64) -> Option<f64> {
     upper_bound(count, of, 2.0 * TAIL)
 }
 
+/// The interval to report of a proportion: [exact](exact_interval); if nothing was observed, from 0 to the one-sided
+/// [bound](at_most).
+#[must_use]
+pub fn interval_or_bound(count: u64, of: u64) -> Option<[f64; 2]> {
+    if count == 0 { at_most(0, of).map(|high| [0.0, high]) } else { exact_interval(count, of) }
+}
+
 /// The smallest proportion that yields `count` or more in a share `tail` of all samples.
 fn lower_bound(count: u64, of: u64, tail: f64) -> Option<f64> {
     match count {

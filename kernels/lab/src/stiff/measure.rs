@@ -209,7 +209,7 @@ impl Work<'_> {
             let robust = ready.iter().position(|r| r.way == Way { rule: None, ..ready[i].way });
             if let Some(robust) = robust.filter(|&r| r != i && ready[r].rays == ready[i].rays) {
                 let of = |k: usize| -> Vec<Option<f64>> { times[k].runs.iter().map(|run| self.ns(run.time)).collect() };
-                rows[i] = row::ratio(rows[i].clone(), &of(i), &of(robust), ready[robust].way.id(&point.name));
+                rows[i] = row::ratio(rows[i].clone(), &of(i), &of(robust), &ready[robust].way.id(&point.name));
             }
         }
         cost.rows.rows.extend(rows);

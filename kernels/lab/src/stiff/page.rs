@@ -3,10 +3,11 @@
 use std::fmt::Write as _;
 
 use super::figures::{STRUCTURES, correlations, curves, over_stiffness};
-use super::words::{TIMES_THE_BEST, sentences, time};
+use super::words::{TIMES_THE_BEST, sentences};
 use super::{CSV, Cost, FAMILIES, Family, OWN, RUNS};
 use crate::Error;
 use crate::html::escaped;
+use crate::human::time;
 use crate::plots;
 use crate::tidy::Row;
 

@@ -2,6 +2,7 @@
 
 use super::figures::{STRUCTURES, robust, saved};
 use super::{FAMILIES, Family};
+use crate::human::time;
 use crate::tidy::{Field as _, Row, Table};
 
 /// What takes more than this many times as long as the fastest structure at the same point is said.
@@ -159,18 +160,6 @@ fn number(field: &str) -> String {
     groups.collect::<Vec<_>>().join(",")
 }
 
-/// Nanoseconds as people read them.
-pub(super) fn time(ns: f64) -> String {
-    let (value, unit) = match ns {
-        n if n < 1e3 => (n, "ns"),
-        n if n < 1e6 => (n / 1e3, "µs"),
-        n if n < 1e9 => (n / 1e6, "ms"),
-        n => (n / 1e9, "s"),
-    };
-    let value: f64 = format!("{value:.2e}").parse().unwrap_or(value);
-    format!("{} {unit}", value.text())
-}
-
 impl super::Cost {
     /// [`sentences`] about these results.
     #[must_use]
@@ -225,7 +214,6 @@ mod tests {
 
     #[test]
     fn numbers_are_read_by_people() {
-        assert_eq!([1234.0, 2.5e6, 1.0, 3.1e9].map(time), ["1.23 µs", "2.5 ms", "1 ns", "3.1 s"]);
         assert_eq!(["1000000", "0.003", "4", "30000"].map(number), ["1,000,000", "0.003", "4", "30,000"]);
     }
 }

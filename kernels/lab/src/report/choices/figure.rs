@@ -1,8 +1,8 @@
 //! The work–precision diagram of the choices.
 
+use crate::human::digits;
 use crate::plots::precision::{Choice, Precision};
 use crate::plots::{Axis, Scale, Shape};
-use crate::report::human::digits;
 use crate::tidy::Row;
 
 /// Colour of a structure.

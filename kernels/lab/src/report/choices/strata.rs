@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::{COLUMNS, Measured};
-use crate::report::judge::{self, Drawn, Judge};
+use crate::report::judge::Judge;
 use crate::report::work::Work;
 use crate::tidy::Row;
+use crate::tidy::fill::{Drawn, verdicts};
 
 /// The name of all strata together.
 pub(super) const ALL: &str = "all";
@@ -49,7 +50,7 @@ impl<'a> Strata<'a> {
                 .set("numerics", m.way.numerics.name())
                 .set("stratum", &**name)
                 .set("rays", rays);
-            judge::fill(row, &counts, Drawn::AtRandom)
+            verdicts(row, &counts, Drawn::AtRandom)
         };
         self.names.iter().map(row).collect()
     }

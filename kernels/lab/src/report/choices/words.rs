@@ -1,10 +1,10 @@
 //! The answer in words, and in a table of a few rows.
 
-use super::super::human::{cell, data, field};
 use super::super::page::{Part, number};
 use super::super::words::{Compared, compared};
 use super::super::work::Work;
 use crate::html::escaped;
+use crate::human::{cell, data, field};
 use crate::tidy::Row;
 
 /// A choice in words.

@@ -1,7 +1,7 @@
 //! The plots of grid resolutions and of structures.
 
+use crate::human;
 use crate::plots::{Axis, Bars, Plot, Scale, Series};
-use crate::report::human;
 use crate::report::page::number;
 use crate::tidy::Row;
 

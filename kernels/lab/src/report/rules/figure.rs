@@ -1,8 +1,8 @@
 //! The diagram of the rules: what leaving out each saves, and how often it is wrong.
 
 use super::super::choices::color;
-use super::super::human::digits;
 use super::ALL;
+use crate::human::digits;
 use crate::plots::precision::{Choice, Precision};
 use crate::plots::{Axis, Scale, Shape};
 use crate::tidy::Row;

@@ -1,9 +1,9 @@
 //! Which rules the scene needs, in words.
 
-use super::super::human::{cell, data};
 use super::super::page::{Part, number};
 use super::super::words::{Compared, compared};
 use super::figure::compared_rows;
+use crate::human::{cell, data};
 use crate::tidy::Row;
 
 /// "−20%", or that no difference was measured.

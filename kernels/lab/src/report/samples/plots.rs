@@ -2,9 +2,9 @@
 
 use raystep_kernels::Sampler;
 
-use super::super::human;
 use super::super::page::number;
 use super::slopes::{Of, of_quantity};
+use crate::human;
 use crate::plots::{Axis, Mark, Plot, Scale, Series, Stroke};
 use crate::tidy::Row;
 

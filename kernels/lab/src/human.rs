@@ -4,7 +4,7 @@
 use crate::html::escaped;
 
 /// Three significant digits, with commas between thousands.
-pub(super) fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude >= 1e15 || (magnitude > 0.0 && magnitude < 1e-4) {
         return format!("{value:.1e}");
@@ -36,21 +36,21 @@ fn thousands(value: f64) -> String {
 }
 
 /// A time in the unit that suits it: "120 ns", "4.4 ms".
-pub(super) fn time(ns: f64) -> String {
+pub(crate) fn time(ns: f64) -> String {
     let units = [(1e9, "s"), (1e6, "ms"), (1e3, "µs"), (1.0, "ns")];
     let (scale, unit) = units.into_iter().find(|(scale, _)| ns.abs() >= *scale).unwrap_or((1.0, "ns"));
     format!("{} {unit}", digits(ns / scale))
 }
 
 /// Bytes in the unit that suits them, in powers of 1000: "61 MB".
-pub(super) fn bytes(count: f64) -> String {
+pub(crate) fn bytes(count: f64) -> String {
     let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB"), (1.0, "B")];
     let (scale, unit) = units.into_iter().find(|(scale, _)| count >= *scale).unwrap_or((1.0, "B"));
     format!("{} {unit}", digits(count / scale))
 }
 
 /// A field in the form that its column's name asks for.
-pub(super) fn field(column: &str, text: &str) -> String {
+pub(crate) fn field(column: &str, text: &str) -> String {
     let Ok(value) = text.parse::<f64>() else { return text.to_owned() };
     match column.strip_suffix("_with").unwrap_or(column) {
         c if c.ends_with("_ns") || c.starts_with("ns_") => time(value),
@@ -63,7 +63,7 @@ pub(super) fn field(column: &str, text: &str) -> String {
 }
 
 /// A field of a CSV file as HTML: shown for people, with the field itself for programs.
-pub(super) fn cell(column: &str, text: &str) -> String {
+pub(crate) fn cell(column: &str, text: &str) -> String {
     if text.is_empty() {
         return String::new();
     }
@@ -71,7 +71,7 @@ pub(super) fn cell(column: &str, text: &str) -> String {
 }
 
 /// A field of a CSV file, shown as something else.
-pub(super) fn data(text: &str, shown: &str) -> String {
+pub(crate) fn data(text: &str, shown: &str) -> String {
     format!("<data value=\"{}\">{}</data>", escaped(text), escaped(shown))
 }
 
