@@ -3,6 +3,7 @@
 mod files;
 mod host;
 mod last_error;
+mod measure;
 mod screenshot;
 mod surface;
 
@@ -106,7 +107,8 @@ pub(crate) fn inspector(
 ) -> Inspector {
     let woken = ctx.clone();
     let wake = Arc::new(move || woken.request_repaint());
-    let devices = Devices { gpu: gpu.clone(), clock: Some(now_ns), wake };
+    let measure = Some(measure::measure(gpu.info.name.clone()));
+    let devices = Devices { gpu: gpu.clone(), clock: Some(now_ns), measure, wake };
     let host = host::Desktop::new(ctx.clone(), gpu.clone(), start.read);
     let mut inspector = Inspector::new(devices, renderer, Box::new(host));
     if let Some(scene) = start.scene {

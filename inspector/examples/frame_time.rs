@@ -138,7 +138,7 @@ fn main() -> Result<(), String> {
     println!("adapter: {}", gpu.info.name);
     let options = RendererOptions::PREDICTABLE;
     let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, wgpu::TextureFormat::Rgba8Unorm, options)));
-    let devices = Devices { gpu: gpu.clone(), clock: None, wake: Arc::new(|| {}) };
+    let devices = Devices { gpu: gpu.clone(), clock: None, measure: None, wake: Arc::new(|| {}) };
     let host = Threads { gpu: gpu.clone(), triangles };
     let mut inspector = Inspector::new(devices, renderer.clone(), Box::new(host));
     inspector.open("terrain", Settings::default(), Arrival::default());

@@ -10,6 +10,7 @@ pub mod engine;
 mod follow;
 mod history;
 pub mod judged;
+pub mod measure;
 mod model;
 pub mod request;
 mod target;

@@ -14,6 +14,7 @@ mod palette;
 pub mod pane;
 mod panels;
 mod perform;
+mod picture;
 mod places;
 mod shared;
 mod take;

@@ -14,6 +14,7 @@ use raystep_scenes::Scene;
 
 use super::Session;
 use super::copies::{fill, stream_copy, textures};
+use super::measure::Measure;
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
 use crate::settings::{DeviceKind, Settings};
 
@@ -30,6 +31,8 @@ pub struct Devices {
     pub gpu: Arc<Gpu>,
     /// A clock in nanoseconds, to time the CPU reference's passes.
     pub clock: Option<fn() -> u64>,
+    /// Measures choices on the engine's thread; `None` if it has none of its own.
+    pub measure: Option<Measure>,
     /// Called after every answer, to wake the user interface.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
@@ -269,7 +272,8 @@ impl Server {
                 let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
                 let Run { session, scene, settings, device, .. } = run;
-                let context = JobContext { session, scene, settings, device: device.clone(), progress: &mut progress };
+                let (device, measure) = (device.clone(), self.devices.measure.as_ref());
+                let context = JobContext { session, scene, settings, device, measure, progress: &mut progress };
                 let answer = job(context).await;
                 self.arrived().await?;
                 match answer {

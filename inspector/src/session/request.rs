@@ -9,6 +9,7 @@ use raystep_kernels::{Kernel, Pass, Stream};
 use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
+use super::measure::Measure;
 use super::{Edit, Fired, Target, Watch, Way};
 use crate::settings::Settings;
 
@@ -81,6 +82,8 @@ pub struct JobContext<'a> {
     pub settings: &'a Settings,
     /// Its device.
     pub device: raystep_kernels::Device,
+    /// Measures choices; `None` if the engine must not block.
+    pub measure: Option<&'a Measure>,
     /// Reports progress; returns `true` to continue.
     pub progress: &'a mut (dyn FnMut(u64, u64) -> bool + Send),
 }

@@ -118,6 +118,8 @@ pub enum Command {
     Divergence,
     /// Compares hits with f64 brute force.
     Judge,
+    /// Times every choice of structure, schedule and rules, and judges its hits.
+    Measure,
 
     /// Opens the palette.
     Palette,
@@ -267,6 +269,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Show(PaneKind::Compare), "Compare";
         C::Show(PaneKind::Divergence), "Divergence";
         C::Show(PaneKind::Error), "Error over time";
+        C::Show(PaneKind::Choices), "Choices";
         C::Show(PaneKind::Watches), "Watches";
         C::Show(PaneKind::Options), "Options", CTRL Comma;
         C::Show(PaneKind::Log), "Log";
@@ -276,6 +279,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::EndCompare, "End comparison";
         C::Divergence, "Map GPU/CPU differences", CTRL D;
         C::Judge, "Judge hits";
+        C::Measure, "Measure choices";
     }
     Help {
         C::Palette, "Commands…", CTRL P;

@@ -43,6 +43,8 @@ pub enum PaneKind {
     Divergence,
     /// Rays not yet resolved, and resolved wrongly, over time.
     Error,
+    /// Time and wrong rays of every structure, schedule and set of rules.
+    Choices,
     /// Watches and edits.
     Watches,
     /// The options of the run.
@@ -69,6 +71,7 @@ impl PaneKind {
         Self::Compare,
         Self::Divergence,
         Self::Error,
+        Self::Choices,
         Self::Watches,
         Self::Options,
         Self::Log,
@@ -95,6 +98,7 @@ impl PaneKind {
             Self::Compare => Box::<panels::compare::Compare>::default(),
             Self::Divergence => Box::<panels::divergence::Divergence>::default(),
             Self::Error => Box::<panels::error::ErrorOverTime>::default(),
+            Self::Choices => Box::<panels::choices::Choices>::default(),
             Self::Watches => Box::<panels::watches::Watches>::default(),
         };
         Pane { kind: self, panel }

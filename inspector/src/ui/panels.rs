@@ -1,6 +1,7 @@
 //! One file per panel.
 
 mod chart;
+pub(super) mod choices;
 pub(super) mod compare;
 pub(super) mod cost;
 pub(super) mod dataflow;

@@ -25,7 +25,7 @@ impl Inspector {
             C::PreviousEvent => self.event(false).is_some(),
             C::ExportRay | C::ExportWalk => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
-            C::Compare | C::Judge => has_run && model.has_rays(),
+            C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
             _ => has_run,
         }
     }
@@ -100,6 +100,10 @@ impl Inspector {
             C::ExportPasses | C::ExportTrace | C::ExportExr | C::ExportNpy | C::ExportRay => self.take(command),
             C::Judge => {
                 layout::show(&mut self.tree, PaneKind::Error);
+                self.ask_panels(command);
+            }
+            C::Measure => {
+                layout::show(&mut self.tree, PaneKind::Choices);
                 self.ask_panels(command);
             }
             C::ExportWalk => {

@@ -46,6 +46,7 @@ fn panels() {
             PaneKind::Compare => stage.perform(Command::Compare),
             PaneKind::Divergence => stage.perform(Command::Divergence),
             PaneKind::Error => stage.perform(Command::Judge),
+            PaneKind::Choices => stage.perform(Command::Measure),
             kind => stage.perform(Command::Show(kind)),
         }
         named(&stage, &format!("{kind:?}"));

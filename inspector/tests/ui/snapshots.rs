@@ -30,6 +30,7 @@ fn every_panel_alone() {
             PaneKind::Compare => stage.perform(Command::Compare),
             PaneKind::Divergence => stage.perform(Command::Divergence),
             PaneKind::Error => stage.perform(Command::Judge),
+            PaneKind::Choices => stage.perform(Command::Measure),
             kind => stage.perform(Command::Show(kind)),
         }
         assert_eq!(stage.harness.state().panes_in_view(), [kind]);

@@ -44,6 +44,9 @@ pub enum Error {
         /// Most bytes.
         most: u64,
     },
+    /// The reporter asked to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// A run took longer than it may.
     #[error("stopped: too slow, or endless")]
     GivenUp,

@@ -31,6 +31,32 @@ pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
 }
 
+/// Text of a fragment of a page, and whether it is emphasised: for a window.
+pub type Span = (String, bool);
+
+/// The text of a fragment of HTML, without its elements. Text in `strong` and `b` is emphasised.
+#[must_use]
+pub(crate) fn spans(html: &str) -> Vec<Span> {
+    let mut spans: Vec<Span> = Vec::new();
+    let mut depth = 0_usize;
+    for (i, piece) in html.split('<').enumerate() {
+        let (tag, text) = if i == 0 { ("", piece) } else { piece.split_once('>').unwrap_or((piece, "")) };
+        match tag {
+            "strong" | "b" => depth += 1,
+            "/strong" | "/b" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        let text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&#39;", "'");
+        let text = text.replace("&amp;", "&");
+        match spans.last_mut() {
+            Some((last, is_strong)) if *is_strong == (depth > 0) => *last += &text,
+            _ if text.is_empty() => {}
+            _ => spans.push((text, depth > 0)),
+        }
+    }
+    spans
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -39,5 +65,13 @@ mod tests {
     fn text_is_not_markup() {
         assert_eq!(escaped("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
         assert_eq!(escaped("a\u{1b}b\u{202e}c"), "a\\u{1b}b\\u{202e}c");
+    }
+
+    #[test]
+    fn a_fragment_has_text_and_emphasis() {
+        let text = "a < b & \"c\" 'd'";
+        let html = format!("<strong>{} <b>1</b></strong><data value=\"7\">7</data> <em>x</em>", escaped(text));
+        assert_eq!(spans(&html), [(format!("{text} 1"), true), ("7 x".to_owned(), false)]);
+        assert_eq!(spans(""), []);
     }
 }

@@ -1,4 +1,4 @@
-//! Plots as SVG.
+//! Plots, as SVG or as [pictures](picture) for a window.
 //!
 //! We compute axes, ticks and the legend, and plotters draws them: its logarithmic axes have too many or too few labels
 //! and cannot show 0, a frequent count of wrong rays. Everything uses a few colours that the page's style sheet
@@ -8,11 +8,12 @@ mod axis;
 mod draw;
 mod forest;
 mod panels;
+pub mod picture;
 pub mod precision;
 
 use plotters::element::{PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, VPos};
-use plotters::style::{BLACK, Color as _};
+use plotters::style::{BLACK, Color as _, RGBColor, WHITE};
 
 pub use axis::{Axis, Scale};
 use draw::{FRAME, GRID, LEGEND, PALETTE, SIZE, border, dashes, drawn, frame, legend, mark, stroke, text_at};
@@ -235,17 +236,58 @@ pub fn inline(svg: &str) -> String {
     svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1)
 }
 
+/// Colours on a dark background: lighter ones of the same hue as those of the palette.
+const DARK: [[u8; 3]; 7] = [
+    [0x4a, 0xa8, 0xe0],
+    [0xff, 0x8a, 0x3d],
+    [0x2f, 0xc7, 0x9a],
+    [0xe5, 0x9c, 0xc4],
+    [0x8f, 0xd0, 0xf5],
+    [0xd0, 0xb8, 0x4a],
+    [0xdd, 0xdd, 0xdd],
+];
+
+/// What a colour of a plot stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ink {
+    /// The background.
+    Paper,
+    /// Lines behind the data.
+    Rule,
+    /// Text, axes and frames.
+    Text,
+    /// Data: the colours on a light and on a dark background.
+    Data([[u8; 3]; 2]),
+}
+
+impl Ink {
+    /// What the colour of an [element](picture::Element) stands for.
+    #[must_use]
+    pub fn of(color: [u8; 3]) -> Self {
+        let [red, green, blue] = color;
+        match RGBColor(red, green, blue) {
+            WHITE => Self::Paper,
+            GRID => Self::Rule,
+            BLACK => Self::Text,
+            data => {
+                let at = PALETTE.iter().position(|known| *known == data);
+                Self::Data([color, at.map_or(color, |at| DARK[at])])
+            }
+        }
+    }
+}
+
 /// The style sheet of a page with plots. Plots are drawn for light mode; in dark mode their colours are replaced, those
 /// of lines by lighter ones of the same hue.
 #[must_use]
 pub fn style() -> String {
-    const DARK: [&str; 7] = ["#4aa8e0", "#ff8a3d", "#2fc79a", "#e59cc4", "#8fd0f5", "#d0b84a", "#dddddd"];
     let mut style = String::from(
         "figure svg{max-width:100%;height:auto}@media(prefers-color-scheme:dark){svg [fill=\"#FFFFFF\"]{fill:\
          var(--paper)}svg [stroke=\"#E6E6E6\"]{stroke:var(--rule)}",
     );
-    for (light, dark) in PALETTE.iter().zip(DARK) {
+    for (light, [red, green, blue]) in PALETTE.iter().zip(DARK) {
         let light = format!("#{:02X}{:02X}{:02X}", light.0, light.1, light.2);
+        let dark = format!("#{red:02x}{green:02x}{blue:02x}");
         style += &format!("svg [fill=\"{light}\"]{{fill:{dark}}}svg [stroke=\"{light}\"]{{stroke:{dark}}}");
     }
     style + "}"

@@ -2,6 +2,7 @@
 //!
 //! Blocks while it waits for the device, and reads the host's clock: intended for a command line.
 
+mod answer;
 mod choices;
 mod grid;
 mod judge;
@@ -36,6 +37,7 @@ use crate::stiff::Start;
 use crate::subject::{Size, Subject};
 use crate::tidy::Table;
 use crate::tidy::package::{self, Resource};
+pub use answer::{Answer, answer};
 pub use page::About;
 pub use section::{SECTIONS, Section};
 
@@ -208,6 +210,10 @@ impl Reporter for Ahead<'_> {
 
     fn note(&self, text: &str) {
         self.reporter.note(text);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.reporter.is_cancelled()
     }
 
     fn explain(&self, error: &Error) -> String {

@@ -13,6 +13,11 @@ pub trait Reporter {
     /// Adds a note.
     fn note(&self, text: &str);
 
+    /// Whether to stop: the measurement then ends with [`Error::Cancelled`].
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+
     /// The text of an error in a note or a page. If options have names, it can name the wrong one.
     fn explain(&self, error: &Error) -> String {
         error.to_string()

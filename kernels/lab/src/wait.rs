@@ -15,6 +15,10 @@ const WHILE_BUSY: Duration = Duration::from_micros(200);
 /// Interval between polls of an idle GPU.
 const WHILE_IDLE: Duration = Duration::from_millis(20);
 
+/// Time limit of one wait for a GPU, far longer than its work takes. wgpu panics if a wait ends by its time limit while
+/// another thread finds that the work is over, so that must not happen on a slow machine.
+const LONGEST_WAIT: Duration = Duration::from_secs(60);
+
 /// Runs a future to completion. Futures of `raystep_kernels` become ready only while the device is polled, so this
 /// polls `gpu` whenever the future waits; without a GPU it polls the future every millisecond. No other thread polls
 /// the device meanwhile.
@@ -26,7 +30,7 @@ pub fn block_on<T>(gpu: Option<&Gpu>, future: impl Future<Output = T>) -> T {
         if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
             return value;
         }
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(Duration::from_secs(1)) };
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LONGEST_WAIT) };
         // An error here is a lost device or a long pass; the future itself reports which.
         if gpu.is_none_or(|gpu| gpu.device.poll(wait).is_err()) {
             thread::sleep(Duration::from_millis(1));

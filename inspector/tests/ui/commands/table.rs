@@ -267,6 +267,12 @@ pub(super) fn row(command: Command) -> Row {
             assert!(s.reads(" of 4,096 judged rays wrong"), "{}", s.read_out());
         }),
 
+        C::Measure => (nothing, |s, was| {
+            s.settle();
+            shown(s, was, PaneKind::Choices);
+            assert!(s.reads("bvh, fused, robust is fastest"), "{}", s.read_out());
+        }),
+
         C::Palette => (nothing, |s, _| {
             s.frames(3);
             s.get(Role::TextInput, "command");

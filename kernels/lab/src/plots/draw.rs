@@ -1,14 +1,10 @@
 //! Elements of plots: text, frame, legend, lines and marks.
 
-use plotters::backend::SVGBackend;
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, IntoDrawingArea as _};
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{
-    BLACK, Color as _, FontTransform, IntoFont as _, IntoTextStyle as _, RGBColor, ShapeStyle, WHITE,
-};
+use plotters::style::{BLACK, Color as _, FontTransform, IntoFont as _, IntoTextStyle as _, RGBColor, ShapeStyle};
 
+use super::picture::{Area, Picture};
 use super::{Mark, Series, Stroke};
 use crate::Error;
 
@@ -35,7 +31,6 @@ pub(super) struct Frame {
     pub(super) bottom: i32,
 }
 
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 pub(super) const SIZE: (u32, u32) = (860, 400);
@@ -44,16 +39,7 @@ pub(super) const LEGEND: i32 = 622;
 
 /// An SVG drawn by `draw`, without what only a standalone file needs.
 pub(super) fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Error> {
-    let mut svg = String::new();
-    let result: Drawn = (|| {
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        area.fill(&WHITE)?;
-        draw(&area)?;
-        area.present()?;
-        Ok(())
-    })();
-    result.map_err(|e| Error::Plot(e.to_string()))?;
-    Ok(svg)
+    Picture::drawn(size, draw)?.svg()
 }
 
 pub(super) fn text_at(area: &Area<'_>, text: &str, at: (i32, i32), size: i32, (h, v): (HPos, VPos)) -> Drawn {

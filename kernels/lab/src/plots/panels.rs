@@ -5,7 +5,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{BLACK, Color as _};
 
 use super::axis::Ranged;
-use super::draw::{Area, Drawn, GRID, PALETTE, dashes, drawn, mark, stroke, text_at};
+use super::draw::{Drawn, GRID, PALETTE, dashes, drawn, mark, stroke, text_at};
+use super::picture::Area;
 use super::{Axis, Series};
 use crate::Error;
 

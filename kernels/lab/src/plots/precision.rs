@@ -6,7 +6,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 use plotters::style::{BLACK, Color as _, RGBColor, ShapeStyle};
 
 use super::axis::Axis;
-use super::draw::{Area, Drawn, Frame, GRID, PALETTE, dashes, drawn, text_at};
+use super::draw::{Drawn, Frame, GRID, PALETTE, dashes, text_at};
+use super::picture::{Area, Picture};
 use super::{Scale, Shape};
 use crate::Error;
 
@@ -64,11 +65,11 @@ const LOG: i32 = 116;
 const HEAD: i32 = 18;
 
 impl Precision {
-    /// As an SVG element; `None` without choices.
+    /// The drawn diagram; `None` without choices.
     ///
     /// # Errors
     /// If it cannot be drawn.
-    pub fn svg(&self) -> Result<Option<String>, Error> {
+    pub fn picture(&self) -> Result<Option<Picture>, Error> {
         if self.choices.is_empty() {
             return Ok(None);
         }
@@ -91,7 +92,7 @@ impl Precision {
         let frame = Frame { left: LEFT, right: RIGHT, top: TOP, bottom };
         let across = |v: f64| LEFT + (f64::from(RIGHT - LEFT) * x.part(v)).round() as i32;
         let up = |v: f64| log_end - 4 - (f64::from(log_end - TOP - 8) * y.part(v)).round() as i32;
-        drawn((WIDTH as u32, (bottom + 40) as u32), |area| {
+        Picture::drawn((WIDTH as u32, (bottom + 40) as u32), |area| {
             text_at(area, &self.title, (8, 12), 15, (HPos::Left, VPos::Center))?;
             legend(area, &self.legend, 16 + 7 * self.title.chars().count() as i32)?;
             for (value, text) in x.ticks() {
@@ -288,13 +289,17 @@ mod tests {
             from: None,
             choices,
         };
-        assert_eq!(of(Vec::new()).svg().expect("no error"), None);
-        let svg = of(vec![choice(100.0, 0.0), choice(50.0, 30.0), choice(200.0, 0.0)]).svg().expect("no error");
-        let svg = svg.expect("a plot");
-        assert!(svg.contains("&lt;100&gt;") && svg.contains("&lt;50&gt;") && svg.contains("at most 81 per million"));
+        assert_eq!(of(Vec::new()).picture().expect("no error"), None);
+        let svg = |diagram: &Precision| {
+            let picture = diagram.picture().expect("no error").expect("a diagram");
+            picture.svg().expect("no error")
+        };
+        let choices = of(vec![choice(100.0, 0.0), choice(50.0, 30.0), choice(200.0, 0.0)]);
+        let text = svg(&choices);
+        assert!(text.contains("&lt;100&gt;") && text.contains("&lt;50&gt;") && text.contains("at most 81 per million"));
         // Three choices and the legend's mark.
-        assert_eq!(svg.matches("<circle").count(), 4);
-        let arrows = Precision { from: Some(1.0), ..of(vec![choice(2.0, 0.0)]) }.svg().expect("no error");
-        assert!(arrows.expect("a plot").contains("<polygon"));
+        assert_eq!(text.matches("<circle").count(), 4);
+        let arrows = Precision { from: Some(1.0), ..of(vec![choice(2.0, 0.0)]) };
+        assert!(svg(&arrows).contains("<polygon"));
     }
 }

@@ -202,7 +202,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     }
     let (rows, of_strata) = (&table.rows[first..last], &table.rows[last..]);
     words::say(work, rows, &mut part);
-    part.lead_figure("precision", figure::of(rows).svg()?, figure::caption(rows, work.rays.is_some()));
+    part.lead_figure("precision", figure::of(rows).picture()?, figure::caption(rows, work.rays.is_some()))?;
     words::table(rows, &mut part);
     part.table(rows, SHOWN);
     part.table(of_strata, SHOWN_STRATA);

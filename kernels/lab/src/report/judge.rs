@@ -67,6 +67,7 @@ impl Judge {
 
     /// Judges a run that is over, or as far as it got.
     pub(super) fn judge(&mut self, work: &Work<'_>, renderer: &Renderer) -> Result<Judged, Error> {
+        work.is_wanted()?;
         let traced = work.machine().wait(Traced::read(renderer))?;
         self.0.prepare(&traced, sample(traced.rays(), Self::most_rays(work), work.seed()));
         let walking = (0..traced.rays()).filter(|&ray| !traced.is_decided(ray)).count() as u64;

@@ -6,19 +6,20 @@ use std::fmt::Write as _;
 use super::section::SECTIONS;
 use crate::html::{self, escaped};
 use crate::human::{cell, data};
-use crate::plots;
+use crate::plots::picture::Picture;
 use crate::subject::Size;
 use crate::tidy::Row;
+use crate::{Error, plots};
 
 /// A section's results for one scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     /// Sentences for the top of the scene, as HTML.
     pub(super) lead: Vec<String>,
-    /// Figures for the top of the scene, side by side.
-    lead_figures: Vec<Figure>,
-    /// A table for the top of the scene, as HTML.
-    lead_table: String,
+    /// Figures for the top of the scene, side by side, with what they are made of.
+    pub(super) lead_figures: Vec<(Figure, Picture)>,
+    /// A table for the top of the scene: names of columns, and cells as HTML.
+    pub(super) lead_table: Option<(Vec<&'static str>, Vec<Vec<String>>)>,
     /// Paragraphs, as HTML.
     pub(super) prose: Vec<String>,
     /// Whether figures and tables are folded: of little interest to most readers.
@@ -32,11 +33,11 @@ pub(super) struct Part {
 
 /// A plot with its caption.
 #[derive(Clone, Debug)]
-struct Figure {
+pub(super) struct Figure {
     /// Part of its file's name.
     name: &'static str,
     svg: String,
-    caption: String,
+    pub(super) caption: String,
 }
 
 impl Part {
@@ -47,13 +48,16 @@ impl Part {
     }
 
     /// Adds a plot to the top of the scene.
-    pub(super) fn lead_figure(&mut self, name: &'static str, svg: Option<String>, caption: impl Into<String>) {
-        self.lead_figures.extend(svg.map(|svg| Figure { name, svg, caption: caption.into() }));
-    }
-
-    /// Sets the table at the top of the scene: names of columns, and cells as HTML.
-    pub(super) fn lead_table(&mut self, names: &[&str], rows: &[Vec<String>]) {
-        self.lead_table = table(names, rows, "lead");
+    pub(super) fn lead_figure(
+        &mut self,
+        name: &'static str,
+        picture: Option<Picture>,
+        caption: impl Into<String>,
+    ) -> Result<(), Error> {
+        if let Some(picture) = picture {
+            self.lead_figures.push((Figure { name, svg: picture.svg()?, caption: caption.into() }, picture));
+        }
+        Ok(())
     }
 
     /// Adds a folded table with some of the columns.
@@ -75,7 +79,8 @@ impl Part {
 
     /// The plots, to be written to files, with the parts of their names.
     pub(super) fn svgs(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        self.lead_figures.iter().chain(&self.figures).map(|f| (f.name, f.svg.as_str()))
+        let lead = self.lead_figures.iter().map(|(figure, _)| figure);
+        lead.chain(&self.figures).map(|f| (f.name, f.svg.as_str()))
     }
 }
 
@@ -198,10 +203,10 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
     let caption = |figure: &Figure| format!("{} {}, {common}", figure.caption, escaped(&scene.name));
     *page += "<div class=\"pair\">";
     for (key, part) in &scene.parts {
-        part.lead_figures.iter().for_each(|figure| drawn(page, &scene.slug, key, figure, &caption(figure)));
+        part.lead_figures.iter().for_each(|(figure, _)| drawn(page, &scene.slug, key, figure, &caption(figure)));
     }
     *page += "</div>\n";
-    parts().for_each(|part| *page += &part.lead_table);
+    parts().filter_map(|part| part.lead_table.as_ref()).for_each(|(names, rows)| *page += &table(names, rows, "lead"));
     let link = |(key, _): &(&'static str, Part)| {
         let title = SECTIONS.iter().find(|s| s.name == *key).map_or("", |s| s.title);
         format!("<a href=\"#{key}-{i}\">{title}</a>")

@@ -185,7 +185,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     }
     adjust(&mut table.rows[first..]);
     let rows = &table.rows[first..];
-    part.lead_figure("rules", figure::of(rows).svg()?, figure::caption(rows));
+    part.lead_figure("rules", figure::of(rows).picture()?, figure::caption(rows))?;
     words::say(rows, &mut part);
     part.table(rows, SHOWN);
     Ok(part)

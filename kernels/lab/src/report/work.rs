@@ -207,6 +207,7 @@ impl Work<'_> {
 
     /// Plans and builds; kernels are composed anew.
     pub(super) fn plan(&self, options: &Options) -> Result<Planned, Error> {
+        self.is_wanted()?;
         self.machine().forget_kernels();
         let begin = Instant::now();
         let (plan, data) = Plan::new(&self.subject.scene, options, &self.machine().limits())?;
@@ -237,18 +238,29 @@ impl Work<'_> {
         self.reporter.explain(error)
     }
 
-    /// Whether to continue after an error: not if the device itself has failed.
+    /// Whether to continue after an error: not if the device itself has failed, or if everything is cancelled.
     pub(super) fn can_go_on(&self) -> Result<(), Error> {
+        self.is_wanted()?;
         Ok(self.machine().gpu().map_or(Ok(()), |gpu| gpu.health())?)
+    }
+
+    /// An error if everything is cancelled.
+    pub(super) fn is_wanted(&self) -> Result<(), Error> {
+        if self.reporter.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
     }
 
     /// Runs to the end, or until a limit is reached.
     pub(super) fn run(&self, renderer: &mut Renderer) -> Result<Ended, Error> {
-        let watch = |progress: &Progress, spent: Duration| match spent > LONGEST_RUN || progress.passes >= MOST_PASSES {
+        let is_over = |progress: &Progress, spent: Duration| {
+            spent > LONGEST_RUN || progress.passes >= MOST_PASSES || self.reporter.is_cancelled()
+        };
+        let watch = |progress: &Progress, spent: Duration| match is_over(progress, spent) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        Ok(self.meter.run(renderer, watch)?)
+        let ended = self.meter.run(renderer, watch)?;
+        self.is_wanted()?;
+        Ok(ended)
     }
 
     /// The time of a run by the clock that [times passes](Self::clock); `None` if it had no valid time.

@@ -178,6 +178,7 @@ pub(super) fn table(rows: &[Row], part: &mut Part) {
             cell("build_s", row.get("build_s")),
         ]
     };
-    let names = ["choice", "time a ray", "to the fastest", "wrong", "per million", "undecided", "structure", "build"];
-    part.lead_table(&names, &chosen.iter().map(cells).collect::<Vec<_>>());
+    let names =
+        vec!["choice", "time a ray", "to the fastest", "wrong", "per million", "undecided", "structure", "build"];
+    part.lead_table = Some((names, chosen.iter().map(cells).collect()));
 }

@@ -1,0 +1,240 @@
+//! The first screen of `raystep report`: which choice is fastest, what it costs, and what it gets wrong.
+
+use std::cell::{Cell, RefCell};
+use std::sync::Arc;
+
+use egui::text::LayoutJob;
+use egui::{Align, Button, Grid, Layout, ScrollArea, TextFormat, TextStyle, Ui};
+use raystep_kernels::GridSize;
+use raystep_lab::Hash;
+use raystep_lab::report::Answer;
+use raystep_lab::reporter::Reporter;
+use raystep_lab::subject::Subject;
+use raystep_scenes::Scene;
+
+use crate::session::Model;
+use crate::session::measure::Measurement;
+use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::settings::{DeviceKind, View};
+use crate::ui::command::Command;
+use crate::ui::host::FileToSave;
+use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::picture;
+
+/// The engine's job, named while it runs.
+const MEASURING: &str = "measuring choices";
+
+const ABOUT: &str = "Traces this view with every structure, schedule and set of rules in turn, and compares the hits \
+                     with f64 brute force. Stepping waits until it is over; Escape cancels it.";
+
+const THOROUGH: &str =
+    "192 × 192 rays and more runs instead of 64 × 64: a minute or so on a CPU, and narrower intervals.";
+
+/// Width from which two diagrams stand side by side.
+const SIDE_BY_SIDE: f32 = 1100.0;
+
+/// What was measured.
+#[derive(Clone)]
+struct Of {
+    scene: Arc<Scene>,
+    view: View,
+    size: [u32; 2],
+    grid: GridSize,
+    device: DeviceKind,
+}
+
+impl Of {
+    fn new(model: &Model) -> Option<Self> {
+        let opened = model.opened.as_ref()?;
+        let settings = &opened.settings;
+        let scene = opened.scene.clone();
+        Some(Self { scene, view: settings.view, size: settings.size, grid: settings.grid, device: settings.device })
+    }
+
+    /// Whether it is of the same scene, and whether everything else is the same, too.
+    fn is(&self, other: &Self) -> [bool; 2] {
+        let is_scene = Arc::ptr_eq(&self.scene, &other.scene);
+        let is_rest =
+            (self.view, self.size, self.grid, self.device) == (other.view, other.size, other.grid, other.device);
+        [is_scene, is_scene && is_rest]
+    }
+}
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct Choices {
+    is_thorough: bool,
+    answer: Option<(Of, Answer)>,
+}
+
+/// Passes progress on to the engine, and its wish to stop back.
+struct Teller<'a> {
+    tell: RefCell<&'a mut (dyn FnMut(u64, u64) -> bool + Send)>,
+    /// What was last told: runs done, of all.
+    last: Cell<(u64, u64)>,
+}
+
+impl Reporter for Teller<'_> {
+    fn stage(&self, _name: &str) {
+        self.last.set((0, 0));
+    }
+
+    fn part(&self, _what: &str, done: u64, of: u64) {
+        self.last.set((done, of));
+    }
+
+    fn note(&self, _text: &str) {}
+
+    fn is_cancelled(&self) -> bool {
+        let (done, of) = self.last.get();
+        !self.tell.borrow_mut()(done, of)
+    }
+}
+
+fn job(of: Of, is_quick: bool) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let JobContext { measure, progress, .. } = context;
+            let measure = measure.ok_or("choices are not measured here: use raystep report")?;
+            let Of { scene, view, size, grid, device } = of.clone();
+            let (camera, scene) = (view.camera(&scene), Scene::clone(&scene));
+            let subject = Subject { scene, camera, hash: Hash::default(), file: String::new() };
+            let measurement = Measurement { subject, size, grid, is_quick, device };
+            let answer = measure(measurement, &Teller { tell: RefCell::new(progress), last: Cell::default() })?;
+            Ok(Box::new((of, answer)) as Box<dyn std::any::Any + Send>)
+        })
+    })
+}
+
+impl Panel for Choices {
+    fn title(&self) -> String {
+        "Choices".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        while let Some(answer) = cx.model.take_answer::<(Of, Answer)>(MEASURING) {
+            self.answer = Some(*answer);
+        }
+        if !cx.has_rays() {
+            ui.weak(NO_RAYS);
+            return;
+        }
+        let Some(now) = Of::new(cx.model) else {
+            ui.weak("Open a scene to find out which structure, schedule and rules suit it.");
+            return;
+        };
+        let [is_scene, is_same] = self.answer.as_ref().map_or([true; 2], |(of, _)| of.is(&now));
+        if !is_scene {
+            self.answer = None;
+        }
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            self.tools(ui, cx, is_same);
+            match &self.answer {
+                Some((_, answer)) => show(ui, answer),
+                None => drop(ui.label(
+                    "Which structure, schedule and rules are fastest for this view, and how often is each wrong?",
+                )),
+            }
+        });
+    }
+
+    fn save(&self) -> String {
+        serde_json::to_string(&self.is_thorough).unwrap_or_default()
+    }
+
+    fn load(&mut self, saved: &str) {
+        self.is_thorough = serde_json::from_str(saved).unwrap_or_default();
+    }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if command == Command::Measure
+            && let Some(of) = Of::new(cx.model)
+        {
+            cx.model.ask(Request::Job(MEASURING, job(of, !self.is_thorough)));
+        }
+        command == Command::Measure
+    }
+}
+
+impl Choices {
+    fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>, is_same: bool) {
+        ui.horizontal_wrapped(|ui| {
+            if ui.add_enabled(!cx.model.is_busy(), Button::new("Measure")).on_hover_text(ABOUT).clicked() {
+                cx.todo.push(Command::Measure);
+            }
+            ui.checkbox(&mut self.is_thorough, "thorough").on_hover_text(THOROUGH);
+            let Some((_, answer)) = &self.answer else { return };
+            ui.menu_button("Save", |ui| {
+                for (name, bytes) in &answer.files {
+                    if ui.button(name).clicked() {
+                        let holds = "measured choices".to_owned();
+                        cx.shared.files.push(FileToSave { name: name.clone(), bytes: bytes.clone(), holds });
+                    }
+                }
+            });
+            if !is_same {
+                ui.label("measured with another view, grid or device");
+            }
+        });
+    }
+}
+
+fn show(ui: &mut Ui, answer: &Answer) {
+    for sentence in &answer.sentences {
+        ui.label(layout(ui, sentence));
+        ui.add_space(4.0);
+    }
+    let width = ui.available_width();
+    if width >= SIDE_BY_SIDE && answer.figures.len() > 1 {
+        let count = answer.figures.len();
+        ui.columns(count, |columns| {
+            columns.iter_mut().zip(&answer.figures).for_each(|(ui, figure)| drawn(ui, figure));
+        });
+    } else {
+        answer.figures.iter().for_each(|figure| drawn(ui, figure));
+    }
+    table(ui, answer);
+    for note in &answer.notes {
+        ui.label(note);
+    }
+}
+
+fn drawn(ui: &mut Ui, (picture, caption): &(raystep_lab::plots::picture::Picture, String)) {
+    picture::show(ui, picture, caption);
+    ui.add(egui::Label::new(egui::RichText::new(caption).small()).wrap());
+    ui.add_space(4.0);
+}
+
+/// A sentence, with what is emphasised in strong text.
+fn layout(ui: &Ui, sentence: &[(String, bool)]) -> LayoutJob {
+    let font = TextStyle::Body.resolve(ui.style());
+    let mut job = LayoutJob::default();
+    for (text, is_strong) in sentence {
+        let color = if *is_strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
+        job.append(text, 0.0, TextFormat::simple(font.clone(), color));
+    }
+    job
+}
+
+/// Names to the left, numbers to the right.
+fn table(ui: &mut Ui, answer: &Answer) {
+    ScrollArea::horizontal().id_salt("choices").show(ui, |ui| {
+        Grid::new("choices").striped(true).num_columns(answer.columns.len()).spacing([16.0, 3.0]).show(ui, |ui| {
+            for (i, name) in answer.columns.iter().enumerate() {
+                aligned(ui, i, |ui| ui.strong(*name));
+            }
+            ui.end_row();
+            for row in &answer.rows {
+                for (i, cell) in row.iter().enumerate() {
+                    aligned(ui, i, |ui| ui.label(cell));
+                }
+                ui.end_row();
+            }
+        });
+    });
+}
+
+fn aligned(ui: &mut Ui, column: usize, add: impl FnOnce(&mut Ui) -> egui::Response) {
+    let layout = if column == 0 { Layout::left_to_right(Align::Center) } else { Layout::right_to_left(Align::Center) };
+    ui.with_layout(layout, add);
+}

@@ -1,0 +1,154 @@
+//! The first screen of a report, for a window: the answer in sentences, two diagrams and a small table.
+
+use std::rc::Rc;
+
+use raystep_kernels::GridSize;
+
+use super::{Report, SECTIONS, SEED, SEEDS, Wanted, measure};
+use crate::html::spans;
+use crate::meter::Meter;
+use crate::plots::picture::Picture;
+use crate::reporter::Reporter;
+use crate::stiff::{self, Start};
+use crate::subject::{Size, Subject};
+use crate::{Error, html};
+
+/// Pixels per side of a square view, quick and thorough.
+const SIDES: [f64; 2] = [64.0, 192.0];
+
+/// The sections that the first screen shows.
+const SHOWN: [&str; 2] = ["choices", "rules"];
+
+/// Which choice to take, what it costs, and what it gets wrong.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// Sentences of pieces of text, each with whether it is emphasised.
+    pub sentences: Vec<Vec<html::Span>>,
+    /// Diagrams with their captions.
+    pub figures: Vec<(Picture, String)>,
+    /// Names of the table's columns.
+    pub columns: Vec<&'static str>,
+    /// Its rows.
+    pub rows: Vec<Vec<String>>,
+    /// Missing results with reasons.
+    pub notes: Vec<String>,
+    /// The tables behind it, as CSV, and the diagrams as SVG: names with contents.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+/// Measures every choice and rule for a view of a scene.
+///
+/// # Errors
+/// If the device fails, nothing could be measured, or it was cancelled.
+pub fn answer(
+    subject: Subject,
+    [width, height]: [u32; 2],
+    grid: GridSize,
+    is_quick: bool,
+    meter: &Meter,
+    reporter: &dyn Reporter,
+) -> Result<Answer, Error> {
+    let side = SIDES[usize::from(!is_quick)];
+    let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
+    let of = |pixels: f64| pixels.round().clamp(1.0, side * side) as u32;
+    let run_id = "inspector".to_owned();
+    let wanted = Wanted {
+        sections: SECTIONS.iter().filter(|section| SHOWN.contains(&section.name)).collect(),
+        size: Size { width: of(side * aspect.sqrt()), height: of(side / aspect.sqrt()) },
+        grid,
+        is_quick,
+        seed: SEED,
+        seeds: SEEDS,
+        has_rays: false,
+        methods: Vec::new(),
+        rays: None,
+        stiff: Rc::new(Start::new(stiff::Wanted::new(run_id.clone(), true), stiff::Kept::default(), |_, _| Ok(()))),
+    };
+    let adapter = meter.machine.name();
+    let report = measure(&wanted, std::slice::from_ref(&subject), run_id, meter, reporter)?;
+    let mut answer = Answer::default();
+    for (_, part) in report.scenes.iter().flat_map(|scene| &scene.parts) {
+        answer.sentences.extend(part.lead.iter().map(|sentence| spans(sentence)));
+        let caption = |text: &str| format!("{text} {}, {adapter}; seed {SEED}.", subject.scene.name);
+        answer.figures.extend(part.lead_figures.iter().map(|(f, picture)| (picture.clone(), caption(&f.caption))));
+        if let Some((names, rows)) = &part.lead_table {
+            answer.columns.clone_from(names);
+            answer.rows = rows.iter().map(|row| row.iter().map(|cell| plain(cell)).collect()).collect();
+        }
+        answer.notes.extend(part.notes.iter().cloned());
+    }
+    answer.files = files(report)?;
+    Ok(answer)
+}
+
+/// A table's cell without its elements.
+fn plain(cell: &str) -> String {
+    spans(cell).into_iter().map(|(text, _)| text).collect()
+}
+
+/// The CSV files and plots of a report.
+fn files(report: Report) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let mut files = report.files(&Vec::new())?;
+    files.retain(|(name, _)| (name.ends_with(".csv") && name != super::ABOUT) || name.ends_with(".svg"));
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use raystep_kernels::Device;
+    use raystep_scenes::generate;
+
+    use super::*;
+    use crate::machine::now_ns;
+    use crate::{Hash, Machine};
+
+    /// Cancels after some stages.
+    struct Patience(Cell<u32>);
+
+    impl Reporter for Patience {
+        fn stage(&self, _name: &str) {
+            self.0.set(self.0.get().saturating_sub(1));
+        }
+
+        fn part(&self, _what: &str, _done: u64, _of: u64) {}
+
+        fn note(&self, _text: &str) {}
+
+        fn is_cancelled(&self) -> bool {
+            self.0.get() == 0
+        }
+    }
+
+    fn of_cornell_box(patience: u32) -> Result<Answer, Error> {
+        let scene = generate::cornell_box();
+        let subject = Subject { camera: scene.cameras[0].clone(), scene, hash: Hash::default(), file: String::new() };
+        let meter = Meter::new(Machine { device: Device::Cpu(Some(now_ns)), reason: String::new() });
+        answer(subject, [32, 32], GridSize::Auto, true, &meter, &Patience(Cell::new(patience)))
+    }
+
+    #[test]
+    fn it_has_the_sentences_diagrams_and_table_of_a_page() {
+        let answer = of_cornell_box(u32::MAX).expect("an answer");
+        let first: String = answer.sentences[0].iter().map(|(text, _)| text.as_str()).collect();
+        assert!(first.starts_with("cornell-box, CPU, ") && first.contains(" is fastest: "), "{first}");
+        assert!(answer.sentences[0][0].1, "the answer itself is emphasised");
+        assert_eq!((answer.sentences.len(), answer.figures.len()), (2, 2));
+        assert!(answer.figures[0].1.ends_with("cornell-box, cpu; seed 2007."), "{}", answer.figures[0].1);
+        assert!(
+            (2..=6).contains(&answer.rows.len()) && answer.rows.iter().all(|row| row.len() == answer.columns.len())
+        );
+        assert!(answer.rows.iter().flatten().all(|cell| !cell.contains('<')), "{:?}", answer.rows);
+        let names: Vec<&str> = answer.files.iter().map(|(name, _)| name.as_str()).collect();
+        let expected = ["cornell-box-choices-precision.svg", "cornell-box-rules-rules.svg", "choices.csv", "rules.csv"];
+        assert!(expected.iter().all(|name| names.contains(name)) && names.contains(&"runs.csv"), "{names:?}");
+    }
+
+    #[test]
+    fn it_can_be_cancelled() {
+        for stages in [1, 5, 30] {
+            assert!(matches!(of_cornell_box(stages), Err(Error::Cancelled)), "after {stages} stages");
+        }
+    }
+}
