@@ -4,6 +4,7 @@
 //! or from a checkpoint where that alone would take too long. What is shown after going back is bit for bit what was
 //! there.
 
+mod confirm;
 mod copies;
 mod edit;
 pub mod engine;
@@ -14,6 +15,7 @@ pub mod measure;
 mod model;
 pub mod request;
 mod target;
+mod told;
 mod travel;
 mod twins;
 mod watch;
@@ -30,6 +32,7 @@ pub use edit::Edit;
 pub use history::DEFAULT_BUDGET;
 pub use model::{Model, Pinned, Work};
 pub use target::Target;
+pub use told::Told;
 pub use watch::{Fired, Watch, Way};
 
 /// Called between batches of passes with the progress of a run; may stop it.

@@ -65,8 +65,6 @@ pub struct Inspector {
     /// What to do once the scene being opened is ready.
     arrival: Option<Arrival>,
     lesson: Option<Lesson>,
-    /// The selected ray still has to be followed.
-    is_to_follow: bool,
     /// Whether something had keyboard focus at the end of the last frame.
     had_focus: bool,
     saved: Saved,
@@ -120,7 +118,6 @@ impl Inspector {
             generation: 0,
             arrival: None,
             lesson: None,
-            is_to_follow: false,
             had_focus: false,
             saved: Saved::default(),
         }
@@ -147,8 +144,14 @@ impl Inspector {
         self.model.is_busy()
             || self.other.as_ref().is_some_and(Model::is_busy)
             || !self.todo.is_empty()
-            || self.is_to_follow
+            || self.is_to_follow()
             || self.lesson.as_ref().is_some_and(Lesson::is_waiting)
+    }
+
+    /// Whether the selected ray has yet to be followed.
+    fn is_to_follow(&self) -> bool {
+        let mut models = std::iter::once(&self.model).chain(&self.other);
+        self.shared.pixel.is_some_and(|pixel| models.any(|model| model.is_to_follow(pixel)))
     }
 
     /// The current run.
@@ -353,16 +356,12 @@ impl Inspector {
             let is_known = self.model.life.as_ref().is_some_and(|life| life.pixel == pixel);
             if self.shared.pixel != Some(pixel) || !is_known {
                 self.shared.pixel = Some(pixel);
-                self.is_to_follow = true;
+                self.model.follow(pixel);
             }
         }
-        // One at a time: while a key is held, the last request counts.
-        if let Some(pixel) = self.shared.pixel.filter(|_| self.is_to_follow && !self.model.is_busy()) {
-            self.is_to_follow = false;
-            self.model.ask(Request::Follow(pixel));
-            if let Some(other) = &mut self.other {
-                other.ask(Request::Follow(pixel));
-            }
+        if let Some(pixel) = self.shared.pixel {
+            let models = std::iter::once(&mut self.model).chain(self.other.as_mut());
+            models.filter(|model| model.is_to_follow(pixel)).for_each(|model| model.follow(pixel));
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A run can be stopped at any pass, read in part, moved between threads, and restored to an earlier pass.
 
+mod alone;
 mod traces;
 
 use std::ops::ControlFlow;

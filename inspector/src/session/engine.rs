@@ -13,6 +13,7 @@ use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::Session;
+use super::confirm::Confirming;
 use super::copies::{fill, stream_copy, textures};
 use super::measure::Measure;
 use super::request::{At, JobContext, Opened, Request, Texels, Update};
@@ -58,6 +59,7 @@ struct Run {
     known: usize,
     /// The selected pixel.
     followed: Option<[u32; 2]>,
+    confirming: Confirming,
 }
 
 /// Why a request was not served.
@@ -91,7 +93,18 @@ impl Engine {
         Box::pin(async move {
             let Self { mut inbox, outbox, cancel, moving } = self;
             let mut server = Server { outbox, cancel, served: 0, moving, devices, run: None };
-            while let Ok(request) = inbox.recv().await {
+            loop {
+                let request = match inbox.try_recv() {
+                    Ok(request) => request,
+                    Err(_) if server.is_confirming() => {
+                        server.confirm().await;
+                        continue;
+                    }
+                    Err(_) => match inbox.recv().await {
+                        Ok(request) => request,
+                        Err(_) => break,
+                    },
+                };
                 let what = name(&request);
                 server.served += 1;
                 if server.is_cancelled() {
@@ -119,7 +132,7 @@ fn name(request: &Request) -> &'static str {
         Request::Edit(..) => "editing a texel",
         Request::ClearEdits => "undoing edits",
         Request::TwinsUntil(_) => "running passes on the CPU reference",
-        Request::Follow(_) => "following the ray",
+        Request::Follow(_) | Request::Confirm(_) => "following the ray",
         Request::Read { .. } | Request::ReadAll(_) | Request::Count(..) => "reading a stream",
         Request::Pin(_) => "pinning a stream",
         Request::Job(what, _) => what,
@@ -257,6 +270,12 @@ impl Server {
                 self.say(Update::Followed(Box::new(followed?)));
                 Ok(())
             }
+            Request::Confirm(pixel) => {
+                let Some(run) = &mut self.run else { return Ok(()) };
+                run.followed = Some(pixel);
+                run.confirming.ask(pixel);
+                Ok(())
+            }
             Request::Read { stream, region } => {
                 let Some(run) = &self.run else { return Ok(()) };
                 let [x, y, width, height] = region;
@@ -283,6 +302,21 @@ impl Server {
                 }
                 Ok(())
             }
+        }
+    }
+
+    /// Whether a ray waits to be confirmed.
+    fn is_confirming(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| run.confirming.is_asked())
+    }
+
+    /// A pass of the run that confirms a ray.
+    async fn confirm(&mut self) {
+        let Some(run) = &mut self.run else { return };
+        match run.confirming.step(&run.session, &run.device).await {
+            Ok(None) => {}
+            Ok(Some(trace)) => self.say(Update::Confirmed(Ok(Box::new(trace)))),
+            Err(error) => self.say(Update::Confirmed(Err(error.to_string()))),
         }
     }
 
@@ -327,7 +361,8 @@ impl Server {
             device: device_name,
             why_no_times,
         })));
-        self.run = Some(Run { path, scene, settings, session, device, copies, known: 0, followed: None });
+        let confirming = Confirming::default();
+        self.run = Some(Run { path, scene, settings, session, device, copies, known: 0, followed: None, confirming });
         self.arrived().await
     }
 

@@ -10,7 +10,7 @@ use raystep_kernels::{Kernel, Pass, Stream};
 
 use super::engine::{Engine, EngineTask};
 use super::request::{At, Opened, Request, Texels, Update};
-use super::{Edit, Fired};
+use super::{Edit, Fired, Told};
 
 /// Work in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,8 +70,14 @@ pub struct Model {
     pub edits: Vec<Edit>,
     /// The result of the last run to a watch, until taken; the inner option is `None` if no watch fired.
     pub fired: Option<Option<Fired>>,
-    /// The history of the selected ray.
+    /// The selected ray, once it is followed or the session is asked to.
+    pub(super) followed: Option<[u32; 2]>,
+    /// Its history.
     pub life: Option<Arc<Trace>>,
+    /// Whose kernels the history is from.
+    pub told: Told,
+    /// The CPU reference's history, if the device's differs from it.
+    pub reference_life: Option<Arc<Trace>>,
     /// The texels read last, by stream.
     pub texels: Vec<Texels>,
     /// Copies that were asked for, oldest first.
@@ -120,7 +126,10 @@ impl Model {
             budget: 0,
             edits: Vec::new(),
             fired: None,
+            followed: None,
             life: None,
+            told: Told::default(),
+            reference_life: None,
             texels: Vec::new(),
             pinned: Vec::new(),
             work: None,
@@ -184,10 +193,16 @@ impl Model {
                 self.texels.clear();
                 self.pinned.clear();
                 (self.place, self.is_complete, self.next, self.life) = (0, false, None, None);
+                (self.followed, self.told, self.reference_life) = (None, Told::default(), None);
+                (self.edits, self.twins) = (Vec::new(), None);
             }
             Update::At(at) => self.arrive(at),
             Update::Fired(fired) => self.fired = Some(fired),
-            Update::Followed(life) => self.life = Some(Arc::new(*life)),
+            Update::Followed(life) => {
+                (self.life, self.told) = (Some(Arc::new(*life)), Told::Device);
+                self.reference_life = None;
+            }
+            Update::Confirmed(life) => self.compare(life),
             Update::Texels(mut texels) => {
                 // Statistics of the same texels stay valid.
                 let old = self.texels.iter_mut().find(|t| (t.stream, t.place) == (texels.stream, texels.place));
@@ -212,8 +227,10 @@ impl Model {
     }
 
     fn arrive(&mut self, at: At) {
+        let (known, was_complete) = (self.passes.len(), self.is_complete);
         // Other streams at the same place, and other passes after it.
-        if at.edits != self.edits || at.twins != self.twins {
+        let is_changed = at.edits != self.edits || at.twins != self.twins;
+        if is_changed {
             self.edition += 1;
             self.texels.clear();
             self.passes.truncate(at.place);
@@ -238,6 +255,9 @@ impl Model {
             opened.textures = textures;
         }
         self.is_complete |= at.next.is_none();
+        if is_changed || (known, was_complete) != (self.passes.len(), self.is_complete) {
+            self.follow_on(is_changed);
+        }
     }
 
     /// A stream's texture, for drawing.

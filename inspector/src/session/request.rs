@@ -46,8 +46,10 @@ pub enum Request {
     ClearEdits,
     /// Runs the first passes on the CPU reference.
     TwinsUntil(Option<usize>),
-    /// Follows this pixel's ray from the first pass to the last; the place stays the same.
+    /// Follows this pixel's ray from the first pass to the last in the session's own streams; the place stays the same.
     Follow([u32; 2]),
+    /// Selects this pixel's ray, and follows it on the device when there is nothing else to do, in a run of its own.
+    Confirm([u32; 2]),
     /// Reads a region of the current stream: x, y, width, height.
     Read {
         /// Which stream.
@@ -167,8 +169,10 @@ pub enum Update {
     At(At),
     /// A watch fired; `None` if none did.
     Fired(Option<Fired>),
-    /// The history of a ray.
+    /// The history of a ray in the session's own streams.
     Followed(Box<Trace>),
+    /// The history of a ray on the device, or why there is none.
+    Confirmed(Result<Box<Trace>, String>),
     /// Texels.
     Texels(Texels),
     /// A copy of a stream.

@@ -69,7 +69,6 @@ impl Inspector {
             return true;
         };
         self.model.ask(Request::Edit(stream, layer, pixel, bits));
-        self.model.ask(Request::Follow(pixel));
         false
     }
 
@@ -131,9 +130,6 @@ impl Inspector {
         if let Some(other) = &mut self.other {
             other.ask(Request::Share(scene, Box::new(Settings { accelerator, ..settings })));
             other.ask(Request::Step(Target::End));
-            if let Some(pixel) = self.shared.pixel {
-                other.ask(Request::Follow(pixel));
-            }
         }
         layout::show(&mut self.tree, PaneKind::Compare);
     }

@@ -93,11 +93,11 @@ impl<R: Precision> Rows<R> {
     }
 }
 
-fn from_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: u32) -> R::Bits {
+pub(crate) fn from_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: u32) -> R::Bits {
     if stream.is_float_layer(layer) { R::from_f32(f32::from_bits(bits)).to_bits() } else { R::bits_from_u32(bits) }
 }
 
-fn to_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: R::Bits) -> u32 {
+pub(crate) fn to_stream_bits<R: Precision>(stream: Stream, layer: usize, bits: R::Bits) -> u32 {
     if stream.is_float_layer(layer) { (R::from_bits(bits).to_f64() as f32).to_bits() } else { R::bits_to_u32(bits) }
 }
 

@@ -1,8 +1,13 @@
 //! The history of one ray: a row for every pass that worked on it, read from the executor's own streams, with the
 //! reason for what it did in words and numbers.
 
+mod alone;
+
 use std::ops::ControlFlow;
 
+pub use alone::RunSoFar;
+
+use crate::plan::Plan;
 use crate::program::Kernel;
 use crate::programs::closest_hit::explain::explain;
 pub use crate::programs::closest_hit::ray_state::RayState;
@@ -72,31 +77,73 @@ pub async fn trace(
     rays: Rays,
     mut progress: impl FnMut(&Pass) -> ControlFlow<()>,
 ) -> Result<Trace, RenderError> {
-    // If there is only one input ray, it is the whole run.
-    let is_alone = rays == Rays::One && renderer.plan().rays > 1 && renderer.restart_alone(x, y)?;
-    if !is_alone {
-        renderer.restart();
-    }
-    let mut before = ray_state(renderer, x, y).await?;
-    let kernels = renderer.plan().schedule.kernels();
-    let end_of_walk = kernels.iter().rposition(|kernel| kernel.is_walk());
-    let waits_for_all = |kernel: Kernel| kernels.iter().position(|&k| k == kernel) > end_of_walk;
-    let mut rows = Vec::new();
-    while let Some(pass) = renderer.step().await? {
-        // A kernel leaves every ray alone that is not in its states, so there is nothing to read back.
-        if pass.kernel.info().takes.contains(&before.tag) {
-            let after = ray_state(renderer, x, y).await?;
-            let mut row = TraceRow::new(&pass, renderer.data(), &before, &after);
-            row.pass = row.pass.filter(|_| !(is_alone && waits_for_all(pass.kernel)));
-            rows.push(row);
-            before = after;
-        }
+    let mut follower = Follower::begin(renderer, [x, y], rays).await?;
+    while let Some(pass) = follower.step(renderer).await? {
         if progress(&pass).is_break() {
             return Err(RenderError::Cancelled { passes: renderer.pass_count() });
         }
     }
-    let whole = Trace::new(renderer, [x, y], rows);
-    Ok(if is_alone { Trace { rays: 1, passes: None, ..whole } } else { whole })
+    Ok(follower.finish(renderer))
+}
+
+/// Records one ray while a run is stepped: [`trace`] in pieces.
+#[derive(Clone, Debug)]
+pub struct Follower {
+    pixel: [u32; 2],
+    is_alone: bool,
+    before: RayState,
+    rows: Vec<TraceRow>,
+    /// Kernels that run only after the last ray's walk.
+    after_all: Vec<Kernel>,
+}
+
+impl Follower {
+    /// Returns a run to before its first pass.
+    ///
+    /// # Errors
+    /// If the image has no such pixel, or the device fails.
+    pub async fn begin(renderer: &mut Renderer, [x, y]: [u32; 2], rays: Rays) -> Result<Self, RenderError> {
+        // If there is only one input ray, it is the whole run.
+        let is_alone = rays == Rays::One && renderer.plan().rays > 1 && renderer.restart_alone(x, y)?;
+        if !is_alone {
+            renderer.restart();
+        }
+        let before = ray_state(renderer, x, y).await?;
+        let after_all = after_all(renderer.plan());
+        Ok(Self { pixel: [x, y], is_alone, before, rows: Vec::new(), after_all })
+    }
+
+    /// Runs a pass; `None` at the end of the run.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn step(&mut self, renderer: &mut Renderer) -> Result<Option<Pass>, RenderError> {
+        let Some(pass) = renderer.step().await? else { return Ok(None) };
+        // A kernel leaves every ray alone that is not in its states, so there is nothing to read back.
+        if pass.kernel.info().takes.contains(&self.before.tag) {
+            let [x, y] = self.pixel;
+            let after = ray_state(renderer, x, y).await?;
+            let mut row = TraceRow::new(&pass, renderer.data(), &self.before, &after);
+            row.pass = row.pass.filter(|_| !(self.is_alone && self.after_all.contains(&pass.kernel)));
+            self.rows.push(row);
+            self.before = after;
+        }
+        Ok(Some(pass))
+    }
+
+    /// The history, at the end of the run.
+    #[must_use]
+    pub fn finish(self, renderer: &Renderer) -> Trace {
+        let whole = Trace::new(renderer, self.pixel, self.rows);
+        if self.is_alone { Trace { rays: 1, passes: None, ..whole } } else { whole }
+    }
+}
+
+/// Kernels that run only after the last ray's walk: when that is depends on all rays.
+fn after_all(plan: &Plan) -> Vec<Kernel> {
+    let kernels = plan.schedule.kernels();
+    let walk = kernels.iter().rposition(|kernel| kernel.is_walk()).map_or(0, |last| last + 1);
+    kernels[walk..].to_vec()
 }
 
 /// Decodes a ray's texels as they are now.

@@ -21,7 +21,7 @@ use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
 use crate::options::{Accelerator, Options, ProgramName, RaySource, ScheduleKind};
-use crate::program::schedule::Schedule;
+use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
 use crate::programs::closest_hit;
 use crate::scene_data::SceneData;
@@ -208,6 +208,22 @@ fn bound_by(variants: &[Variant]) -> BTreeSet<&str> {
 }
 
 impl Plan {
+    /// Whether a ray alone goes through the same passes, with the same indices, as it does among all others. Up to the
+    /// end of its walk that holds if every iteration of the walk runs the same kernels, whatever the rays do; not if a
+    /// kernel runs until it is idle before the next one, and not with several samples, as the next sample begins when
+    /// the last ray's walk is over.
+    #[must_use]
+    pub fn can_go_alone(&self) -> bool {
+        let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if kernel.role() != Role::Whole);
+        let is_the_same_for_all = |step: &Step| match step {
+            Step::Run(_) => runs_once(step),
+            // Shading that runs as long as the ray with the most work is not part of the walk.
+            Step::RunUntilIdle(kernel) => kernel.is_walk(),
+            Step::LoopWhileActive(_, body) => body.iter().all(runs_once),
+        };
+        self.program.course.is_some() && !self.features.samples && self.schedule.steps.iter().all(is_the_same_for_all)
+    }
+
     /// A label for an object of this run, shown by debuggers and in wgpu's errors.
     #[must_use]
     pub fn label(&self, name: &str) -> String {

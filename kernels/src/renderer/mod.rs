@@ -115,13 +115,31 @@ impl Renderer {
         options: &Options,
         device: &Device,
     ) -> Result<Self, RenderError> {
-        let (plan, data) = (plan.into(), data.into());
+        Self::start(plan.into(), data.into(), options, device, None).await
+    }
+
+    /// Another run with the same plan on the same device, at its start. What kernels only read is uploaded once for
+    /// both.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub async fn another(&self, options: &Options, device: &Device) -> Result<Self, RenderError> {
+        Self::start(self.plan.clone(), self.data.clone(), options, device, Some(&self.executor)).await
+    }
+
+    async fn start(
+        plan: Arc<Plan>,
+        data: Arc<SceneData>,
+        options: &Options,
+        device: &Device,
+        beside: Option<&Executor>,
+    ) -> Result<Self, RenderError> {
         let given = match &options.rays {
             RaySource::Given(rays) => plan.program.results.map(|results| GivenRays::new(rays, &results, &plan, &data)),
             RaySource::Camera { .. } => None,
         };
         let streams = given.as_ref().map_or(&[][..], |given| &given.streams);
-        let executor = Executor::new(device, &plan, &data, options.timings, streams, None).await?;
+        let executor = Executor::new(device, &plan, &data, options.timings, streams, beside).await?;
         Ok(Self::with(plan, data, options, given, executor))
     }
 

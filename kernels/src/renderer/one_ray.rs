@@ -1,27 +1,13 @@
 //! Runs one ray alone: the same plan, kernels and texel, with every other ray left out.
 
 use super::{RenderError, Renderer};
-use crate::program::schedule::Step;
-use crate::tables::kernel::Role;
 use crate::tables::stream::{Region, STATE_TAG, StreamData};
 
 impl Renderer {
-    /// Whether a ray alone goes through the same passes, with the same indices, as it does among all others. Up to the
-    /// end of its walk that holds if every iteration of the walk runs the same kernels, whatever the rays do; not if a
-    /// kernel runs until it is idle before the next one, and not with several samples, as the next sample begins when
-    /// the last ray's walk is over.
+    /// Whether a ray alone goes through the same passes, see [`Plan::can_go_alone`](crate::Plan::can_go_alone).
     #[must_use]
     pub fn can_go_alone(&self) -> bool {
-        let runs_once = |step: &Step| matches!(step, Step::Run(kernel) if kernel.role() != Role::Whole);
-        let is_the_same_for_all = |step: &Step| match step {
-            Step::Run(_) => runs_once(step),
-            // Shading that runs as long as the ray with the most work is not part of the walk.
-            Step::RunUntilIdle(kernel) => kernel.is_walk(),
-            Step::LoopWhileActive(_, body) => body.iter().all(runs_once),
-        };
-        self.plan.program.course.is_some()
-            && !self.plan.features.samples
-            && self.plan.schedule.steps.iter().all(is_the_same_for_all)
+        self.plan.can_go_alone()
     }
 
     /// Returns to before the first pass, with one ray alone: no kernel works on any other until the next

@@ -7,6 +7,7 @@ use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
 use crate::draw::stream::state_color;
+use crate::session::{Model, Told};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
 
 /// The ray history.
@@ -79,6 +80,7 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
         if ui.button("Copy as text").clicked() {
             ui.ctx().copy_text(life.table());
         }
+        source(ui, cx.model);
     });
     let Some(first) = life.rows.first() else { return };
     let (o, d) = (first.after.origin, first.after.direction);
@@ -91,7 +93,46 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
         let unit = life.scene_units_per_stream_unit;
         ui.weak(format!("1 traced unit = {unit} scene units"));
     });
-    let _ = cx;
+}
+
+/// Whose kernels the history is from, and whether all of it has happened.
+fn source(ui: &mut egui::Ui, model: &Model) {
+    const ABOUT: &str = "The CPU reference kernels trace the selected ray alone, at once. Then the device traces it, and \
+                         both are compared, row by row and bit by bit.";
+    match &model.told {
+        Told::Device => {}
+        Told::Reference => drop(ui.label("by the CPU reference kernels, not yet confirmed").on_hover_text(ABOUT)),
+        Told::Compared { differing } if differing.is_empty() => {
+            ui.label("confirmed by the device").on_hover_text(ABOUT);
+        }
+        Told::Compared { differing } => {
+            let text = format!("{} differ from the CPU reference kernels", counted(differing.len(), "row"));
+            ui.label(RichText::new(text).color(changed_color(ui))).on_hover_text(ABOUT);
+        }
+        Told::Unconfirmed(why) => {
+            let text = format!("by the CPU reference kernels; the device could not confirm it: {why}");
+            ui.label(RichText::new(text).color(changed_color(ui))).on_hover_text(ABOUT);
+        }
+    }
+    if model.life.as_ref().is_some_and(|life| life.rows.iter().any(|row| model.is_predicted(row))) {
+        ui.label(RichText::new("passes that have not run are predicted").italics());
+    }
+}
+
+/// What to know about a row: that it is predicted, or how the device's differs from the CPU reference's.
+fn mark(model: &Model, index: usize, row: &TraceRow) -> Option<(&'static str, String)> {
+    match &model.told {
+        Told::Compared { differing } if differing.contains(&index) => {
+            let reference = model.reference_life.as_ref().and_then(|life| life.rows.get(index));
+            let about = reference.map_or_else(
+                || "the CPU reference kernels have no such row".into(),
+                |row| format!("CPU reference kernels: {}, {}", row.kernel, row.why),
+            );
+            Some(("≠", about))
+        }
+        _ if model.is_predicted(row) => Some(("", "this pass has not run yet: the row is predicted".into())),
+        _ => None,
+    }
 }
 
 impl RayView {
@@ -134,11 +175,16 @@ impl RayView {
                     let before = index.checked_sub(1).map(|i| &life.rows[i]);
                     table_row.set_selected(Some(index) == current);
                     let is_ahead = current.is_none_or(|c| index > c);
-                    let (now, then) = (cells(row), before.map(cells));
+                    let mark = mark(cx.model, index, row);
+                    let (mut now, then) = (cells(row), before.map(cells));
+                    now[0] += mark.as_ref().map_or("", |(mark, _)| mark);
                     for (c, cell) in now.iter().enumerate() {
                         table_row.col(|ui| {
                             let changed = c >= 2 && then.as_ref().is_some_and(|then| then[c] != *cell);
                             let mut text = RichText::new(cell).monospace();
+                            if mark.as_ref().is_some_and(|(sign, _)| sign.is_empty()) {
+                                text = text.italics();
+                            }
                             if is_ahead {
                                 text = text.weak();
                             }
@@ -152,7 +198,8 @@ impl RayView {
                                     ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
                                 }
                                 let label = egui::Label::new(text).selectable(false).truncate();
-                                ui.add(label).on_hover_text(full(row, c));
+                                let about = mark.as_ref().filter(|_| c == 0).map(|(_, about)| about.clone());
+                                ui.add(label).on_hover_text(about.unwrap_or_else(|| full(row, c)));
                             });
                         });
                     }
