@@ -176,6 +176,10 @@ impl eframe::App for Window {
         self.surface.end_frame(frame);
     }
 
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
     fn on_exit(&mut self) {
         self.inspector.keep();
     }

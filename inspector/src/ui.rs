@@ -25,6 +25,7 @@ use std::sync::Arc;
 
 use egui_notify::Toasts;
 use egui_tiles::Tree;
+use raystep_kernels::export::trace::Trace;
 use raystep_lab::text::counted;
 
 use crate::saved::Saved;
@@ -195,6 +196,7 @@ impl Inspector {
     /// Shows everything, and performs requests.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
+        let before = self.selection();
         self.listen(&ctx);
         if self.dialog.is_none() {
             self.todo.extend(command::pressed(&ctx, self.had_focus));
@@ -222,6 +224,15 @@ impl Inspector {
         if self.is_playing {
             ctx.request_repaint();
         }
+        // What was selected or pointed at is shown in this frame, not only in the next.
+        if self.selection() != before {
+            ctx.request_discard("another ray was selected");
+        }
+    }
+
+    /// What several panels show of the same ray.
+    fn selection(&self) -> (Option<[u32; 2]>, Option<[u32; 2]>, Option<*const Trace>) {
+        (self.shared.pixel, self.shared.hovered, self.model.life.as_ref().map(Arc::as_ptr))
     }
 
     /// Processes the messages of engines and host.
@@ -364,6 +375,13 @@ impl Inspector {
             models.filter(|model| model.is_to_follow(pixel)).for_each(|model| model.follow(pixel));
         }
     }
+}
+
+/// The colour that the window is cleared with: no panel paints a background of its own, which would double the work of a
+/// software renderer.
+#[must_use]
+pub fn background(ctx: &egui::Context) -> egui::Color32 {
+    ctx.global_style().visuals.panel_fill
 }
 
 /// The message if the scene has no such camera.

@@ -7,7 +7,7 @@ use eframe::egui::{self, mutex::RwLock};
 use eframe::egui_wgpu::{Renderer, RendererOptions};
 use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::{Inspector, offscreen};
+use raystep_inspector::ui::{Inspector, background, offscreen};
 use raystep_kernels::Gpu;
 use raystep_lab::block_on;
 
@@ -44,7 +44,8 @@ pub(crate) fn screenshot(
         stage.settle()?;
     }
     let jobs = stage.frame();
-    Ok(block_on(Some(gpu), offscreen::draw(gpu, &stage.renderer, &jobs, [width, height], scale))?)
+    let drawing = offscreen::draw(gpu, &stage.renderer, &jobs, background(&stage.ctx), [width, height], scale);
+    Ok(block_on(Some(gpu), drawing)?)
 }
 
 struct Stage {

@@ -122,7 +122,7 @@ impl Behavior<Pane> for Panes<'_> {
         }
         // Ids restart with every layout: a list would otherwise inherit another panel's scroll position.
         ui.push_id((id, pane.kind), |ui| {
-            egui::Frame::central_panel(ui.style()).inner_margin(6.0).show(ui, |ui| {
+            egui::Frame::NONE.inner_margin(6.0).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());
                 pane.panel.show(ui, &mut self.cx);
             });

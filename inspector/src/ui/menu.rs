@@ -19,9 +19,14 @@ const BUTTONS: [Command; 7] = [
     Command::NextEvent,
 ];
 
+/// The window's background is behind it.
+fn frame(ui: &egui::Ui) -> egui::Frame {
+    egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT)
+}
+
 impl Inspector {
     pub(super) fn menu_bar(&mut self, ui: &mut egui::Ui) {
-        egui::Panel::top("menu").show(ui, |ui| {
+        egui::Panel::top("menu").frame(frame(ui)).show(ui, |ui| {
             MenuBar::new().ui(ui, |ui| {
                 for menu in Menu::ALL {
                     ui.menu_button(menu.name(), |ui| self.menu(ui, menu));
@@ -79,7 +84,7 @@ impl Inspector {
     }
 
     pub(super) fn status_bar(&mut self, ui: &mut egui::Ui) {
-        egui::Panel::bottom("status").show(ui, |ui| {
+        egui::Panel::bottom("status").frame(frame(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
                 let Some(opened) = &self.model.opened else {
                     ui.weak("no scene: drop a glTF file here, or open one");

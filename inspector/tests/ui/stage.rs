@@ -13,7 +13,7 @@ use raystep_inspector::session::engine::Devices;
 use raystep_inspector::session::measure::Measure;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::{Arrival, Inspector, offscreen};
+use raystep_inspector::ui::{Arrival, Inspector, background, offscreen};
 use raystep_kernels::{Gpu, Stream};
 use raystep_lab::plots::precision::{Choice, Precision};
 use raystep_lab::plots::{Axis, Scale, Shape};
@@ -400,7 +400,8 @@ impl TestRenderer for Painter {
         let size = ctx.content_rect().size() * points;
         let [width, height] = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
         let jobs = ctx.tessellate(output.shapes.clone(), points);
-        let drawn = offscreen::draw(&self.gpu, &self.renderer, &jobs, [width, height], points);
+        let background = background(ctx);
+        let drawn = offscreen::draw(&self.gpu, &self.renderer, &jobs, background, [width, height], points);
         block_on(&self.gpu, drawn).map_err(|e| e.to_string())
     }
 }

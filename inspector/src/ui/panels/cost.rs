@@ -276,10 +276,8 @@ impl Cost {
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
-            .column(Column::initial(50.0).at_least(36.0))
-            .column(Column::initial(90.0).at_least(60.0).clip(true))
-            .column(Column::initial(60.0).at_least(40.0).clip(true))
-            .column(Column::remainder().at_least(40.0).clip(true));
+            .columns(Column::auto().at_least(36.0), 3)
+            .column(Column::remainder().at_least(40.0));
         if self.scrolled != selected {
             self.scrolled = selected;
             if let Some(rank) = selected.and_then(|ray| order.rank(ray)).filter(|&rank| rank < count) {

@@ -49,10 +49,8 @@ impl Panel for Passes {
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
-            .column(Column::initial(36.0).at_least(30.0))
-            .column(Column::initial(84.0).at_least(60.0).clip(true))
-            .column(Column::initial(46.0).at_least(40.0).clip(true))
-            .column(Column::remainder().at_least(40.0).clip(true));
+            .columns(Column::auto().at_least(30.0), 3)
+            .column(Column::remainder().at_least(40.0));
         if self.shown != Some(place) {
             self.shown = Some(place);
             table = table.scroll_to_row(current, Some(egui::Align::Center));

@@ -147,15 +147,8 @@ impl RayView {
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
-            .column(Column::initial(40.0).at_least(28.0))
-            .column(Column::initial(104.0).at_least(40.0).clip(true))
-            .column(Column::initial(116.0).at_least(40.0).clip(true))
-            .column(Column::initial(56.0).at_least(30.0).clip(true))
-            .column(Column::initial(190.0).at_least(40.0).clip(true))
-            .column(Column::initial(34.0).at_least(24.0).clip(true))
-            .column(Column::initial(70.0).at_least(30.0).clip(true))
-            .column(Column::initial(44.0).at_least(24.0).clip(true))
-            .column(Column::initial(480.0).at_least(80.0).clip(true));
+            .columns(Column::auto().at_least(28.0), HEADS.len())
+            .column(Column::remainder().at_least(480.0));
         if let Some(row) = current.filter(|_| self.shown != current) {
             table = table.scroll_to_row(row, Some(egui::Align::Center));
         }
@@ -197,7 +190,7 @@ impl RayView {
                                     let (rect, _) = ui.allocate_exact_size(egui::vec2(7.0, 12.0), egui::Sense::hover());
                                     ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
                                 }
-                                let label = egui::Label::new(text).selectable(false).truncate();
+                                let label = egui::Label::new(text).selectable(false).extend();
                                 let about = mark.as_ref().filter(|_| c == 0).map(|(_, about)| about.clone());
                                 ui.add(label).on_hover_text(about.unwrap_or_else(|| full(row, c)));
                             });
@@ -206,7 +199,7 @@ impl RayView {
                     table_row.col(|ui| {
                         let text = RichText::new(&row.why);
                         let text = if is_ahead { text.weak() } else { text };
-                        ui.add(egui::Label::new(text).selectable(false).truncate()).on_hover_text(&row.why);
+                        ui.add(egui::Label::new(text).selectable(false).extend()).on_hover_text(&row.why);
                     });
                     if table_row.response().clicked() {
                         chosen = row.place();
