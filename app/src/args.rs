@@ -163,8 +163,8 @@ pub(crate) struct RunArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Tracing")]
 pub(crate) struct TuningArgs {
-    /// Numerical rules: no wrong hits except ties (robust), or the paper's, as a baseline; the paper's require the eye
-    /// to be inside the grid, otherwise all rays miss
+    /// Numerical rules: robust (no missed or wrong hit, except where f32 cannot decide between two triangles), or those
+    /// of Mølhave's paper (paper), for comparison; with a grid, the paper's miss all rays that start outside it
     #[arg(long, default_value = "robust", value_parser = named(Numerics::ALL, Numerics::name))]
     pub(crate) numerics: Numerics,
     /// Number of grid cells along each axis, or along x, y and z

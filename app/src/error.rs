@@ -12,7 +12,7 @@ pub(crate) const FAILED: u8 = 1;
 /// Wrong usage.
 pub(crate) const USAGE: u8 = 2;
 
-/// A comparison that noise does not decide.
+/// A comparison that is too noisy to tell.
 pub(crate) const UNDECIDED: u8 = 3;
 
 /// One line, and the exit code.

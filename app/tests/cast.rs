@@ -220,15 +220,15 @@ fn what_cannot_be_cast_is_told_by_number_and_leaves_nothing() {
     for (name, bytes, wanted) in [
         ("shape.npy", npy("(12, 5)", &good), "shape.npy: its shape is (12, 5): expected (N, 6) or (N, 8)"),
         ("type.npy", retyped(&double), "type '<f8': expected '<f4'"),
-        ("nan.npy", with(6 * 7 + 1, f32::NAN), "ray 7 of 10 (the first is 0): a component is not finite"),
-        ("infinite.npy", with(6 * 2 + 4, f32::INFINITY), "ray 2 of 10 (the first is 0): a component is not finite"),
-        ("still.npy", npy("(10, 6)", &still), "ray 4 of 10 (the first is 0): its direction is 0"),
-        ("far.npy", with(6 * 9, 1e20), "ray 9 of 10 (the first is 0): its origin is too far"),
+        ("nan.npy", with(6 * 7 + 1, f32::NAN), "ray 7 (counted from 0, of 10): a component is not finite"),
+        ("infinite.npy", with(6 * 2 + 4, f32::INFINITY), "ray 2 (counted from 0, of 10): a component is not finite"),
+        ("still.npy", npy("(10, 6)", &still), "ray 4 (counted from 0, of 10): its direction is 0"),
+        ("far.npy", with(6 * 9, 1e20), "ray 9 (counted from 0, of 10): its origin is too far"),
         ("short.npy", wide[..wide.len() - 30].to_vec(), "ends in ray 8 of 10, after 18 bytes"),
         ("long.npy", [&wide[..], &[0]].concat(), "goes on after its 10 rays"),
         ("text.npy", b"these are no rays".to_vec(), "does not begin with"),
         ("empty.npy", Vec::new(), "does not begin with"),
-        ("odd.f32", vec![0; 100], "100 bytes are no whole number of rays"),
+        ("odd.f32", vec![0; 100], "100 bytes is not a whole number of rays (32 bytes each)"),
     ] {
         write(&place, name, &bytes);
         // In one batch, and with the error in a later one.
@@ -257,7 +257,7 @@ fn what_cannot_be_cast_is_told_by_number_and_leaves_nothing() {
         (2, "--any-hit: the paper's rules", cast("rays.npy", &["-o", "h.npy", "--any-hit", "--numerics", "paper"])),
         (2, "--batch 0: expected an integer from 1", cast("rays.npy", &["-o", "h.npy", "--batch", "0"])),
         (2, "--format csv: expected npy or f32", cast("rays.npy", &["-o", "h.npy", "--format", "csv"])),
-        (2, "use --count N, format npy, or a file as output", cast("-", &["-o", "-", "--format", "f32"])),
+        (2, "add --count N, use npy, or write to a file", cast("-", &["-o", "-", "--format", "f32"])),
         (1, "standard input: not an npy file", cast("-", &["-o", "h.npy"])),
         (2, "--count 10: an npy file contains the number", cast("rays.npy", &["-o", "h.npy", "--count", "10"])),
     ] {
@@ -308,9 +308,27 @@ fn a_closed_pipe_ends_it_quietly_and_an_early_error_writes_nothing() {
         stdout: String::from_utf8_lossy(&ended.stdout).into_owned(),
         stderr: String::from_utf8_lossy(&ended.stderr).into_owned(),
     };
-    assert_error(&ended, 1, "standard input: ray 0 of 40000", "a wrong ray");
+    assert_error(&ended, 1, "standard input: ray 0 (counted from 0, of 40000)", "a wrong ray");
 
     // No rays are an empty array.
     let (empty, said) = piped(&place, &npy("(0, 6)", &[]), &["-o", "-"]);
     assert_eq!((empty.len(), said.starts_with("0 rays, 0 hit; ")), (HEADER, true), "{said}");
+}
+
+#[test]
+fn rays_that_the_papers_rules_miss_are_counted() {
+    let place = Place::new();
+    let mut six = inside(10);
+    // Two start to the left of the box.
+    (six[0], six[6 * 7]) = (-9.0, -9.0);
+    write(&place, "rays.npy", &npy("(10, 6)", &six));
+    let cast = ["cast", &cornell_box(), "--rays-file", "rays.npy", "-o", "h.npy", "--device", "cpu", "--numerics"];
+    let said = |more: &[&str]| place.ok(&[&cast[..], more].concat()).stderr;
+    let note = "note: the paper's rules with a grid miss rays that start outside it, as 2 of these 10 do";
+    let text = said(&["paper", "--accelerator", "grid", "--batch", "3"]);
+    assert!(text.contains(note), "{text}");
+    for more in [&["robust", "--accelerator", "grid"][..], &["paper", "--accelerator", "bvh"]] {
+        let text = said(more);
+        assert!(!text.contains("note: the paper's"), "{text}");
+    }
 }

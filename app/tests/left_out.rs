@@ -122,15 +122,22 @@ fn without_an_adapter_only_bytes_are_told_and_why() {
     let place = Place::new();
     let (rows, page) = report(&place, "cpu");
     for row in by_way(&rows).concat() {
+        let sum = |end: &str| {
+            ["stream_bytes", "buffer_bytes"].map(|c| number(&row, &format!("{c}{end}"))).iter().sum::<f64>()
+        };
+        assert_eq!(number(&row, "added_bytes"), sum("_with") - sum(""), "{row:?}");
         for (column, field) in &row {
             let is_of_times = column.contains("_ratio") || column.contains("start_s") || column == "clock";
             assert!(!is_of_times || field.is_empty(), "{column}: {row:?}");
         }
     }
-    const WHY: &str = "kernels for the CPU are compiled beforehand";
+    const WHY: &str = "kernels are compiled in advance";
     let section = page.split("<section>").nth(1).expect("a section");
     let first = section.split("<p>").nth(2).expect("what it is, and then");
-    assert!(first.starts_with("Only bytes: ") && first.contains(WHY), "{first}");
+    assert!(first.starts_with("On the CPU, omitting saves memory only") && first.contains(WHY), "{first}");
+    assert!(
+        page.contains("Everything put back: <b><data value=") && page.contains("Has no effect in this run: clipping.")
+    );
     assert!(!page.contains("<figure>") && !page.contains("times as long"));
 
     let plan = ["plan", &cornell_box(), "--size", "16x16", "--device", "cpu", "--quiet"];

@@ -28,6 +28,9 @@ fn a_report_judges_rays_of_a_file_by_group() {
     let tables = tables(&place, "out");
     check_page(&place, "out", &tables);
     assert!(check_intervals(&tables)[2] > 30);
+    let page = String::from_utf8(place.read("out/index.html")).expect("UTF-8");
+    assert!(page.contains("<data value=\"300\">300</data> rays of a file"), "instead of pixels");
+    assert!(page.contains("wrong per million rays of the file") && !page.contains("start outside"));
     let choices = &tables["choices.csv"];
     for all in choices.iter().filter(|row| row["stratum"] == "all") {
         let of = |stratum: &str| {
@@ -59,6 +62,23 @@ fn a_report_judges_rays_of_a_file_by_group() {
 }
 
 #[test]
+fn a_report_says_why_the_papers_rules_miss_rays_from_outside() {
+    let place = Place::new();
+    let mut rays = inside(20);
+    rays.iter_mut().step_by(6).for_each(|x| *x -= 9.0);
+    std::fs::write(place.path("rays.npy"), npy("(20, 6)", &rays)).expect("a file");
+    let file = scene("cornell-box.gltf").display().to_string();
+    let report = ["report", &file, "--quick", "--device", "cpu", "--section", "choices", "--rays-file", "rays.npy"];
+    let said = place.ok(&[&report[..], &["-o", "out"]].concat()).stderr;
+    let why = "paper's rules with a grid miss rays that start outside it, as all of these do";
+    assert!(said.contains(&format!("note: cornell-box, choices: the {why}")), "{said}");
+    let page = String::from_utf8(place.read("out/index.html")).expect("UTF-8");
+    assert!(page.contains(&format!("The {why}.")));
+    assert!(page.contains(" judged rays cannot show less)."), "the limit is raised for so few rays");
+    check_page(&place, "out", &tables(&place, "out"));
+}
+
+#[test]
 fn a_benchmark_traces_rays_of_a_file() {
     let place = place();
     let file = scene("cornell-box.gltf").display().to_string();
@@ -74,8 +94,13 @@ fn a_benchmark_traces_rays_of_a_file() {
         assert!(row[at("rays")] == *"300" && row[at("rays_kind")].starts_with("file fnv1a64:"), "{row:?}");
         assert_eq!(row[at("hits_hash")], rows[0][at("hits_hash")]);
     }
+    // Two builds trace them, too.
+    let against = ["rays.npy", "--against", env!("CARGO_BIN_EXE_raystep"), "--at-most", "1000", "-o", "gate"];
+    place.run(&[&bench[..], &against].concat());
+    let summary = String::from_utf8(place.read("gate/summary.csv")).expect("UTF-8");
+    assert_eq!(summary.matches(",file fnv1a64:").count(), 4, "{summary}");
     for (wanted, more) in [
-        ("--strata groups verdicts", &["rays.npy", "--strata", "groups.npy"][..]),
+        ("unexpected argument --strata", &["rays.npy", "--strata", "groups.npy"][..]),
         ("cannot be combined with --rays", &["rays.npy", "--rays", "bounce"]),
         ("expected a name that ends in .npy or .f32", &["rays.txt"]),
     ] {

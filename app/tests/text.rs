@@ -236,7 +236,9 @@ fn help_examples_run() {
                 std::fs::remove_dir_all(place.path(output.as_deref().unwrap_or_default())).expect("a folder");
             }
             folder = output;
-            let script = format!("raystep() {{ '{}' \"$@\"; }}\n{line}", env!("CARGO_BIN_EXE_raystep"));
+            // The examples' scripts, without Python.
+            let python = "python() { if [ \"$1\" = make_rays.py ]; then cat rays.npy; else cat > hits.npy; fi; }";
+            let script = format!("raystep() {{ '{}' \"$@\"; }}\n{python}\n{line}", env!("CARGO_BIN_EXE_raystep"));
             let mut shell = std::process::Command::new("sh");
             for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
                 shell.env_remove(name);

@@ -104,8 +104,8 @@ fn render_says_what_was_built() {
     let one = scene("single-triangle.gltf").display().to_string();
     let file = cornell_box();
     let cases: &[(&str, &[&str], &str, &str)] = &[
-        (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells, ", " empty and visited one by one; "),
-        (&file, &["--skip", "on"], "grid      8 x 8 x 19 cells, ", " empty and skipped over; "),
+        (&file, &["--accelerator", "grid"], "grid      4 x 4 x 9 cells; ", " empty cells, not skipped; "),
+        (&file, &["--skip", "on"], "grid      8 x 8 x 19 cells; ", " empty cells, skipped; "),
         (&file, &["--accelerator", "bvh"], "bvh       binary tree: nodes ", ", depth "),
         (&file, &["--accelerator", "bvh", "--schedule", "fused"], "bvh       eight-wide tree: nodes ", ", depth "),
         (&file, &["--accelerator", "none"], "none      every ray tests every triangle", ""),

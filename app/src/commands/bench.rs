@@ -24,7 +24,7 @@ use crate::commands::input::{self, Input};
 use crate::device;
 use crate::error::Error;
 use crate::output::TargetFolder;
-use crate::rays_file::RaysFileArgs;
+use crate::rays_file;
 use crate::scene_file::read_file;
 use crate::session::run_id;
 use crate::terminal::{Progress, print, say};
@@ -43,10 +43,11 @@ use crate::terminal::{Progress, print, say};
 /// scene's box in any direction. They are the same in every run.
 ///
 /// With --at-most R it is a gate: is this build at most R times as slow as another, with the same hits, tests, cells
-/// and passes? --against BINARY runs both builds alternately, in several processes each; --baseline DIR compares with
-/// an earlier benchmark, whose times count only where R is beyond the drift of the machine that the two show. Exit code
-/// 0: every upper bound is within R; 1: a lower bound exceeds R (all rows together at a level of 5%), or hits, work,
-/// device, scene or rows differ; 3: noise decides neither. DIR/gate.json and DIR/gate.md have the result.
+/// and passes? --against BINARY runs both builds alternately, in several processes each. --baseline DIR compares with an
+/// earlier benchmark; as the machine may have become slower or faster since, times are judged only if R exceeds the
+/// drift measured. Exit code 0: not slower than R; 1: slower than R, or hits, counts, device or scene differ, or a row is
+/// missing; 3: too noisy to tell. What is said of times holds with 95% confidence for all rows together. DIR/gate.json
+/// and DIR/gate.md have the result.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -84,9 +85,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "KIND…", value_delimiter = ',', default_value = RayKind::default().name(),
           value_parser = named(RayKind::ALL, RayKind::name), conflicts_with = "rays_file", help_heading = "What is measured")]
     rays: Vec<RayKind>,
-    /// Measured runs per configuration [default: 10; with --against at most 40]
-    ///
-    /// With --against, fewer are made if a quarter or half of them decide.
+    /// Measured runs per configuration [default: 10; with --against 40, fewer if the answer is clear earlier]
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1, MOST_RUNS), allow_negative_numbers = true,
           help_heading = "What is measured")]
     repeats: Option<u32>,
@@ -104,8 +103,8 @@ pub(crate) struct BenchArgs {
     /// Another build of raystep to compare with: runs of both alternate; requires --at-most
     #[arg(long, value_name = "BINARY", conflicts_with = "baseline", help_heading = "Comparison")]
     against: Option<PathBuf>,
-    /// Largest acceptable ratio of times, this build's divided by the other's: exit code 1 if it is exceeded, 3 if noise
-    /// decides neither
+    /// Largest acceptable ratio of times, this build's divided by the other's: exit code 1 if it is exceeded, 3 if times
+    /// are too noisy to tell
     #[arg(long, value_name = "R", value_parser = parse_ratio, allow_negative_numbers = true, help_heading = "Comparison")]
     at_most: Option<f64>,
     /// Answers a program that compares two builds, by the protocol of the module `protocol`
@@ -122,8 +121,10 @@ pub(crate) struct BenchArgs {
     scene_index: Option<usize>,
     #[command(flatten)]
     read: ReadArgs,
-    #[command(flatten)]
-    rays_file: RaysFileArgs,
+    /// Rays instead of the camera's: .npy, float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max), or
+    /// .f32, see 'raystep cast --help'
+    #[arg(long, value_name = "F", help_heading = "What is measured")]
+    rays_file: Option<PathBuf>,
     #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
@@ -147,15 +148,12 @@ impl BenchArgs {
     }
 
     fn wanted(&self) -> Result<bench::Wanted, Error> {
-        if self.rays_file.strata.is_some() {
-            return Err(Error::usage("--strata groups verdicts on rays, which only 'raystep report' has: omit it"));
-        }
         Ok(bench::Wanted {
             accelerators: distinct(&self.accelerators),
             schedules: distinct(&self.schedules),
             sizes: distinct(&self.sizes),
             rays: distinct(&self.rays),
-            file: self.rays_file.read()?.map(Arc::new),
+            file: self.rays_file.as_deref().map(|path| rays_file::read(path, None)).transpose()?.map(Arc::new),
             repeats: self.repeats(),
             warmups: self.warmups,
             seed: self.seed,
@@ -212,10 +210,7 @@ fn exit(gate: &Gate) -> Result<(), Error> {
     match gate.verdict {
         Verdict::Pass => Ok(()),
         Verdict::Fail => Err(Error::failed(&gate.because)),
-        Verdict::Undecided => {
-            let remarks = gate::remarks(gate).join(" ");
-            Err(Error::undecided(format!("{}. {remarks}", gate.because)))
-        }
+        Verdict::Undecided => Err(Error::undecided(&gate.because)),
     }
 }
 

@@ -11,6 +11,7 @@ use clap::Args;
 use indicatif::HumanCount;
 use raystep_kernels::{Accelerator, Caster, Numerics, Options, RaySource, ScheduleKind};
 use raystep_lab::rays::file::{RaysFormat, RaysReader};
+use raystep_lab::ways::MISSES_OUTSIDE;
 
 use crate::args::{DeviceArgs, QuietArgs, SceneArgs, TuningArgs, named, whole};
 use crate::commands::extension;
@@ -23,12 +24,12 @@ use pipeline::{Counts, Pipeline};
 
 /// Cast rays of another program: read them from a file or a pipe, write what each of them hits
 ///
-/// Rays are an npy array of float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t in multiples of
-/// the direction, t_max may be infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). A hit
-/// counts if t_min < t < t_max. The result is an npy array with one element per ray: t (infinite without a hit), u, v
-/// (weights of the triangle's vertices 1 and 2), triangle and material (4294967295 without a hit). In Python,
-/// numpy.save('rays.npy', numpy.hstack([origins, directions]).astype('<f4')) writes rays, and hits =
-/// numpy.load('hits.npy') reads hits: hits['t'], hits['triangle'].
+/// Rays are an npy array of float32, N×6 (origin, direction) or N×8 (origin, t_min, direction, t_max; t_max may be
+/// infinite), or raw float32, eight per ray (.f32: origin, unused, direction, unused). t counts lengths of the direction,
+/// which need not be normalised. A hit counts if t_min < t < t_max; with N×6 and .f32, if t > 0. The result is an npy array
+/// with one element per ray: t (infinite without a hit), u, v (weights of the triangle's vertices 1 and 2), triangle and
+/// material (4294967295 without a hit). In Python, numpy.save('rays.npy', numpy.hstack([origins,
+/// directions]).astype('<f4')) writes rays, and hits = numpy.load('hits.npy') reads hits: hits['t'], hits['triangle'].
 ///
 /// Rays are read, traced and written in batches at the same time, so any number of them takes the same memory.
 #[derive(Args, Debug)]
@@ -37,7 +38,7 @@ Examples:
   raystep cast scenes/cornell-box.gltf --rays-file rays.npy -o hits.npy
   raystep cast scenes/teapot.glb --rays-file shadow.npy --any-hit -o shadow-hits.npy
   raystep cast scenes/teapot.glb --rays-file primary.f32 --device cpu -o hits.npy
-  cat rays.npy | raystep cast scenes/terrain.glb --rays-file - -o - | cat > hits.npy")]
+  python make_rays.py | raystep cast scenes/terrain.glb --rays-file - -o - | python use_hits.py")]
 pub(crate) struct CastArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -50,10 +51,10 @@ pub(crate) struct CastArgs {
     /// Format of the rays [default: from the name's ending; npy for standard input]
     #[arg(long, value_parser = named(RaysFormat::ALL, RaysFormat::name))]
     format: Option<RaysFormat>,
-    /// Number of rays, where nothing else tells it: in format f32 from a pipe, with hits into a pipe
+    /// Number of rays; needed only if f32 rays come from a pipe and hits go to a pipe
     #[arg(long, value_name = "N", value_parser = whole::<u64>(0, u64::MAX), allow_negative_numbers = true)]
     count: Option<u64>,
-    /// End each ray at any hit instead of the closest, whichever is found first
+    /// Report whichever hit is found first, not the closest
     #[arg(long)]
     any_hit: bool,
     /// Rays per batch, or as many as the device has room for [default: 65536 on the CPU, 1048576 on a GPU]
@@ -119,14 +120,18 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Error> {
     let stream = output::Stream::new(target)?;
     if reader.total().is_none() && !stream.can_rewind() {
         return Err(Error::usage(
-            "the begin of the output contains the number of rays, which format f32 from a pipe does not tell: use \
-             --count N, format npy, or a file as output",
+            "the output starts with the number of rays, which f32 from a pipe does not give: add --count N, use npy, or \
+             write to a file",
         ));
     }
     let begin = Instant::now();
     let pipeline = Pipeline { caster, chosen: &chosen, name: &name, progress: &progress };
     let Some(counts) = pipeline.run(reader, stream)? else { return Ok(()) };
     progress.finish();
+    if counts.outside > 0 {
+        let [some, all] = [counts.outside, counts.rays].map(HumanCount);
+        progress.say(format_args!("note: {MISSES_OUTSIDE}, as {some} of these {all} do; use --numerics robust"));
+    }
     if !args.quiet.quiet {
         let device = chosen.gpu().map_or("CPU", |gpu| gpu.info.name.as_str());
         let line = summary(&counts, begin.elapsed().as_secs_f64(), device);
@@ -142,7 +147,7 @@ fn shown(path: &Path) -> String {
 
 /// One line about all rays.
 fn summary(counts: &Counts, seconds: f64, device: &str) -> String {
-    let Counts { rays, hits, unfinished } = *counts;
+    let Counts { rays, hits, unfinished, .. } = *counts;
     let mut line = format!("{} rays, {} hit", HumanCount(rays), HumanCount(hits));
     if rays > 0 {
         line += &format!(" ({:.1}%)", 100.0 * hits as f64 / rays as f64);
@@ -208,7 +213,7 @@ fn open(args: &CastArgs, format: RaysFormat) -> Result<(Box<dyn Read + Send>, Op
     let mut count = args.count;
     if found.is_file() && format == RaysFormat::F32 && count.is_none() {
         if found.len() % 32 != 0 {
-            return Err(failed(&format!("{} bytes are no whole number of rays: 32 bytes each", found.len())));
+            return Err(failed(&format!("{} bytes is not a whole number of rays (32 bytes each)", found.len())));
         }
         count = Some(found.len() / 32);
     }

@@ -35,8 +35,7 @@ pub(crate) struct PlanArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Also measure what putting back each item costs that the scene does not need: memory, and on an adapter run and
-    /// start times
+    /// Also measure what each unneeded item would cost: memory and, on a GPU, run time and start-up
     #[arg(long, conflicts_with = "keep_all")]
     measure: bool,
     /// Count cells visited and triangles tested

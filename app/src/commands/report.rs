@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use raystep_kernels::GridSize;
 use raystep_lab::bench::grid_text;
 use raystep_lab::meter::Meter;
@@ -25,26 +25,27 @@ use crate::commands::{distinct, input};
 use crate::device;
 use crate::error::Error;
 use crate::output::{self, Target, TargetFolder};
-use crate::rays_file::RaysFileArgs;
+use crate::rays_file;
 use crate::scene_file::read_file;
 use crate::session::run_id;
-use crate::terminal::Progress;
+use crate::terminal::{Progress, print};
 
 /// Report error against run time: CSV files, plots and a page
 ///
 /// Measures how fast rays are resolved, and how many wrongly, by accelerator and schedule; the cost and benefit of each
 /// numerical rule; errors far from the origin and at tiny and huge scales; effects of grid resolution and samples per
 /// pixel; and what omitting unneeded work saves. Every ray, or in large scenes a sample of them, is compared with f64
-/// brute force.
+/// brute force. Takes one to three minutes per scene on two cores; --quick takes less.
 ///
 /// DIR/index.html is self-contained; all its numbers are also in CSV files, and all its plots are also SVG files. The
-/// same command on the same machine finds the same errors; times differ.
+/// same command on the same machine finds the same errors; times differ. The first sentences of the page are also
+/// printed.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   raystep report scenes/cornell-box.gltf -o report
   raystep report scenes/cornell-box.gltf scenes/teapot.glb --device gpu -o report
-  raystep report scenes/teapot.glb --section factors,moved --size 256x256 -o report
+  raystep report scenes/teapot.glb --section rules,moved --size 256x256 -o report
   raystep report scenes/cornell-box.gltf --quick -o report
   raystep report scenes/cornell-box.gltf -o report --bundle report.zip
   raystep report --verify report.zip")]
@@ -72,8 +73,8 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "N", default_value_t = report::SEED, allow_negative_numbers = true,
           value_parser = whole::<u32>(0, u64::from(u32::MAX)))]
     seed: u32,
-    /// Number of seeds where samples per pixel are measured; below 6 there are no intervals
-    #[arg(long, value_name = "N", default_value_t = report::SEEDS, allow_negative_numbers = true,
+    /// Seeds in section samples [default: 10; at least 6 for intervals]
+    #[arg(long, value_name = "N", default_value_t = report::SEEDS, hide_default_value = true, allow_negative_numbers = true,
           value_parser = whole::<u32>(1, 1000))]
     seeds: u32,
     /// Also write DIR/rays.csv: every judged ray, with its verdict, error and error bound
@@ -83,9 +84,9 @@ pub(crate) struct ReportArgs {
     /// wrong_rays; optionally scene, ns_per_ray_low, ns_per_ray_high and undecided
     #[arg(long, value_name = "FILE.csv")]
     methods: Option<PathBuf>,
-    /// Write only these sections; stiff, which takes up to 20 minutes, is written only if it is named
+    /// Write only these sections [default: all but stiff]
     #[arg(long = "section", value_name = "A,B…", value_delimiter = ',',
-          value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| s.name).collect::<Vec<_>>()))]
+          value_parser = PossibleValuesParser::new(SECTIONS.iter().map(|s| PossibleValue::new(s.name).help(s.help))))]
     sections: Vec<String>,
     /// Index of the scene in files with several, counted from 0 [default: each file's default scene]
     #[arg(long, value_name = "N", value_parser = counted, allow_negative_numbers = true, help_heading = "Scene and view")]
@@ -96,12 +97,17 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "WxH", value_parser = parse_size, help_heading = "Scene and view",
           allow_hyphen_values = true)]
     size: Option<Size>,
-    /// Number of grid cells in the section factors [default: auto, finer than elsewhere]
+    /// Number of grid cells in section rules [default: auto]
     #[arg(long, value_name = "auto|N|NX,NY,NZ", default_value = "auto", hide_default_value = true,
           value_parser = parse_grid, allow_hyphen_values = true, help_heading = "Tracing")]
     grid: GridSize,
-    #[command(flatten)]
-    rays: RaysFileArgs,
+    /// Rays for section choices, instead of the camera's: .npy, float32, N×6 (origin, direction) or N×8 (origin, t_min,
+    /// direction, t_max), or .f32, see 'raystep cast --help'
+    #[arg(long, value_name = "F", help_heading = "Rays")]
+    rays_file: Option<PathBuf>,
+    /// Groups of those rays, judged separately: .npy, N integers
+    #[arg(long, value_name = "F", requires = "rays_file", help_heading = "Rays")]
+    strata: Option<PathBuf>,
     #[command(flatten)]
     quiet: QuietArgs,
     #[command(flatten)]
@@ -147,8 +153,7 @@ impl ReportArgs {
 
     /// Input files other than scenes, with the options that name them.
     fn input_files(&self) -> Vec<(&'static str, &Path)> {
-        let all =
-            [("--rays-file", &self.rays.rays_file), ("--strata", &self.rays.strata), ("--methods", &self.methods)];
+        let all = [("--rays-file", &self.rays_file), ("--strata", &self.strata), ("--methods", &self.methods)];
         all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect()
     }
 
@@ -166,25 +171,26 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Error> {
     match &args.verify {
         Some(bundle) => verify::run(bundle, args.read.max_memory, &progress),
         None => {
-            report(args, &progress)?;
+            let (_, lead) = report(args, &progress)?;
             progress.finish();
             let page = args.output.iter().map(|output| output.join(report::PAGE)).next().unwrap_or_default();
             progress.say(format_args!("wrote {} with its CSV files and plots", page.display()));
-            Ok(())
+            if args.quiet.quiet { Ok(()) } else { print(&lead.iter().map(|s| format!("{s}\n")).collect::<String>()) }
         }
     }
 }
 
-/// Measures and writes everything; returns the machine.
-fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
+/// Measures and writes everything; returns the machine, and the first sentences of the page.
+fn report(args: &ReportArgs, progress: &Progress) -> Result<(Machine, Vec<String>), Error> {
     let Some(output) = &args.output else { return Err(Error::usage("--output is missing")) };
     let bundle = args.bundle.as_deref().map(Target::new).transpose()?;
     let is_long = args.sections().iter().any(|section| section.file == stiff::CSV);
     let unfinished = if is_long { Some(Unfinished::beside(output)?) } else { None };
     let stale = report_files(output);
-    let (machine, zip) = TargetFolder::new(output, args.force)?.fill(&stale, |folder| {
+    let (machine, lead, zip) = TargetFolder::new(output, args.force)?.fill(&stale, |folder| {
         let (report, inputs, machine, run_id) = measure(args, output, unfinished.as_ref(), folder, progress)?;
         progress.stage("writing");
+        let lead = report.lead();
         let files = report.files(&about(&machine)).map_err(Error::failed)?;
         files.iter().try_for_each(|(name, bytes)| folder.write(name, |out| out.write_all(bytes)))?;
         let contents = bundle::Contents {
@@ -195,13 +201,13 @@ fn report(args: &ReportArgs, progress: &Progress) -> Result<Machine, Error> {
             options: args.input_files(),
         };
         let zip = bundle.is_some().then(|| bundle::zip(contents, &inputs, args.read.max_memory, files)).transpose()?;
-        Ok((machine, zip))
+        Ok((machine, lead, zip))
     })?;
     unfinished.iter().for_each(Unfinished::remove);
     if let Some((target, bytes)) = bundle.zip(zip) {
         output::write(vec![(target, bytes)])?;
     }
-    Ok(machine)
+    Ok((machine, lead))
 }
 
 /// Reads the scenes and measures.
@@ -223,11 +229,11 @@ fn measure(
         inputs.push(input);
         subjects.push(subject);
     }
-    if args.rays.rays_file.is_some() && !args.sections().iter().any(|section| section.name == "choices") {
+    if args.rays_file.is_some() && !args.sections().iter().any(|section| section.name == "choices") {
         return Err(Error::usage("--rays-file applies to the section choices: omit it, or add --section choices"));
     }
     let methods = args.methods.as_deref().map(read_methods).transpose()?.unwrap_or_default();
-    let rays = args.rays.read()?;
+    let rays = args.rays_file.as_deref().map(|path| rays_file::read(path, args.strata.as_deref())).transpose()?;
     progress.stage("looking for a device");
     let meter = Meter::new(device::choose(&args.device)?);
     let run_id = run_id();
@@ -274,8 +280,11 @@ fn about(machine: &Machine) -> About {
     let mut about = vec![
         ("command", std::iter::once("raystep".to_owned()).chain(command_line).collect::<Vec<_>>().join(" ")),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("commit", env!("RAYSTEP_COMMIT").to_owned()),
+        ("operating system", std::env::consts::OS.to_owned()),
         ("device", format!("{} ({})", machine.kind(), machine.reason)),
     ];
+    about.extend(cpu_model().map(|model| ("CPU", model)));
     match machine.gpu() {
         Some(gpu) => {
             let info = raystep_kernels::export::json::AdapterInfo::from(gpu);
@@ -290,4 +299,11 @@ fn about(machine: &Machine) -> About {
         }
     }
     about
+}
+
+/// The processor's name, where Linux tells it.
+fn cpu_model() -> Option<String> {
+    let about = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let model = about.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'))?;
+    Some(visible(model.1.trim()).into_owned()).filter(|model| !model.is_empty())
 }

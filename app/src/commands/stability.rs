@@ -28,13 +28,13 @@ use crate::usage::did_you_mean;
 /// numerics, through grid and BVH and without either, on a GPU and on the CPU in f32 and f64. Robust numerics must make
 /// no error; the paper's must fail where theory predicts it. Otherwise the exit code is 1.
 ///
-/// The error of tMax along a walk of 3,000 cells is measured for each way to compute it, and pairs of rays and
-/// triangles are tested by every pipeline that includes the triangle test.
+/// The error of tMax (where a ray leaves its cell) along a walk of 3,000 cells is measured for each way to compute it,
+/// and pairs of rays and triangles are tested by every pipeline that includes the triangle test.
 ///
-/// With --cost, families of scenes that get harder in one way are traced, too: a small object in an ever larger room,
-/// slivers, coincident layers and so on. For every structure, with all rules and without each, this measures time, cells
-/// and tests per ray, building and memory, and wrong rays. It takes up to 20 minutes. If it is interrupted, the same
-/// command continues from DIR.stiff.csv.part.
+/// With --cost, families of stiff scenes are traced, too: scenes that a structure handles ever worse as one parameter
+/// grows, such as a small object in an ever larger room, slivers or coincident layers. For every structure, with all
+/// rules and without each, this measures time, cells and tests per ray, building and memory, and wrong rays. It takes up
+/// to 20 minutes. If it is interrupted, the same command continues from DIR.stiff.csv.part.
 ///
 /// DIR/stability.csv has one row per case and configuration, DIR/tmax.csv one per sample of the walk, DIR/pipelines.csv
 /// one per pipeline, DIR/stiff.csv one per point of a family and configuration, DIR/runs.csv one per timed run;
@@ -68,7 +68,7 @@ pub(crate) struct StabilityArgs {
     /// Use an eighth of the rays
     #[arg(long)]
     quick: bool,
-    /// Measure what stiff scenes cost, on the GPU, or with --device cpu on the CPU
+    /// Also measure what stiff scenes cost, on the GPU, or with --device cpu on the CPU
     #[arg(long)]
     cost: bool,
     /// Only these families of stiff scenes

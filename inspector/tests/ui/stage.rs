@@ -94,6 +94,7 @@ fn measured() -> Measure {
             let diagram = Precision {
                 title: title.into(),
                 x: Axis::new("time a ray, ns", Scale::Log),
+                y: Axis::new("wrong rays per million", Scale::Log),
                 at_most: Some(81.0),
                 legend: vec![("grid".into(), Some(0), Shape::Disc, false)],
                 from,

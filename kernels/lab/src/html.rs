@@ -57,6 +57,12 @@ pub(crate) fn spans(html: &str) -> Vec<Span> {
     spans
 }
 
+/// The text of a fragment of HTML, without its elements.
+#[must_use]
+pub(crate) fn plain(html: &str) -> String {
+    spans(html).into_iter().map(|(text, _)| text).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,5 +79,6 @@ mod tests {
         let html = format!("<strong>{} <b>1</b></strong><data value=\"7\">7</data> <em>x</em>", escaped(text));
         assert_eq!(spans(&html), [(format!("{text} 1"), true), ("7 x".to_owned(), false)]);
         assert_eq!(spans(""), []);
+        assert_eq!(plain(&html), format!("{text} 17 x"));
     }
 }

@@ -7,6 +7,7 @@
 mod axis;
 mod draw;
 mod forest;
+mod labels;
 mod panels;
 pub mod picture;
 pub mod precision;

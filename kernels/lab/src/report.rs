@@ -29,7 +29,6 @@ use raystep_kernels::GridSize;
 use record::Record;
 use work::Work;
 
-use crate::Error;
 use crate::meter::Meter;
 use crate::rays::file::RaysFile;
 use crate::reporter::Reporter;
@@ -37,6 +36,7 @@ use crate::stiff::Start;
 use crate::subject::{Size, Subject};
 use crate::tidy::Table;
 use crate::tidy::package::{self, Resource};
+use crate::{Error, html};
 pub use answer::{Answer, answer};
 pub use page::About;
 pub use section::{SECTIONS, Section};
@@ -151,6 +151,7 @@ pub fn measure(
             file: subject.file.clone(),
             triangles: subject.scene.triangles.len(),
             size: *size,
+            rays: rays.as_ref().map(|file| file.rays.len()),
             slug,
             parts,
         });
@@ -236,6 +237,13 @@ fn slug(name: &str, before: &[Scene]) -> String {
 }
 
 impl Report {
+    /// The sentences at the top of each scene, as plain text.
+    #[must_use]
+    pub fn lead(&self) -> Vec<String> {
+        let parts = self.scenes.iter().flat_map(|scene| &scene.parts);
+        parts.flat_map(|(_, part)| &part.lead).map(|sentence| html::plain(sentence)).collect()
+    }
+
     /// The report's files, by name.
     ///
     /// # Errors
@@ -275,6 +283,9 @@ impl Report {
             add(&scene.name, "triangles", &scene.triangles.to_string());
             add(&scene.name, "width_px", &scene.size.width.to_string());
             add(&scene.name, "height_px", &scene.size.height.to_string());
+            if let Some(rays) = scene.rays {
+                add(&scene.name, "file_rays", &rays.to_string());
+            }
         }
         let mut file = Vec::new();
         table.write(&mut file)?;

@@ -101,7 +101,7 @@ pub trait Field {
 macro_rules! displayed {
     ($($type:ty),*) => { $(impl Field for $type { fn text(&self) -> String { self.to_string() } })* };
 }
-displayed!(u32, u64, usize, i32, bool, &str, String, Hash);
+displayed!(u32, u64, usize, i32, i64, bool, &str, String, Hash);
 
 impl Field for f64 {
     /// Six digits, more than any measurement here needs; NaN and infinity are empty.

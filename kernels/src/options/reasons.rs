@@ -32,7 +32,7 @@ pub struct Run<'a> {
 }
 
 /// The schedule moves rays in passes of steps.
-pub const STEPPED: Reason = (Because::Options, "the schedule steps");
+pub const STEPPED: Reason = (Because::Options, "only for --schedule fused");
 /// The schedule traces rays in one kernel, not in passes of steps.
 pub const FUSED: Reason = (Because::Options, "--schedule fused");
 /// One kernel both steps and tests.

@@ -22,7 +22,8 @@ pub(crate) fn element(program: &Program, name: &str) -> &'static str {
         (None, "fill") => "u32 texels: initial contents of streams",
         (None, "given") => "input rays: initial contents of some streams",
         (None, "live_rays") => "u32 per ray in the list of a kernel: x and y << 16",
-        (None, "sent" | "sent_copy") => "256 bytes per pass: number of rays it sent to each state",
+        (None, "sent") => "256 bytes per pass: number of rays that the pass moved to each state",
+        (None, "sent_copy") => "copy of sent, for the host to read",
         (None, _) => "256 bytes per pass of its kernel: its arguments, and the position of its list",
     }
 }
@@ -101,7 +102,7 @@ impl Plan {
         for b in &self.buffers {
             writeln!(f, "  {:<19} {:>10}  {}", b.what, Bytes(b.bytes).to_string(), element(self.program, b.what))?;
         }
-        writeln!(f, "  {:<19} {:>10}", "in all", Bytes(self.bytes()).to_string())?;
+        writeln!(f, "  {:<19} {:>10}", "total", Bytes(self.bytes()).to_string())?;
         writeln!(f, "\nomitted")?;
         for item in &self.left_out {
             writeln!(f, "  {:<34} by {:<8} {}", item.what, item.because.name(), item.reason)?;

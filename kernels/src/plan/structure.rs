@@ -175,12 +175,12 @@ impl fmt::Display for Structure {
                 let [x, y, z] = g.cells;
                 let leaps = match (g.empty_cells, g.leaps) {
                     (0, _) => "",
-                    (_, true) => " and skipped over",
-                    (_, false) => " and visited one by one",
+                    (_, true) => ", skipped",
+                    (_, false) => ", not skipped",
                 };
                 write!(
                     f,
-                    "{x} x {y} x {z} cells, {} empty{leaps}; {} references, longest list {}; {}",
+                    "{x} x {y} x {z} cells; {} empty cells{leaps}; {} references, longest list {}; {}",
                     g.empty_cells,
                     g.references,
                     g.longest_list,

@@ -248,7 +248,9 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
     option("--accelerators", list(args.accelerators.iter().map(|a| a.name()).collect()));
     option("--schedules", list(args.schedules.iter().map(|s| s.name()).collect()));
     option("--sizes", texts(&args.sizes.iter().map(ToString::to_string).collect::<Vec<_>>()));
-    option("--rays", list(args.rays.iter().map(|k| k.name()).collect()));
+    if args.rays_file.is_none() {
+        option("--rays", list(args.rays.iter().map(|k| k.name()).collect()));
+    }
     option("--numerics", args.tuning.numerics.name().into());
     option("--grid", raystep_lab::bench::grid_text(args.tuning.grid));
     option("--skip", args.tuning.skip.name().into());
@@ -273,6 +275,7 @@ fn arguments(args: &BenchArgs) -> Vec<OsString> {
     }
     let flags = [("--keep-all", args.tuning.keep_all), ("--allow-outside", args.read.allow_outside)];
     all.extend(flags.iter().filter(|(_, is_set)| *is_set).map(|(name, _)| OsString::from(name)));
+    all.extend(args.rays_file.iter().flat_map(|path| [OsString::from("--rays-file"), path.clone().into_os_string()]));
     all.push("--".into());
     all.extend(args.scenes.iter().map(|scene| PathBuf::into_os_string(scene.clone())));
     all

@@ -9,6 +9,7 @@ use raystep_kernels::export::npy::{HITS_HEADER_BYTES, write_hits, write_hits_hea
 use raystep_kernels::{CastHit, Caster, PlanError, Ray, RenderError};
 use raystep_lab::Machine;
 use raystep_lab::rays::file::{RaysError, RaysReader};
+use raystep_lab::ways::count_outside;
 
 use crate::error::Error;
 use crate::output::Stream;
@@ -23,6 +24,8 @@ pub(super) struct Counts {
     pub(super) rays: u64,
     pub(super) hits: u64,
     pub(super) unfinished: u64,
+    /// Those that start outside the grid, which the paper's numerics miss.
+    pub(super) outside: u64,
 }
 
 /// Everything but the two ends.
@@ -105,6 +108,7 @@ impl Pipeline<'_> {
             let found = cast.map_err(|error| self.explained(error, counts.rays, total))?;
             counts.rays += found.len() as u64;
             counts.hits += found.iter().filter(|hit| hit.is_hit()).count() as u64;
+            counts.outside += count_outside(&batch, self.caster.data()) as u64;
             self.progress.cast(counts.rays, total);
             // The other threads may have ended: the writer's result says why.
             let _ = used.try_send(batch);

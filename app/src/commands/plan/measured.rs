@@ -41,7 +41,7 @@ impl Measured {
             format!("\nnot needed by the scene, and what putting it back costs on {}\n", self.machine.name());
         // Writing to a string cannot fail.
         if let Some(note) = self.note() {
-            let _ = writeln!(text, "  {note}");
+            let _ = writeln!(text, "  on the CPU, {note}");
         }
         for cost in &self.costs.costs {
             let is_late = self.machine.gpu().is_some() && cost.is_changed && cost.times.is_none();

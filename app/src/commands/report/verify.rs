@@ -66,7 +66,7 @@ fn compare(
         return Err(cannot(&"a scene is not in it"));
     }
     let args = arguments(manifest, &scenes, folder).map_err(|e| cannot(&e.message()))?;
-    let machine = super::report(&args, progress)?;
+    let (machine, _) = super::report(&args, progress)?;
     let now = About::of(&machine);
     let alike = manifest.machine.computes_like(&now);
     let mut text = format!(
@@ -194,7 +194,7 @@ fn times(then: &Path, now: &Path) -> Result<String, String> {
     let ((columns, then), (_, now)) = (records(&then.join(name))?, records(&now.join(name))?);
     let place = |wanted: &str| columns.iter().position(|c| c == wanted);
     let (Some(id), Some(ns)) = (place("configuration"), place("ns_per_ray")) else { return Ok(String::new()) };
-    let mut lines = vec![["configuration", "ns a ray, then", "now"].map(str::to_owned).to_vec()];
+    let mut lines = vec![["configuration", "ns per ray, then", "now"].map(str::to_owned).to_vec()];
     for (then, now) in then.iter().zip(&now) {
         lines.push(vec![then[id].to_owned(), then[ns].to_owned(), now[ns].to_owned()]);
     }

@@ -11,7 +11,7 @@ pub mod paired;
 use serde::Serialize;
 
 use super::SummaryRow;
-pub use markdown::{markdown, remarks, text};
+pub use markdown::{markdown, text};
 
 /// The probability of failing, for all rows together, although no row is slower than the limit; and that of passing
 /// although one is.
@@ -25,7 +25,7 @@ pub enum Verdict {
     Pass,
     /// A lower bound exceeds the limit, or something changed that must not.
     Fail,
-    /// Noise decides neither.
+    /// Too noisy to tell.
     Undecided,
 }
 
@@ -179,21 +179,33 @@ impl Gate {
         let count = |wanted: Verdict| self.rows.iter().filter(|row| row.times.verdict == wanted).count();
         let (slower, within, all) = (count(Verdict::Fail), count(Verdict::Pass), self.rows.len());
         let changed = self.rows.iter().filter(|row| !row.changed.is_empty()).count() + self.faults.len();
-        let limit = format!("{} times the time of {}", self.at_most, self.other);
+        let limit = format!("{} times as slow as {}", self.at_most, self.other);
         (self.verdict, self.because) = if changed > 0 || slower > 0 {
-            let slow = format!("{slower} of {} slower than {limit}", rows_are(all));
+            let slow = format!("{slower} of {} more than {limit}", rows_are(all));
             let differ = format!("{changed} with changed results or without a counterpart");
             let because = [(slower, slow), (changed, differ)].into_iter().filter(|(n, _)| *n > 0).map(|(_, text)| text);
             (Verdict::Fail, because.collect::<Vec<_>>().join(", "))
         } else if within == all && all > 0 {
-            (Verdict::Pass, format!("all of {all} within {limit}"))
+            (Verdict::Pass, format!("at most {limit} ({})", rows_are(all)))
         } else {
-            (Verdict::Undecided, format!("noise decides neither for {} of {}", all - within, rows_are(all)))
-        };
-        if self.verdict == Verdict::Undecided {
             self.needed_repeats = needed_repeats(self.at_most, self.rows.iter().map(|row| &row.times));
-        }
+            let how = self.what_would_decide();
+            (Verdict::Undecided, format!("too noisy for {} of {}; {how}", all - within, rows_are(all)))
+        };
         self
+    }
+
+    /// How to get an answer where there is none.
+    fn what_would_decide(&self) -> String {
+        match (self.needed_repeats, &self.drift) {
+            (Some(repeats), _) if repeats > MOST_REPEATS => {
+                format!("more than {MOST_REPEATS} repeats would be needed, as the ratio is too near the limit")
+            }
+            (Some(repeats), _) => format!("--repeats {repeats} would probably decide"),
+            (None, Some(drift)) if self.at_most <= drift.seen => "use --against, or a larger --at-most".into(),
+            (None, Some(_)) => "more repeats would not decide".into(),
+            (None, None) => "no number of repeats would decide, as the ratio is at the limit".into(),
+        }
     }
 
     /// A line for everything that fails, in the order of the rows.
@@ -210,6 +222,9 @@ impl Gate {
         lines
     }
 }
+
+/// Most repeats that anyone would wait for; it is also the most that the command line takes.
+const MOST_REPEATS: u64 = 100_000;
 
 /// Repeats that would probably decide. One row that fails is enough: if the ratios of some rows lie above the limit, the
 /// fewest that one of them needs; otherwise the most that any undecided row needs. `None` if no number would do.
@@ -270,6 +285,7 @@ mod tests {
         let verdict = |rows: &[(Verdict, Option<u64>)]| gate(rows).verdict;
         assert_eq!(verdict(&[(Pass, None), (Fail, None), (Undecided, Some(9))]), Fail);
         assert_eq!(verdict(&[(Pass, None), (Pass, None)]), Pass);
+        assert_eq!(gate(&[(Pass, None)]).because, "at most 1.05 times as slow as old (1 row)");
         assert_eq!(verdict(&[]), Undecided);
         let open = |first, second| gate(&[(Pass, None), (Undecided, first), (Undecided, second)]);
         // Both ratios lie above the limit.
@@ -279,7 +295,7 @@ mod tests {
         assert_eq!(needed_repeats(1.05, [below(Some(9)), below(Some(70))].iter()), Some(70));
         assert_eq!(needed_repeats(1.05, [below(Some(9)), below(None)].iter()), None);
         let failed = gate(&[(Pass, None), (Fail, None)]);
-        assert_eq!(failed.because, "1 of 2 rows slower than 1.05 times the time of old");
+        assert_eq!(failed.because, "1 of 2 rows more than 1.05 times as slow as old");
         assert_eq!(failed.failures(), ["box 8x8 primary, grid fused robust: 1.200 times as slow, at least 1.100"]);
         let mut missing = gate(&[(Pass, None)]);
         missing.faults.push("x: old has no such row".into());

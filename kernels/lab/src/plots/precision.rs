@@ -1,15 +1,20 @@
 //! The work–precision diagram: time against wrong rays, both logarithmic. Choices of which no ray was wrong have a strip
-//! of their own below, one line each, since 0 has no place on a logarithmic axis and "none seen" is a bound, not a 0.
+//! of their own below, one line each, since 0 has no place on a logarithmic axis and "no wrong ray seen" is a bound, not
+//! a 0.
+
+mod layout;
 
 use plotters::element::{Circle, PathElement, Polygon, Rectangle};
 use plotters::style::text_anchor::{HPos, VPos};
-use plotters::style::{BLACK, Color as _, RGBColor, ShapeStyle};
+use plotters::style::{BLACK, Color as _, RGBColor, ShapeStyle, WHITE};
 
+use super::Shape;
 use super::axis::Axis;
 use super::draw::{Drawn, Frame, GRID, PALETTE, dashes, text_at};
-use super::picture::{Area, Picture};
-use super::{Scale, Shape};
+use super::labels::Place;
+use super::picture::{Area, Picture, Point};
 use crate::Error;
+use layout::{Layout, Mark, WIDTH};
 
 /// A choice.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +48,9 @@ pub struct Precision {
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,
-    /// The largest share of wrong rays, per million, that "none seen" leaves possible.
+    /// Vertical axis, logarithmic: wrong rays per million of which rays.
+    pub y: Axis,
+    /// The largest share of wrong rays, per million, that is possible where none was seen.
     pub at_most: Option<f64>,
     /// Names of colours, shapes and fillings.
     pub legend: Vec<(String, Option<usize>, Shape, bool)>,
@@ -53,16 +60,8 @@ pub struct Precision {
     pub choices: Vec<Choice>,
 }
 
-const WIDTH: i32 = 620;
-const LEFT: i32 = 64;
-const RIGHT: i32 = 604;
-const TOP: i32 = 44;
-/// Height of a line of the strip.
-const LANE: i32 = 13;
-/// Height of the logarithmic part.
-const LOG: i32 = 116;
-/// Height of the strip's own title.
-const HEAD: i32 = 18;
+/// Height below the frame: labels of the horizontal axis, and its name.
+const FOOT: i32 = 35;
 
 impl Precision {
     /// The drawn diagram; `None` without choices.
@@ -73,125 +72,91 @@ impl Precision {
         if self.choices.is_empty() {
             return Ok(None);
         }
-        let (none, some): (Vec<&Choice>, Vec<&Choice>) = self.choices.iter().partition(|c| c.wrong <= 0.0);
-        let ends = |c: &Choice| c.x_ends.map_or([c.x; 2], |(low, high)| [low, high]);
-        let x = self.x.over(self.choices.iter().flat_map(|c| [c.x].into_iter().chain(ends(c))).chain(self.from));
-        let y = Axis::new("", Scale::Log).over(
-            some.iter()
-                .flat_map(|c| [Some(c.wrong), c.wrong_ends.map(|e| e.0), c.wrong_ends.map(|e| e.1)])
-                .flatten()
-                .chain(self.choices.iter().map(|c| c.undecided))
-                .filter(|&v| v > 0.0)
-                // Room for more than one label where all are alike.
-                .flat_map(|v| [v / 2.0, v * 2.0]),
-        );
-        let has_log = !some.is_empty() || self.choices.iter().any(|c| c.undecided > 0.0);
-        let log_end = if has_log { TOP + LOG } else { TOP };
-        let strip = log_end + HEAD;
-        let bottom = strip + LANE * none.len().max(1) as i32 + 4;
-        let frame = Frame { left: LEFT, right: RIGHT, top: TOP, bottom };
-        let across = |v: f64| LEFT + (f64::from(RIGHT - LEFT) * x.part(v)).round() as i32;
-        let up = |v: f64| log_end - 4 - (f64::from(log_end - TOP - 8) * y.part(v)).round() as i32;
-        Picture::drawn((WIDTH as u32, (bottom + 40) as u32), |area| {
-            text_at(area, &self.title, (8, 12), 15, (HPos::Left, VPos::Center))?;
-            legend(area, &self.legend, 16 + 7 * self.title.chars().count() as i32)?;
-            for (value, text) in x.ticks() {
-                area.draw(&PathElement::new([(across(value), TOP), (across(value), bottom)], GRID))?;
-                text_at(area, &text, (across(value), bottom + 5), 12, (HPos::Center, VPos::Top))?;
-            }
-            text_at(area, &self.x.label, ((LEFT + RIGHT) / 2, bottom + 21), 13, (HPos::Center, VPos::Top))?;
-            if has_log {
-                for (value, text) in y.ticks() {
-                    area.draw(&PathElement::new([(LEFT, up(value)), (RIGHT, up(value))], GRID))?;
-                    text_at(area, &text, (LEFT - 6, up(value)), 13, (HPos::Right, VPos::Center))?;
-                }
-                let of = "wrong rays per million";
-                text_at(area, of, (LEFT, TOP - 4), 12, (HPos::Left, VPos::Bottom))?;
-                area.draw(&PathElement::new([(LEFT, log_end), (RIGHT, log_end)], BLACK.stroke_width(1)))?;
-            }
-            let bound =
-                self.at_most.map_or(String::new(), |most| format!(": at most {} per million (95%)", round(most)));
-            text_at(
-                area,
-                &format!("none seen wrong{bound}"),
-                (LEFT + 4, log_end + 10),
-                12,
-                (HPos::Left, VPos::Center),
-            )?;
-            outline(area, frame)?;
-            // What f32 cannot decide: pale, as it is no error.
-            for c in self.choices.iter().filter(|c| has_log && c.undecided > 0.0) {
-                let style = PALETTE[c.color % PALETTE.len()].mix(0.25).filled();
-                area.draw(&Rectangle::new(
-                    [(across(c.x) - 4, up(c.undecided)), (across(c.x) + 4, log_end - 1)],
-                    style,
-                ))?;
-            }
-            let place = |c: &Choice| {
-                let lane = none.iter().position(|n| std::ptr::eq(*n, c)).map(|i| strip + LANE * i as i32 + LANE / 2);
-                (across(c.x), lane.unwrap_or_else(|| up(c.wrong)))
-            };
-            self.front(area, &place)?;
-            let mut taken = Taken::default();
-            self.choices.iter().for_each(|c| taken.add_mark(place(c)));
-            for c in some.iter().chain(&none) {
-                self.draw(area, c, place(c), &across, &up)?;
-            }
-            for c in some.iter().chain(&none) {
-                let width = 6 * c.label.chars().count() as i32;
-                let (x, y, side) = taken.place(place(c), ends(c).map(across), width, c.wrong <= 0.0);
-                text_at(area, &c.label, (x, y), 12, (side, VPos::Center))?;
-            }
-            Ok(())
-        })
-        .map(Some)
+        let layout = Layout::new(self);
+        let size = (WIDTH as u32, (layout.frame.bottom + FOOT) as u32);
+        Picture::drawn(size, |area| self.draw(area, &layout)).map(Some)
     }
 
-    /// The line along choices that nothing beats in both.
-    fn front(&self, area: &Area<'_>, place: &impl Fn(&Choice) -> (i32, i32)) -> Drawn {
-        let mut at: Vec<(i32, i32)> = self.choices.iter().filter(|c| c.is_front).map(place).collect();
-        at.sort_unstable();
-        let corners: Vec<(i32, i32)> =
-            at.windows(2).flat_map(|p| [p[0], (p[1].0, p[0].1)]).chain(at.last().copied()).collect();
-        if at.len() > 1 { dashes(area, &corners, BLACK.mix(0.6).stroke_width(1)) } else { Ok(()) }
+    fn draw(&self, area: &Area<'_>, layout: &Layout<'_>) -> Drawn {
+        self.axes(area, layout)?;
+        // What f32 cannot decide: pale, as it is no error.
+        for (choice, bar) in self.choices.iter().filter_map(|c| Some((c, layout.bar(c)?))) {
+            let style = PALETTE[choice.color % PALETTE.len()].mix(0.25).filled();
+            area.draw(&Rectangle::new([(bar.left, bar.top), (bar.right, bar.bottom)], style))?;
+        }
+        dashes(area, &layout.front(), BLACK.mix(0.6).stroke_width(1))?;
+        layout.marks.iter().try_for_each(|mark| self.choice(area, layout, mark))?;
+        for leader in layout.labels.iter().filter_map(|place| place.leader) {
+            area.draw(&PathElement::new(leader, BLACK.mix(0.5).stroke_width(1)))?;
+        }
+        for (mark, place) in layout.marks.iter().zip(&layout.labels) {
+            label(area, &mark.choice.label, place, mark.at)?;
+        }
+        let bound = self.at_most.map_or(String::new(), |most| format!(": at most {} per million (95%)", round(most)));
+        let title = format!("no wrong ray seen{bound}");
+        let (place, at) = layout.title(&title);
+        label(area, &title, &place, at)
     }
 
-    fn draw(
-        &self,
-        area: &Area<'_>,
-        c: &Choice,
-        at: (i32, i32),
-        across: &impl Fn(f64) -> i32,
-        up: &impl Fn(f64) -> i32,
-    ) -> Drawn {
+    fn axes(&self, area: &Area<'_>, layout: &Layout<'_>) -> Drawn {
+        let Frame { left, right, top, bottom } = layout.frame;
+        text_at(area, &self.title, (8, 12), 15, (HPos::Left, VPos::Center))?;
+        legend(area, &self.legend, 16 + 7 * self.title.chars().count() as i32)?;
+        for (x, text) in layout.columns() {
+            area.draw(&PathElement::new([(x, top), (x, bottom)], GRID))?;
+            text_at(area, &text, (x, bottom + 5), 12, (HPos::Center, VPos::Top))?;
+        }
+        text_at(area, &self.x.label, ((left + right) / 2, bottom + 19), 13, (HPos::Center, VPos::Top))?;
+        if layout.has_log {
+            for (y, text) in layout.rows() {
+                area.draw(&PathElement::new([(left, y), (right, y)], GRID))?;
+                text_at(area, &text, (left - 6, y), 13, (HPos::Right, VPos::Center))?;
+            }
+            text_at(area, &self.y.label, (left, top - 4), 12, (HPos::Left, VPos::Bottom))?;
+            let y = layout.log_end();
+            area.draw(&PathElement::new([(left, y), (right, y)], BLACK.stroke_width(1)))?;
+        }
+        area.draw(&Rectangle::new([(left, top), (right, bottom)], BLACK.stroke_width(1)))?;
+        Ok(())
+    }
+
+    /// Mark, intervals and arrow of a choice.
+    fn choice(&self, area: &Area<'_>, layout: &Layout<'_>, &Mark { choice: c, at, .. }: &Mark<'_>) -> Drawn {
         let color = PALETTE[c.color % PALETTE.len()];
         let thin = color.stroke_width(1);
-        if let Some((low, high)) = c.x_ends {
-            area.draw(&PathElement::new([(across(low), at.1), (across(high), at.1)], thin))?;
-            for x in [across(low), across(high)] {
+        if let Some(ends) = c.x_ends {
+            let [low, high] = [ends.0, ends.1].map(|end| layout.across(end));
+            area.draw(&PathElement::new([(low, at.1), (high, at.1)], thin))?;
+            for x in [low, high] {
                 area.draw(&PathElement::new([(x, at.1 - 3), (x, at.1 + 3)], thin))?;
             }
         }
         if let (Some((low, high)), true) = (c.wrong_ends, c.wrong > 0.0) {
-            area.draw(&PathElement::new([(at.0, up(low)), (at.0, up(high))], thin))?;
+            area.draw(&PathElement::new([(at.0, layout.up(low)), (at.0, layout.up(high))], thin))?;
         }
         if let Some(from) = self.from {
-            arrow(area, (across(from), at.1), at, color)?;
+            arrow(area, (layout.across(from), at.1), at, color)?;
         }
         mark(area, c.shape, c.is_hollow, at, color)
     }
+}
+
+/// Text in its place, on a background that interrupts lines behind it, at the side where its mark is.
+fn label(area: &Area<'_>, text: &str, &Place { frame, .. }: &Place, at: Point) -> Drawn {
+    let Frame { left, right, top, bottom } = frame;
+    area.draw(&Rectangle::new([(left, top), (right, bottom)], WHITE.filled()))?;
+    let (x, side) = match at.0 {
+        x if right <= x => (right, HPos::Right),
+        x if left >= x => (left, HPos::Left),
+        _ => ((left + right) / 2, HPos::Center),
+    };
+    text_at(area, text, (x, (top + bottom) / 2), 12, (side, VPos::Center))
 }
 
 /// A number of at most two digits that matter.
 fn round(value: f64) -> String {
     let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     rounded.to_string()
-}
-
-fn outline(area: &Area<'_>, frame: Frame) -> Drawn {
-    let corners = [(frame.left, frame.top), (frame.right, frame.bottom)];
-    area.draw(&Rectangle::new(corners, BLACK.stroke_width(1)))?;
-    Ok(())
 }
 
 fn arrow(area: &Area<'_>, from: (i32, i32), to: (i32, i32), color: RGBColor) -> Drawn {
@@ -205,32 +170,6 @@ fn arrow(area: &Area<'_>, from: (i32, i32), to: (i32, i32), color: RGBColor) -> 
     let head = [(end, to.1), (end - 5 * way, to.1 - 4), (end - 5 * way, to.1 + 4)];
     area.draw(&Polygon::new(head, color.filled()))?;
     Ok(())
-}
-
-/// Boxes that labels and marks cover: left, right and height of the middle.
-#[derive(Default)]
-struct Taken(Vec<(i32, i32, i32)>);
-
-impl Taken {
-    fn add_mark(&mut self, (x, y): (i32, i32)) {
-        self.0.push((x - 5, x + 5, y));
-    }
-
-    /// Beside the mark at `at`, whose interval ends at `ends`, or else a little above or below.
-    fn place(&mut self, at: (i32, i32), ends: [i32; 2], width: i32, has_lane: bool) -> (i32, i32, HPos) {
-        let right = ends[1].max(at.0 + 5) + 5;
-        let left = ends[0].min(at.0 - 5) - 5;
-        let spans = [(right, right + width, HPos::Left), (left - width, left, HPos::Right)];
-        let offsets: &[i32] = if has_lane { &[0] } else { &[0, -11, 11, -22, 22, -33, 33, -44, 44] };
-        let is_free = |l: i32, r: i32, y: i32| {
-            l >= LEFT && r <= RIGHT + 8 && self.0.iter().all(|t| r < t.0 || l > t.1 || (t.2 - y).abs() >= 10)
-        };
-        let mut all = offsets.iter().flat_map(|o| spans.iter().map(move |s| (*s, at.1 + o)));
-        let free = all.find(|((l, r, _), y)| *y > TOP + 4 && is_free(*l, *r, *y));
-        let ((l, r, side), y) = free.unwrap_or((spans[usize::from(at.0 > (LEFT + RIGHT) / 2)], at.1));
-        self.0.push((l, r, y));
-        (if matches!(side, HPos::Left) { l } else { r }, y, side)
-    }
 }
 
 fn legend(area: &Area<'_>, entries: &[(String, Option<usize>, Shape, bool)], from: i32) -> Drawn {
@@ -263,6 +202,8 @@ fn mark(area: &Area<'_>, shape: Shape, is_hollow: bool, (x, y): (i32, i32), colo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plots::Scale;
+    use crate::plots::picture::{Element, Form};
 
     fn choice(x: f64, wrong: f64) -> Choice {
         Choice {
@@ -279,27 +220,68 @@ mod tests {
         }
     }
 
-    #[test]
-    fn none_wrong_has_a_line_of_its_own_and_every_choice_a_name() {
-        let of = |choices: Vec<Choice>| Precision {
+    fn of(choices: Vec<Choice>) -> Precision {
+        Precision {
             title: "time & wrong".into(),
-            x: Axis::new("ns a ray", Scale::Log),
+            x: Axis::new("ns per ray", Scale::Log),
+            y: Axis::new("wrong per million", Scale::Log),
             at_most: Some(81.26),
             legend: vec![("grid".into(), Some(0), Shape::Disc, false)],
             from: None,
             choices,
-        };
+        }
+    }
+
+    fn drawn(diagram: &Precision) -> Picture {
+        diagram.picture().expect("no error").expect("a diagram")
+    }
+
+    #[test]
+    fn none_wrong_has_a_line_of_its_own_and_every_choice_a_name() {
         assert_eq!(of(Vec::new()).picture().expect("no error"), None);
-        let svg = |diagram: &Precision| {
-            let picture = diagram.picture().expect("no error").expect("a diagram");
-            picture.svg().expect("no error")
-        };
+        let svg = |diagram: &Precision| drawn(diagram).svg().expect("no error");
         let choices = of(vec![choice(100.0, 0.0), choice(50.0, 30.0), choice(200.0, 0.0)]);
         let text = svg(&choices);
         assert!(text.contains("&lt;100&gt;") && text.contains("&lt;50&gt;") && text.contains("at most 81 per million"));
+        assert!(text.contains("wrong per million"));
         // Three choices and the legend's mark.
         assert_eq!(text.matches("<circle").count(), 4);
         let arrows = Precision { from: Some(1.0), ..of(vec![choice(2.0, 0.0)]) };
         assert!(svg(&arrows).contains("<polygon"));
+    }
+
+    /// Backgrounds of labels: white rectangles but for the picture's own background.
+    fn backgrounds(picture: &Picture) -> Vec<Frame> {
+        let frame = |element: &Element| match element.form {
+            Form::Rectangle { corners: [(left, top), (right, bottom)], is_filled: true }
+                if element.color == [255; 3] =>
+            {
+                Some(Frame { left, right, top, bottom })
+            }
+            _ => None,
+        };
+        picture.elements.iter().skip(1).filter_map(frame).collect()
+    }
+
+    #[test]
+    fn names_of_choices_at_one_place_lie_apart_and_within_the_frame() {
+        let long = |x: f64, wrong: f64| Choice { label: format!("a rather long name, {x}"), ..choice(x, wrong) };
+        // Intervals from one side to the other leave no room beside the mark.
+        let wide = |x: f64, wrong: f64| Choice { x_ends: Some((20.0, 900.0)), ..long(x, wrong) };
+        let all = vec![long(100.0, 1e6), long(100.5, 1e6), wide(101.0, 9e5), wide(880.0, 1e6), wide(50.0, 0.0)];
+        let diagram = of(all);
+        let (picture, layout) = (drawn(&diagram), Layout::new(&diagram));
+        let labels = backgrounds(&picture);
+        assert_eq!(labels.len(), 6, "five choices and the strip's title");
+        for (i, &label) in labels.iter().enumerate() {
+            assert!(layout.frame.left < label.left && label.right < layout.frame.right, "{label:?}");
+            assert!(!labels[..i].iter().any(|other| other.meets(label)), "{labels:?}");
+            assert!(!layout.marks.iter().any(|mark| Frame::around(mark.at, 5).meets(label)), "{labels:?}");
+        }
+        let texts = |wanted: &str| {
+            let is = |element: &&Element| matches!(&element.form, Form::Text { text, .. } if text == wanted);
+            picture.elements.iter().filter(is).count()
+        };
+        assert_eq!((texts("1M"), texts("1e6"), texts("2M")), (1, 0, 0), "no more than all rays are wrong");
     }
 }

@@ -85,7 +85,7 @@ pub enum RaysError {
         rays: u64,
     },
     /// A ray that cannot be traced.
-    #[error("ray {index} of {} (the first is 0): {reason}", of(*rays))]
+    #[error("ray {index} (counted from 0, of {}): {reason}", of(*rays))]
     Ray {
         /// Its number.
         index: u64,

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use raystep_kernels::GridSize;
 
 use super::{Report, SECTIONS, SEED, SEEDS, Wanted, measure};
-use crate::html::spans;
+use crate::html::{plain, spans};
 use crate::meter::Meter;
 use crate::plots::picture::Picture;
 use crate::reporter::Reporter;
@@ -30,7 +30,7 @@ pub struct Answer {
     pub columns: Vec<&'static str>,
     /// Its rows.
     pub rows: Vec<Vec<String>>,
-    /// Missing results with reasons.
+    /// What readers of the table need to know, and missing results with reasons.
     pub notes: Vec<String>,
     /// The tables behind it, as CSV, and the diagrams as SVG: names with contents.
     pub files: Vec<(String, Vec<u8>)>,
@@ -71,19 +71,15 @@ pub fn answer(
         answer.sentences.extend(part.lead.iter().map(|sentence| spans(sentence)));
         let caption = |text: &str| format!("{text} {}, {adapter}; seed {SEED}.", subject.scene.name);
         answer.figures.extend(part.lead_figures.iter().map(|(f, picture)| (picture.clone(), caption(&f.caption))));
-        if let Some((names, rows)) = &part.lead_table {
-            answer.columns.clone_from(names);
-            answer.rows = rows.iter().map(|row| row.iter().map(|cell| plain(cell)).collect()).collect();
+        if let Some(table) = &part.lead_table {
+            answer.columns.clone_from(&table.names);
+            answer.rows = table.rows.iter().map(|row| row.iter().map(|cell| plain(cell)).collect()).collect();
+            answer.notes.push(table.note.clone());
         }
         answer.notes.extend(part.notes.iter().cloned());
     }
     answer.files = files(report)?;
     Ok(answer)
-}
-
-/// A table's cell without its elements.
-fn plain(cell: &str) -> String {
-    spans(cell).into_iter().map(|(text, _)| text).collect()
 }
 
 /// The CSV files and plots of a report.
@@ -132,7 +128,7 @@ mod tests {
     fn it_has_the_sentences_diagrams_and_table_of_a_page() {
         let answer = of_cornell_box(u32::MAX).expect("an answer");
         let first: String = answer.sentences[0].iter().map(|(text, _)| text.as_str()).collect();
-        assert!(first.starts_with("cornell-box, CPU, ") && first.contains(" is fastest: "), "{first}");
+        assert!(first.starts_with("cornell-box, CPU, ") && first.contains(" per ray, 0 of "), "{first}");
         assert!(answer.sentences[0][0].1, "the answer itself is emphasised");
         assert_eq!((answer.sentences.len(), answer.figures.len()), (2, 2));
         assert!(answer.figures[0].1.ends_with("cornell-box, cpu; seed 2007."), "{}", answer.figures[0].1);

@@ -7,6 +7,7 @@
 
 mod figure;
 mod strata;
+mod table;
 mod words;
 
 pub(super) use figure::color;
@@ -20,12 +21,13 @@ use super::methods::Method;
 use super::page::Part;
 use super::work::{Built, TESTS_PER_PASS, Times, Work};
 use crate::Error;
+use crate::html::escaped;
 use crate::rays::view;
 use crate::statistics::interval;
 use crate::statistics::proportion::at_most;
 use crate::tidy::fill::{self, Drawn};
 use crate::tidy::{KEYS, RATIO, Row, TIMES, Table, VERDICTS, count, joined};
-use crate::ways::{MISSES_ALL, misses_all};
+use crate::ways::{MISSES_OUTSIDE, share_outside};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -156,6 +158,11 @@ struct Measured {
 
 pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut part = Part::default();
+    if work.subject.scene.triangles.is_empty() {
+        let name = escaped(&work.subject.scene.name);
+        part.lead.push(format!("{name}: the scene has no triangles, so there is nothing to compare."));
+        return Ok(part);
+    }
     let first = table.rows.len();
     let rays = match work.rays {
         Some(file) => file.rays.clone(),
@@ -175,6 +182,9 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
             }
         }
     }
+    let of_paper = |(way, _): &&(Way, Built)| (way.accelerator, way.numerics) == (Accelerator::Grid, Numerics::Paper);
+    let outside = ready.iter().find(of_paper).and_then(|(_, built)| share_outside(&rays, built.renderer.data()));
+    part.notes.extend(outside.map(|share| format!("{MISSES_OUTSIDE}, as {share} of these do")));
     work.stage("timing choices");
     let names: Vec<String> = ready.iter().map(|(way, _)| way.id(work)).collect();
     let mut renderers: Vec<&mut Renderer> = ready.iter_mut().map(|(_, built)| &mut built.renderer).collect();
@@ -201,9 +211,10 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         table.rows.extend(strata.rows(work, &judge, m));
     }
     let (rows, of_strata) = (&table.rows[first..last], &table.rows[last..]);
-    words::say(work, rows, &mut part);
-    part.lead_figure("precision", figure::of(rows).picture()?, figure::caption(rows, work.rays.is_some()))?;
-    words::table(rows, &mut part);
+    words::say(work, rows, outside, &mut part);
+    let is_file = work.rays.is_some();
+    part.lead_figure("precision", figure::of(rows, is_file).picture()?, figure::caption(rows, is_file))?;
+    table::add(rows, is_halved(&measured), &mut part);
     part.table(rows, SHOWN);
     part.table(of_strata, SHOWN_STRATA);
     Ok(part)
@@ -236,17 +247,15 @@ fn build(
         note(format!("{structure} {schedule} {numerics}: the choices together would take more than 4 GiB"));
         return Ok(None);
     }
-    let built = work.start(&planned, &options)?;
-    if misses_all(&work.subject.scene, &options, built.renderer.plan()) {
-        note(MISSES_ALL.into());
-    }
-    Ok(Some(built))
+    Ok(Some(work.start(&planned, &options)?))
 }
 
 /// The share of wrong rays up to which a choice is called accurate: [`MOST_WRONG`], or what the judged rays can show.
 fn limit(measured: &[Measured]) -> f64 {
+    // A run that was stopped has fewer judged rays, and is not accurate in any case.
+    let is_over = |m: &&Measured| m.judged.at_bound == 0;
     let shown = |m: &Measured| at_most(0, m.judged.counts.rays()).map(|high| 1e6 * high);
-    measured.iter().filter_map(shown).fold(MOST_WRONG, f64::max)
+    measured.iter().filter(is_over).filter_map(shown).fold(MOST_WRONG, f64::max)
 }
 
 /// Fewest rounds of which one half chooses the fastest and the other compares: both have an interval.
@@ -257,12 +266,17 @@ fn is_for_choosing(round: usize) -> bool {
     round % 4 < 2
 }
 
+/// Whether there are enough rounds to find the fastest in one half and compare in the other.
+fn is_halved(measured: &[Measured]) -> bool {
+    measured.iter().all(|m| m.times.is_given_up || m.times.rounds() >= FEWEST_TO_HALVE)
+}
+
 /// The rows, with their comparisons.
 fn all_rows(work: &Work<'_>, rays: &[Ray], judge: &Judge, measured: &[Measured], limit: f64) -> Vec<Row> {
     let mut rows: Vec<Row> = measured.iter().map(|m| row(work, rays, judge, m, limit)).collect();
     let is_accurate = |row: &Row| row.get("is_accurate") == "true";
     // With fewer rounds, all of them serve both.
-    let has_halves = measured.iter().all(|m| m.times.is_given_up || m.times.rounds() >= FEWEST_TO_HALVE);
+    let has_halves = is_halved(measured);
     let choosing = |m: &Measured| m.times.in_rounds(|round| !has_halves || is_for_choosing(round));
     let chosen_by = |m: &Measured| choosing(m).median().unwrap_or(f64::INFINITY);
     let accurate = (0..rows.len()).filter(|&i| is_accurate(&rows[i]) && chosen_by(&measured[i]).is_finite());

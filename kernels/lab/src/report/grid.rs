@@ -7,7 +7,7 @@ mod words;
 use raystep_kernels::export::json::GridSummary;
 use raystep_kernels::export::structure::structure_bytes;
 use raystep_kernels::plan::Plan;
-use raystep_kernels::{Accelerator, GridSize, Options, RaySource};
+use raystep_kernels::{Accelerator, GridSize, Options, RaySource, ScheduleKind};
 
 use super::judge::Judge;
 use super::page::Part;
@@ -165,10 +165,10 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
         rows.push(judged.fill(row, Drawn::of_pixels(of, rays)));
     }
     part.figure("time", plots::times(&rows).svg()?, plots::times_caption(&rows));
-    part.figure("build", plots::builds(&rows).svg()?, plots::builds_caption(&rows));
+    part.figure("build", plots::builds(&rows).svg()?, plots::builds_caption(&rows, true));
     part.figure("bytes", plots::bytes(&rows).svg()?, "Memory of the grid: cells and lists of triangles.");
     part.figure("structures", plots::structure_times(&rows).svg()?, plots::structures_caption(&rows));
-    part.figure("structures-build", plots::structure_builds(&rows).svg()?, plots::builds_caption(&rows));
+    part.figure("structures-build", plots::structure_builds(&rows).svg()?, plots::builds_caption(&rows, false));
     part.table(&rows, SHOWN);
     words::say(work, &rows, &mut part);
     table.rows.extend(rows);
@@ -201,9 +201,9 @@ fn held_out(times: &Times, automatic: &Times, row: Row, seed: u32) -> Row {
         .set("held_out_time_ratio_high", interval.map(|i| i.high))
 }
 
-/// The automatic grid, coarser and finer ones, the BVH, and no accelerator.
+/// The automatic grid, coarser and finer ones, the BVH, and no accelerator, all with schedule `compact`.
 fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
-    let options = Options { shade: false, ..Options::new(work.camera_rays()) };
+    let options = Options { schedule: ScheduleKind::Compact, shade: false, ..Options::new(work.camera_rays()) };
     let (_, data) = Plan::new(&work.subject.scene, &options, &work.machine().limits())?;
     let automatic = data.grid.cells.map(|n| n.max(1) as u32);
     let steps = work.either(1.0, 0.5);
@@ -231,10 +231,10 @@ fn ways(work: &Work<'_>, part: &mut Part) -> Result<Vec<Way>, Error> {
     let rays = fewer_rays(work);
     if rays_of(&rays) < view_rays(work) {
         part.notes.push(format!(
-            "none: testing every triangle for each of {} rays takes too long. It has {} rays, and their times are \
-             not compared, so the number of rays after which a structure pays off is unknown",
-            view_rays(work),
-            rays_of(&rays)
+            "none was timed with only {} rays, because testing every triangle for {} takes too long; so its time is not \
+             compared, and the number of rays after which a structure pays off is unknown",
+            rays_of(&rays),
+            view_rays(work)
         ));
     }
     let none = Options { accelerator: Accelerator::None, rays, steps_per_pass: TESTS_PER_PASS, ..options };

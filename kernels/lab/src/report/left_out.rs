@@ -2,6 +2,7 @@
 
 mod measure;
 
+use std::cmp::Ordering;
 use std::time::Duration;
 
 use raystep_kernels::{Accelerator, Options, ScheduleKind};
@@ -12,6 +13,7 @@ use super::page::{Part, number};
 use super::record::Record;
 use super::work::Work;
 use crate::Error;
+use crate::human::{self, data};
 use crate::meter::Meter;
 use crate::plots::{Axis, Forest, Mark, Scale, Series, Stroke};
 use crate::reporter::Reporter;
@@ -32,6 +34,7 @@ const GROUPS: &[&[&str]] = &[
         "stream_bytes_with",
         "buffer_bytes",
         "buffer_bytes_with",
+        "added_bytes",
         "first_start_s",
         "first_start_s_with",
         "start_s",
@@ -62,6 +65,7 @@ const SHOWN: &[&str] = &[
     "stream_bytes_with",
     "buffer_bytes",
     "buffer_bytes_with",
+    "added_bytes",
     "first_start_s",
     "first_start_s_with",
     "start_s",
@@ -76,9 +80,8 @@ const SHOWN: &[&str] = &[
     "differing_hits",
 ];
 
-/// What is said first where there are no times.
-pub const NO_TIMES: &str =
-    "kernels for the CPU are compiled beforehand: nothing is saved by omitting, so there is no ratio of times";
+/// Why there are no times on the CPU.
+pub const NO_TIMES: &str = "omitting saves memory only: kernels are compiled in advance, so no times are measured";
 
 /// Structures and schedules, the most telling first: a quick report has the first two.
 const WAYS: [(Accelerator, ScheduleKind); 4] = [
@@ -118,7 +121,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut crate::tidy::Table) -> Result<Par
     let first = table.rows.len();
     let has_times = work.machine().gpu().is_some();
     if !has_times {
-        part.prose.push(format!("Only bytes: {NO_TIMES}."));
+        part.prose.push(format!("On the CPU, {NO_TIMES}."));
     }
     for &(accelerator, schedule) in &WAYS[..work.either(2, WAYS.len())] {
         work.stage(&format!("omitted items, {accelerator} {schedule}"));
@@ -197,7 +200,8 @@ fn row(work: &Work<'_>, options: &Options, cost: &Cost) -> Row {
         .set("stream_bytes", without.streams)
         .set("stream_bytes_with", with.streams)
         .set("buffer_bytes", without.buffers)
-        .set("buffer_bytes_with", with.buffers);
+        .set("buffer_bytes_with", with.buffers)
+        .set("added_bytes", with.total() as i64 - without.total() as i64);
     let Some(times) = &cost.times else { return row };
     let (start, time) = (times.start_ratio, times.time_ratio);
     let [start_interval, interval] = [start, time].map(|ratio| ratio.and_then(|(_, interval)| interval));
@@ -252,14 +256,12 @@ fn in_words(rows: &[Row]) -> Option<String> {
         Some("slower") => format!("With everything put back, a run takes {}. ", ratio(all)),
         Some("faster") => format!("With everything put back, a run takes only {}. ", ratio(all)),
         Some(_) => format!("With everything put back, a run takes {}: not distinguishable. ", ratio(all)),
-        None => format!(
-            "With everything put back, buffers take {} instead of {}. ",
-            number("buffer_bytes_with", all),
-            number("buffer_bytes", all)
-        ),
+        None => format!("Everything put back: {}. ", added(all)),
     };
     let is_changed = |row: &Row| row.get("is_changed") == "true";
-    let is_larger = |row: &Row| is_changed(row) && row.get("buffer_bytes") != row.get("buffer_bytes_with");
+    let is = |row: &Row, order: Ordering| {
+        is_changed(row) && row.number("added_bytes").is_some_and(|more| more.total_cmp(&0.0) == order)
+    };
     let mut add = |before: &str, names: Option<String>| {
         text.extend(names.map(|names| format!("{before}: {names}. ")));
     };
@@ -267,11 +269,19 @@ fn in_words(rows: &[Row]) -> Option<String> {
     add("Faster with", named(&|row| place(row) == Some("faster"), true));
     add("Not distinguishable", named(&|row| place(row) == Some("same"), false));
     if place(all).is_none() {
-        add("More buffers with", named(&is_larger, false));
-        add("No more buffers with", named(&|row| is_changed(row) && !is_larger(row), false));
+        add("More memory with", named(&|row| is(row, Ordering::Greater), false));
+        add("Same memory with", named(&|row| is(row, Ordering::Equal), false));
+        add("Less memory with", named(&|row| is(row, Ordering::Less), false));
     }
-    add("Nothing in this run changes with", named(&|row| !is_changed(row), false));
+    add("Has no effect in this run", named(&|row| !is_changed(row), false));
     Some(text.trim_end().to_owned())
+}
+
+/// The memory that a row's item adds: "+2.05 kB".
+fn added(row: &Row) -> String {
+    let more = row.number("added_bytes").unwrap_or(0.0);
+    let sign = if more < 0.0 { "−" } else { "+" };
+    format!("<b>{}</b>", data(row.get("added_bytes"), &format!("{sign}{}", human::bytes(more.abs()))))
 }
 
 /// The ratio of times of each item that was measured.

@@ -12,7 +12,7 @@ pub struct Method {
     pub scene: String,
     /// Its name in the diagram.
     pub method: String,
-    /// Time a ray, in nanoseconds.
+    /// Time per ray, in nanoseconds.
     pub ns_per_ray: f64,
     /// Lower end of its interval.
     #[serde(default)]

@@ -18,8 +18,8 @@ pub(super) struct Part {
     pub(super) lead: Vec<String>,
     /// Figures for the top of the scene, side by side, with what they are made of.
     pub(super) lead_figures: Vec<(Figure, Picture)>,
-    /// A table for the top of the scene: names of columns, and cells as HTML.
-    pub(super) lead_table: Option<(Vec<&'static str>, Vec<Vec<String>>)>,
+    /// A table for the top of the scene.
+    pub(super) lead_table: Option<LeadTable>,
     /// Paragraphs, as HTML.
     pub(super) prose: Vec<String>,
     /// Whether figures and tables are folded: of little interest to most readers.
@@ -29,6 +29,17 @@ pub(super) struct Part {
     figures: Vec<Figure>,
     /// As HTML.
     tables: Vec<String>,
+}
+
+/// A table for the top of a scene.
+#[derive(Clone, Debug)]
+pub(super) struct LeadTable {
+    /// Names of columns.
+    pub(super) names: Vec<&'static str>,
+    /// Cells, as HTML.
+    pub(super) rows: Vec<Vec<String>>,
+    /// What its readers need to know, as plain text.
+    pub(super) note: String,
 }
 
 /// A plot with its caption.
@@ -98,7 +109,7 @@ fn name_of(column: &str) -> String {
 fn table(names: &[&str], rows: &[Vec<String>], class: &str) -> String {
     let is_number = |cell: &String| {
         let text = cell.strip_prefix("<data value=\"").unwrap_or(cell);
-        cell.is_empty() || text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '−' | '+' | '≤'))
+        cell.is_empty() || text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '−' | '–' | '+' | '≤'))
     };
     let left: Vec<bool> = (0..names.len()).map(|c| !rows.iter().filter_map(|r| r.get(c)).all(is_number)).collect();
     let class_of = |c: usize| if left[c] { " class=\"l\"" } else { "" };
@@ -138,6 +149,8 @@ pub(super) struct Scene {
     pub(super) triangles: usize,
     /// Image size.
     pub(super) size: Size,
+    /// How many rays of a file stand for those of the view.
+    pub(super) rays: Option<usize>,
     /// Start of its files' names.
     pub(super) slug: String,
     /// By section, in their order; sections that were not requested are missing.
@@ -174,10 +187,10 @@ pub(super) fn html(about: &About, scenes: &[Scene], seed: u32) -> String {
     for (i, scene) in scenes.iter().enumerate() {
         of_scene(&mut page, i, scene, &common);
     }
-    page += "<h2 class=\"s\" id=\"about\">About this report</h2>\n<p>A ray is wrong if its hit differs from that of f64 \
-             brute force with exact predicates at edges, and f32 could have decided it. A ray that f32 cannot decide is \
-             called undecided; it is not an error. Every number is a field of a CSV file beside this page; \
-             <a href=\"datapackage.json\">datapackage.json</a> describes their columns, and every timed run is in \
+    page += "<h2 class=\"s\" id=\"about\">About this report</h2>\n<p>Wrong: the ray hits something else than f64 brute \
+             force finds (edges decided exactly), although f32's error bounds allow only that result. Undecided: it hits \
+             something else, but the bounds allow more than one result; not counted as wrong. Every number is a field of \
+             a CSV file beside this page; <a href=\"datapackage.json\">datapackage.json</a> describes their columns, and every timed run is in \
              <a href=\"runs.csv\">runs.csv</a>. Compare times only within this report.</p>\n<table>\n";
     for (name, value) in about {
         let _ = writeln!(page, "<tr><th class=\"l\">{name}</th><td class=\"l a\">{}</td></tr>", escaped(value));
@@ -187,13 +200,18 @@ pub(super) fn html(about: &About, scenes: &[Scene], seed: u32) -> String {
 }
 
 fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
+    let rays = match scene.rays {
+        Some(rays) => format!("{} rays of a file", about_number(rays)),
+        None => {
+            let [width, height] = [scene.size.width, scene.size.height].map(|side| about_number(side as usize));
+            format!("{width} × {height} pixels")
+        }
+    };
     let _ = writeln!(
         page,
-        "<h1 id=\"scene-{i}\">{} <small>error against run time · {} triangles · {} × {} pixels · {}</small></h1>",
+        "<h1 id=\"scene-{i}\">{} <small>error against run time · {} triangles · {rays} · {}</small></h1>",
         escaped(&scene.name),
         about_number(scene.triangles),
-        about_number(scene.size.width as usize),
-        about_number(scene.size.height as usize),
         escaped(&scene.file),
     );
     let parts = || scene.parts.iter().map(|(_, part)| part);
@@ -206,7 +224,10 @@ fn of_scene(page: &mut String, i: usize, scene: &Scene, common: &str) {
         part.lead_figures.iter().for_each(|(figure, _)| drawn(page, &scene.slug, key, figure, &caption(figure)));
     }
     *page += "</div>\n";
-    parts().filter_map(|part| part.lead_table.as_ref()).for_each(|(names, rows)| *page += &table(names, rows, "lead"));
+    for lead in parts().filter_map(|part| part.lead_table.as_ref()) {
+        *page += &table(&lead.names, &lead.rows, "lead");
+        let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(&lead.note));
+    }
     let link = |(key, _): &(&'static str, Part)| {
         let title = SECTIONS.iter().find(|s| s.name == *key).map_or("", |s| s.title);
         format!("<a href=\"#{key}-{i}\">{title}</a>")
@@ -257,9 +278,10 @@ fn style() -> String {
      padding-top:.6rem;break-before:page}h1 small{font-size:.85rem;font-weight:400;color:var(--dim)}\
      h2.s{border-top:2px solid var(--head);padding-top:.6rem}\
      h3{font-size:1.15rem;margin:2rem 0 .3rem}figure{margin:.4rem 0}td.a{white-space:normal}\
-     ul{max-width:50rem;font-size:.85rem}p.lead{font-size:1rem;line-height:1.4;max-width:none;margin:.25rem 0}\
+     ul{max-width:50rem;font-size:.85rem}p.lead{font-size:.95rem;line-height:1.36;max-width:none;margin:.2rem 0}\
      .pair{display:flex;gap:1rem;align-items:flex-start}.pair figure{flex:1 1 0;min-width:0;margin:0}\
-     .pair figcaption{line-height:1.25}.wide table.lead{font-size:.82rem;margin:.2rem 0}table.lead td,table.lead th{padding:.02rem .6rem}\
+     .pair figcaption{line-height:1.25}.wide table.lead{font-size:.82rem;margin:.2rem 0}table.lead td,table.lead th{padding:.02rem .6rem;\
+     line-height:1.35}p.note{font-size:.78rem;line-height:1.25;max-width:none;margin:.1rem 0}\
      .nav{font-size:.85rem;max-width:none}summary{cursor:pointer;font-size:.85rem}\
      @media(max-width:900px){.pair{display:block}}\
      @media print{body{max-width:none;margin:0}.nav{display:none}details::details-content{content-visibility:visible;\
@@ -282,7 +304,7 @@ mod tests {
         let size = Size { width: 3, height: 2 };
         let parts = vec![(SECTIONS[0].name, part)];
         let (name, file, slug) = ("<x>".into(), "1 & 2".into(), "x".into());
-        let scenes = [Scene { name, file, slug, triangles: 7, size, parts }];
+        let scenes = [Scene { name, file, slug, triangles: 7, size, rays: None, parts }];
         let page = html(&vec![("command", "raystep \"x\"".into())], &scenes, 5);
         assert!(page.contains("<th class=\"l\">scene</th><th>median</th></tr>"), "{page}");
         assert!(page.contains("<data value=\"12500\">12.5 µs</data>") && page.contains("a &lt; b"));

@@ -5,7 +5,7 @@
 //! change any more, so each ray is judged once, at the end.
 //!
 //! A row is a pass, with the time at which it ended by the clock of passes; timing passes costs some microseconds each.
-//! Which configuration is fastest is the matter of other sections, with whole runs in turn.
+//! Which configuration is fastest is the matter of the section `choices`, with whole runs in turn.
 
 mod plots;
 
@@ -22,7 +22,7 @@ use crate::Error;
 use crate::meter::Ended;
 use crate::reference::Verdict;
 use crate::tidy::{KEYS, Row, Table, count, joined};
-use crate::ways::{MISSES_ALL, misses_all};
+use crate::ways::{ALL_MISS, misses_all};
 
 const GROUPS: &[&[&str]] = &[
     KEYS,
@@ -97,7 +97,7 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let mut judge = Judge::default();
     for way in ways(work.is_quick) {
         let what = format!("{} {} {}", way.accelerator, way.schedule, way.numerics);
-        work.stage(&format!("resolution of rays, {what}"));
+        work.stage(&format!("rays over time, {what}"));
         match one(work, way, &mut judge, &mut part) {
             Ok(Ok(rows)) => table.rows.extend(rows),
             Ok(Err(reason)) => part.notes.push(format!("{what}: {reason}")),
@@ -117,17 +117,18 @@ pub(super) fn run(work: &Work<'_>, table: &mut Table) -> Result<Part, Error> {
     let last = || rows.iter().filter(|r| r.get("is_last") == "true");
     part.table(last(), SHOWN);
     let wrong = |row: &&Row| row.number("resolved_wrong_rays").unwrap_or(0.0) as u64;
-    for (numerics, name) in [("robust", "robust numerics"), ("paper", "the paper's rules")] {
+    for (numerics, name) in [("robust", "robust rules"), ("paper", "the paper's rules")] {
         if let Some(row) = last().filter(|r| r.get("numerics") == numerics).max_by_key(wrong) {
-            part.prose.push(format!(
-                "With {name}, at most {} of {} judged rays were resolved wrongly.",
-                number("resolved_wrong_rays", row),
-                number("judged_rays", row)
-            ));
+            let (wrong, judged) = (number("resolved_wrong_rays", row), number("judged_rays", row));
+            part.prose.push(match row.get("resolved_wrong_rays") {
+                "0" => format!("With {name}, no ray was wrong ({judged} judged)."),
+                _ => format!("With {name}, at most {wrong} of {judged} judged rays were wrong."),
+            });
         }
     }
     part.prose.push(format!(
-        "Times are those at which passes ended, {}, with every pass timed. They are not for ranking: whole runs in turn are.",
+        "Times are those at which passes ended, {}. Do not rank schedules by these times: timing every pass slows them. \
+         Section Choices compares whole runs.",
         work.clock_in_words()
     ));
     Ok(part)
@@ -155,7 +156,7 @@ fn one(work: &Work<'_>, way: Way, judge: &mut Judge, part: &mut Part) -> Result<
     };
     let mut timed = work.build(&options)?.renderer;
     if misses_all(&work.subject.scene, &options, timed.plan()) {
-        part.notes.push(MISSES_ALL.into());
+        part.notes.push(ALL_MISS.into());
     }
     let Some((passes, ends_ns)) = timed_passes(work, &mut timed)? else {
         return Ok(Err("stopped: too slow, or endless".into()));

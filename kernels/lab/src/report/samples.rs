@@ -342,12 +342,13 @@ fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
             Compared::NotDistinguishable => "not distinguishable",
             Compared::Unknown => "too few runs to tell them apart",
         };
+        let other = of_quantity(rows, "time").find(|row| row.number("time_ratio").is_none());
         part.prose.push(format!(
-            "Time: a run of {} samples with the {} sampler takes {} times as long as with the other, in {} pairs of runs: \
-             {verdict}. Times are {}.",
+            "Time: a run of {} samples with {} takes {} times as long as with {}, in {} pairs of runs: {verdict}. Times are {}.",
             number("samples", row),
             row.get("sampler"),
             with_interval("time_ratio", row),
+            other.map_or("the other sampler", |row| row.get("sampler")),
             number("runs", row),
             work.clock_in_words()
         ));

@@ -11,6 +11,8 @@ use crate::tidy::Table;
 pub struct Section {
     /// Name on the command line and in links of the page.
     pub name: &'static str,
+    /// What it is, in a line, for the command line.
+    pub help: &'static str,
     /// Its heading.
     pub title: &'static str,
     /// Whether it is measured unless sections are named.
@@ -33,11 +35,12 @@ pub struct Section {
 pub const SECTIONS: &[Section] = &[
     Section {
         name: "choices",
+        help: "Time and wrong rays of every structure, schedule and set of rules",
         title: "Choices",
         is_default: true,
-        what: "Every structure, schedule and set of rules on the same rays, one through a random point of each pixel. \
-               Runs are interleaved; ratios are to the fastest accurate choice, which is found in half of the rounds \
-               and compared in the other half (with fewer than twelve rounds: in all).",
+        what: "Every structure, schedule and set of rules on the same rays: one through a random point of each pixel, \
+               or those of --rays-file. Runs are interleaved; ratios are to the fastest accurate choice, which is found \
+               in half of the rounds and compared in the other half (with fewer than twelve rounds: in all).",
         file: "choices.csv",
         row: "a choice",
         seconds: 30.0,
@@ -46,10 +49,15 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "rules",
+        help: "What each numerical rule costs, and which rays are wrong without it",
         title: "Rules",
         is_default: true,
-        what: "Robust numerics with one rule at a time replaced by the paper's, on rays aimed at the places where they \
-               differ.",
+        what: "Robust numerics with one rule at a time left out, on rays aimed at the places where that may matter. \
+               <em>tmax</em>: the t at which a ray leaves a cell is computed from the cell; without it, accumulated \
+               along the walk. <em>acceptance</em>: a hit counts once no nearer one can follow; without it, only inside \
+               the cell that is being tested. <em>triangle-test</em>: rays at edges are decided exactly; without it, \
+               by Möller and Trumbore's test. <em>cell-growth</em>, <em>box-padding</em>: cells of the grid and boxes \
+               of the BVH are enlarged by a bound on rounding errors; without it, they are not.",
         file: "rules.csv",
         row: "a set of rules, for all rays or a stratum",
         seconds: 20.0,
@@ -58,9 +66,11 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "resolved",
-        title: "Resolution of rays",
+        help: "Rays finished over time, pass by pass",
+        title: "Rays finished over time",
         is_default: true,
-        what: "How rays come to their final hits, pass by pass: not which way is fastest.",
+        what: "How many rays have their final hit after each pass, and how many of these hits are wrong. Rays go through \
+               the centres of pixels, so counts differ from those in section Choices.",
         file: "resolved.csv",
         row: "a pass of a configuration",
         seconds: 8.0,
@@ -69,6 +79,7 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "moved",
+        help: "Errors of the scene moved away from the origin",
         title: "Offset",
         is_default: true,
         what: "The scene moved away from the origin: error of t along the rays, as a distance relative to the \
@@ -81,9 +92,11 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "scaled",
+        help: "Errors of the scene multiplied by 1e-20 to 1e20",
         title: "Scale",
         is_default: true,
-        what: "The same for the scaled scene.",
+        what: "The scene multiplied by 1e-20 to 1e20: error of t along the rays, as a distance relative to the scene's \
+               extent, of the arithmetic alone and with rounding of the scene; and wrong rays by strata.",
         file: "scaled.csv",
         row: "a scale, a set of rules and a stratum of rays",
         seconds: 8.0,
@@ -92,10 +105,11 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "grid",
+        help: "Time, memory and building time over the resolution of the grid",
         title: "Grid resolution",
         is_default: true,
-        what: "Time, memory and building time over the resolution of the grid; and after how many rays building a \
-               structure pays off.",
+        what: "Time, memory and building time over the resolution of the grid, with schedule compact and robust rules; \
+               and after how many rays building a structure pays off.",
         file: "grid.csv",
         row: "a structure or resolution",
         seconds: 12.0,
@@ -104,6 +118,7 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "samples",
+        help: "Error of the image over samples per pixel",
         title: "Samples",
         is_default: true,
         what: "Root mean square error of the image over samples per pixel, from two: how fast it converges to the \
@@ -116,10 +131,11 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "left-out",
+        help: "What omitting unneeded work saves",
         title: "Left out",
         is_default: true,
         what: "What the plan omits because this scene and view do not need it, and what putting back each item, and \
-               all of them together, costs in time, memory and start-up.",
+               all of them together, costs: memory and, on a GPU, run time and start-up.",
         file: "left_out.csv",
         row: "an item, with an accelerator and a schedule",
         seconds: 25.0,
@@ -128,6 +144,7 @@ pub const SECTIONS: &[Section] = &[
     },
     Section {
         name: "stiff",
+        help: "What scenes cost that get harder in one way; up to 20 minutes, and only if it is named",
         title: "Stiffness",
         is_default: false,
         what: "What scenes cost that get harder in one way, for every structure with and without each rule, and where \

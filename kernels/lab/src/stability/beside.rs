@@ -74,12 +74,10 @@ pub fn text(report: &Report) -> String {
     let all = &report.pipelines;
     let differing: Vec<_> = all.iter().filter(|row| row.difference.differing != [0; 3]).collect();
     if !all.is_empty() {
-        let _ = writeln!(
-            text,
-            "{} pipelines; {} differ in some bits from the first of the same rays",
-            all.len(),
-            differing.len()
-        );
+        let _ = match differing.len() {
+            0 => writeln!(text, "all {} pipelines give results with the same bits", all.len()),
+            some => writeln!(text, "{some} of {} pipelines give results that differ in some bit", all.len()),
+        };
     }
     text
 }

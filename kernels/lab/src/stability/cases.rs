@@ -44,18 +44,28 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "axis-above-1e-3",
-        what: "the same, components just above it",
+        what: "rays nearly along an axis: components just above the paper's threshold",
         make: |n| make::near_axis(n, 0.001_001),
         ..CASE
     },
-    Case { name: "axis-1e-7", what: "components of 1e-7", make: |n| make::near_axis(n, 1e-7), ..CASE },
+    Case {
+        name: "axis-1e-7",
+        what: "rays nearly along an axis: components of 1e-7",
+        make: |n| make::near_axis(n, 1e-7),
+        ..CASE
+    },
     Case {
         name: "axis-1e-20",
-        what: "components of 1e-20, near the robust threshold for parallel rays",
+        what: "rays nearly along an axis: components of 1e-20, near the robust threshold for parallel rays",
         make: |n| make::near_axis(n, 1e-20),
         ..CASE
     },
-    Case { name: "axis-subnormal", what: "subnormal components", make: |n| make::near_axis(n, 1e-40), ..CASE },
+    Case {
+        name: "axis-subnormal",
+        what: "rays nearly along an axis: subnormal components",
+        make: |n| make::near_axis(n, 1e-40),
+        ..CASE
+    },
     // The grid's cells.
     Case { name: "cell-faces", what: "rays that lie in a face of cells", make: |n| on_planes(n, On::Face), ..CASE },
     Case { name: "cell-edges", what: "rays along an edge of cells", make: |n| on_planes(n, On::Edge), ..CASE },
@@ -93,7 +103,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "corners",
-        what: "rays at its corners",
+        what: "rays at corners of a closed mesh, from inside",
         make: |n| closed(n, At::Corners),
         undecided: AT_CORNERS,
         paper: EDGES_CRACK,
@@ -112,11 +122,7 @@ pub static CASES: &[Case] = &[
         what: "rays in the plane of a tilted triangle",
         make: make::in_tilted_plane,
         truth: Truth::Open,
-        undecided: up_to(
-            0.25,
-            "three edge functions that are 0 except for rounding have the same sign in 1 of 4 \
-                                rays",
-        ),
+        undecided: up_to(0.25, "three edge functions that are 0 but for rounding have the same sign in 1 of 4 rays"),
         ..CASE
     },
     Case {
@@ -143,7 +149,7 @@ pub static CASES: &[Case] = &[
         paper: SMALL,
         ..CASE
     },
-    Case { name: "duplicates", what: "every triangle twice", make: make::duplicates, ..CASE },
+    Case { name: "duplicates", what: "a closed sphere with every triangle twice", make: make::duplicates, ..CASE },
     Case {
         name: "coplanar",
         what: "overlapping triangles in one tilted plane",
@@ -156,7 +162,7 @@ pub static CASES: &[Case] = &[
     // Origins.
     Case {
         name: "origin-on-surface",
-        what: "origins on a triangle",
+        what: "origins on a triangle of a sphere",
         make: make::on_surface,
         truth: Truth::Open,
         undecided: up_to(0.5, "the sign of t is that of its rounding"),
@@ -164,7 +170,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "origin-outside",
-        what: "origins three radii away",
+        what: "origins three radii from a sphere",
         make: |n| make::from_afar(n, 3.0),
         truth: Truth::Open,
         undecided: up_to(0.004, "as for any ray, from three times as far"),
@@ -173,7 +179,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "origin-far-1e3",
-        what: "origins a thousand radii away",
+        what: "origins a thousand radii from a sphere",
         make: |n| make::from_afar(n, 1e3),
         truth: Truth::Open,
         undecided: up_to(0.25, "edges are as wide as 20 to 40 roundings of 1,000 radii: a quarter of a triangle"),
@@ -182,7 +188,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "origin-far-1e6",
-        what: "origins a million radii away",
+        what: "origins a million radii from a sphere",
         make: |n| make::from_afar(n, 1e6),
         truth: Truth::Open,
         undecided: up_to(0.5, "rounding moves edges by as much as triangles are wide, to either side"),
@@ -199,7 +205,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "moved-1e4",
-        what: "ten thousand radii from it",
+        what: "a closed sphere ten thousand radii from the origin, half of the rays at its edges",
         make: |n| make::moved(n, 1e4),
         undecided: HALF_AT_EDGES,
         paper: EDGES_CRACK,
@@ -207,7 +213,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "moved-1e5",
-        what: "a hundred thousand",
+        what: "a closed sphere a hundred thousand radii from the origin, half of the rays at its edges",
         make: |n| make::moved(n, 1e5),
         undecided: HALF_AT_EDGES,
         paper: EDGES_CRACK,
@@ -215,7 +221,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "moved-1e6",
-        what: "a million, where f32 has 16 steps to a radius",
+        what: "a closed sphere a million radii from the origin, where f32 has 16 steps to a radius",
         make: |n| make::moved(n, 1e6),
         undecided: HALF_AT_EDGES,
         ..CASE
@@ -230,7 +236,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "scaled-1e20",
-        what: "the same of radius 1e+20",
+        what: "a closed sphere of radius 1e20, rays at its edges",
         make: |n| make::scaled(n, 1e20),
         undecided: AT_EDGES,
         paper: EDGES_CRACK,
@@ -263,7 +269,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "line-aslant",
-        what: "the same from one side, so that the rounded corners are not in a line",
+        what: "triangles that are stretches of a line, from one side, so that the rounded corners are not in a line",
         make: |n| make::line(n, 5.0),
         truth: Truth::Open,
         undecided: up_to(0.25, "rounding must move the middle corner to the ray's side, beyond the ray: 1 in 4"),
@@ -279,7 +285,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "no-triangle",
-        what: "nothing",
+        what: "a scene without triangles",
         rays: 256,
         make: make::no_triangle,
         truth: Truth::Nothing,
@@ -305,7 +311,7 @@ pub static CASES: &[Case] = &[
     },
     Case {
         name: "deeper-tree",
-        what: "the same, down to 2^-60 of the scene",
+        what: "60 triangles, each half as large and at half the distance of the one before; rays at the last 20",
         make: |n| make::halving(n, 40..60),
         truth: Truth::Open,
         paper: SMALL,

@@ -24,8 +24,17 @@ fn most(rows: &[Row], is_one: impl Fn(&Row) -> bool, count: impl Fn(&Row) -> u64
 }
 
 /// Headings of [`summary`].
-pub(super) const SUMMARY: [&str; 9] =
-    ["case", "rays", "robust errors", "undecided", "at most", "paper errors: grid", "bvh", "none", "as expected"];
+pub(super) const SUMMARY: [&str; 9] = [
+    "case",
+    "rays",
+    "robust errors",
+    "undecided",
+    "undecided limit",
+    "paper grid errors",
+    "paper bvh errors",
+    "paper none errors",
+    "as expected",
+];
 
 /// A case in one line: the most errors of all configurations.
 pub(super) fn summary(outcome: &Outcome) -> [String; 9] {
@@ -74,14 +83,14 @@ pub fn text(outcomes: &[Outcome]) -> String {
 /// A list of the cases.
 #[must_use]
 pub fn list(cases: &[&'static Case]) -> String {
-    let header = ["case", "rays", "undecided", "paper fails on", "what"];
+    let header = ["case", "rays", "undecided limit", "paper must fail on (others may)", "what"];
     let mut lines = vec![header.map(str::to_owned)];
     for case in cases {
         let fails: Vec<&str> = case.paper.fails_on.iter().map(|a| a.name()).collect();
         lines.push([
             case.name.to_owned(),
             case.rays.to_string(),
-            format!("{}%", 100.0 * case.undecided.share),
+            format!("{:.1}%", 100.0 * case.undecided.share),
             if fails.is_empty() { "-".into() } else { fails.join(",") },
             case.what.to_owned(),
         ]);

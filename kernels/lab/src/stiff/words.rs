@@ -40,10 +40,11 @@ pub fn sentences(rows: &[Row]) -> Vec<(&'static Family, String)> {
                     let sum = |column: &str| -> u64 {
                         stretch.rows.iter().filter_map(|(row, _)| row.get(column).parse::<u64>().ok()).sum()
                     };
+                    let [least, most] = stretch.ends();
+                    let worst = if least == most { String::new() } else { format!(" (worst: {most} times)") };
                     let text = format!(
-                        "the rule {rule} makes the {structure} at least {} times as slow; without it, {} of {} rays are \
-                         wrong.",
-                        stretch.ratios(),
+                        "with {rule} the {structure} takes at least {least} times{worst} as long as without; without it, {} of \
+                         {} rays are wrong.",
                         sum("wrong_rays"),
                         sum("judged_rays"),
                     );
@@ -52,7 +53,10 @@ pub fn sentences(rows: &[Row]) -> Vec<(&'static Family, String)> {
             }
         }
         for stretch in stretches(robust(rows, family.name, "none"), |row| helpless(rows, family, row)) {
-            say(&stretch, "neither structure saves a fifth of the work of testing every triangle.".to_owned());
+            say(
+                &stretch,
+                "grid and bvh each do more than four fifths of the work of testing every triangle.".to_owned(),
+            );
         }
     }
     all
@@ -135,10 +139,14 @@ impl Stretch<'_> {
     }
 
     /// The smallest and the largest ratio.
-    fn ratios(&self) -> String {
+    fn ends(&self) -> [String; 2] {
         let ratios = || self.rows.iter().map(|(_, ratio)| *ratio);
-        let (least, most) = (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max));
-        let (least, most) = (rounded(least), rounded(most));
+        [ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max)].map(rounded)
+    }
+
+    /// Both, or one if they are the same.
+    fn ratios(&self) -> String {
+        let [least, most] = self.ends();
         if least == most { least } else { format!("{least} to {most}") }
     }
 }
@@ -205,9 +213,9 @@ mod tests {
         let expected = [
             "300 to 100,000): the grid takes 400 to 3000 times as long as the fastest structure; at 100,000, 900 µs a ray \
              against 300 ns (bvh).",
-            "≥ 1,000,000): the rule box-padding makes the bvh at least 200 times as slow; without it, 2 of 64 rays are \
+            "≥ 1,000,000): with box-padding the bvh takes at least 200 times as long as without; without it, 2 of 64 rays are \
              wrong.",
-            "≥ 1,000,000): neither structure saves a fifth of the work of testing every triangle.",
+            "≥ 1,000,000): grid and bvh each do more than four fifths of the work of testing every triangle.",
         ];
         assert_eq!(said, expected.map(|text| format!("{place} {text}")));
     }

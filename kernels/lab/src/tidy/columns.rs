@@ -131,7 +131,10 @@ pub const COLUMNS: &[Column] = &[
     number("time_ratio_high", "upper end of its interval"),
     number("baseline_ratio", "median time divided by that of an earlier benchmark: above 1 is slower"),
     text("ratio_to", "the configuration that ratios are relative to"),
-    number("build_s", "seconds for planning, mostly for building the structure; the median of several builds"),
+    number(
+        "build_s",
+        "seconds for planning, mostly for building the structure: in grid.csv the median of several, elsewhere of one",
+    ),
     number("start_s", "seconds for allocating, uploading and compiling: the median of starts after the first"),
     // What the scene does not need: columns that end with _with are those of a run that has it nevertheless.
     text("item", "what the plan omits because the scene does not need it; all for everything together"),
@@ -142,6 +145,7 @@ pub const COLUMNS: &[Column] = &[
     count("stream_bytes_with", "the same with the item"),
     count("buffer_bytes", "bytes of all buffers"),
     count("buffer_bytes_with", "the same with the item"),
+    count("added_bytes", "bytes of all streams and buffers with the item, less those without it"),
     number("first_start_s", "seconds of the first start, whose kernels the driver may have cached earlier"),
     number("first_start_s_with", "the same with the item"),
     number("start_s_with", "start_s with the item"),

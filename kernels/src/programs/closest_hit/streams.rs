@@ -44,7 +44,7 @@ pub const HIT_TRIANGLE: usize = 2;
 pub const ACCUMULATED_SAMPLES: usize = 4;
 
 /// No ray waits for another dispatch.
-const NO_WALK_WAITS: Reason = (Because::Options, "no walk needs more loop iterations than one dispatch allows");
+const NO_WALK_WAITS: Reason = (Because::Options, "every walk finishes in one dispatch");
 
 /// Why a stream that only steps of a walk need is left out.
 fn of_steps(run: &Run<'_>) -> Reason {
@@ -98,7 +98,7 @@ streams! {
         unwritten: &[0; 4], why_absent: |_| NO_WALK_WAITS;
     /// Where the search for repeated tests waits for the next dispatch.
     SCAN of RAYS: "scan" U32 &["cell", "tmax_x", "tmax_y", "tmax_z"], meaning: &[Id, Distance, Distance, Distance], unit: "1-D index, t as f32 bits",
-        unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "no search for repeated tests needs more loop iterations than one dispatch allows");
+        unwritten: &[NO_CELL, 0, 0, 0], why_absent: |_| (Because::Options, "every search for repeated tests finishes in one dispatch");
 }
 
 /// The streams in which the caller supplies rays, as far as a run has them.

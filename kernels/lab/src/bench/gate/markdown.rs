@@ -10,8 +10,8 @@ use crate::text::{aligned, visible};
 pub fn markdown(gate: &Gate) -> String {
     let mut text = format!("### {}: {}\n\n", in_words(gate.verdict), cell(&gate.because));
     if !gate.rows.is_empty() {
-        text +=
-            "| configuration | ratio | from | to | this, ms | other, ms | result |\n|---|--:|--:|--:|--:|--:|---|\n";
+        text += "| configuration | ratio | lower bound | upper bound | this, ms | other, ms | result |\n\
+             |---|--:|--:|--:|--:|--:|---|\n";
         gate.rows.iter().for_each(|row| text += &line(row));
         text.push('\n');
     }
@@ -21,8 +21,8 @@ pub fn markdown(gate: &Gate) -> String {
     if !gate.faults.is_empty() {
         text.push('\n');
     }
-    for remark in remarks(gate) {
-        let _ = writeln!(text, "{}\n", cell(&remark));
+    if let Some(drift) = &gate.drift {
+        let _ = writeln!(text, "{}\n", cell(&drift_in_words(gate, drift)));
     }
     let _ = writeln!(
         text,
@@ -35,55 +35,37 @@ pub fn markdown(gate: &Gate) -> String {
     text
 }
 
-/// The drift that was seen, and how to get an answer if there is none.
-#[must_use]
-pub fn remarks(gate: &Gate) -> Vec<String> {
-    let drift = gate.drift.as_ref().map(|drift| drift_in_words(gate, drift));
-    drift.into_iter().chain((gate.verdict == Verdict::Undecided).then(|| needed_in_words(gate))).collect()
-}
-
-/// The result as a table for a terminal, with the answer below it.
+/// The result as a table for a terminal, and below it the drift, and the answer if it is a pass: otherwise, the error that
+/// the command ends with has it.
 #[must_use]
 pub fn text(gate: &Gate) -> String {
-    let head = ["configuration", "result", "ratio", "from", "to", "this ms", "other ms"].map(str::to_owned);
+    let head =
+        ["configuration", "result", "ratio", "lower bound", "upper bound", "this ms", "other ms"].map(str::to_owned);
     let row = |row: &GateRow| {
         let [ratio, low, high] =
             [row.times.time_ratio, row.times.time_ratio_low, row.times.time_ratio_high].map(number);
         [row.name.clone(), result(row).join(", "), ratio, low, high, ms(row.median_ns), ms(row.other_median_ns)]
     };
     let lines: Vec<[String; 7]> = std::iter::once(head).chain(gate.rows.iter().map(row)).collect();
-    let answer = format!("{}: {}\n", in_words(gate.verdict), gate.because);
-    aligned(&lines, 2).concat() + "\n" + &answer + &remarks(gate).iter().map(|r| format!("{r}\n")).collect::<String>()
+    let answer = (gate.verdict == Verdict::Pass).then(|| format!("{}: {}", in_words(gate.verdict), gate.because));
+    let drift = gate.drift.as_ref().map(|drift| drift_in_words(gate, drift));
+    let below: Vec<String> = answer.into_iter().chain(drift).map(|line| line + "\n").collect();
+    let space = if below.is_empty() { "" } else { "\n" };
+    aligned(&lines, 2).concat() + space + &below.concat()
 }
 
 /// The drift in a sentence.
 fn drift_in_words(gate: &Gate, drift: &super::drift::Drift) -> String {
     let fixed = drift.fixed_work_ratio.map_or("unknown".into(), |ratio| format!("{ratio:.2}"));
-    let judged = if gate.at_most > drift.seen {
-        format!("The limit of {} is beyond it, and every interval is widened by it.", gate.at_most)
-    } else {
-        format!("The limit of {} is within it, so no time is judged: use --against, or a larger limit.", gate.at_most)
+    let judged = match gate.at_most > drift.seen {
+        true => "exceeds that, so times are judged, with intervals widened by it",
+        false => "does not exceed that, so times are not judged",
     };
     format!(
-        "Drift seen: {:.2} (within this run {:.2}, within the other {:.2}, a fixed piece of work took {fixed} times as \
-         long as then). {judged}",
-        drift.seen, drift.within_this, drift.within_other
+        "The machine drifted by a factor of {:.2} since the baseline (within this run {:.2}, within the baseline {:.2}, a fixed \
+         piece of work took {fixed} times as long as then); {} {judged}.",
+        drift.seen, drift.within_this, drift.within_other, gate.at_most
     )
-}
-
-/// Most repeats that anyone would wait for; it is also the most that the command line takes.
-const MOST_REPEATS: u64 = 100_000;
-
-/// How to get an answer.
-fn needed_in_words(gate: &Gate) -> String {
-    match gate.needed_repeats {
-        Some(repeats) if repeats > MOST_REPEATS => {
-            format!("More than {MOST_REPEATS} repeats would be needed: the ratio is too near the limit for this noise.")
-        }
-        Some(repeats) => format!("About {repeats} repeats would decide: --repeats {repeats}."),
-        None if gate.drift.is_some() => "More repeats would not decide.".into(),
-        None => "The ratio is at the limit: no number of repeats would decide.".into(),
-    }
 }
 
 fn in_words(verdict: Verdict) -> &'static str {
@@ -149,9 +131,9 @@ mod tests {
         gate.faults.push("x: only old has this row".into());
         let text = markdown(&gate.concluded());
         let expected = "\
-### Fail: 1 of 3 rows slower than 1.05 times the time of old, 2 with changed results or without a counterpart
+### Fail: 1 of 3 rows more than 1.05 times as slow as old, 2 with changed results or without a counterpart
 
-| configuration | ratio | from | to | this, ms | other, ms | result |
+| configuration | ratio | lower bound | upper bound | this, ms | other, ms | result |
 |---|--:|--:|--:|--:|--:|---|
 | a\\|b&lt;i> | 1.200 | 1.100 | – | 1.200 | 1.000 | **other hits, of as many rays (7)** |
 | box 8x8 primary, grid fused robust | 1.200 | 1.100 | – | 1.200 | 1.000 | **slower** |
@@ -168,30 +150,37 @@ Time of this build divided by that of old; limit 1.05; 40 rounds. signs
     fn the_terminal_has_the_same_table() {
         let table = super::text(&gate(&[(Verdict::Pass, None), (Verdict::Undecided, Some(80))]));
         let expected = "\
-configuration                       result                  ratio   from  to  this ms  other ms
-box 8x8 primary, grid fused robust  within                  1.200  1.100   –    1.200     1.000
-box 8x8 primary, grid fused robust  undecided (80 repeats)  1.200  1.100   –    1.200     1.000
-
-Undecided: noise decides neither for 1 of 2 rows
-About 80 repeats would decide: --repeats 80.
+configuration                       result                  ratio  lower bound  upper bound  this ms  other ms
+box 8x8 primary, grid fused robust  within                  1.200        1.100            –    1.200     1.000
+box 8x8 primary, grid fused robust  undecided (80 repeats)  1.200        1.100            –    1.200     1.000
 ";
         assert_eq!(table, expected);
+        let passed = super::text(&gate(&[(Verdict::Pass, None)]));
+        assert!(passed.ends_with("1.000\n\nPass: at most 1.05 times as slow as old (1 row)\n"), "{passed}");
     }
 
     #[test]
     fn an_open_question_says_what_would_answer_it() {
         let open = gate_text(Some(80));
-        assert!(open.contains("About 80 repeats would decide: --repeats 80."), "{open}");
-        assert!(gate_text(Some(100_001)).contains("More than 100000 repeats would be needed"));
-        assert!(gate_text(None).contains("no number of repeats would decide"));
+        assert!(
+            open.starts_with("### Undecided: too noisy for 1 of 1 row; --repeats 80 would probably decide\n"),
+            "{open}"
+        );
+        assert!(gate_text(Some(100_001)).contains("; more than 100000 repeats would be needed"));
+        assert!(gate_text(None).contains("; no number of repeats would decide"));
         let drift =
             super::super::drift::Drift { within_this: 1.1, within_other: 1.0, fixed_work_ratio: Some(1.0), seen: 1.1 };
         let mut gate = gate(&[(Verdict::Undecided, None)]);
         gate.drift = Some(drift);
-        let text = markdown(&gate);
-        assert!(text.contains("Drift seen: 1.10 (within this run 1.10,") && text.contains("is within it"), "{text}");
+        let text = markdown(&gate.clone().concluded());
+        assert!(text.contains("drifted by a factor of 1.10 since the baseline (within this run 1.10,"), "{text}");
+        assert!(
+            text.contains("; 1.05 does not exceed that") && text.contains("; use --against, or a larger"),
+            "{text}"
+        );
         gate.at_most = 1.5;
-        assert!(markdown(&gate).contains("is beyond it"));
+        let text = markdown(&gate.concluded());
+        assert!(text.contains("; 1.5 exceeds that") && text.contains("; more repeats would not decide"), "{text}");
     }
 
     fn gate_text(needed: Option<u64>) -> String {

@@ -105,9 +105,9 @@ fn what_is_wrong_with_a_file_is_said() {
         (npy("'<f4'", "False", "(2, 6)", &good[..24]), "ends in ray 1 of 2, after 0 bytes"),
         (npy("'<f4'", "False", "(1, 6)", &good), "goes on after its 1 rays"),
         (npy("'<f4'", "False", "(1001, 6)", &good), "has 1001, at most 1000"),
-        (changed(7, f32::NAN), "ray 1 of 2 (the first is 0): a component is not finite"),
-        (changed(0, f32::INFINITY), "ray 0 of 2 (the first is 0): a component is not finite"),
-        (npy("'<f4'", "False", "(2, 6)", &floats(&no_direction)), "ray 1 of 2 (the first is 0): its direction is 0"),
+        (changed(7, f32::NAN), "ray 1 (counted from 0, of 2): a component is not finite"),
+        (changed(0, f32::INFINITY), "ray 0 (counted from 0, of 2): a component is not finite"),
+        (npy("'<f4'", "False", "(2, 6)", &floats(&no_direction)), "ray 1 (counted from 0, of 2): its direction is 0"),
     ] {
         let error = all(&file, RaysFormat::Npy).expect_err(wanted);
         assert!(error.contains(wanted), "{error:?} does not say {wanted:?}");
@@ -115,7 +115,7 @@ fn what_is_wrong_with_a_file_is_said() {
     let eight = |t_min: f32, t_max: f32| floats(&[1.0, 2.0, 3.0, t_min, 4.0, 5.0, 6.0, t_max]);
     for (t_min, t_max, wanted) in [(-1.0, 1.0, "t_min"), (f32::NAN, 1.0, "t_min"), (2.0, 1.0, "t_max")] {
         let error = all(&npy("'<f4'", "False", "(1, 8)", &eight(t_min, t_max)), RaysFormat::Npy).expect_err(wanted);
-        assert!(error.contains("ray 0 of 1") && error.contains(wanted), "{error}");
+        assert!(error.contains("ray 0 (counted from 0, of 1)") && error.contains(wanted), "{error}");
     }
     let error = all(&floats(&SIX), RaysFormat::F32).expect_err("one ray and a half");
     assert!(error.contains("ends in ray 1 of an unknown number, after 16 bytes"), "{error}");

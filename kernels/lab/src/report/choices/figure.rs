@@ -48,8 +48,8 @@ fn choice(row: &Row) -> Option<Choice> {
     })
 }
 
-/// The diagram.
-pub(super) fn of(rows: &[Row]) -> Precision {
+/// The diagram, of rays from a file or of the view.
+pub(super) fn of(rows: &[Row], is_file: bool) -> Precision {
     let mut choices: Vec<Choice> = rows.iter().filter_map(choice).collect();
     choices.sort_by(|a, b| a.x.total_cmp(&b.x));
     let bound_of_none = |row: &Row| row.number("wrong_per_million_high").filter(|_| row.get("wrong_rays") == "0");
@@ -69,7 +69,8 @@ pub(super) fn of(rows: &[Row]) -> Precision {
     }
     Precision {
         title: "Time against wrong rays".into(),
-        x: Axis::new("time a ray, ns", Scale::Log),
+        x: Axis::new("time per ray, ns", Scale::Log),
+        y: Axis::new(format!("wrong per million rays of the {}", if is_file { "file" } else { "view" }), Scale::Log),
         at_most: rows.iter().filter_map(bound_of_none).reduce(f64::max),
         legend,
         from: None,

@@ -87,8 +87,8 @@ fn automatic(rows: &[Row]) -> Option<&Row> {
 pub(super) fn times_caption(rows: &[Row]) -> String {
     let Some(row) = automatic(rows) else { return String::new() };
     format!(
-        "Time to trace {} rays over the number of cells of the grid: medians of {} interleaved runs; bars are 95% intervals \
-         of the median ({}).",
+        "Time to trace {} rays over the number of cells of the grid, with schedule compact and robust rules: medians of \
+         {} interleaved runs; bars are 95% intervals of the median ({}).",
         number("rays", row),
         number("runs", row),
         row.get("interval_method").replace('_', " "),
@@ -98,17 +98,23 @@ pub(super) fn times_caption(rows: &[Row]) -> String {
 pub(super) fn structures_caption(rows: &[Row]) -> String {
     let Some(row) = automatic(rows) else { return String::new() };
     format!(
-        "Time to trace {} rays: medians of {} interleaved runs. A structure is missing if it was timed with fewer rays.",
+        "Time to trace {} rays with schedule compact and robust rules: bars are medians of {} interleaved runs. A structure \
+         is missing if it was timed with fewer rays.",
         number("rays", row),
         number("runs", row),
     )
 }
 
-pub(super) fn builds_caption(rows: &[Row]) -> String {
+/// With `has_intervals`, the plot shows those that there are.
+pub(super) fn builds_caption(rows: &[Row], has_intervals: bool) -> String {
     let Some(row) = automatic(rows) else { return String::new() };
-    let bars = if row.get("build_s_low").is_empty() { "" } else { "; bars are 95% intervals of the median" };
+    let what = if has_intervals { "" } else { "bars are " };
+    let bars = match has_intervals && !row.get("build_s_low").is_empty() {
+        true => "; bars are 95% intervals of the median",
+        false => "",
+    };
     format!(
-        "Time to plan and build on the CPU, by its clock: medians of {} builds, one structure after the other{bars}.",
+        "Time to plan and build on the CPU, by its clock: {what}medians of {} builds, one structure after the other{bars}.",
         number("builds", row)
     )
 }

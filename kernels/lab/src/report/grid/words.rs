@@ -11,16 +11,27 @@ pub(super) fn say(work: &Work<'_>, rows: &[Row], part: &mut Part) {
     if let (Some(automatic), Some(selected)) = (automatic, selected) {
         part.prose.push(resolution(automatic, selected));
     }
-    if let Some(row) = rows.iter().max_by_key(|r| r.number("wrong_rays").unwrap_or(0.0) as u64) {
-        part.prose.push(format!(
-            "Wrong rays at any resolution and with any structure: at most {} of {} judged.",
-            number("wrong_rays", row),
-            number("judged_rays", row)
-        ));
+    let none = rows.iter().find(|r| r.get("accelerator") == "none");
+    let count = |row: &Row, column: &str| row.number(column).unwrap_or(0.0) as u64;
+    if let Some(row) = rows.iter().max_by_key(|r| (count(r, "wrong_rays"), count(r, "judged_rays"))) {
+        let judged = number("judged_rays", row);
+        // Testing every triangle may take too long for all of them.
+        let fewer = none.filter(|none| none.get("judged_rays") != row.get("judged_rays"));
+        let fewer =
+            fewer.map_or(String::new(), |none| format!("; {} without a structure", number("judged_rays", none)));
+        part.prose.push(match row.get("wrong_rays") {
+            "0" => format!("No ray was wrong with any resolution or structure ({judged} judged{fewer})."),
+            _ => {
+                let wrong = number("wrong_rays", row);
+                format!("With any resolution or structure, at most {wrong} of {judged} judged rays were wrong.")
+            }
+        });
     }
-    let is_compared = |row: &&Row| row.get("is_automatic") != "false" && row.get("accelerator") != "none";
-    for row in rows.iter().filter(is_compared) {
-        part.prose.push(pays_off(row));
+    let is_told = |row: &&Row| row.get("is_automatic") != "false" && row.get("accelerator") != "none";
+    for row in rows.iter().filter(is_told) {
+        let is_compared =
+            none.is_some_and(|none| !none.get("median_ns").is_empty() && none.get("rays") == row.get("rays"));
+        part.prose.push(pays_off(row, is_compared));
     }
     part.prose.push(format!(
         "Times are {}; building is timed by the wall clock on the CPU. A structure pays off after the number of rays \
@@ -51,13 +62,16 @@ fn resolution(automatic: &Row, selected: &Row) -> String {
     )
 }
 
-fn pays_off(row: &Row) -> String {
+/// `is_compared` if testing every triangle was timed with the same rays; otherwise a note says why not.
+fn pays_off(row: &Row, is_compared: bool) -> String {
     let name = match row.get("accelerator") {
         "grid" => "automatic grid",
         _ => "BVH",
     };
+    let unknown = format!("The number of rays after which the {name} pays off is unknown");
     match row.get("paid_off_rays") {
-        "" => format!("After how many rays building the {name} pays off is not determined."),
+        "" if is_compared => format!("{unknown}: the intervals allow that it saves no time."),
+        "" => format!("{unknown} (see notes)."),
         _ => format!(
             "Building the {name} pays off after {} rays (between {} and {}).",
             number("paid_off_rays", row),

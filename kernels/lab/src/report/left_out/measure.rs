@@ -106,7 +106,7 @@ impl Cost {
     #[must_use]
     pub fn in_words(&self) -> String {
         if !self.is_changed {
-            return "nothing in this run changes".into();
+            return "no effect in this run".into();
         }
         let [without, with] = self.bytes.map(Sizes::total);
         let memory = match with.checked_sub(without) {
@@ -357,6 +357,6 @@ mod tests {
         let line = "4 pairs of runs: too few for an interval of times, same memory, too few starts for an interval";
         assert_eq!(cost(true, same, Some(few)), line);
         assert_eq!(cost(true, more, None), "+12.0 KiB");
-        assert_eq!(cost(false, same, None), "nothing in this run changes");
+        assert_eq!(cost(false, same, None), "no effect in this run");
     }
 }

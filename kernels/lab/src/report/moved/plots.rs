@@ -26,7 +26,7 @@ pub(super) fn by_bound(column: &str, rows: &[Row]) -> Plot {
         Series::line("forward", 1, of("forward_error_by_bound_largest")),
     ];
     let ends = of("arithmetic_error_by_bound_largest");
-    for (name, color, at) in [("the bound", 6, 1.0), ("a tenth of it", 4, 0.1)] {
+    for (name, color, at) in [("the bound", 6, 1.0), ("tenth (below: too loose)", 4, 0.1)] {
         series.push(Series::dashed(name, color, ends.iter().map(|p| (p.0, at)).collect()));
     }
     Plot {
@@ -73,27 +73,47 @@ fn per_million(column: &str, count: &str, rows: &[&Row], series: Series) -> Seri
     Series { points, whiskers: rows.iter().filter_map(ends).collect(), ..series }
 }
 
-/// Wrong rays of both numerics, a line for each stratum. The truth is the rounded scene.
+/// Colour, stratum, its name in the legend, and mark.
+const STRATA: [(usize, &str, &str, Mark); 4] = [
+    (1, "corners", "corners", Mark::Dot),
+    (3, "edge_middles", "middles of edges", Mark::Triangle),
+    (5, "along_edges", "along edges", Mark::Square),
+    (0, "anywhere", "any direction", Mark::Dot),
+];
+
+/// The rows of a stratum with a set of rules.
+fn of_stratum<'a>(rows: &'a [Row], numerics: &str, stratum: &str) -> Vec<&'a Row> {
+    rows.iter().filter(|r| r.is(&[("numerics", numerics), ("stratum", stratum)])).collect()
+}
+
+fn has_wrong(rows: &[&Row]) -> bool {
+    rows.iter().any(|r| r.number("wrong_per_million").is_some_and(|n| n > 0.0))
+}
+
+/// The names of the sets of rules and strata that [`wrong`] does not draw, as no ray is wrong anywhere.
+pub(super) fn without_wrong(rows: &[Row]) -> Vec<String> {
+    let name = |numerics: &str| {
+        let of = |stratum: &str| of_stratum(rows, numerics, stratum);
+        let none = STRATA.iter().filter(|(_, stratum, ..)| !of(stratum).is_empty() && !has_wrong(&of(stratum)));
+        let none: Vec<&str> = none.map(|(_, _, words, _)| *words).collect();
+        (!none.is_empty()).then(|| format!("{numerics} ({})", none.join(", ")))
+    };
+    ["paper", "robust"].into_iter().filter_map(name).collect()
+}
+
+/// Wrong rays of both sets of rules, a line for each stratum in which any ray is wrong. The truth is the rounded scene.
 pub(super) fn wrong(column: &str, rows: &[Row]) -> Plot {
     let mut series = Vec::new();
     for (numerics, stroke) in [("paper", Stroke::Solid), ("robust", Stroke::Dashed)] {
-        for (color, stratum, words, mark) in [
-            (1, "corners", "corners", Mark::Dot),
-            (3, "edge_middles", "middles of edges", Mark::Triangle),
-            (5, "along_edges", "along edges", Mark::Square),
-            (0, "anywhere", "any direction", Mark::Dot),
-        ] {
-            let of: Vec<&Row> = rows.iter().filter(|r| r.is(&[("numerics", numerics), ("stratum", stratum)])).collect();
-            let name = format!("{numerics}: {words}");
-            series.push(per_million(
-                column,
-                "wrong",
-                &of,
-                Series { mark, stroke, ..Series::line(name, color, Vec::new()) },
-            ));
+        for (color, stratum, words, mark) in STRATA {
+            let of = of_stratum(rows, numerics, stratum);
+            if has_wrong(&of) {
+                let line = Series::line(format!("{numerics}: {words}"), color, Vec::new());
+                series.push(per_million(column, "wrong", &of, Series { mark, stroke, ..line }));
+            }
         }
     }
-    series.push(bound_of_none(column, "wrong", rows));
+    series.push(bound_of_none(column, "wrong", "95% bound, no ray wrong", rows));
     Plot {
         title: "Wrong rays, compared with the rounded scene".into(),
         x: axis_of(column),
@@ -104,13 +124,13 @@ pub(super) fn wrong(column: &str, rows: &[Row]) -> Plot {
 }
 
 /// The upper bound where nothing was counted: the same for all series, so it is one line instead of many bars.
-fn bound_of_none(column: &str, count: &str, rows: &[Row]) -> Series {
+fn bound_of_none(column: &str, count: &str, name: &str, rows: &[Row]) -> Series {
     let is_none = |r: &&Row| r.number(&format!("{count}_per_million")) == Some(0.0);
     let bound = |r: &Row| Some((r.number(column)?, r.number(&format!("{count}_per_million_high"))?));
     let mut points: Vec<(f64, f64)> = rows.iter().filter(is_none).filter_map(bound).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
     points.dedup_by_key(|point| point.0);
-    Series::dashed("bound where none", 6, points)
+    Series::dashed(name, 6, points)
 }
 
 /// Rays that hit something else than before the scene was rounded.
@@ -121,11 +141,11 @@ pub(super) fn changed(column: &str, rows: &[Row]) -> Plot {
     };
     let mut series: Vec<Series> =
         [("robust", 0, Mark::Dot, Stroke::Solid), ("paper", 1, Mark::Triangle, Stroke::Dashed)].map(of).into();
-    series.push(bound_of_none(column, "changed", rows));
+    series.push(bound_of_none(column, "changed", "95% bound, no hit differs", rows));
     Plot {
-        title: "Changed hits, compared with the scene before rounding".into(),
+        title: "Hits that differ from those before rounding".into(),
         x: axis_of(column),
-        y: Axis::new("changed rays per million", Scale::LogWithZero),
+        y: Axis::new("differing hits per million rays", Scale::LogWithZero),
         series,
         places: Vec::new(),
     }

@@ -71,9 +71,9 @@ pub(super) fn resolved(accelerator: &str, rows: &[Row]) -> Plot {
     // Nothing is drawn for a structure without curves.
     series.extend(range.filter(|_| !series.is_empty()).map(|range| same_axis(range, 100.0)));
     Plot {
-        title: format!("Resolved rays, {accelerator}"),
+        title: format!("Rays finished over time, {accelerator}"),
         x: Axis::new("time since the start of the first pass, ms", Scale::Log),
-        y: Axis::new("resolved rays, %", Scale::Linear),
+        y: Axis::new("rays with a final hit, %", Scale::Linear),
         series,
         places: Vec::new(),
     }
@@ -99,7 +99,7 @@ pub(super) fn wrong(rows: &[Row]) -> Plot {
     }
     series.extend(range.map(|range| same_axis(range, 0.0)));
     Plot {
-        title: "Rays resolved wrongly".into(),
+        title: "Rays with a wrong final hit".into(),
         x: Axis::new("time since the start of the first pass, ms", Scale::Log),
         y: Axis::new("wrong per million judged", Scale::LogWithZero),
         series,
@@ -110,10 +110,8 @@ pub(super) fn wrong(rows: &[Row]) -> Plot {
 pub(super) fn resolved_caption(accelerator: &str, rows: &[Row]) -> String {
     let Some(row) = rows.iter().find(|r| r.get("accelerator") == accelerator) else { return String::new() };
     format!(
-        "Rays with a final hit, of {}, at the ends of passes; of three runs the one in the middle, without an interval. \
-         Curves are 0 before their first step; fused has one step. The time axis is the same for all structures. \
-         Triangles and numbers of wrong rays, of {} judged, mark curves that are wrong more often than the best one: they \
-         are not comparable.",
+        "Share of {} rays with a final hit at the end of each pass: the median of three runs. Fused is one pass, so one \
+         mark. A triangle marks a curve with more wrong rays, of {} judged, than the best one; its time cannot be compared.",
         number("rays", row),
         number("judged_rays", row)
     )
@@ -122,7 +120,7 @@ pub(super) fn resolved_caption(accelerator: &str, rows: &[Row]) -> String {
 pub(super) fn wrong_caption(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
     format!(
-        "Rays resolved wrongly so far, per million of {} judged: all of the view, or a sample of it; without an interval.",
+        "Rays whose final hit is wrong, at the end of each pass, per million of {} judged: all of the view, or a sample of it.",
         number("judged_rays", row)
     )
 }

@@ -14,7 +14,7 @@ pub(super) fn compared_rows(rows: &[Row]) -> impl Iterator<Item = &Row> {
 
 /// A rule's name beside its structure.
 fn name(row: &Row) -> String {
-    let rule = if row.get("numerics") == "paper" { "all (the paper's)" } else { row.get("rule") };
+    let rule = if row.get("numerics") == "paper" { "all (paper)" } else { row.get("rule") };
     format!("{}: {rule}", row.get("accelerator"))
 }
 
@@ -45,6 +45,7 @@ pub(super) fn of(rows: &[Row]) -> Precision {
     Precision {
         title: "Without one rule, relative to robust".into(),
         x: Axis::new("ratio of times to robust", Scale::Ratio),
+        y: Axis::new("wrong per million rays aimed at edges and cell faces", Scale::Log),
         at_most: compared_rows(rows).filter_map(bound).reduce(f64::max),
         legend: ["grid", "bvh", "none"].iter().filter(|name| has(name)).map(|name| entry(name)).collect(),
         from: Some(1.0),
