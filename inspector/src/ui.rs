@@ -214,6 +214,8 @@ impl Inspector {
         while let Some(command) = self.todo.pop_front() {
             self.execute(&ctx, command);
         }
+        // What commands have selected.
+        self.follow_up();
         if self.is_playing && !self.model.is_busy() {
             if self.model.next.is_some() {
                 self.model.ask(Request::Step(Target::Next));
