@@ -190,10 +190,10 @@ fn main() -> Result<(), String> {
     window.settle();
 
     let settings = Settings { device, ..Settings::default() };
-    let start = Instant::now();
     window.inspector.open("scene", settings, Arrival::picture());
+    let is_there = |w: &Window| w.inspector.model().is_complete && !w.inspector.is_busy();
+    let opened = window.time(Vec::new(), is_there);
     window.settle();
-    let opened = start.elapsed();
     let (width, end) = {
         let model = window.inspector.model();
         let plan = &model.opened.as_ref().ok_or("the scene could not be opened")?.plan;

@@ -17,6 +17,7 @@ mod perform;
 mod picture;
 mod places;
 mod shared;
+mod style;
 mod take;
 mod toast;
 
@@ -59,6 +60,8 @@ pub struct Inspector {
     todo: VecDeque<Command>,
     toasts: Toasts,
     is_playing: bool,
+    /// Whether the context has our style.
+    is_styled: bool,
     /// The path of the open scene as the user entered it, for links and the title.
     path: Option<String>,
     /// Runs known to the panels: in a new one, the selected pixel's ray is followed from the start.
@@ -115,6 +118,7 @@ impl Inspector {
             todo: VecDeque::new(),
             toasts: Toasts::default().with_anchor(egui_notify::Anchor::BottomRight),
             is_playing: false,
+            is_styled: false,
             path: None,
             generation: 0,
             arrival: None,
@@ -196,6 +200,10 @@ impl Inspector {
     /// Shows everything, and performs requests.
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
+        if !std::mem::replace(&mut self.is_styled, true) {
+            style::set(&ctx);
+            ctx.request_discard("the style was set");
+        }
         let before = self.selection();
         self.listen(&ctx);
         if self.dialog.is_none() {
@@ -214,6 +222,8 @@ impl Inspector {
         while let Some(command) = self.todo.pop_front() {
             self.execute(&ctx, command);
         }
+        // What commands have selected.
+        self.follow_up();
         if self.is_playing && !self.model.is_busy() {
             if self.model.next.is_some() {
                 self.model.ask(Request::Step(Target::Next));

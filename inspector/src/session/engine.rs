@@ -122,6 +122,9 @@ impl Engine {
     }
 }
 
+/// Least time between two reports of progress.
+const TELL_EVERY_NS: u64 = 100_000_000;
+
 /// The displayed name of a request.
 fn name(request: &Request) -> &'static str {
     match request {
@@ -179,13 +182,16 @@ impl Server {
     /// The progress callback of work; work continues while it returns true.
     fn reporter(&self, what: &'static str) -> impl FnMut(u64, u64) -> bool + Send + use<> {
         let (outbox, cancel, wake) = (self.outbox.clone(), self.cancel.clone(), self.devices.wake.clone());
-        let served = self.served;
-        let mut last = u64::MAX;
+        let (served, clock) = (self.served, self.devices.clock);
+        let (mut last, mut told_ns) = (u64::MAX, None);
         move |done, of| {
-            // A hundred reports are enough for a progress bar; without a known end, every hundredth.
+            // A hundred reports are enough for a progress bar; without a known end, every hundredth. Each of them has
+            // the window drawn: not more often than it can be read.
             let mark = done.saturating_mul(100).checked_div(of).unwrap_or(done / 100);
-            if mark != last {
-                last = mark;
+            let now_ns = clock.map(|clock| clock());
+            let is_soon = now_ns.zip(told_ns).is_some_and(|(now, told): (u64, u64)| now < told + TELL_EVERY_NS);
+            if mark != last && !is_soon {
+                (last, told_ns) = (mark, now_ns);
                 let _ = outbox.unbounded_send(Update::Progress(what, done, of));
                 wake();
             }

@@ -11,12 +11,12 @@ use raystep_kernels::{Checkpoint, GpuError, Pass, RenderError, Renderer};
 /// Default budget of checkpoints, in bytes.
 pub const DEFAULT_BUDGET: u64 = 1 << 30;
 
-/// Threads launched between two checkpoints: some milliseconds on a large GPU, some ten on a small one, and about a
-/// second on a CPU.
+/// Threads launched between two checkpoints: some milliseconds on a large GPU, some ten on a small one, and up to a
+/// quarter of a second on a CPU.
 fn span(renderer: &Renderer) -> u64 {
     match renderer.gpu().map(|gpu| gpu.gpu().info.device_type) {
         Some(wgpu::DeviceType::DiscreteGpu) => 1 << 28,
-        Some(wgpu::DeviceType::Cpu) | None => 1 << 23,
+        Some(wgpu::DeviceType::Cpu) | None => 1 << 21,
         Some(_) => 1 << 26,
     }
 }

@@ -120,3 +120,110 @@ fn number(rows: &mut [TraceRow], from: &[TraceRow]) {
         row.pass = from.pass;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use raystep_kernels::export::trace::{Rays, trace};
+    use raystep_kernels::{Device, Renderer};
+    use raystep_scenes::generate;
+
+    use super::*;
+    use crate::session::request::Opened;
+    use crate::settings::Settings;
+
+    const PIXEL: [u32; 2] = [9, 7];
+
+    /// A model of a run at its end, without an engine that answers; and the device's history of a ray.
+    fn model(device: DeviceKind) -> (Model, Trace) {
+        let scene = Arc::new(generate::cornell_box());
+        let settings = Settings { size: [16, 16], device, ..Settings::default() };
+        pollster::block_on(async {
+            let options = settings.options(&scene);
+            let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
+            let [x, y] = PIXEL;
+            let go_on = |_: &_| ControlFlow::Continue(());
+            let life = trace(&mut renderer, x, y, Rays::One, go_on).await.expect("a history");
+            renderer.restart();
+            renderer.run(|_| ControlFlow::Continue(())).await.expect("a run");
+            // The task is kept: a model whose task is gone reports a bug.
+            let (mut model, task) = Model::new(|engine| Box::pin(async move { drop(engine) }));
+            std::mem::forget(task);
+            model.passes = renderer.passes().to_vec();
+            (model.place, model.is_complete) = (model.passes.len(), true);
+            model.opened = Some(Opened {
+                path: None,
+                scene,
+                settings,
+                plan: renderer.shared_plan(),
+                data: renderer.shared_data(),
+                textures: Vec::new(),
+                device: String::new(),
+                why_no_times: None,
+            });
+            (model, life)
+        })
+    }
+
+    #[test]
+    fn a_history_is_there_at_once_and_then_confirmed() {
+        let (mut model, device) = model(DeviceKind::Gpu);
+        assert!(model.is_to_follow(PIXEL));
+        model.follow(PIXEL);
+        assert!(!model.is_to_follow(PIXEL) && model.is_to_follow([0, 0]));
+        let life = model.life.clone().expect("a history");
+        assert_eq!((life.pixel, &model.told), (PIXEL, &Told::Reference));
+        assert!(life.rows.iter().all(|row| !model.is_predicted(row)));
+        model.compare(Ok(Box::new(Trace { pixel: [0, 0], ..device.clone() })));
+        assert_eq!(model.told, Told::Reference, "another ray's history confirms nothing");
+        model.compare(Ok(Box::new(device)));
+        assert_eq!(model.told, Told::Compared { differing: Vec::new() });
+        assert!(model.life.is_some_and(|shown| Arc::ptr_eq(&shown, &life)) && model.reference_life.is_none());
+    }
+
+    #[test]
+    fn a_difference_is_shown_with_the_devices_values() {
+        let (mut model, mut device) = model(DeviceKind::Gpu);
+        model.follow(PIXEL);
+        let reference = model.life.clone().expect("a history");
+        device.rows[3].after.tmax[1] = Some(0.125);
+        let last = device.rows.len() - 1;
+        device.rows.push(device.rows[last].clone());
+        model.compare(Ok(Box::new(device)));
+        assert_eq!(model.told, Told::Compared { differing: vec![3, last + 1] });
+        let shown = model.life.clone().expect("a history");
+        assert_eq!((shown.rows[3].after.tmax[1], shown.rows.len()), (Some(0.125), last + 2));
+        // The device followed the ray alone, and does not know when all rays are shaded.
+        assert!(shown.rows[last].pass.is_some() && shown.rows[last].pass == reference.rows[last].pass);
+        assert!(model.reference_life.is_some_and(|kept| Arc::ptr_eq(&kept, &reference)));
+    }
+
+    #[test]
+    fn where_the_device_or_the_reference_cannot_tell_it_is_said() {
+        let (mut model, _) = self::model(DeviceKind::Gpu);
+        model.follow(PIXEL);
+        model.compare(Err("the device was lost".into()));
+        assert_eq!(model.told, Told::Unconfirmed("the device was lost".into()));
+        let (mut cpu, _) = self::model(DeviceKind::Cpu);
+        let all = cpu.passes.clone();
+        cpu.passes.truncate(all.len() / 2);
+        cpu.is_complete = false;
+        cpu.follow(PIXEL);
+        assert_eq!(cpu.told, Told::Device, "they are its own kernels");
+        let predicted = |model: &Model| {
+            let life = model.life.clone().expect("a history");
+            let count = life.rows.iter().rev().take_while(|row| model.is_predicted(row)).count();
+            (count, life.rows.len())
+        };
+        let (count, rows) = predicted(&cpu);
+        assert!(count > 0 && count < rows, "{count} of {rows}");
+        (cpu.passes, cpu.is_complete) = (all, true);
+        cpu.follow_on(false);
+        assert_eq!(predicted(&cpu), (0, rows));
+        // With the streams changed by hand, only the session knows.
+        cpu.twins = Some(3);
+        cpu.follow_on(true);
+        assert!(cpu.is_to_follow(PIXEL));
+    }
+}

@@ -7,11 +7,10 @@ use egui::{
 use raystep_lab::plots::Ink;
 use raystep_lab::plots::picture::{Element, Form, Picture, Point, Side};
 
+use super::style::SMALLEST;
+
 /// Largest magnification.
 const MOST: f32 = 1.6;
-
-/// The smallest text, in points.
-const SMALLEST: f32 = 11.0;
 
 /// Size of a font in an SVG file in relation to that of the same font here.
 const FONT: f64 = 1.24;

@@ -1,5 +1,7 @@
 //! The first screen of a report: measured on request, saved, and marked when it is of something else.
 
+use std::time::{Duration, Instant};
+
 use egui::{Key, Modifiers, Role};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
@@ -67,7 +69,9 @@ fn measuring_can_be_cancelled() {
     stage.click(Role::Button, "Measure");
     stage.frames(3);
     assert!(stage.harness.state().is_busy());
+    let begin = Instant::now();
     stage.key(Modifiers::NONE, Key::Escape);
     stage.settle();
+    assert!(begin.elapsed() < Duration::from_secs(20), "it was not cancelled, it ended by itself");
     assert!(!stage.reads(SENTENCE), "{}", stage.read_out());
 }

@@ -56,7 +56,7 @@ impl Histogram<'_> {
                     at,
                     Align2::CENTER_BOTTOM,
                     text,
-                    FontId::proportional(10.0),
+                    FontId::proportional(11.0),
                     ui.visuals().weak_text_color(),
                 );
             }
@@ -82,7 +82,7 @@ pub(in crate::ui) fn share_bar(ui: &mut Ui, share: f64, color: Color32) {
         rect.right_center() - vec2(3.0, 0.0),
         Align2::RIGHT_CENTER,
         &text,
-        FontId::proportional(10.0),
+        FontId::proportional(11.0),
         ink,
     );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &text));

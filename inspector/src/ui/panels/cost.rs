@@ -304,7 +304,9 @@ impl Cost {
                     let share = f64::from(cost) / total as f64 * 100.0;
                     let cells = [(rank + 1).to_string(), format!("{x},{y}"), cost.to_string(), format!("{share:.4}%")];
                     for cell in cells {
-                        row.col(|ui| drop(ui.add(egui::Label::new(RichText::new(cell).monospace()).selectable(false))));
+                        row.col(|ui| {
+                            drop(ui.add(egui::Label::new(RichText::new(cell).monospace()).selectable(false).extend()))
+                        });
                     }
                     if row.response().clicked() {
                         cx.shared.select = Some([x, y]);

@@ -84,7 +84,8 @@ impl Panel for Passes {
                         row.col(|ui| {
                             // Passes ahead are known from an earlier run.
                             let text = egui::RichText::new(cell);
-                            ui.label(if index > current { text.weak() } else { text });
+                            let text = if index > current { text.weak() } else { text };
+                            ui.add(egui::Label::new(text).extend());
                         });
                     }
                     if row.response().clicked() {

@@ -154,6 +154,7 @@ impl RayView {
         }
         self.shown = current;
         let states = cx.model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
+        let is_grid = cx.model.opened.as_ref().is_some_and(|opened| opened.data.features.grid);
         let mut chosen = None;
         table
             .header(height, |mut header| {
@@ -169,7 +170,7 @@ impl RayView {
                     table_row.set_selected(Some(index) == current);
                     let is_ahead = current.is_none_or(|c| index > c);
                     let mark = mark(cx.model, index, row);
-                    let (mut now, then) = (cells(row), before.map(cells));
+                    let (mut now, then) = (cells(row, is_grid), before.map(|row| cells(row, is_grid)));
                     now[0] += mark.as_ref().map_or("", |(mark, _)| mark);
                     for (c, cell) in now.iter().enumerate() {
                         table_row.col(|ui| {
@@ -225,14 +226,19 @@ fn or_dash(value: Option<f32>) -> String {
     value.map_or_else(|| "–".into(), short)
 }
 
-fn cells(row: &TraceRow) -> [String; 8] {
+fn cells(row: &TraceRow, is_grid: bool) -> [String; 8] {
     let a = &row.after;
     let [x, y, z] = a.tmax.map(or_dash);
     [
         row.number(),
         row.kernel.into(),
         a.state.into(),
-        row.cell.map_or_else(|| a.cell_index.to_string(), |[x, y, z]| format!("{x},{y},{z}")),
+        match row.cell {
+            Some([x, y, z]) => format!("{x},{y},{z}"),
+            // Only a pass of the walk works in a cell.
+            None if is_grid => "–".into(),
+            None => a.cell_index.to_string(),
+        },
         if a.tmax.iter().all(Option::is_none) { "–".into() } else { format!("{x} {y} {z}") },
         a.item.to_string(),
         or_dash(a.t),

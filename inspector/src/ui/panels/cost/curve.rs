@@ -37,7 +37,7 @@ impl Curve {
             let (x, y) = (part_of(rank, rays) as f32, cost_part(cost, most) as f32);
             pos2(inner.left() + x * inner.width(), inner.bottom() - y * inner.height())
         };
-        let (ink, font) = (ui.visuals().weak_text_color(), FontId::proportional(10.0));
+        let (ink, font) = (ui.visuals().weak_text_color(), FontId::proportional(11.0));
         // A line for every power of ten.
         let mut power = 1usize;
         while power <= rays {

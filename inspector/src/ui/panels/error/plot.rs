@@ -136,7 +136,7 @@ impl<'a> Plot<'a> {
     fn axes(&self, ui: &Ui, rect: Rect, field: Rect) {
         let painter = ui.painter_at(rect);
         painter.rect_filled(field, 0.0, ui.visuals().extreme_bg_color);
-        let (ink, font) = (ui.visuals().text_color(), FontId::proportional(10.0));
+        let (ink, font) = (ui.visuals().text_color(), FontId::proportional(11.0));
         let line = Stroke::new(0.5, ui.visuals().weak_text_color().gamma_multiply(0.5));
         for share in self.shares.marks(field.height()) {
             let y = self.at(field, 0.0, share).y;

@@ -54,7 +54,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
                 middle,
                 Align2::CENTER_CENTER,
                 "?",
-                FontId::proportional(10.0),
+                FontId::proportional(11.0),
                 ui.visuals().weak_text_color(),
             );
             continue;
@@ -67,7 +67,7 @@ pub(super) fn show(ui: &mut Ui, height: f32, kept: &mut Vec<Column>, is_log: boo
         rect.left_top() + vec2(3.0, 1.0),
         Align2::LEFT_TOP,
         scale,
-        FontId::proportional(10.0),
+        FontId::proportional(11.0),
         ui.visuals().weak_text_color(),
     );
     if let Some(current) = place.checked_sub(1) {

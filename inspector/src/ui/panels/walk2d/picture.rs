@@ -84,7 +84,7 @@ pub(super) fn draw(
     let dropped = AXES[3 - picture.axes[0] - picture.axes[1]];
     let frame = map.rect(picture.min, picture.max);
     let note = format!("seen along {dropped}: {right} to the right, {up} upwards");
-    painter.text(note_rect.left_top(), Align2::LEFT_TOP, note, FontId::proportional(10.5), visuals.weak_text_color());
+    painter.text(note_rect.left_top(), Align2::LEFT_TOP, note, FontId::proportional(11.0), visuals.weak_text_color());
     let painter = painter.with_clip_rect(frame.expand(4.0).intersect(painter.clip_rect()));
     lines(&painter, &map, picture, visuals);
     squares(&painter, &map, picture, scene);

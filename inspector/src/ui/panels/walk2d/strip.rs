@@ -100,7 +100,7 @@ impl Pen<'_> {
             }
             if has_names && column.width() >= 40.0 {
                 let [x, y, z] = cell.cell;
-                let (at, font) = (column.center_bottom() + vec2(0.0, 1.0), FontId::proportional(9.5));
+                let (at, font) = (column.center_bottom() + vec2(0.0, 1.0), FontId::proportional(11.0));
                 self.painter.text(at, Align2::CENTER_TOP, format!("{x},{y},{z}"), font, text_color);
             }
             let whole = Rect::from_min_max(pos2(left, self.body.top()), column.max);
@@ -144,7 +144,7 @@ impl Pen<'_> {
             if bar >= 8.0 {
                 let at = pos2(left + bar * 0.5, rect.bottom());
                 let name = ["x", "y", "z"][axis];
-                self.painter.text(at, Align2::CENTER_TOP, name, FontId::proportional(9.0), self.text_color(has_come));
+                self.painter.text(at, Align2::CENTER_TOP, name, FontId::proportional(11.0), self.text_color(has_come));
             }
         }
     }
@@ -172,7 +172,7 @@ impl Pen<'_> {
             }
             let name = node.node.to_string();
             if line >= 12.0 && bar.width() > 7.0 * name.len() as f32 + 10.0 {
-                let (at, font) = (bar.right_center() - vec2(4.0, 0.0), FontId::proportional(9.5));
+                let (at, font) = (bar.right_center() - vec2(4.0, 0.0), FontId::proportional(11.0));
                 self.painter.text(at, Align2::RIGHT_CENTER, name, font, self.text_color(has_come));
             }
             if self.is_over(bar) {
@@ -249,7 +249,7 @@ impl Pen<'_> {
                 _ if x > rect.right() - 20.0 => Align2::RIGHT_TOP,
                 _ => Align2::CENTER_TOP,
             };
-            self.painter.text(pos2(x, y + 4.0), align, text, FontId::proportional(9.5), visuals.weak_text_color());
+            self.painter.text(pos2(x, y + 4.0), align, text, FontId::proportional(11.0), visuals.weak_text_color());
         }
         let Some(now) = self.scene.now else { return };
         let inside = |t: &f64| (self.strip.t[0]..=self.strip.t[1]).contains(t);

@@ -1,0 +1,64 @@
+//! Text that can be read: at least 4.5:1 against the window, and 11 points high.
+
+use egui::{Color32, FontId, Style, TextStyle, Theme};
+
+/// The smallest text, in points.
+pub(in crate::ui) const SMALLEST: f32 = 11.0;
+
+/// Shades of normal and weak text, by theme. Weak text has about 6:1 against the panels of either theme.
+fn shades(theme: Theme) -> [u8; 2] {
+    match theme {
+        Theme::Dark => [195, 155],
+        Theme::Light => [45, 95],
+    }
+}
+
+/// Sets the style of both themes.
+pub(super) fn set(ctx: &egui::Context) {
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| adapt(style, theme));
+    }
+}
+
+fn adapt(style: &mut Style, theme: Theme) {
+    let [normal, weak] = shades(theme).map(Color32::from_gray);
+    style.visuals.widgets.noninteractive.fg_stroke.color = normal;
+    style.visuals.weak_text_color = Some(weak);
+    style.text_styles.insert(TextStyle::Small, FontId::proportional(SMALLEST));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance (WCAG 2.1).
+    fn luminance(color: Color32) -> f64 {
+        let [r, g, b] = [color.r(), color.g(), color.b()].map(|part| {
+            let part = f64::from(part) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        });
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn text_can_be_read_on_every_background_of_both_themes() {
+        for theme in [Theme::Dark, Theme::Light] {
+            let mut style = Style { visuals: theme.default_visuals(), ..Style::default() };
+            adapt(&mut style, theme);
+            let visuals = &style.visuals;
+            let stripe = visuals.panel_fill.blend(visuals.faint_bg_color);
+            for text in [visuals.text_color(), visuals.weak_text_color(), visuals.strong_text_color()] {
+                for background in [visuals.panel_fill, stripe, visuals.extreme_bg_color, visuals.window_fill] {
+                    let ratio = contrast(text, background);
+                    assert!(ratio >= 4.5, "{theme:?}: {text:?} on {background:?} has {ratio:.2}:1");
+                }
+            }
+            assert!(style.text_styles.values().all(|font| font.size >= SMALLEST), "{:?}", style.text_styles);
+        }
+    }
+}
