@@ -32,7 +32,7 @@ use raystep_lab::text::counted;
 use crate::saved::Saved;
 use crate::session::engine::{Devices, OPENING};
 use crate::session::request::{Opened, Request};
-use crate::session::{Model, Target};
+use crate::session::{Model, Target, Told};
 use crate::settings::{DeviceKind, Settings, View};
 use asked_path::{AskedPath, NOT_WRITTEN};
 use canvas::Canvas;
@@ -150,7 +150,13 @@ impl Inspector {
             || self.other.as_ref().is_some_and(Model::is_busy)
             || !self.todo.is_empty()
             || self.is_to_follow()
+            || self.is_confirming()
             || self.lesson.as_ref().is_some_and(Lesson::is_waiting)
+    }
+
+    /// Whether the device has yet to confirm the selected ray's history.
+    fn is_confirming(&self) -> bool {
+        std::iter::once(&self.model).chain(&self.other).any(|model| model.told == Told::Reference)
     }
 
     /// Whether the selected ray has yet to be followed.

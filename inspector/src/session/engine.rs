@@ -21,6 +21,8 @@ use crate::settings::{DeviceKind, Settings};
 
 /// The name of opening a scene in errors.
 pub const OPENING: &str = "opening the scene";
+/// The name of following a ray.
+pub(super) const FOLLOWING: &str = "following the ray";
 
 /// A task that serves requests until all senders are gone.
 pub type EngineTask = Pin<Box<dyn Future<Output = ()> + Send>>;
@@ -135,7 +137,7 @@ fn name(request: &Request) -> &'static str {
         Request::Edit(..) => "editing a texel",
         Request::ClearEdits => "undoing edits",
         Request::TwinsUntil(_) => "running passes on the CPU reference",
-        Request::Follow(_) | Request::Confirm(_) => "following the ray",
+        Request::Follow(_) | Request::Confirm(_) => FOLLOWING,
         Request::Read { .. } | Request::ReadAll(_) | Request::Count(..) => "reading a stream",
         Request::Pin(_) => "pinning a stream",
         Request::Job(what, _) => what,

@@ -218,7 +218,10 @@ impl Model {
             Update::Done(what, answer) => self.answers.push((what, answer)),
             Update::Progress(what, done, of) => self.work = Some(Work { what, done, of }),
             Update::Failed(what, message) => self.failures.push((what, message)),
-            Update::Cancelled(what) => self.cancelled.push(what),
+            Update::Cancelled(what) => {
+                self.unconfirmed(what);
+                self.cancelled.push(what);
+            }
             Update::Idle => {
                 self.waiting = self.waiting.saturating_sub(1);
                 self.work = None;

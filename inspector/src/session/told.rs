@@ -6,6 +6,7 @@ use std::sync::Arc;
 use raystep_kernels::export::trace::{RunSoFar, Trace, TraceRow};
 
 use super::Model;
+use super::engine::FOLLOWING;
 use super::request::Request;
 use crate::settings::DeviceKind;
 
@@ -84,6 +85,13 @@ impl Model {
                 self.told = Told::Compared { differing };
             }
             Ok(_) => {}
+        }
+    }
+
+    /// Work was cancelled: if it was to confirm the history, that stays unconfirmed.
+    pub(super) fn unconfirmed(&mut self, what: &str) {
+        if self.told == Told::Reference && what == FOLLOWING {
+            self.told = Told::Unconfirmed("cancelled".into());
         }
     }
 

@@ -10,6 +10,7 @@ use lanes::LanesView;
 use raystep_lab::work::{CostOrder, Measure, costs};
 use serde::{Deserialize, Serialize};
 
+use super::scroll::Scroll;
 use crate::session::Edit;
 use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::command::Command;
@@ -62,8 +63,7 @@ pub(in crate::ui) struct Cost {
     shown: Shown,
     asked: Option<Of>,
     sorted: Option<(Of, Sorted)>,
-    /// The ray that was last scrolled to.
-    scrolled: Option<usize>,
+    scroll: Scroll,
     lanes: LanesView,
 }
 
@@ -271,18 +271,18 @@ impl Cost {
         let count = order.rays().len().min(MOST_LISTED);
         let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
         let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
+        let scroll_to = self.scroll.to(ui, selected);
         let mut table = TableBuilder::new(ui)
             .id_salt("dearest")
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
+            // Where it is now matters, not the way there.
+            .animate_scrolling(false)
             .columns(Column::auto().at_least(36.0), 3)
             .column(Column::remainder().at_least(40.0));
-        if self.scrolled != selected {
-            self.scrolled = selected;
-            if let Some(rank) = selected.and_then(|ray| order.rank(ray)).filter(|&rank| rank < count) {
-                table = table.scroll_to_row(rank, None);
-            }
+        if let Some(rank) = scroll_to.and_then(|ray| order.rank(ray)).filter(|&rank| rank < count) {
+            table = table.scroll_to_row(rank, None);
         }
         table
             .header(height, |mut header| {

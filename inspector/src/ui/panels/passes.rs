@@ -3,13 +3,13 @@
 use egui_extras::{Column, TableBuilder};
 use raystep_kernels::Pass;
 
+use super::scroll::Scroll;
 use crate::ui::pane::{Context, Panel};
 
 /// The list of passes.
 #[derive(Default)]
 pub(in crate::ui) struct Passes {
-    /// Place that was scrolled to.
-    shown: Option<usize>,
+    scroll: Scroll,
     /// Show only the passes that processed the selected ray.
     only_ray: bool,
 }
@@ -45,14 +45,16 @@ impl Panel for Passes {
         let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
         // All four columns must fit the narrow column of the simple layout.
         ui.spacing_mut().item_spacing.x = 4.0;
+        let scroll_to = self.scroll.to(ui, Some(place));
         let mut table = TableBuilder::new(ui)
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
+            // Where it is now matters, not the way there.
+            .animate_scrolling(false)
             .columns(Column::auto().at_least(30.0), 3)
             .column(Column::remainder().at_least(40.0));
-        if self.shown != Some(place) {
-            self.shown = Some(place);
+        if scroll_to.is_some() {
             table = table.scroll_to_row(current, Some(egui::Align::Center));
         }
         let mut chosen = None;

@@ -6,6 +6,7 @@ use raystep_kernels::export::trace::{Trace, TraceRow};
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
+use super::scroll::Scroll;
 use crate::draw::stream::state_color;
 use crate::session::{Model, Told};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
@@ -13,8 +14,7 @@ use crate::ui::pane::{Context, NO_RAYS, Panel};
 /// The ray history.
 #[derive(Default)]
 pub(in crate::ui) struct RayView {
-    /// The row that was last scrolled to.
-    shown: Option<usize>,
+    scroll: Scroll,
 }
 
 const HEADS: [(&str, &str); 8] = [
@@ -143,16 +143,18 @@ impl RayView {
 
     fn columns(&mut self, ui: &mut egui::Ui, life: &Trace, current: Option<usize>, cx: &mut Context<'_>) {
         let height = ui.text_style_height(&egui::TextStyle::Monospace) + 4.0;
+        let scroll_to = self.scroll.to(ui, current);
         let mut table = TableBuilder::new(ui)
             .striped(true)
             .sense(egui::Sense::click())
             .auto_shrink(false)
+            // Where it is now matters, not the way there.
+            .animate_scrolling(false)
             .columns(Column::auto().at_least(28.0), HEADS.len())
             .column(Column::remainder().at_least(480.0));
-        if let Some(row) = current.filter(|_| self.shown != current) {
+        if let Some(row) = scroll_to {
             table = table.scroll_to_row(row, Some(egui::Align::Center));
         }
-        self.shown = current;
         let states = cx.model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
         let is_grid = cx.model.opened.as_ref().is_some_and(|opened| opened.data.features.grid);
         let mut chosen = None;
