@@ -19,12 +19,7 @@ pub(super) fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) ->
 
 /// Copies a stream's values into such a texture.
 pub(super) fn fill(gpu: &Gpu, texture: &wgpu::Texture, data: &StreamData) {
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(4 * data.width),
-        rows_per_image: Some(data.height),
-    };
-    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&data.bits), layout, texture.size());
+    gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(&data.bits));
 }
 
 /// The textures of all streams whose elements are counted: the run's own on a GPU, otherwise `copies`, which are made

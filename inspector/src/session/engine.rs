@@ -244,6 +244,7 @@ impl Server {
                 Ok(())
             }
             Request::Edit(stream, layer, [x, y], bits) => {
+                let _moving = Moving::new(&self.moving);
                 let Some(run) = &mut self.run else { return Ok(()) };
                 run.known = run.session.place();
                 run.session.edit(stream, layer, x, y, bits).await?;
@@ -359,6 +360,7 @@ impl Server {
             Device::Gpu(gpu) => gpu.why_no_times(),
             Device::Cpu(clock) | Device::CpuF64(clock) => clock.is_none().then(|| "the host provided no clock".into()),
         };
+        let _moving = Moving::new(&self.moving);
         self.say(Update::Opened(Box::new(Opened {
             path: path.clone(),
             scene: scene.clone(),

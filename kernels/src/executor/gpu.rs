@@ -238,16 +238,8 @@ impl GpuExecutor {
     }
 
     fn upload(&self, texture: &wgpu::Texture, origin: wgpu::Origin3d, size: wgpu::Extent3d, texels: &[u32]) {
-        self.gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() },
-            bytemuck::cast_slice(texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * size.width),
-                rows_per_image: Some(size.height),
-            },
-            size,
-        );
+        let to = wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() };
+        self.gpu.write_texture(to, size, bytemuck::cast_slice(texels));
     }
 
     /// Replaces one component of one ray, except its tag, on which the lists depend. Returns false if the plan left the

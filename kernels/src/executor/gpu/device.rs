@@ -316,6 +316,18 @@ impl Gpu {
         });
     }
 
+    /// Writes a part of a texture, rows and layers one after the other, 4 bytes a texel. Not while another thread
+    /// submits: to submit, wgpu locks the queue and then the state of a texture, and to write, the other way round.
+    pub fn write_texture(&self, to: wgpu::TexelCopyTextureInfo<'_>, size: wgpu::Extent3d, texels: &[u8]) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * size.width),
+            rows_per_image: Some(size.height),
+        };
+        #[expect(clippy::disallowed_methods, reason = "the one place where it is called")]
+        self.gate.pass(|| self.queue.write_texture(to, texels, layout, size));
+    }
+
     /// Holds back everything that other threads submit, until the returned guard is dropped. The thread that calls this
     /// must not submit while it holds the guard.
     pub fn hold_back(self: &Arc<Self>) -> Held {

@@ -233,10 +233,5 @@ impl Rays {
 
 fn upload(gpu: &Gpu, texture: &wgpu::Texture, words: &[u32]) {
     let size = texture.size();
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(4 * size.width),
-        rows_per_image: Some(size.height),
-    };
-    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(words), layout, size);
+    gpu.write_texture(texture.as_image_copy(), size, bytemuck::cast_slice(words));
 }
