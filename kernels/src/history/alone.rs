@@ -1,13 +1,12 @@
 //! One ray on the CPU reference kernels, without the others: its history along the passes of a run, at a microsecond or
 //! so per pass, without a device and without moving the run.
 
-use super::{Trace, TraceRow, after_all};
+use super::{RayState, Trace, TraceRow, after_all};
 use crate::executor::cpu::{from_stream_bits, to_stream_bits};
 use crate::plan::Plan;
 use crate::program::kernel::Precision;
 use crate::program::schedule::Cursor;
 use crate::program::{Kernel, Twin};
-use crate::programs::closest_hit::ray_state::RayState;
 use crate::renderer::Pass;
 use crate::scene_data::SceneData;
 use crate::tables::kernel::Role;
@@ -51,7 +50,8 @@ impl RunSoFar<'_> {
         }
         let mut ray = Alone::<R>::new(self.plan, self.data, [x, y])?;
         let mut cursor = Cursor::start();
-        let mut counts = StateCounts::default();
+        // Before the first pass all rays are in this ray's state.
+        let mut counts = ray.counts();
         let mut rows = Vec::new();
         for pass in self.passes {
             // Keeps the position in the schedule, for what comes after the known passes.
