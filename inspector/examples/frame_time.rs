@@ -6,19 +6,19 @@
 //! On Linux it prints the thread's own time on the CPU, else wall-clock time, which is the same where nothing else runs:
 //! software Vulkan, for one, traces on the same cores.
 
+mod common;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use common::Threads;
 use egui::mutex::RwLock;
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
-use raystep_inspector::session::engine::{Devices, EngineTask};
-use raystep_inspector::session::request::Loader;
+use raystep_inspector::session::engine::Devices;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::{AdapterChoice, Gpu};
-use raystep_lab::block_on_shared;
 use raystep_lab::statistics::quantile;
 
 /// The frame's budget.
@@ -34,43 +34,6 @@ fn now(begin: Instant) -> Duration {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let ns = text.and_then(|text| text.split_whitespace().next()?.parse().ok());
     ns.map_or_else(|| begin.elapsed(), Duration::from_nanos)
-}
-
-struct Threads {
-    gpu: Arc<Gpu>,
-    triangles: u64,
-}
-
-impl Host for Threads {
-    fn spawn(&mut self, task: EngineTask) {
-        let gpu = self.gpu.clone();
-        std::thread::spawn(move || block_on_shared(&gpu, task));
-    }
-
-    fn scene_of(&self, path: &str) -> (String, Option<usize>) {
-        (path.into(), None)
-    }
-
-    fn path_of(&self, scene: &str, _index: Option<usize>) -> String {
-        scene.into()
-    }
-
-    fn loader(&mut self, _path: &str) -> Loader {
-        let triangles = self.triangles;
-        Box::new(move || raystep_scenes::generate::terrain(triangles, 1).map_err(|e| e.to_string()))
-    }
-
-    fn choose_scene(&mut self) {}
-
-    fn save(&mut self, _file: FileToSave) {}
-
-    fn save_as(&mut self, _file: FileToSave, _path: &str, _replaces: bool) {}
-
-    fn events(&mut self) -> Vec<HostEvent> {
-        Vec::new()
-    }
-
-    fn remember(&mut self, _saved: &str) {}
 }
 
 /// A window without a screen.

@@ -6,69 +6,30 @@
 //! Two idle repaints stand beside: no answer is shown sooner than a repaint takes, and one that needs two frames takes
 //! two of them.
 
+mod common;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use common::Threads;
 use egui::mutex::RwLock;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_wgpu::{Renderer, RendererOptions};
 use raystep_inspector::draw::picture::{FORMAT, picture};
-use raystep_inspector::session::engine::{Devices, EngineTask};
-use raystep_inspector::session::request::Loader;
+use raystep_inspector::session::engine::Devices;
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_inspector::ui::{Arrival, Inspector, background, offscreen};
 use raystep_kernels::{AdapterChoice, Gpu};
+use raystep_lab::block_on;
 use raystep_lab::statistics::quantile;
-use raystep_lab::{block_on, block_on_shared};
 
 const SIZE: [u32; 2] = [1280, 800];
 /// Actions of each kind.
 const TIMES: usize = 50;
 /// Time limit of an action.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-struct Threads {
-    gpu: Arc<Gpu>,
-    triangles: u64,
-}
-
-impl Host for Threads {
-    fn spawn(&mut self, task: EngineTask) {
-        let gpu = self.gpu.clone();
-        std::thread::spawn(move || block_on_shared(&gpu, task));
-    }
-
-    fn scene_of(&self, path: &str) -> (String, Option<usize>) {
-        (path.into(), None)
-    }
-
-    fn path_of(&self, scene: &str, _index: Option<usize>) -> String {
-        scene.into()
-    }
-
-    fn loader(&mut self, _path: &str) -> Loader {
-        let triangles = self.triangles;
-        Box::new(move || match triangles {
-            0 => Ok(raystep_scenes::generate::cornell_box()),
-            count => raystep_scenes::generate::terrain(count, 1).map_err(|e| e.to_string()),
-        })
-    }
-
-    fn choose_scene(&mut self) {}
-
-    fn save(&mut self, _file: FileToSave) {}
-
-    fn save_as(&mut self, _file: FileToSave, _path: &str, _replaces: bool) {}
-
-    fn events(&mut self) -> Vec<HostEvent> {
-        Vec::new()
-    }
-
-    fn remember(&mut self, _saved: &str) {}
-}
 
 /// A window without a screen.
 struct Window {

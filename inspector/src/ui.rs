@@ -44,6 +44,7 @@ use lessons::Lesson;
 use pane::{Context, Pane, PaneKind};
 use shared::Shared;
 pub use shared::Shown;
+pub use style::background;
 
 /// The inspector. The owner of the window calls [`ui`](Self::ui) once per frame.
 pub struct Inspector {
@@ -391,13 +392,6 @@ impl Inspector {
             models.filter(|model| model.is_to_follow(pixel)).for_each(|model| model.follow(pixel));
         }
     }
-}
-
-/// The colour that the window is cleared with: no panel paints a background of its own, which would double the work of a
-/// software renderer.
-#[must_use]
-pub fn background(ctx: &egui::Context) -> egui::Color32 {
-    ctx.global_style().visuals.panel_fill
 }
 
 /// The message if the scene has no such camera.

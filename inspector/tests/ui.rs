@@ -8,6 +8,7 @@ mod desk;
 mod error;
 mod exports;
 mod hard;
+mod measured;
 mod names;
 mod session;
 mod snapshots;

@@ -20,6 +20,13 @@ pub(super) fn set(ctx: &egui::Context) {
     }
 }
 
+/// The colour that the window is cleared with: no panel paints a background of its own, which would double the work of a
+/// software renderer.
+#[must_use]
+pub fn background(ctx: &egui::Context) -> egui::Color32 {
+    ctx.global_style().visuals.panel_fill
+}
+
 fn adapt(style: &mut Style, theme: Theme) {
     let [normal, weak] = shades(theme).map(Color32::from_gray);
     style.visuals.widgets.noninteractive.fg_stroke.color = normal;

@@ -1,0 +1,50 @@
+//! A host for windows without a screen: threads, and a generated scene.
+
+use std::sync::Arc;
+
+use raystep_inspector::session::engine::EngineTask;
+use raystep_inspector::session::request::Loader;
+use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
+use raystep_kernels::Gpu;
+use raystep_lab::block_on_shared;
+
+/// Runs tasks in threads; every path is the Cornell box, or a terrain of so many triangles.
+pub struct Threads {
+    pub gpu: Arc<Gpu>,
+    pub triangles: u64,
+}
+
+impl Host for Threads {
+    fn spawn(&mut self, task: EngineTask) {
+        let gpu = self.gpu.clone();
+        std::thread::spawn(move || block_on_shared(&gpu, task));
+    }
+
+    fn scene_of(&self, path: &str) -> (String, Option<usize>) {
+        (path.into(), None)
+    }
+
+    fn path_of(&self, scene: &str, _index: Option<usize>) -> String {
+        scene.into()
+    }
+
+    fn loader(&mut self, _path: &str) -> Loader {
+        let triangles = self.triangles;
+        Box::new(move || match triangles {
+            0 => Ok(raystep_scenes::generate::cornell_box()),
+            count => raystep_scenes::generate::terrain(count, 1).map_err(|e| e.to_string()),
+        })
+    }
+
+    fn choose_scene(&mut self) {}
+
+    fn save(&mut self, _file: FileToSave) {}
+
+    fn save_as(&mut self, _file: FileToSave, _path: &str, _replaces: bool) {}
+
+    fn events(&mut self) -> Vec<HostEvent> {
+        Vec::new()
+    }
+
+    fn remember(&mut self, _saved: &str) {}
+}
