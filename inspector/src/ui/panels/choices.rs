@@ -219,15 +219,18 @@ fn layout(ui: &Ui, sentence: &[(String, bool)]) -> LayoutJob {
 /// Names to the left, numbers to the right.
 fn table(ui: &mut Ui, answer: &Answer) {
     ScrollArea::horizontal().id_salt("choices").show(ui, |ui| {
-        Grid::new("choices").striped(true).num_columns(answer.columns.len()).spacing([16.0, 3.0]).show(ui, |ui| {
+        Grid::new("choices").striped(true).num_columns(answer.columns.len() + 1).spacing([16.0, 3.0]).show(ui, |ui| {
             for (i, name) in answer.columns.iter().enumerate() {
                 aligned(ui, i, |ui| ui.strong(*name));
             }
+            ui.label("");
             ui.end_row();
             for row in &answer.rows {
                 for (i, cell) in row.iter().enumerate() {
                     aligned(ui, i, |ui| ui.label(cell));
                 }
+                // The last cell takes all the width that is left.
+                ui.label("");
                 ui.end_row();
             }
         });
