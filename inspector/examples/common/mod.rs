@@ -9,9 +9,9 @@ use raystep_kernels::Gpu;
 use raystep_lab::block_on_shared;
 
 /// Runs tasks in threads; every path is the Cornell box, or a terrain of so many triangles.
-pub struct Threads {
-    pub gpu: Arc<Gpu>,
-    pub triangles: u64,
+pub(crate) struct Threads {
+    pub(crate) gpu: Arc<Gpu>,
+    pub(crate) triangles: u64,
 }
 
 impl Host for Threads {
