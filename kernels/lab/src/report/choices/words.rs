@@ -76,9 +76,18 @@ fn answer(scene: &str, rows: &[Row], outside: Option<&str>) -> String {
     }
     let is_other = |r: &&Row| !std::ptr::eq(*r, fastest) && !std::ptr::eq(*r, best) && r.get("method").is_empty();
     let others = || rows.iter().filter(is_other);
-    let alike = others().filter(|r| is_accurate(r) && compared("time_ratio", r) != Compared::Slower);
-    let alike: Vec<&Row> = alike.collect();
+    let accurate = |are: &[Compared]| {
+        let those = others().filter(|r| is_accurate(r) && are.contains(&compared("time_ratio", r)));
+        those.collect::<Vec<&Row>>()
+    };
+    let alike = accurate(&[Compared::NotDistinguishable, Compared::Unknown]);
+    // The fastest was found in other rounds than those that are compared: there, another may be faster.
+    let sooner = accurate(&[Compared::Faster]);
+    if !sooner.is_empty() {
+        text += &format!(" Faster still in the rounds that are compared: {}.", listed(&sooner));
+    }
     text += &match (alike.is_empty(), is_fastest, is_slower) {
+        (true, ..) if !sooner.is_empty() => String::new(),
         (true, _, true) => " Every other accurate choice is slower than that.".to_owned(),
         (true, _, false) => " Every other accurate choice is slower.".to_owned(),
         (false, true, _) => format!(" Not distinguishable in time: {}.", listed(&alike)),
@@ -152,7 +161,8 @@ fn papers_instead(fastest: &Row, best: &Row) -> String {
     let time = match compared("time_ratio", best) {
         Compared::Slower => format!("({name}) take {ns}"),
         Compared::Unknown => format!("({name}) take {ns}, in too few runs to compare,"),
-        Compared::Faster | Compared::NotDistinguishable => format!("({name}; {ns}) are not distinguishable in time"),
+        Compared::Faster => format!("({name}) take {ns}, longer in the rounds that are compared,"),
+        Compared::NotDistinguishable => format!("({name}; {ns}) are not distinguishable in time"),
     };
     let wrong = match fastest.get("wrong_rays") {
         "0" => "none of these rays wrong either".to_owned(),
@@ -240,6 +250,16 @@ mod tests {
         let (all, _) = told(&rows, None);
         assert!(all.contains(" (bvh, fused; 107 ns) are not distinguishable in time and got none"), "{all}");
         assert!(all.contains(" Not distinguishable either: grid, compact, robust. Accurate"), "{all}");
+        // Found to be slower in the rounds that choose, and faster in those that compare.
+        let faster = |name| row(name, 100.0, Some([0.7, 0.9]), 0);
+        let (all, _) = told(&[row(BVH, 107.0, None, 0), faster(GRID)], None);
+        let told_so = "Faster still in the rounds that are compared: grid, compact, robust. Accurate";
+        assert!(all.contains(told_so) && !all.contains("slower"), "{all}");
+        let (all, _) = told(&[row(PAPER, 107.0, None, 0), faster(BVH)], None);
+        assert!(
+            all.contains(" (bvh, fused) take 107 ns, longer in the rounds that are compared, and got none"),
+            "{all}"
+        );
     }
 
     #[test]
