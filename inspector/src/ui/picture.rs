@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut Ui, picture: &Picture, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     if ui.is_rect_visible(rect) {
         let paint = Paint { ui, rect, scale };
-        let shapes: Vec<Shape> = picture.elements.iter().filter_map(|element| paint.shape(element)).collect();
+        let shapes: Vec<Shape> = picture.elements.iter().map(|element| paint.shape(element)).collect();
         ui.painter_at(rect).extend(shapes);
     }
 }
@@ -39,11 +39,10 @@ impl Paint<'_> {
         self.rect.min + vec2(x as f32, y as f32) * self.scale
     }
 
-    /// `None` for the background.
-    fn color(&self, element: &Element) -> Option<Color32> {
+    fn color(&self, element: &Element) -> Color32 {
         let visuals = self.ui.visuals();
         let color = match Ink::of(element.color) {
-            Ink::Paper => return None,
+            Ink::Paper => visuals.panel_fill,
             Ink::Rule => visuals.weak_text_color().gamma_multiply(0.35),
             Ink::Text => visuals.text_color(),
             Ink::Data(colors) => {
@@ -51,13 +50,13 @@ impl Paint<'_> {
                 Color32::from_rgb(red, green, blue)
             }
         };
-        Some(color.gamma_multiply(element.opacity as f32))
+        color.gamma_multiply(element.opacity as f32)
     }
 
-    fn shape(&self, element: &Element) -> Option<Shape> {
-        let color = self.color(element)?;
+    fn shape(&self, element: &Element) -> Shape {
+        let color = self.color(element);
         let stroke = |width: u32| Stroke::new(width as f32, color);
-        Some(match &element.form {
+        match &element.form {
             Form::Line { points, width } => {
                 Shape::line(points.iter().map(|&point| self.at(point)).collect(), stroke(*width))
             }
@@ -83,7 +82,7 @@ impl Paint<'_> {
                 let size = ((size / FONT) as f32 * self.scale).max(SMALLEST);
                 self.text(text, self.at(*at), size, align.map(align_of), *is_vertical, color)
             }
-        })
+        }
     }
 
     fn text(&self, text: &str, at: Pos2, size: f32, align: [Align; 2], is_vertical: bool, color: Color32) -> Shape {

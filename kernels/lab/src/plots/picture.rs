@@ -12,7 +12,7 @@ use plotters_backend::{BackendColor, BackendCoord, BackendStyle, BackendTextStyl
 use super::draw::Drawn;
 use crate::Error;
 
-/// A plot, in pixels from its top left corner.
+/// A plot, in pixels from its top left corner. It has no background: an SVG file's is white, a window has its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width and height.
@@ -92,11 +92,11 @@ pub enum Side {
 pub(super) type Area<'a> = DrawingArea<Recorder<'a>, Shift>;
 
 impl Picture {
-    /// What `draw` draws, on white.
+    /// What `draw` draws.
     pub(super) fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<Self, Error> {
         let mut elements = Vec::new();
         let area = Recorder { size, elements: &mut elements }.into_drawing_area();
-        let result = area.fill(&WHITE).map_err(Into::into).and_then(|()| draw(&area));
+        let result = draw(&area);
         drop(area);
         result.map_err(|e| Error::Plot(e.to_string()))?;
         Ok(Self { size, elements })
@@ -109,7 +109,11 @@ impl Picture {
     pub fn svg(&self) -> Result<String, Error> {
         let mut svg = String::new();
         let mut backend = SVGBackend::with_string(&mut svg, self.size);
-        let drawn = self.elements.iter().try_for_each(|element| element.draw(&mut backend));
+        let corner = (self.size.0 as i32, self.size.1 as i32);
+        let mut drawn = backend.draw_rect((0, 0), corner, &WHITE.to_backend_color(), true);
+        for element in &self.elements {
+            drawn = drawn.and_then(|()| element.draw(&mut backend));
+        }
         drawn.and_then(|()| backend.present()).map_err(|e| Error::Plot(e.to_string()))?;
         drop(backend);
         Ok(svg)

@@ -244,13 +244,18 @@ mod tests {
         let text = svg(&choices);
         assert!(text.contains("&lt;100&gt;") && text.contains("&lt;50&gt;") && text.contains("at most 81 per million"));
         assert!(text.contains("wrong per million"));
+        let first = text.lines().nth(1).unwrap_or_default();
+        assert!(
+            first.starts_with("<rect x=\"0\" y=\"0\" width=\"620\"") && first.contains("fill=\"#FFFFFF\""),
+            "{first}"
+        );
         // Three choices and the legend's mark.
         assert_eq!(text.matches("<circle").count(), 4);
         let arrows = Precision { from: Some(1.0), ..of(vec![choice(2.0, 0.0)]) };
         assert!(svg(&arrows).contains("<polygon"));
     }
 
-    /// Backgrounds of labels: white rectangles but for the picture's own background.
+    /// Backgrounds of labels: white rectangles.
     fn backgrounds(picture: &Picture) -> Vec<Frame> {
         let frame = |element: &Element| match element.form {
             Form::Rectangle { corners: [(left, top), (right, bottom)], is_filled: true }
@@ -260,7 +265,7 @@ mod tests {
             }
             _ => None,
         };
-        picture.elements.iter().skip(1).filter_map(frame).collect()
+        picture.elements.iter().filter_map(frame).collect()
     }
 
     #[test]
