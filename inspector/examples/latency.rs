@@ -115,6 +115,22 @@ impl Window {
         vec![Event::PointerMoved(at), button(true), button(false)]
     }
 
+    /// The same until another ray is selected, and its history is there.
+    fn time_of_ray(&mut self, events: Vec<Event>) -> Duration {
+        let before = self.inspector.pixel();
+        self.time(events, |window| {
+            let pixel = window.inspector.pixel();
+            pixel != before && window.inspector.model().life.as_ref().map(|life| life.pixel) == pixel
+        })
+    }
+
+    /// Prints a row of times of an action.
+    fn times(&mut self, name: &str, limit_ms: f64, count: usize, mut action: impl FnMut(&mut Self, usize) -> Duration) {
+        let times: Vec<Duration> = (0..count).map(|i| action(self, i)).collect();
+        row(name, limit_ms, &times);
+        self.settle();
+    }
+
     fn key(modifiers: Modifiers, key: Key) -> Vec<Event> {
         let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
         vec![event(true), event(false)]
@@ -155,11 +171,11 @@ fn main() -> Result<(), String> {
     let is_there = |w: &Window| w.inspector.model().is_complete && !w.inspector.is_busy();
     let opened = window.time(Vec::new(), is_there);
     window.settle();
-    let (width, end) = {
+    let end = {
         let model = window.inspector.model();
         let plan = &model.opened.as_ref().ok_or("the scene could not be opened")?.plan;
         println!("{} triangles, {} × {} rays, {} passes\n", plan.triangles, plan.width, plan.height, model.place);
-        (plan.width, model.place)
+        model.place
     };
     println!("| action | times | median, ms | 90% | worst | limit, ms |\n|---|--:|--:|--:|--:|---|");
     row("open, until the picture is there", 1500.0, &[opened]);
@@ -178,63 +194,31 @@ fn main() -> Result<(), String> {
     let mut random = raystep_lab::rays::Random::new(1);
     // The picture lies in the middle of the simple layout.
     let mut place = || pos2(320.0 + 360.0 * random.unit() as f32, 260.0 + 360.0 * random.unit() as f32);
-    let clicks = (0..TIMES).map(|_| {
-        let before = window.inspector.pixel();
+    window.times("click, until the ray's history is there", 100.0, TIMES, |window, _| {
         let events = window.click(place());
-        let is_shown = |w: &Window| {
-            let pixel = w.inspector.pixel();
-            pixel != before && w.inspector.model().life.as_ref().map(|life| life.pixel) == pixel
-        };
-        window.time(events, is_shown)
+        window.time_of_ray(events)
     });
-    let clicks: Vec<Duration> = clicks.collect();
-    row("click, until the ray's history is there", 100.0, &clicks);
-    window.settle();
-    let hovers = (0..TIMES).map(|_| {
-        let at = place();
-        window.time(vec![Event::PointerMoved(at)], |_| true)
+    window.times("hover", 50.0, TIMES, |window, _| window.time(vec![Event::PointerMoved(place())], |_| true));
+    window.times("arrow key, until the neighbour's history is there", 100.0, TIMES, |window, i| {
+        window.time_of_ray(Window::key(Modifiers::NONE, if i % 20 < 10 { Key::ArrowLeft } else { Key::ArrowRight }))
     });
-    let hovers: Vec<Duration> = hovers.collect();
-    row("hover", 50.0, &hovers);
-    window.settle();
-    let arrows = (0..TIMES).map(|i| {
-        let before = window.inspector.pixel();
-        let key = if i % 20 < 10 { Key::ArrowLeft } else { Key::ArrowRight };
-        let is_shown = |w: &Window| {
-            let pixel = w.inspector.pixel();
-            pixel != before && w.inspector.model().life.as_ref().map(|life| life.pixel) == pixel
-        };
-        window.time(Window::key(Modifiers::NONE, key), is_shown)
-    });
-    let arrows: Vec<Duration> = arrows.collect();
-    row("arrow key, until the neighbour's history is there", 100.0, &arrows);
-    window.settle();
-
-    let back = (0..TIMES.min(end)).map(|_| {
-        let here = window.inspector.model().place;
-        let time = window.time(Window::key(Modifiers::SHIFT, Key::F10), |w| w.inspector.model().place < here);
-        window.settle();
-        time
-    });
-    let back: Vec<Duration> = back.collect();
-    row("Shift+F10", 250.0, &back);
-    let forward = (0..TIMES.min(end)).map(|_| {
-        let here = window.inspector.model().place;
-        let time = window.time(Window::key(Modifiers::NONE, Key::F10), |w| w.inspector.model().place > here);
-        window.settle();
-        time
-    });
-    let forward: Vec<Duration> = forward.collect();
-    row("F10", 100.0, &forward);
-    let jumps = (0..10).map(|i| {
-        let key = if i % 2 == 0 { Key::Home } else { Key::End };
-        let wanted = if i % 2 == 0 { 0 } else { end };
+    for (name, limit_ms, modifiers, is_there) in [
+        ("Shift+F10", 250.0, Modifiers::SHIFT, usize::lt as fn(&usize, &usize) -> bool),
+        ("F10", 100.0, Modifiers::NONE, usize::gt),
+    ] {
+        window.times(name, limit_ms, TIMES.min(end), |window, _| {
+            let here = window.inspector.model().place;
+            let time = window.time(Window::key(modifiers, Key::F10), |w| is_there(&w.inspector.model().place, &here));
+            window.settle();
+            time
+        });
+    }
+    window.times("Home, End", 1500.0, 10, |window, i| {
+        let (key, wanted) = if i % 2 == 0 { (Key::Home, 0) } else { (Key::End, end) };
         let time = window.time(Window::key(Modifiers::NONE, key), |w| w.inspector.model().place == wanted);
         window.settle();
         time
     });
-    let jumps: Vec<Duration> = jumps.collect();
-    row("Home, End", 1500.0, &jumps);
 
     window.inspector.perform(Command::FullLayout);
     window.settle();
@@ -245,14 +229,12 @@ fn main() -> Result<(), String> {
     let press =
         |pressed| Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
     window.frame(vec![Event::PointerMoved(at), press(true)]);
-    let orbit = (0..TIMES).map(|i| {
+    window.times("orbit, a frame", 50.0, TIMES, |window, i| {
         let start = Instant::now();
         window.frame(vec![Event::PointerMoved(at + egui::vec2(i as f32, 0.3 * i as f32))]);
         start.elapsed()
     });
-    let orbit: Vec<Duration> = orbit.collect();
-    row("orbit, a frame", 50.0, &orbit);
     window.frame(vec![press(false)]);
-    println!("\n{width} columns; a limit below two idle repaints is two idle repaints");
+    println!("\na limit below two idle repaints is two idle repaints");
     Ok(())
 }
