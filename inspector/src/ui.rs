@@ -16,6 +16,7 @@ mod panels;
 mod perform;
 mod picture;
 mod places;
+mod selected;
 mod shared;
 mod style;
 mod take;
@@ -26,13 +27,12 @@ use std::sync::Arc;
 
 use egui_notify::Toasts;
 use egui_tiles::Tree;
-use raystep_kernels::export::trace::Trace;
 use raystep_lab::text::counted;
 
 use crate::saved::Saved;
 use crate::session::engine::{Devices, OPENING};
 use crate::session::request::{Opened, Request};
-use crate::session::{Model, Target, Told};
+use crate::session::{Model, Target};
 use crate::settings::{DeviceKind, Settings, View};
 use asked_path::{AskedPath, NOT_WRITTEN};
 use canvas::Canvas;
@@ -155,17 +155,6 @@ impl Inspector {
             || self.lesson.as_ref().is_some_and(Lesson::is_waiting)
     }
 
-    /// Whether the device has yet to confirm the selected ray's history.
-    fn is_confirming(&self) -> bool {
-        std::iter::once(&self.model).chain(&self.other).any(|model| model.told == Told::Reference)
-    }
-
-    /// Whether the selected ray has yet to be followed.
-    fn is_to_follow(&self) -> bool {
-        let mut models = std::iter::once(&self.model).chain(&self.other);
-        self.shared.pixel.is_some_and(|pixel| models.any(|model| model.is_to_follow(pixel)))
-    }
-
     /// The current run.
     #[must_use]
     pub fn model(&self) -> &Model {
@@ -245,11 +234,6 @@ impl Inspector {
         if self.selection() != before {
             ctx.request_discard("another ray was selected");
         }
-    }
-
-    /// What several panels show of the same ray.
-    fn selection(&self) -> (Option<[u32; 2]>, Option<[u32; 2]>, Option<*const Trace>) {
-        (self.shared.pixel, self.shared.hovered, self.model.life.as_ref().map(Arc::as_ptr))
     }
 
     /// Processes the messages of engines and host.
@@ -379,18 +363,7 @@ impl Inspector {
         {
             self.model.ask(Request::Step(Target::Pass(place)));
         }
-        if let Some(pixel) = self.shared.select.take() {
-            // A ray whose following was cancelled can be clicked again.
-            let is_known = self.model.life.as_ref().is_some_and(|life| life.pixel == pixel);
-            if self.shared.pixel != Some(pixel) || !is_known {
-                self.shared.pixel = Some(pixel);
-                self.model.follow(pixel);
-            }
-        }
-        if let Some(pixel) = self.shared.pixel {
-            let models = std::iter::once(&mut self.model).chain(self.other.as_mut());
-            models.filter(|model| model.is_to_follow(pixel)).for_each(|model| model.follow(pixel));
-        }
+        self.follow_selected();
     }
 }
 
