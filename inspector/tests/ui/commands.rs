@@ -1,5 +1,6 @@
 //! Every command, performed once in each available way: by key, by menu, by palette.
 
+mod effects;
 mod files;
 mod table;
 

@@ -2,7 +2,7 @@
 
 use raystep_inspector::ui::pane::PaneKind;
 
-use super::table::is_shown;
+use super::effects::is_shown;
 use crate::ui::stage::Stage;
 
 /// Saved files whose names end with `end`.
