@@ -1,6 +1,7 @@
 //! State shared by panels.
 
 use raystep_kernels::Stream;
+use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
 use crate::link::{Link, LinkStream};
@@ -34,12 +35,38 @@ impl Shown {
     }
 }
 
+/// A part of the scene's structure that was clicked in one panel, for all panels to show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Picked {
+    /// A cell of the grid, by its coordinates.
+    Cell([u32; 3]),
+    /// A node of the BVH, by its index.
+    Node(u32),
+    /// A triangle, by its index in the scene.
+    Triangle(u32),
+}
+
+/// A place to return to.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bookmark {
+    /// The number of passes before it.
+    pub place: usize,
+    /// The ray that was selected.
+    pub pixel: Option<[u32; 2]>,
+    /// The user's name for it.
+    pub name: String,
+}
+
 /// State shared by panels.
 pub struct Shared {
     /// The selected pixel.
     pub pixel: Option<[u32; 2]>,
     /// The pixel under the cursor, in any stream view.
     pub hovered: Option<[u32; 2]>,
+    /// The cell, node or triangle that was clicked last, in any panel.
+    pub picked: Option<Picked>,
+    /// Places to return to, by the number of passes.
+    pub bookmarks: Vec<Bookmark>,
     /// The panel that the cursor was over last: commands about a view go to it first.
     pub under: Option<egui_tiles::TileId>,
     /// The place that this frame's panels request, as a number of passes.
@@ -77,6 +104,8 @@ impl Default for Shared {
         Self {
             pixel: None,
             hovered: None,
+            picked: None,
+            bookmarks: Vec::new(),
             under: None,
             go_to: None,
             select: None,
