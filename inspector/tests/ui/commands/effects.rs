@@ -4,6 +4,8 @@ use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
 use super::{Before, PIXEL};
 use crate::ui::desk::CORNELL;

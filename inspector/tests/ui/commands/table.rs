@@ -1,13 +1,10 @@
 //! What each command needs, and how to tell that it worked.
 
-use egui::{Key, Modifiers, Role};
-use egui_kittest::kittest::NodeT as _;
+use egui::Role;
 use raystep_inspector::link::Link;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
 use super::effects::{
     assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, moved_range, nothing, pixel_moved, play,
