@@ -2,6 +2,7 @@
 
 mod alone;
 mod traces;
+mod view;
 
 use std::ops::ControlFlow;
 

@@ -95,7 +95,8 @@ impl GpuExecutor {
         let mut buffers = Vec::new();
         for planned in &plan.buffers {
             let Some(info) = plan.program.buffer(planned.what) else { continue };
-            if let Some(uploaded) = other.and_then(|other| other.buffer(planned.what)) {
+            // Two runs may look at the scene from different places.
+            if let Some(uploaded) = other.filter(|_| !info.is_of_view).and_then(|other| other.buffer(planned.what)) {
                 buffers.push((planned.what, uploaded.clone()));
                 continue;
             }
@@ -133,6 +134,15 @@ impl GpuExecutor {
             return Err(error);
         }
         Ok(executor)
+    }
+
+    /// Uploads what depends on the camera.
+    pub(crate) fn set_view(&self, data: &SceneData) {
+        for (name, buffer) in &self.buffers {
+            if let Some(info) = self.plan.program.buffer(name).filter(|info| info.is_of_view) {
+                self.gpu.queue.write_buffer(buffer, 0, info.contents(data));
+            }
+        }
     }
 
     /// The device.

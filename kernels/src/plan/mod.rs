@@ -12,6 +12,7 @@ pub(crate) mod limits;
 mod resolve;
 pub mod structure;
 mod turns;
+mod view;
 
 use std::collections::BTreeSet;
 
@@ -244,7 +245,7 @@ impl Plan {
         check_rays(options, units)?;
         check_samples(options)?;
         let given = matches!(options.rays, RaySource::Given(_));
-        let Resolved { accelerator, mut features, structure, vertices } =
+        let Resolved { accelerator, mut features, structure, vertices, reach } =
             resolve(scene, options, units, limits, (width, height))?;
 
         // The last options of the kernels to be decided are those that depend on iterations of loops.
@@ -268,7 +269,8 @@ impl Plan {
         let info =
             SceneInfo { triangles: triangles as u32, steps: options.steps_per_pass, rays: rays as u32, first_row: 0 };
         let is_bound = |name: &str| bound.contains(name);
-        let data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
+        let mut data = SceneData::new(scene, options, features, units, (vertices, structure), info, is_bound)?;
+        data.reach = reach;
 
         let size = Size { width, height, count: rays as u32 };
         let Allocated { sets, streams, buffers } = Allocated::new(program, &bound, &data, size, given, limits)?;

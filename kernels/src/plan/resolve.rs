@@ -23,6 +23,8 @@ pub(super) struct Resolved {
     pub(super) structure: Structure,
     /// Corners in traced units, nine floats per triangle.
     pub(super) vertices: Vec<f32>,
+    /// Bounds coordinates and distances, see [`reach`].
+    pub(super) reach: f32,
 }
 
 /// The input of building a structure.
@@ -63,8 +65,8 @@ pub(super) fn resolve(
         });
         match attempt {
             Ok(Some((features, structure))) => {
-                let (vertices, _) = corners.unwrap_or_default();
-                return Ok(Resolved { accelerator, features, structure, vertices });
+                let (vertices, reach) = corners.unwrap_or_default();
+                return Ok(Resolved { accelerator, features, structure, vertices, reach });
             }
             Err(error) if is_last => return Err(error),
             Ok(None) | Err(_) => {}

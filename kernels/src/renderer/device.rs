@@ -109,6 +109,16 @@ impl Executor {
         }
     }
 
+    /// Takes over what depends on the camera.
+    pub(super) fn set_view(&self, data: &SceneData) {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(e) => e.set_view(data),
+            // They are given the data with every pass.
+            Self::Cpu(_) | Self::CpuF64(_) => {}
+        }
+    }
+
     /// Resets every stream to its initial value: the input streams to theirs, the others to unwritten values.
     pub(super) fn clear(&mut self, given: &[StreamData]) {
         match self {

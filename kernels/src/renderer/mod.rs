@@ -12,6 +12,7 @@ mod one_ray;
 mod passes;
 mod records;
 mod results;
+mod view;
 
 use std::sync::Arc;
 

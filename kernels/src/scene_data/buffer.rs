@@ -19,6 +19,8 @@ pub struct BufferInfo {
     pub why_absent: fn(&Run<'_>) -> Reason,
     /// The item that it belongs to, if only some scenes need it.
     pub item: Option<Item>,
+    /// Whether it depends on the camera or the number of rays, so that a new view of the scene writes it again.
+    pub is_of_view: bool,
 }
 
 /// The row of a uniform.
@@ -28,7 +30,7 @@ pub const fn uniform(
     bytes: fn(&SceneData) -> &[u8],
     why_absent: fn(&Run<'_>) -> Reason,
 ) -> BufferInfo {
-    BufferInfo { name, is_uniform: true, element, bytes, why_absent, item: None }
+    BufferInfo { name, is_uniform: true, element, bytes, why_absent, item: None, is_of_view: false }
 }
 
 /// The row of a storage buffer.
@@ -38,10 +40,16 @@ pub const fn storage(
     bytes: fn(&SceneData) -> &[u8],
     why_absent: fn(&Run<'_>) -> Reason,
 ) -> BufferInfo {
-    BufferInfo { name, is_uniform: false, element, bytes, why_absent, item: None }
+    BufferInfo { name, is_uniform: false, element, bytes, why_absent, item: None, is_of_view: false }
 }
 
 impl BufferInfo {
+    /// The row of a buffer that depends on the camera or the number of rays.
+    pub const fn of_view(mut self) -> Self {
+        self.is_of_view = true;
+        self
+    }
+
     /// The row of a buffer that belongs to an item.
     pub const fn of(mut self, item: Item) -> Self {
         self.item = Some(item);

@@ -60,6 +60,8 @@ pub struct SceneData {
     pub grid_distances: Vec<u32>,
     /// Growth of cells or boxes, in traced units.
     pub growth: f32,
+    /// Bounds coordinates of corners and origins, and distances between them, in traced units.
+    pub reach: f32,
     /// Nodes of the binary BVH.
     pub bvh_nodes: Vec<BvhNode>,
     /// One per node.
@@ -210,6 +212,17 @@ impl SceneData {
             (data.textures, data.texels) = textures(&scene.textures)?;
         }
         Ok(data)
+    }
+
+    /// Replaces the camera, which must not require another structure, and the number of its rays.
+    pub(crate) fn set_view(&mut self, scene: &Scene, options: &Options) {
+        let RaySource::Camera { camera, width, height } = &options.rays else { return };
+        self.camera = traced_camera(camera, self.units, *width, *height);
+        self.info.rays = width * height;
+        // Without lights of its own, a scene is lit from the camera.
+        if !self.lights.is_empty() {
+            self.lights = lights(scene, options, self.units);
+        }
     }
 
     fn set_structure(&mut self, structure: Structure) {

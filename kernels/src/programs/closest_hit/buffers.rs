@@ -8,7 +8,7 @@ use crate::scene_data::buffer::{BufferInfo, storage, uniform};
 
 /// Every buffer.
 pub static BUFFERS: &[BufferInfo] = &[
-    uniform("camera", "eye, view plane, pixel size; traced units", |data| bytes_of(&data.camera), |_| GIVEN),
+    uniform("camera", "eye, view plane, pixel size; traced units", |data| bytes_of(&data.camera), |_| GIVEN).of_view(),
     uniform(
         "grid",
         "corner, cells, cell width; traced units",
@@ -20,7 +20,8 @@ pub static BUFFERS: &[BufferInfo] = &[
         "triangles, steps per pass, rays, first row of workgroups",
         |data| bytes_of(&data.info),
         |_| (Because::Options, "one step per pass, and lists that have their own ends"),
-    ),
+    )
+    .of_view(),
     uniform(
         "shading",
         "background, number of lights",
@@ -127,7 +128,8 @@ pub static BUFFERS: &[BufferInfo] = &[
         "48 bytes: position, kind, direction, cone, colour",
         |data| cast_slice(&data.lights),
         |run| run.of_shading("nothing refers to it"),
-    ),
+    )
+    .of_view(),
     storage(
         "textures",
         "16 bytes: first texel, width, height, sampling",

@@ -1,0 +1,43 @@
+//! A plan for another camera or image size, through the same structure.
+
+use raystep_scenes::Scene;
+
+use super::check::{check_buffer, check_rays, image_size};
+use super::decide::features;
+use super::{Allocated, Limits, Plan, PlanError, bound_by};
+use crate::options::{Options, RaySource};
+use crate::scene_data::{SceneData, reach};
+use crate::tables::elements::Size;
+use crate::tables::sizes::LIVE_REGIONS;
+
+impl Plan {
+    /// Whether the data of this plan serves another camera too, given options that differ only in their rays. A camera
+    /// that is much farther away requires larger cells or boxes, and one inside the scene needs no clipping.
+    ///
+    /// # Errors
+    /// If the camera cannot generate rays.
+    pub(crate) fn serves(&self, data: &SceneData, scene: &Scene, options: &Options) -> Result<bool, PlanError> {
+        let (RaySource::Camera { .. }, true) = (&options.rays, self.program.course.is_some()) else { return Ok(false) };
+        check_rays(options, data.units)?;
+        let now = features(scene, options, self.accelerator, data.units);
+        let planned = &self.features;
+        let is_alike = (now.clip, now.perspective, now.intervals, now.eye_rays)
+            == (planned.clip, planned.perspective, planned.intervals, planned.eye_rays);
+        Ok(is_alike && data.camera.pixel_x > 0.0 && reach(&data.vertices, options, data.units) == data.reach)
+    }
+
+    /// The same plan for an image of another size.
+    ///
+    /// # Errors
+    /// If it does not fit `limits`.
+    pub(crate) fn resized(&self, data: &SceneData, options: &Options, limits: &Limits) -> Result<Self, PlanError> {
+        let (width, height, rays) = image_size(options, limits)?;
+        let size = Size { width, height, count: rays as u32 };
+        if self.features.live_lists {
+            check_buffer("live_rays", LIVE_REGIONS * 4 * size.texels(), limits)?;
+        }
+        let bound = bound_by(&self.variants);
+        let Allocated { sets, streams, buffers } = Allocated::new(self.program, &bound, data, size, false, limits)?;
+        Ok(Self { sets, streams, buffers, width, height, rays, ..self.clone() })
+    }
+}
