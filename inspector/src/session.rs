@@ -9,6 +9,7 @@ mod copies;
 mod edit;
 pub mod engine;
 mod follow;
+mod glimpse;
 mod history;
 pub mod judged;
 pub mod measure;
@@ -82,6 +83,21 @@ impl Session {
             twins: None,
             is_settled: true,
         }
+    }
+
+    /// Takes over another camera, and returns to before the first pass, without edits. Returns false where that needs a
+    /// new run, see [`Renderer::look`].
+    ///
+    /// # Errors
+    /// Where the camera cannot generate rays.
+    pub fn look(&mut self, scene: &Scene, options: &Options) -> Result<bool, RenderError> {
+        let options = Options { keep_passes: true, ..options.clone() };
+        if !self.renderer.look(scene, &options)? {
+            return Ok(false);
+        }
+        self.history.forget();
+        (self.options, self.pixel, self.edits, self.twins, self.is_settled) = (options, None, Vec::new(), None, true);
+        Ok(true)
     }
 
     /// Passes so far: the session is after pass `place() - 1`.

@@ -139,6 +139,12 @@ impl Inspector {
         self.model.ask(Request::Open { path: path.to_owned(), load, settings: Box::new(settings) });
     }
 
+    /// Prepares a run of the open scene with other settings, and goes to the place of the present run, which stays until
+    /// then.
+    pub fn plan(&mut self, settings: Settings) {
+        self.model.ask(Request::Plan(Box::new(settings)));
+    }
+
     /// Performs a command, as its menu item would.
     pub fn perform(&mut self, command: Command) {
         self.todo.push_back(command);
@@ -202,6 +208,7 @@ impl Inspector {
         }
         let before = self.selection();
         self.listen(&ctx);
+        self.model.glance(self.shared.hovered.filter(|&pixel| self.shared.pixel != Some(pixel)));
         if self.dialog.is_none() {
             self.todo.extend(command::pressed(&ctx, self.had_focus));
         }
@@ -220,6 +227,7 @@ impl Inspector {
         }
         // What commands have selected.
         self.follow_up();
+        self.model.drop_unwanted_glimpse(ctx.input(|input| input.pointer.any_down()));
         if self.is_playing && !self.model.is_busy() {
             if self.model.next.is_some() {
                 self.model.ask(Request::Step(Target::Next));
@@ -313,7 +321,11 @@ impl Inspector {
         self.shared.pixel = None;
         self.shared.select = pixel;
         self.shared.show = shown;
-        if let Some(place) = place {
+        // The engine may have gone there already.
+        let is_there = |place: usize| {
+            self.model.place == place || self.model.place < place && self.model.next.is_none() && self.model.place > 0
+        };
+        if let Some(place) = place.filter(|&place| !is_there(place)) {
             self.model.ask(Request::Step(Target::Pass(place)));
         }
         if let Some(missing) = missing {

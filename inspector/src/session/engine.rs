@@ -15,12 +15,15 @@ use raystep_scenes::Scene;
 
 use super::Session;
 use super::confirm::Confirming;
+use super::glimpse::Glimpses;
 use super::measure::Measure;
 use super::request::{JobContext, Request, Texels, Update};
 use crate::settings::{DeviceKind, Settings};
 
 /// The name of opening a scene in errors.
 pub const OPENING: &str = "opening the scene";
+/// The name of tracing at a lower resolution.
+pub(super) const GLIMPSING: &str = "tracing at a lower resolution";
 /// The name of following a ray.
 pub(super) const FOLLOWING: &str = "following the ray";
 
@@ -62,6 +65,7 @@ struct Run {
     /// The selected pixel.
     followed: Option<[u32; 2]>,
     confirming: Confirming,
+    glimpses: Glimpses,
 }
 
 /// Why a request was not served.
@@ -132,6 +136,7 @@ fn name(request: &Request) -> &'static str {
     match request {
         Request::Open { .. } => OPENING,
         Request::Plan(_) | Request::Share(..) => "preparing the run",
+        Request::Glimpse(_) => GLIMPSING,
         Request::Step(_) => "stepping",
         Request::RunToWatch { .. } => "running to a watch",
         Request::Edit(..) => "editing a texel",
@@ -215,13 +220,11 @@ impl Server {
             Request::Open { path, load, settings } => {
                 self.say(Update::Progress("reading the scene", 0, 0));
                 let scene = load().map_err(Trouble::Failed)?;
-                self.open(Some(path), Arc::new(scene), *settings).await
+                self.open(Some(path), Arc::new(scene), *settings, 0).await
             }
-            Request::Share(scene, settings) => self.open(None, scene, *settings).await,
-            Request::Plan(settings) => match &self.run {
-                Some(run) => self.open(run.path.clone(), run.scene.clone(), *settings).await,
-                None => Ok(()),
-            },
+            Request::Share(scene, settings) => self.open(None, scene, *settings, 0).await,
+            Request::Plan(settings) => self.plan(*settings).await,
+            Request::Glimpse(settings) => self.glimpse(*settings).await,
             Request::Step(target) => {
                 let mut report = self.reporter("stepping");
                 let _moving = Moving::new(&self.moving);

@@ -59,6 +59,12 @@ impl History {
         }
     }
 
+    /// Invalidates everything.
+    pub(super) fn forget(&mut self) {
+        self.forget_after(0);
+        self.kept.clear();
+    }
+
     /// Invalidates what is known after a place.
     pub(super) fn forget_after(&mut self, place: usize) {
         self.known.truncate(place);

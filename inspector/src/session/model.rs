@@ -8,9 +8,10 @@ use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender, unbounded};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::{Kernel, Pass, Stream};
 
-use super::engine::{Engine, EngineTask};
-use super::request::{At, Opened, Request, Texels, Update};
+use super::engine::{Engine, EngineTask, GLIMPSING};
+use super::request::{At, Glimpse, Opened, Request, Texels, Update};
 use super::{Edit, Fired, Told};
+use crate::settings::Settings;
 
 /// Work in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +79,12 @@ pub struct Model {
     pub told: Told,
     /// The CPU reference's history, if the device's differs from it.
     pub reference_life: Option<Arc<Trace>>,
+    /// A picture at a lower resolution of what will be traced next.
+    pub glimpse: Option<Glimpse>,
+    is_glimpsing: bool,
+    wants_glimpse: bool,
+    /// The ray under the cursor.
+    pub(super) glanced: Option<Arc<Trace>>,
     /// The texels read last, by stream.
     pub texels: Vec<Texels>,
     /// Copies that were asked for, oldest first.
@@ -130,6 +137,10 @@ impl Model {
             life: None,
             told: Told::default(),
             reference_life: None,
+            glimpse: None,
+            is_glimpsing: false,
+            wants_glimpse: false,
+            glanced: None,
             texels: Vec::new(),
             pinned: Vec::new(),
             work: None,
@@ -154,6 +165,23 @@ impl Model {
             self.failures.push(("tracing", message.into()));
         }
         is_sent
+    }
+
+    /// Asks for a picture at a lower resolution, unless one is on its way.
+    pub fn ask_glimpse(&mut self, settings: Settings) {
+        self.wants_glimpse = true;
+        if !self.is_glimpsing && self.has_rays() && settings.ray.is_none() {
+            self.is_glimpsing = self.ask(Request::Glimpse(Box::new(settings)));
+        }
+    }
+
+    /// Once per frame: a picture at a lower resolution is no longer shown when nothing moves any more, unless a run is
+    /// being prepared that shows the same.
+    pub fn drop_unwanted_glimpse(&mut self, is_held: bool) {
+        let is_wanted = std::mem::take(&mut self.wants_glimpse);
+        if !is_wanted && !is_held && !self.is_busy() {
+            self.glimpse = None;
+        }
     }
 
     /// Cancels current and queued work.
@@ -185,7 +213,7 @@ impl Model {
 
     fn apply(&mut self, update: Update) {
         match update {
-            Update::Opened(opened) => {
+            Update::Opened(opened, at) => {
                 self.opened = Some(*opened);
                 self.generation += 1;
                 self.edition += 1;
@@ -195,6 +223,12 @@ impl Model {
                 (self.place, self.is_complete, self.next, self.life) = (0, false, None, None);
                 (self.followed, self.told, self.reference_life) = (None, Told::default(), None);
                 (self.edits, self.twins) = (Vec::new(), None);
+                (self.glimpse, self.glanced) = (None, None);
+                self.arrive(at);
+            }
+            Update::Glimpsed(glimpse) => {
+                self.is_glimpsing = false;
+                self.glimpse = Some(glimpse);
             }
             Update::At(at) => self.arrive(at),
             Update::Fired(fired) => self.fired = Some(fired),
@@ -217,8 +251,12 @@ impl Model {
             }
             Update::Done(what, answer) => self.answers.push((what, answer)),
             Update::Progress(what, done, of) => self.work = Some(Work { what, done, of }),
-            Update::Failed(what, message) => self.failures.push((what, message)),
+            Update::Failed(what, message) => {
+                self.is_glimpsing &= what != GLIMPSING;
+                self.failures.push((what, message));
+            }
             Update::Cancelled(what) => {
+                self.is_glimpsing &= what != GLIMPSING;
                 self.unconfirmed(what);
                 self.cancelled.push(what);
             }

@@ -27,8 +27,10 @@ pub enum Request {
         /// The settings of the run.
         settings: Box<Settings>,
     },
-    /// Prepares a run of the same scene.
+    /// Prepares a run of the same scene and goes to the place of the run before, which stays until then.
     Plan(Box<Settings>),
+    /// Traces a picture at a lower resolution, in a run of its own.
+    Glimpse(Box<Settings>),
     /// Takes over a scene that another engine has read.
     Share(Arc<Scene>, Box<Settings>),
     /// Goes to a place.
@@ -161,10 +163,23 @@ impl Texels {
     }
 }
 
+/// A picture at a lower resolution than the run's.
+#[derive(Clone)]
+pub struct Glimpse {
+    /// The stream of colours.
+    pub stream: Stream,
+    /// A copy of it.
+    pub texture: wgpu::Texture,
+    /// Which of all glimpses it is.
+    pub index: u64,
+}
+
 /// A message from an engine.
 pub enum Update {
-    /// A run is ready.
-    Opened(Box<Opened>),
+    /// A run is ready, at this place.
+    Opened(Box<Opened>, At),
+    /// A quick picture.
+    Glimpsed(Glimpse),
     /// The place of the run.
     At(At),
     /// A watch fired; `None` if none did.

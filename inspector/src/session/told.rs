@@ -44,6 +44,24 @@ impl Model {
         }
     }
 
+    /// The history of the ray under the cursor by the CPU reference kernels, if they can tell it.
+    pub fn glance(&mut self, pixel: Option<[u32; 2]>) -> Option<&Arc<Trace>> {
+        let Some(pixel) = pixel else {
+            self.glanced = None;
+            return None;
+        };
+        if self.glanced.as_ref().is_none_or(|seen| seen.pixel != pixel) {
+            self.glanced = self.reference(pixel).map(Arc::new);
+        }
+        self.glanced.as_ref()
+    }
+
+    /// The ray under the cursor, see [`glance`](Self::glance).
+    #[must_use]
+    pub fn glanced(&self) -> Option<&Arc<Trace>> {
+        self.glanced.as_ref()
+    }
+
     /// Whether this ray has yet to be followed.
     #[must_use]
     pub fn is_to_follow(&self, pixel: [u32; 2]) -> bool {
@@ -97,6 +115,7 @@ impl Model {
 
     /// More passes are known, or the streams have changed.
     pub(super) fn follow_on(&mut self, is_changed: bool) {
+        self.glanced = None;
         let Some(pixel) = self.followed else { return };
         if is_changed {
             self.followed = None;

@@ -3,7 +3,9 @@
 use egui::containers::menu::MenuBar;
 use egui::{Button, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
+use raystep_kernels::export::trace::Trace;
 use raystep_kernels::plan::Bytes;
+use raystep_lab::text::counted;
 
 use super::Inspector;
 use super::command::{COMMANDS, Command, Menu};
@@ -102,7 +104,8 @@ impl Inspector {
                 ui.separator();
                 if let Some([x, y]) = self.shared.hovered.or(self.shared.pixel) {
                     let what = if self.model.has_rays() { "pixel" } else { "element" };
-                    ui.label(format!("{what} {x},{y}"));
+                    let glanced = self.model.glanced().filter(|_| self.shared.hovered.is_some()).map(|t| outcome(t));
+                    ui.label(format!("{what} {x},{y}{}", glanced.unwrap_or_default()));
                     ui.separator();
                 }
                 let (kept, budget) = (Bytes(self.model.kept_bytes), Bytes(self.model.budget));
@@ -114,6 +117,19 @@ impl Inspector {
             });
         });
         self.shared.hovered = None;
+    }
+}
+
+/// What becomes of a ray, after the name of its pixel.
+fn outcome(trace: &Trace) -> String {
+    let passes = counted(trace.rows.len(), "pass");
+    let last = trace.rows.last().map(|row| (row.after.triangle, row.after.t));
+    match last {
+        Some((Some(triangle), Some(t))) => {
+            format!(": hits triangle {triangle} at t {:.5}, {passes}", f64::from(t) * trace.t_scale)
+        }
+        Some(_) => format!(": hits nothing, {passes}"),
+        None => String::new(),
     }
 }
 

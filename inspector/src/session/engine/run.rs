@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
-use raystep_kernels::{Device, RenderError, Stream, StreamData};
+use raystep_kernels::{Device, Progress, RenderError, Stream, StreamData};
 use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
-use super::super::Session;
 use super::super::confirm::Confirming;
 use super::super::copies::{fill, stream_copy, textures};
+use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
-use super::{Moving, Run, Server, Trouble};
+use super::super::{Session, Target};
+use super::{GLIMPSING, Moving, Run, Server, Trouble, flow};
 use crate::settings::Settings;
 
 impl Server {
@@ -40,50 +41,120 @@ impl Server {
         Ok(())
     }
 
-    /// The old run stays until the new one is ready.
+    /// The old run stays until the new one is ready, at a place that is not before `place` where it has that many passes.
     pub(super) async fn open(
         &mut self,
         path: Option<String>,
         scene: Arc<Scene>,
         settings: Settings,
+        place: usize,
     ) -> Result<(), Trouble> {
         self.say(Update::Progress("building and compiling", 0, 0));
-        let settings = Settings { device: settings.device.on(&self.devices.gpu), ..settings };
+        let settings = self.settled(settings);
         let device = self.device(settings.device);
         if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
             gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
         }
-        let session = Session::new(&scene, &settings.options(&scene), &device).await?;
-        let renderer = session.renderer();
-        let mut copies = Vec::new();
-        let textures = textures(&self.devices.gpu, renderer, &mut copies);
-        let device_name = match &device {
+        let mut session = Session::new(&scene, &settings.options(&scene), &device).await?;
+        let reached = self.reach(&mut session, place).await;
+        if let Err(Trouble::Failed(message)) = reached {
+            return Err(Trouble::Failed(message));
+        }
+        let (confirming, glimpses) = (Confirming::default(), Glimpses::default());
+        let copies = Vec::new();
+        self.run = Some(Run {
+            path,
+            scene,
+            settings,
+            session,
+            device,
+            copies,
+            known: 0,
+            followed: None,
+            confirming,
+            glimpses,
+        });
+        self.ready().await?;
+        reached
+    }
+
+    /// A run of the same scene at the same place. If only the camera is another, nothing is built or compiled.
+    pub(super) async fn plan(&mut self, settings: Settings) -> Result<(), Trouble> {
+        let settings = self.settled(settings);
+        let moving = Moving::new(&self.moving);
+        let Some(mut run) = self.run.take() else { return Ok(()) };
+        let place = if run.session.renderer().next_kernel().is_none() { usize::MAX } else { run.session.place() };
+        let is_only_a_view = Settings { view: settings.view, ..run.settings.clone() } == settings;
+        let options = settings.options(&run.scene);
+        let looks = if is_only_a_view { run.session.look(&run.scene, &options) } else { Ok(false) };
+        if !matches!(looks, Ok(true)) {
+            drop(moving);
+            let (path, scene) = (run.path.clone(), run.scene.clone());
+            self.run = Some(run);
+            looks?;
+            return self.open(path, scene, settings, place).await;
+        }
+        run.settings = settings;
+        (run.known, run.followed, run.confirming) = (0, None, Confirming::default());
+        let reached = self.reach(&mut run.session, place).await;
+        self.run = Some(run);
+        self.ready().await?;
+        reached
+    }
+
+    /// With a device that this machine has.
+    fn settled(&self, settings: Settings) -> Settings {
+        Settings { device: settings.device.on(&self.devices.gpu), ..settings }
+    }
+
+    async fn reach(&self, session: &mut Session, place: usize) -> Result<(), Trouble> {
+        if place == 0 {
+            return Ok(());
+        }
+        let mut report = self.reporter("preparing the run");
+        let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
+        session.step(Target::Pass(place), tell).await.map(drop).map_err(Trouble::from)
+    }
+
+    /// Reports a run that is ready, once its streams can be drawn.
+    async fn ready(&mut self) -> Result<(), Trouble> {
+        let at = self.at().await?;
+        let Some((run, at)) = self.run.as_mut().zip(at) else { return Ok(()) };
+        let renderer = run.session.renderer();
+        let textures = textures(&self.devices.gpu, renderer, &mut run.copies);
+        let device = match &run.device {
             Device::Gpu(gpu) => gpu.info.name.clone(),
-            Device::Cpu(_) | Device::CpuF64(_) => settings.device.name().into(),
+            Device::Cpu(_) | Device::CpuF64(_) => run.settings.device.name().into(),
         };
-        let why_no_times = match &device {
+        let why_no_times = match &run.device {
             Device::Gpu(gpu) => gpu.why_no_times(),
             Device::Cpu(clock) | Device::CpuF64(clock) => clock.is_none().then(|| "the host provided no clock".into()),
         };
-        let _moving = Moving::new(&self.moving);
-        self.say(Update::Opened(Box::new(Opened {
-            path: path.clone(),
-            scene: scene.clone(),
-            settings: settings.clone(),
+        let opened = Opened {
+            path: run.path.clone(),
+            scene: run.scene.clone(),
+            settings: run.settings.clone(),
             plan: renderer.shared_plan(),
             data: renderer.shared_data(),
             textures,
-            device: device_name,
+            device,
             why_no_times,
-        })));
-        let confirming = Confirming::default();
-        self.run = Some(Run { path, scene, settings, session, device, copies, known: 0, followed: None, confirming });
-        self.arrived().await
+        };
+        self.say(Update::Opened(Box::new(opened), at));
+        Ok(())
     }
 
     /// Reports the run's place, once its streams can be drawn.
     pub(super) async fn arrived(&mut self) -> Result<(), Trouble> {
-        let Some(run) = &mut self.run else { return Ok(()) };
+        if let Some(at) = self.at().await? {
+            self.say(Update::At(at));
+        }
+        Ok(())
+    }
+
+    /// The run's place; copies the streams that cannot be drawn where they are.
+    async fn at(&mut self) -> Result<Option<At>, Trouble> {
+        let Some(run) = &mut self.run else { return Ok(None) };
         let renderer = run.session.renderer();
         if renderer.gpu().is_some() {
             // Without its device the run has no place: the last known place is where to resume.
@@ -91,7 +162,7 @@ impl Server {
         }
         // Streams come and go with the sizes of their elements.
         let is_fixed = renderer.plan().sets.iter().all(|set| set.size.is_some());
-        let textures = (!is_fixed).then(|| textures(&self.devices.gpu, renderer, &mut run.copies));
+        let now = textures(&self.devices.gpu, renderer, &mut run.copies);
         for (stream, texture) in &run.copies {
             let data = run.session.stream(*stream).await?;
             fill(&self.devices.gpu, texture, &data);
@@ -109,10 +180,22 @@ impl Server {
             edits: run.session.edits().to_vec(),
             twins: run.session.twin_passes(),
             host_ns: run.session.renderer().host_ns(),
-            textures,
+            textures: (!is_fixed).then_some(now),
         };
         run.known = place;
-        self.say(Update::At(at));
+        Ok(Some(at))
+    }
+
+    /// A picture at a lower resolution; the run is left alone.
+    pub(super) async fn glimpse(&mut self, settings: Settings) -> Result<(), Trouble> {
+        let settings = self.settled(settings);
+        let device = self.device(settings.device);
+        let mut report = self.reporter(GLIMPSING);
+        let Some(run) = &mut self.run else { return Ok(()) };
+        let tell = &mut |p: &Progress| flow(report(p.rays_decided, p.rays));
+        if let Some(glimpse) = run.glimpses.trace(&run.scene, &settings, &device, &self.devices, tell).await? {
+            self.say(Update::Glimpsed(glimpse));
+        }
         Ok(())
     }
 

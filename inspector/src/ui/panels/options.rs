@@ -66,11 +66,9 @@ impl Panel for Options {
         let is_dragged = ui.input(|input| input.pointer.any_down());
         if *draft == opened.settings {
             *asked = None;
-        } else if asked.as_ref() != Some(&*draft)
-            && !cx.model.is_busy()
-            && !is_dragged
-            && !ui.ctx().egui_wants_keyboard_input()
-        {
+        } else if is_dragged {
+            cx.model.ask_glimpse(draft.clone());
+        } else if asked.as_ref() != Some(&*draft) && !cx.model.is_busy() && !ui.ctx().egui_wants_keyboard_input() {
             *asked = Some(draft.clone());
             cx.model.ask(Request::Plan(Box::new(draft.clone())));
         }

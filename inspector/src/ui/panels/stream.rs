@@ -325,14 +325,24 @@ impl StreamView {
         if let Some(texture) = cx.model.texture(stream).filter(|_| self.pinned.is_none() && !cx.model.is_moving()) {
             self.still.take(cx.canvas, now, stream, texture);
         }
-        let source = match &self.pinned {
-            Some(pinned) => Some((now, &pinned.texture)),
-            None => self.still.of(stream).filter(|(moment, _)| moment.0 == now.0),
+        // Until the picture of another run is there, the last one stays, if it has the same size.
+        let size_now = cx.model.texture(stream).map(wgpu::Texture::size);
+        let still = self.still.of(stream).filter(|(at, t)| at.0 == now.0 || Some(t.size()) == size_now);
+        let glimpse = cx.model.glimpse.as_ref().filter(|g| g.stream == stream && meaning == Meaning::Color);
+        let source = match (&self.pinned, glimpse) {
+            (Some(pinned), _) => Some((now, &pinned.texture)),
+            // No run has so many passes.
+            (None, Some(glimpse)) => Some(((glimpse.index, usize::MAX), &glimpse.texture)),
+            (None, None) => still,
         };
-        if source.is_none_or(|(moment, _)| moment != now) {
+        if glimpse.is_none() && source.is_none_or(|(moment, _)| moment != now) {
             ui.ctx().request_repaint();
         }
         let Some((moment, texture)) = source else { return };
+        let scale = match glimpse.filter(|_| self.pinned.is_none()).zip(size_now) {
+            Some((glimpse, size)) => scale * size.width as f32 / glimpse.texture.width() as f32,
+            None => scale,
+        };
         let Some(states) = cx.model.opened.as_ref().map(|opened| opened.plan.program.states) else { return };
         let (range, colors) = (self.range(), self.colors(stream, layer.unwrap_or(0)));
         let offset = (origin - rect.min) * points;

@@ -1,6 +1,7 @@
 //! The walk of the selected ray in 3D, synchronised with the timeline.
 
 mod control;
+mod glance;
 mod labels;
 mod tools;
 
@@ -13,7 +14,6 @@ use serde::{Deserialize, Serialize};
 use super::walked::{Walked, describe, event_buttons};
 use crate::draw::scene3d::{Scene3d, Settings, TriangleStyle};
 use crate::orbit::Orbit;
-use crate::session::Target;
 use crate::session::request::{Opened, Request};
 use crate::settings::View;
 use crate::ui::canvas::Picture;
@@ -64,6 +64,8 @@ pub(in crate::ui) struct Walk3d {
     drawn: Option<Drawn>,
     /// The camera that was traced last.
     traced: Option<Orbit>,
+    /// The camera of the last frame.
+    seen: Option<Orbit>,
 }
 
 impl Panel for Walk3d {
@@ -92,6 +94,9 @@ impl Panel for Walk3d {
         let traced = camera.scaled(scale);
         self.paint(ui, cx, rect, traced);
         self.annotate(ui, rect, &traced, cx.has_rays());
+        if let Some(glanced) = cx.model.glanced() {
+            glance::draw(&ui.painter().with_clip_rect(rect), ui.visuals(), rect, glanced, &traced, &traced_bounds);
+        }
         if response.has_focus() {
             cx.todo.extend(ui.input(control::commands));
             let stroke = ui.visuals().selection.stroke;
@@ -99,9 +104,7 @@ impl Panel for Walk3d {
         }
         let what = self.walked.walk.as_ref().map_or_else(|| "scene without a ray".into(), describe);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
-        if self.look.traces && !cx.model.is_busy() && self.traced != Some(camera) {
-            self.trace(&camera, &opened, cx);
-        }
+        self.follow_camera(ui, &camera, &opened, cx);
     }
 
     fn save(&self) -> String {
@@ -190,6 +193,21 @@ impl Walk3d {
         }
     }
 
+    /// Traces as the camera moves: at a lower resolution until it rests.
+    fn follow_camera(&mut self, ui: &egui::Ui, camera: &Orbit, opened: &Opened, cx: &mut Context<'_>) {
+        let has_moved = self.seen.replace(*camera) != Some(*camera);
+        if !self.look.traces || self.traced == Some(*camera) {
+            return;
+        }
+        if has_moved || ui.input(|input| input.pointer.any_down()) {
+            let view = View::of(&camera.to_camera("3D view"));
+            cx.model.ask_glimpse(crate::settings::Settings { view, ray: None, ..opened.settings.clone() });
+            ui.ctx().request_repaint();
+        } else if !cx.model.is_busy() {
+            self.trace(camera, opened, cx);
+        }
+    }
+
     /// Traces the scene from this view, up to the current pass.
     fn trace(&mut self, camera: &Orbit, opened: &Opened, cx: &mut Context<'_>) {
         self.traced = Some(*camera);
@@ -197,13 +215,8 @@ impl Walk3d {
         if opened.settings.view == view && opened.settings.ray.is_none() {
             return;
         }
-        let place = cx.model.place;
-        let target = if cx.model.next.is_none() { Target::End } else { Target::Pass(place) };
         let settings = crate::settings::Settings { view, ray: None, ..opened.settings.clone() };
         cx.model.ask(Request::Plan(Box::new(settings)));
-        if place > 0 {
-            cx.model.ask(Request::Step(target));
-        }
     }
 
     fn paint(&mut self, ui: &egui::Ui, cx: &Context<'_>, rect: Rect, camera: Orbit) {

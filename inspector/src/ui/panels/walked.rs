@@ -95,7 +95,7 @@ pub(super) fn number(t: f64) -> String {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::ui::panels) mod tests {
     use raystep_kernels::scene_data::SceneData;
     use raystep_kernels::{Accelerator, Options};
 
