@@ -1,5 +1,6 @@
 //! The inspector's window: its device, files and dialogs, and screenshots without a display.
 
+mod driven;
 mod files;
 mod host;
 mod last_error;
@@ -11,6 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use driven::Driven;
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
 use raystep_inspector::session::engine::Devices;
@@ -24,7 +26,7 @@ use winit::event_loop::EventLoop;
 use crate::args::ReadArgs;
 use crate::error::Error;
 pub(crate) use host::SceneChoice;
-pub(crate) use screenshot::screenshot;
+pub(crate) use screenshot::{latency, screenshot};
 
 /// The initial contents.
 #[derive(Clone, Debug, Default)]
@@ -39,6 +41,9 @@ pub(crate) struct Start {
     pub(crate) arrival: Arrival,
     /// Points, width and height.
     pub(crate) size: [f32; 2],
+    /// When the program began, in nanoseconds, if the window's response times are measured: it drives itself then, does
+    /// not restore an earlier state and saves none.
+    pub(crate) measured_from: Option<u64>,
 }
 
 /// Whether a window can probably be opened.
@@ -80,8 +85,9 @@ pub(crate) fn open(gpu: Arc<Gpu>, start: Start) -> Result<(), Error> {
             let state = creation.wgpu_render_state.as_ref().ok_or("the window has no wgpu device")?;
             shown.opened(&creation.egui_ctx);
             ending.is_open.store(true, Ordering::Relaxed);
+            let driven = start.measured_from.map(Driven::new);
             let inspector = inspector(&creation.egui_ctx, &gpu, state.renderer.clone(), start);
-            Ok(Box::new(Window::new(inspector, gpu, shown, ending)))
+            Ok(Box::new(Window::new(inspector, gpu, shown, ending, driven)))
         }),
         &event_loop,
     );
@@ -137,22 +143,41 @@ struct Window {
     title: String,
     /// When the session was last saved.
     kept: Instant,
+    driven: Option<Driven>,
 }
 
 impl Window {
-    fn new(mut inspector: Inspector, gpu: Arc<Gpu>, surface: Arc<Surface>, ended: Arc<Ended>) -> Self {
-        if let Some(kept) = files::recall() {
+    fn new(
+        mut inspector: Inspector,
+        gpu: Arc<Gpu>,
+        surface: Arc<Surface>,
+        ended: Arc<Ended>,
+        driven: Option<Driven>,
+    ) -> Self {
+        if let Some(kept) = files::recall().filter(|_| driven.is_none()) {
             inspector.restore(&kept);
         }
-        Self { inspector, gpu, surface, ended, title: String::new(), kept: Instant::now() }
+        Self { inspector, gpu, surface, ended, title: String::new(), kept: Instant::now(), driven }
+    }
+
+    fn keep(&mut self) {
+        if self.driven.is_none() {
+            self.inspector.keep();
+        }
     }
 }
 
 impl eframe::App for Window {
+    fn raw_input_hook(&mut self, ctx: &egui::Context, input: &mut egui::RawInput) {
+        if let Some(driven) = &mut self.driven {
+            driven.frame(ctx, input, &mut self.inspector, &self.gpu);
+        }
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.surface.begin_frame();
         if let Some(error) = self.gpu.health().err().map(|e| e.to_string()).or_else(|| self.surface.trouble()) {
-            self.inspector.keep();
+            self.keep();
             // Drawing is no longer possible: report it, and how to resume.
             let message = format!("{error}{}", self.inspector.how_to_go_on());
             if let Ok(mut lost) = self.ended.lost.lock() {
@@ -165,7 +190,7 @@ impl eframe::App for Window {
         // If a signal ends the program, little or nothing is lost.
         if self.kept.elapsed() > KEEP_EVERY {
             self.kept = Instant::now();
-            self.inspector.keep();
+            self.keep();
         }
         ui.ctx().request_repaint_after(KEEP_EVERY);
         let title = self.inspector.title();
@@ -181,6 +206,6 @@ impl eframe::App for Window {
     }
 
     fn on_exit(&mut self) {
-        self.inspector.keep();
+        self.keep();
     }
 }

@@ -6,6 +6,7 @@ pub mod command;
 mod dialogs;
 pub mod host;
 mod keep;
+pub mod latency;
 mod layout;
 mod lessons;
 mod menu;
@@ -184,6 +185,14 @@ impl Inspector {
     pub fn panes_in_view(&self) -> Vec<PaneKind> {
         let active = self.tree.active_tiles().into_iter();
         active.filter_map(|id| self.tree.tiles.get_pane(&id)).map(|pane| pane.kind).collect()
+    }
+
+    /// The place of the first visible panel of a kind, in points.
+    #[must_use]
+    pub fn rect_of(&self, kind: PaneKind) -> Option<egui::Rect> {
+        let mut active = self.tree.active_tiles().into_iter();
+        let is_kind = |id: &egui_tiles::TileId| self.tree.tiles.get_pane(id).is_some_and(|pane| pane.kind == kind);
+        active.find(is_kind).and_then(|id| self.tree.tiles.rect(id))
     }
 
     /// The window's title.

@@ -55,6 +55,9 @@ pub(crate) struct InspectArgs {
     /// Perform this command before the screenshot, see --list; can be repeated
     #[arg(long = "do", value_name = "COMMAND", requires = "screenshot", value_parser = parse_command)]
     commands: Vec<Command>,
+    /// Measure how long the window takes to respond to clicks and keys, print a table, and exit
+    #[arg(long, conflicts_with_all = ["screenshot", "list"])]
+    latency: bool,
     /// List all commands for --do
     #[arg(long)]
     list: bool,
@@ -96,6 +99,8 @@ fn parse_command(name: &str) -> Result<Command, String> {
 }
 
 pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
+    // The clock starts with its first use.
+    let _ = raystep_lab::machine::now_ns();
     if args.list {
         return print(&COMMANDS.iter().map(|info| info.name.to_owned() + "\n").collect::<String>());
     }
@@ -106,7 +111,11 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     if let Some(scene) = &start.scene {
         scene_file::expect_scene(&scene.path)?;
     }
-    if args.screenshot.is_none() && !window::has_display() {
+    let is_measured = start.measured_from.is_some();
+    if is_measured && start.scene.is_none() {
+        return Err(Error::usage("--latency needs a scene"));
+    }
+    if args.screenshot.is_none() && !is_measured && !window::has_display() {
         return Err(Error::failed(
             "no display to open a window on; use --screenshot F.png to draw the window to a file, or 'raystep \
              render' for an image",
@@ -117,6 +126,9 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
         crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(std::slice::from_ref(&scene.path)))?;
     }
     let gpu = device::open(&adapter(&args.device))?;
+    if is_measured && !window::has_display() {
+        return print(&window::latency(&gpu, start)?);
+    }
     let Some(target) = target else { return window::open(gpu, start) };
     let picture = window::screenshot(&gpu, start, args.scale, &args.commands)?;
     let mut png = Vec::new();
@@ -143,7 +155,21 @@ struct WindowArgs {
 
 /// The request, from options or from a link.
 fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
-    let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, mut program, view, run, list: _ } = args;
+    let InspectArgs {
+        link,
+        pixel,
+        pass,
+        screenshot,
+        window,
+        scale,
+        commands,
+        latency,
+        mut program,
+        view,
+        run,
+        list: _,
+    } = args;
+    let measured_from = latency.then(raystep_lab::machine::now_ns);
     let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, shown: None };
     if let Some(text) = &link.link {
         let link: Link = text.parse().map_err(|e| Error::usage(format!("--link: {e}")))?;
@@ -203,6 +229,6 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
-    let start = Start { scene, read, settings, arrival, size: window.0 };
+    let start = Start { scene, read, settings, arrival, size: window.0, measured_from };
     Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
 }

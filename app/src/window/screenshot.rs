@@ -5,12 +5,15 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, mutex::RwLock};
 use eframe::egui_wgpu::{Renderer, RendererOptions};
-use raystep_inspector::draw::picture::FORMAT;
+use raystep_inspector::draw::picture::{FORMAT, picture};
 use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::latency::Script;
 use raystep_inspector::ui::{Inspector, background, offscreen};
 use raystep_kernels::Gpu;
 use raystep_lab::block_on;
+use raystep_lab::machine::now_ns;
 
+use super::driven::wait_until_drawn;
 use super::{Start, inspector};
 use crate::error::Error;
 
@@ -24,28 +27,38 @@ pub(crate) fn screenshot(
     scale: f32,
     commands: &[Command],
 ) -> Result<image::RgbaImage, Error> {
-    let [width, height] = start.size.map(|side| (side * scale).round().max(1.0) as u32);
-    let most = gpu.device.limits().max_texture_dimension_2d;
-    if width > most || height > most {
-        return Err(Error::failed(format!("--window: the adapter supports at most {most} pixels per side")));
-    }
-    let ctx = egui::Context::default();
-    ctx.set_pixels_per_point(scale);
-    let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
-    let (points, is_asked) = (start.size, start.scene.is_some());
-    let inspector = inspector(&ctx, gpu, renderer.clone(), start);
-    let mut stage = Stage { ctx, gpu: gpu.clone(), renderer, inspector, points, time: 0.0, scale };
+    let is_asked = start.scene.is_some();
+    let (mut stage, [width, height]) = Stage::new(gpu, start, scale)?;
     stage.settle()?;
-    if is_asked && stage.inspector.model().opened.is_none() {
-        return Err(Error::failed(stage.inspector.last_error().unwrap_or("the scene could not be opened")));
+    if is_asked {
+        stage.expect_scene()?;
     }
     for &command in commands {
         stage.inspector.perform(command);
         stage.settle()?;
     }
-    let jobs = stage.frame();
+    let jobs = stage.frame(Vec::new());
     let drawing = offscreen::draw(gpu, &stage.renderer, &jobs, background(&stage.ctx), [width, height], scale);
     Ok(block_on(Some(gpu), drawing)?)
+}
+
+/// Measures how long the window would take to respond, where there is no display to open it on: a table.
+pub(crate) fn latency(gpu: &Arc<Gpu>, start: Start) -> Result<String, Error> {
+    let mut script = Script::new(start.measured_from.unwrap_or_default());
+    let (mut stage, size) = Stage::new(gpu, start, 1.0)?;
+    let (begin, target) = (Instant::now(), picture(&gpu.device, size));
+    while let Some(events) = script.frame(now_ns(), &mut stage.inspector) {
+        gpu.health()?;
+        stage.time = begin.elapsed().as_secs_f64();
+        let jobs = stage.frame(events);
+        let background = background(&stage.ctx);
+        offscreen::submit(gpu, &mut stage.renderer.write(), &jobs, background, &target, 1.0);
+        wait_until_drawn(gpu);
+        if !stage.inspector.is_busy() {
+            stage.expect_scene()?;
+        }
+    }
+    Ok(script.table(&format!("{} without a window", gpu.info.name)))
 }
 
 struct Stage {
@@ -59,13 +72,35 @@ struct Stage {
 }
 
 impl Stage {
+    /// A window without a display, and its size in pixels.
+    fn new(gpu: &Arc<Gpu>, start: Start, scale: f32) -> Result<(Self, [u32; 2]), Error> {
+        let size = start.size.map(|side| (side * scale).round().max(1.0) as u32);
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        if size.iter().any(|&side| side > most) {
+            return Err(Error::failed(format!("--window: the adapter supports at most {most} pixels per side")));
+        }
+        let ctx = egui::Context::default();
+        ctx.set_pixels_per_point(scale);
+        let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
+        let points = start.size;
+        let inspector = inspector(&ctx, gpu, renderer.clone(), start);
+        Ok((Self { ctx, gpu: gpu.clone(), renderer, inspector, points, time: 0.0, scale }, size))
+    }
+
+    fn expect_scene(&self) -> Result<(), Error> {
+        match self.inspector.model().opened {
+            Some(_) => Ok(()),
+            None => Err(Error::failed(self.inspector.last_error().unwrap_or("the scene could not be opened"))),
+        }
+    }
+
     /// Runs frames until no work is left, and some more because layouts need several frames to settle.
     fn settle(&mut self) -> Result<(), Error> {
         let begin = Instant::now();
         let mut calm = 0;
         while calm < 6 {
             self.gpu.health()?;
-            self.frame();
+            self.frame(Vec::new());
             calm = if self.inspector.is_busy() { 0 } else { calm + 1 };
             if calm == 0 {
                 if begin.elapsed() > PATIENCE {
@@ -77,10 +112,10 @@ impl Stage {
         Ok(())
     }
 
-    fn frame(&mut self) -> Vec<egui::ClippedPrimitive> {
+    fn frame(&mut self, events: Vec<egui::Event>) -> Vec<egui::ClippedPrimitive> {
         self.time += 1.0 / 60.0;
         let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, self.points.into());
-        let input = egui::RawInput { screen_rect: Some(rect), time: Some(self.time), ..Default::default() };
+        let input = egui::RawInput { screen_rect: Some(rect), time: Some(self.time), events, ..Default::default() };
         let mut output = self.ctx.run_ui(input, |ui| self.inspector.ui(ui));
         let mut renderer = self.renderer.write();
         for (id, delta) in output.textures_delta.set.iter().flat_map(|(id, all)| all.iter().map(move |d| (id, d))) {

@@ -1,0 +1,133 @@
+//! How long the window takes to respond: a script of clicks, keys and movements of the mouse for whoever draws the
+//! window, and the time from each of them to the end of the first frame that begins with the response known.
+//!
+//! A response that is known only in the middle of a frame may be shown by it, but counts from the next: two frames. No
+//! response is shown sooner than that, so two idle repaints are measured beside.
+
+mod actions;
+
+use egui::Event;
+
+use super::Inspector;
+use actions::{ACTIONS, Action};
+use raystep_lab::statistics::quantile;
+
+/// An action that takes longer is given up, nanoseconds.
+const PATIENCE_NS: u64 = 60_000_000_000;
+/// Frames without work before the next action.
+const CALM: u32 = 4;
+
+/// Times of one action.
+struct Row {
+    name: &'static str,
+    limit_ms: f64,
+    times_ms: Vec<f64>,
+    /// Actions that were given up.
+    failed: usize,
+}
+
+/// An action whose response is awaited.
+struct Begun {
+    ns: u64,
+    before: actions::Before,
+    /// Whether the current frame began with the response known.
+    is_shown: bool,
+}
+
+/// The script, and what was measured.
+pub struct Script {
+    begin_ns: u64,
+    /// Which action, and how often it was done.
+    at: (usize, usize),
+    begun: Option<Begun>,
+    calm: u32,
+    rows: Vec<Row>,
+    about: String,
+}
+
+impl Script {
+    /// Begins at a time in nanoseconds, with a window that is opening a scene.
+    #[must_use]
+    pub fn new(begin_ns: u64) -> Self {
+        Self { begin_ns, at: (0, 0), begun: None, calm: 0, rows: Vec::new(), about: String::new() }
+    }
+
+    /// Before a frame, once the frame before is on the screen: its events, or `None` at the end of the script.
+    pub fn frame(&mut self, now_ns: u64, inspector: &mut Inspector) -> Option<Vec<Event>> {
+        let action = ACTIONS.get(self.at.0)?;
+        if let Some(begun) = &mut self.begun {
+            let ns = now_ns.saturating_sub(begun.ns);
+            if begun.is_shown || ns > PATIENCE_NS {
+                let is_shown = begun.is_shown;
+                self.begun = None;
+                self.note(action, ns, is_shown);
+                return Some(Vec::new());
+            }
+            begun.is_shown = (action.is_shown)(inspector, &begun.before);
+            return Some(Vec::new());
+        }
+        if self.at == (0, 0) {
+            self.describe(inspector);
+        } else {
+            self.calm = if inspector.is_busy() { 0 } else { self.calm + 1 };
+            if self.calm < CALM {
+                return Some(Vec::new());
+            }
+        }
+        self.calm = 0;
+        let before = actions::Before::of(inspector);
+        let events = (action.events)(inspector, self.at.1);
+        // The first action is to open the scene, which began with the program.
+        let ns = if self.at == (0, 0) { self.begin_ns } else { now_ns };
+        self.begun = Some(Begun { ns, before, is_shown: false });
+        Some(events)
+    }
+
+    fn describe(&mut self, inspector: &Inspector) {
+        if let Some(opened) = &inspector.model().opened {
+            let plan = &opened.plan;
+            self.about = format!(
+                "{}: {} triangles, {} × {} rays, traced by {}",
+                opened.scene.name, plan.triangles, plan.width, plan.height, opened.device
+            );
+        }
+    }
+
+    fn note(&mut self, action: &Action, ns: u64, is_shown: bool) {
+        if self.at.1 == 0 {
+            let (name, limit_ms) = (action.name, action.limit_ms);
+            self.rows.push(Row { name, limit_ms, times_ms: Vec::new(), failed: 0 });
+        }
+        if let Some(row) = self.rows.last_mut() {
+            match is_shown {
+                true => row.times_ms.push(ns as f64 / 1e6),
+                false => row.failed += 1,
+            }
+        }
+        self.at.1 += 1;
+        if self.at.1 == action.times {
+            self.at = (self.at.0 + 1, 0);
+        }
+    }
+
+    /// The table, in Markdown.
+    #[must_use]
+    pub fn table(&self, drawn_by: &str) -> String {
+        let mut text = format!("{}, drawn by {drawn_by}\n\n", self.about);
+        text += "| action | times | median, ms | 90 %, ms | worst, ms | limit, ms |\n|---|--:|--:|--:|--:|---|\n";
+        let of = |row: &Row, share: f64| quantile(&row.times_ms, share).unwrap_or(f64::NAN);
+        let repaints = self.rows.iter().find(|row| row.name == actions::REPAINTS).map_or(0.0, |row| of(row, 0.5));
+        for row in &self.rows {
+            let [median, most, worst] = [0.5, 0.9, 1.0].map(|share| of(row, share));
+            // Nothing is faster than two repaints.
+            let limit = row.limit_ms.max(if row.name == actions::REPAINTS { 0.0 } else { repaints });
+            let verdict = if median <= limit && row.failed == 0 { "within" } else { "over" };
+            let failed = if row.failed > 0 { format!(", {} without a response", row.failed) } else { String::new() };
+            let (name, times) = (row.name, row.times_ms.len());
+            text += &format!(
+                "| {name} | {times}{failed} | {median:.0} | {most:.0} | {worst:.0} | {verdict} {limit:.0} |\n"
+            );
+        }
+        text
+    }
+}
