@@ -3,6 +3,11 @@
 use raystep_kernels::executor::gpu::stream_format;
 use raystep_kernels::{Gpu, Renderer, Stream, StreamData};
 
+/// The bit of the stream at an index, among those that are drawn or filled.
+pub(super) fn bit(index: usize) -> u64 {
+    1 << index.min(63)
+}
+
 /// A texture like a stream's own, to draw from.
 pub(super) fn stream_copy(gpu: &Gpu, stream: Stream, width: u32, height: u32) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {

@@ -50,6 +50,7 @@ pub struct Engine {
     /// Requests up to this one are cancelled.
     cancel: Arc<AtomicU64>,
     moving: Arc<AtomicU64>,
+    drawn: Arc<AtomicU64>,
 }
 
 struct Run {
@@ -89,16 +90,18 @@ impl Engine {
         outbox: UnboundedSender<Update>,
         cancel: Arc<AtomicU64>,
         moving: Arc<AtomicU64>,
+        drawn: Arc<AtomicU64>,
     ) -> Self {
-        Self { inbox, outbox, cancel, moving }
+        Self { inbox, outbox, cancel, moving, drawn }
     }
 
     /// Serves requests on these devices.
     #[must_use]
     pub fn serve(self, devices: Devices) -> EngineTask {
         Box::pin(async move {
-            let Self { mut inbox, outbox, cancel, moving } = self;
-            let mut server = Server { outbox, cancel, served: 0, moving, devices, run: None };
+            let Self { mut inbox, outbox, cancel, moving, drawn } = self;
+            let mut server =
+                Server { outbox, cancel, served: 0, moving, drawn, kept_drawn: u64::MAX, devices, run: None };
             loop {
                 let request = match inbox.try_recv() {
                     Ok(request) => request,
@@ -143,7 +146,7 @@ fn name(request: &Request) -> &'static str {
         Request::ClearEdits => "undoing edits",
         Request::TwinsUntil(_) => "running passes on the CPU reference",
         Request::Follow(_) | Request::Confirm(_) => FOLLOWING,
-        Request::Read { .. } | Request::ReadAll(_) | Request::Count(..) => "reading a stream",
+        Request::Draw | Request::Read { .. } | Request::ReadAll(_) | Request::Count(..) => "reading a stream",
         Request::Pin(_) => "pinning a stream",
         Request::Job(what, _) => what,
     }
@@ -155,6 +158,10 @@ struct Server {
     /// Requests so far.
     served: u64,
     moving: Arc<AtomicU64>,
+    /// A bit for each stream that the window has drawn since it was asked last.
+    drawn: Arc<AtomicU64>,
+    /// What it said last.
+    kept_drawn: u64,
     devices: Devices,
     run: Option<Run>,
 }
@@ -298,9 +305,13 @@ impl Server {
                 self.say(Update::Texels(Texels { stream, place: run.session.place(), region, bits, counted: None }));
                 Ok(())
             }
+            Request::Draw => {
+                let _moving = Moving::new(&self.moving);
+                self.arrived().await
+            }
             Request::ReadAll(stream) => self.read_all(stream, None).await,
             Request::Count(stream, layer) => self.read_all(stream, Some(layer)).await,
-            Request::Pin(stream) => self.pin(stream),
+            Request::Pin(stream) => self.pin(stream).await,
             Request::Job(what, job) => {
                 let mut progress = self.reporter(what);
                 let _moving = Moving::new(&self.moving);

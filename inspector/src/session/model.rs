@@ -8,6 +8,7 @@ use futures_channel::mpsc::{UnboundedReceiver, UnboundedSender, unbounded};
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::{Kernel, Pass, Stream};
 
+use super::copies::bit;
 use super::engine::{Engine, EngineTask, GLIMPSING};
 use super::request::{At, Glimpse, Opened, Request, Texels, Update};
 use super::{Edit, Fired, Told};
@@ -44,6 +45,10 @@ pub struct Model {
     cancel: Arc<AtomicU64>,
     sent: u64,
     moving: Arc<AtomicU64>,
+    /// A bit for each stream that was drawn since the engine has looked.
+    drawn: Arc<AtomicU64>,
+    /// A bit for each stream whose texture has the values of this place.
+    filled: u64,
     waiting: usize,
     /// The run; `None` until a scene is open.
     pub opened: Option<Opened>,
@@ -111,14 +116,16 @@ impl Model {
     pub fn new(make: impl FnOnce(Engine) -> EngineTask) -> (Self, EngineTask) {
         let (requests, inbox) = unbounded();
         let (outbox, updates) = unbounded();
-        let (cancel, moving) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
-        let task = make(Engine::new(inbox, outbox, cancel.clone(), moving.clone()));
+        let [cancel, moving, drawn] = [0, 0, 0].map(|zero| Arc::new(AtomicU64::new(zero)));
+        let task = make(Engine::new(inbox, outbox, cancel.clone(), moving.clone(), drawn.clone()));
         let model = Self {
             requests,
             updates,
             cancel,
             sent: 0,
             moving,
+            drawn,
+            filled: 0,
             waiting: 0,
             opened: None,
             generation: 0,
@@ -208,6 +215,10 @@ impl Model {
             self.apply(update);
             is_new = true;
         }
+        // A stream that was not drawn before.
+        if self.drawn.load(Ordering::Acquire) & !self.filled != 0 && !self.is_busy() && self.opened.is_some() {
+            self.ask(Request::Draw);
+        }
         is_new
     }
 
@@ -277,7 +288,7 @@ impl Model {
             self.passes.truncate(at.place);
             self.is_complete = false;
         }
-        (self.twins, self.host_ns) = (at.twins, at.host_ns);
+        (self.twins, self.host_ns, self.filled) = (at.twins, at.host_ns, at.filled);
         let end = at.first + at.passes.len();
         // The passes differ from those known: an edit, or another plan.
         let same = self.passes.get(at.first..end.min(self.passes.len())).is_some_and(|known| {
@@ -301,10 +312,20 @@ impl Model {
         }
     }
 
-    /// A stream's texture, for drawing.
+    /// A stream's texture. Its values may be those of an earlier place: see [`drawn`](Self::drawn).
     #[must_use]
     pub fn texture(&self, stream: Stream) -> Option<&wgpu::Texture> {
         self.opened.as_ref()?.textures.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture)
+    }
+
+    /// A stream's texture for drawing, with the values of this place. `None` between two places, and until the engine
+    /// has copied a stream that was not drawn before.
+    #[must_use]
+    pub fn drawn(&self, stream: Stream) -> Option<&wgpu::Texture> {
+        let textures = &self.opened.as_ref()?.textures;
+        let index = textures.iter().position(|(s, _)| *s == stream)?;
+        self.drawn.fetch_or(bit(index), Ordering::AcqRel);
+        (self.filled & bit(index) != 0 && !self.is_moving()).then(|| &textures[index].1)
     }
 
     /// The pass that was run last.

@@ -52,6 +52,8 @@ pub enum Request {
     Follow([u32; 2]),
     /// Selects this pixel's ray, and follows it on the device when there is nothing else to do, in a run of its own.
     Confirm([u32; 2]),
+    /// Copies the streams that are drawn by now, where they cannot be drawn from the device's own textures.
+    Draw,
     /// Reads a region of the current stream: x, y, width, height.
     Read {
         /// Which stream.
@@ -136,6 +138,8 @@ pub struct At {
     pub twins: Option<usize>,
     /// Time of the passes so far by the host's clock.
     pub host_ns: Option<u64>,
+    /// A bit for each of [`Opened::textures`] that has the values of this place.
+    pub filled: u64,
 }
 
 /// Requested texels.

@@ -60,15 +60,14 @@ impl Script {
             if begun.is_shown || ns > PATIENCE_NS {
                 let is_shown = begun.is_shown;
                 self.begun = None;
+                self.describe(inspector);
                 self.note(action, ns, is_shown);
                 return Some(Vec::new());
             }
             begun.is_shown = (action.is_shown)(inspector, &begun.before);
             return Some(Vec::new());
         }
-        if self.at == (0, 0) {
-            self.describe(inspector);
-        } else {
+        if self.at != (0, 0) {
             self.calm = if inspector.is_busy() { 0 } else { self.calm + 1 };
             if self.calm < CALM {
                 return Some(Vec::new());
@@ -121,12 +120,14 @@ impl Script {
             let [median, most, worst] = [0.5, 0.9, 1.0].map(|share| of(row, share));
             // Nothing is faster than two repaints.
             let limit = row.limit_ms.max(if row.name == actions::REPAINTS { 0.0 } else { repaints });
-            let verdict = if median <= limit && row.failed == 0 { "within" } else { "over" };
+            let verdict = match median <= limit && row.failed == 0 {
+                _ if limit.is_infinite() => "none".to_owned(),
+                true => format!("within {limit:.0}"),
+                false => format!("over {limit:.0}"),
+            };
             let failed = if row.failed > 0 { format!(", {} without a response", row.failed) } else { String::new() };
             let (name, times) = (row.name, row.times_ms.len());
-            text += &format!(
-                "| {name} | {times}{failed} | {median:.0} | {most:.0} | {worst:.0} | {verdict} {limit:.0} |\n"
-            );
+            text += &format!("| {name} | {times}{failed} | {median:.0} | {most:.0} | {worst:.0} | {verdict} |\n");
         }
         text
     }

@@ -1,13 +1,14 @@
 //! The parts of requests that concern a run's device: opening, where it is, reading, and confirming a ray.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use raystep_kernels::{Device, Progress, RenderError, Stream, StreamData};
 use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::super::confirm::Confirming;
-use super::super::copies::{fill, stream_copy, textures};
+use super::super::copies::{bit, fill, stream_copy, textures};
 use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
 use super::super::{Session, Target};
@@ -163,7 +164,13 @@ impl Server {
         // Streams come and go with the sizes of their elements.
         let is_fixed = renderer.plan().sets.iter().all(|set| set.size.is_some());
         let now = textures(&self.devices.gpu, renderer, &mut run.copies);
-        for (stream, texture) in &run.copies {
+        // What is not drawn need not be copied: a stream has up to four megabytes at a usual size.
+        match self.drawn.swap(0, Ordering::AcqRel) {
+            0 => {}
+            drawn => self.kept_drawn = drawn,
+        }
+        let filled = if run.copies.is_empty() { u64::MAX } else { self.kept_drawn };
+        for (_, (stream, texture)) in run.copies.iter().enumerate().filter(|(i, _)| filled & bit(*i) != 0) {
             let data = run.session.stream(*stream).await?;
             fill(&self.devices.gpu, texture, &data);
         }
@@ -181,6 +188,7 @@ impl Server {
             twins: run.session.twin_passes(),
             host_ns: run.session.renderer().host_ns(),
             textures: (!is_fixed).then_some(now),
+            filled,
         };
         run.known = place;
         Ok(Some(at))
@@ -199,8 +207,11 @@ impl Server {
         Ok(())
     }
 
-    pub(super) fn pin(&self, stream: Stream) -> Result<(), Trouble> {
+    pub(super) async fn pin(&self, stream: Stream) -> Result<(), Trouble> {
         let Some(run) = &self.run else { return Ok(()) };
+        if let Some((_, copy)) = run.copies.iter().find(|(s, _)| *s == stream) {
+            fill(&self.devices.gpu, copy, &run.session.stream(stream).await?);
+        }
         let source = match run.session.renderer().gpu() {
             Some(gpu) => gpu.texture(stream),
             None => run.copies.iter().find(|(s, _)| *s == stream).map(|(_, texture)| texture),

@@ -343,7 +343,7 @@ impl Compare {
         let largest = self.spread();
         let (target, is_new) = self.pictures[slot].target(canvas, size);
         for (still, run) in self.stills.iter_mut().zip([model, other]) {
-            if let Some(texture) = run.texture(self.stream).filter(|_| !run.is_moving()) {
+            if let Some(texture) = run.drawn(self.stream) {
                 still.take(canvas, (run.edition, run.place), self.stream, texture);
             }
         }

@@ -322,7 +322,7 @@ impl StreamView {
         let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
         let now = (cx.model.edition, cx.model.place);
         // While the run moves between two places, the last valid snapshot stays.
-        if let Some(texture) = cx.model.texture(stream).filter(|_| self.pinned.is_none() && !cx.model.is_moving()) {
+        if let Some(texture) = self.pinned.is_none().then(|| cx.model.drawn(stream)).flatten() {
             self.still.take(cx.canvas, now, stream, texture);
         }
         // Until the picture of another run is there, the last one stays, if it has the same size.
