@@ -8,6 +8,7 @@ pub mod host;
 mod keep;
 mod layout;
 mod lessons;
+pub mod mask;
 mod menu;
 pub mod offscreen;
 mod palette;
