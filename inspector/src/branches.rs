@@ -17,8 +17,6 @@ pub struct Branch {
     pub condition: String,
     /// Whether it was true, the last time that it was reached.
     pub is_taken: bool,
-    /// Whether it was true at least once.
-    pub was_taken: bool,
     /// How it came out, and what it compared, in one or more lines.
     pub notes: Vec<Note>,
 }
@@ -62,11 +60,6 @@ impl Branches {
         let deciding = deciding.and_then(|site| reached.iter().position(|branch| branch.site == site));
         Self { marks: marks(kernel, recording), reached, deciding }
     }
-
-    /// The branches that were taken, in the order in which they were reached first.
-    pub fn taken(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.reached.len()).filter(|&index| self.reached[index].was_taken)
-    }
 }
 
 /// A line ran if any of its statements did.
@@ -108,7 +101,7 @@ fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Option<Br
     let because = because.and_then(|decision| kernel.sites().get(decision.site)).map(|site| site.line + 1);
     let mut notes = Vec::new();
     for comparison in comparisons.iter().take(MOST_TOLD) {
-        let text = told(kernel.source(), comparison);
+        let text = told(comparison);
         let text = if notes.is_empty() { format!("{outcome}: {text}") } else { text };
         notes.push(Note { text, differs: comparison.holds != comparison.holds_wide });
     }
@@ -126,7 +119,6 @@ fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Option<Br
         line: about.line,
         condition: text_of(kernel.source(), about.span.clone()),
         is_taken: decision.is_taken,
-        was_taken: taken > 0,
         notes,
     })
 }
@@ -137,10 +129,10 @@ fn text_of(source: &str, span: std::ops::Range<usize>) -> String {
 }
 
 /// A comparison with the values of its sides.
-fn told(source: &str, comparison: &Comparison) -> String {
+fn told(comparison: &Comparison) -> String {
     let operator = comparison.operator;
     let side = |i: usize| {
-        let mut name = text_of(source, comparison.sides[i].clone());
+        let mut name = comparison.sides[i].clone();
         if let Some(component) = comparison.component {
             name = format!("{name}.{}", ["x", "y", "z", "w"].get(component).unwrap_or(&"?"));
         }

@@ -50,9 +50,9 @@ pub enum Command {
     End,
     /// To the start of the run.
     Start,
-    /// To the next branch that the ray took in this pass.
+    /// To the next condition that the ray reached in this pass.
     NextBranch,
-    /// To the previous branch that the ray took in this pass.
+    /// To the previous condition that the ray reached in this pass.
     PreviousBranch,
     /// Shows which rays took the branch in view.
     MaskBranch,
@@ -227,8 +227,8 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::PreviousOfKernel, "Previous pass of this kernel", CTRL_SHIFT F10;
         C::NextEvent, "Next event of the ray", NONE F11;
         C::PreviousEvent, "Previous event of the ray", SHIFT F11;
-        C::NextBranch, "Next taken branch", NONE F7;
-        C::PreviousBranch, "Previous taken branch", SHIFT F7;
+        C::NextBranch, "Next branch of the ray", NONE F7;
+        C::PreviousBranch, "Previous branch of the ray", SHIFT F7;
         C::MaskBranch, "Show the rays that took this branch", CTRL F7;
         C::IterationEnd, "End of this iteration", CTRL F11;
         C::IterationStart, "Start of this iteration", CTRL_SHIFT F11;

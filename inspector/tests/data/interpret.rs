@@ -200,13 +200,20 @@ fn the_deciding_condition_explains_the_new_state() {
     has(("intersect", ISECT_NO_HIT, ISECT_NO_HIT), &[edge]);
     has(("intersect", ISECT_NO_HIT, ISECT_HIT), &["candidate.is_hit && accepted true"]);
     has(("intersect", ISECT_HIT, SHADE), &[within]);
-    has(("intersect", ISECT_NO_HIT, TRAV), &["item >= count true", beyond]);
-    has(("traverse_grid", TRAV, ISECT_NO_HIT), &["!walk.inside false"]);
-    has(("traverse_bvh", TRAV, ISECT_NO_HIT), &["at.in_leaf true"]);
+    // The list is over: with nothing tested, or after a test.
+    has(("intersect", ISECT_NO_HIT, TRAV), &["ended true", beyond, edge]);
+    has(("traverse_grid", TRAV, ISECT_NO_HIT), &["axis true"]);
+
     has(("traverse_bvh", TRAV, SHADE), &["at.node == NO_NODE true"]);
     let boxes = "hits_box(node, origin, inverse, nearest_t)";
-    has(("traverse_bvh", TRAV, TRAV), &[&format!("{boxes} true"), &format!("{boxes} false")]);
-    has(("setup", TRAV_SETUP, ISECT_NO_HIT), &["!walk.inside false"]);
+    let sibling = "is_first != goes_down(above >> 30u, direction)";
+    let [is_met, is_missed] = [format!("{boxes} true"), format!("{boxes} false")];
+    // On the way up no box is tested.
+    let [to_sibling, to_parent] = [format!("{sibling} true"), format!("{sibling} false")];
+    has(("traverse_bvh", TRAV, ISECT_NO_HIT), &[&is_met]);
+    has(("traverse_bvh", TRAV, TRAV), &[&is_met, &is_missed, &to_sibling, &to_parent]);
+    // The camera is in the grid: where the walk begins is decided by the direction.
+    has(("setup", TRAV_SETUP, ISECT_NO_HIT), &["!walk.inside false", "ray.inverse > vec3f(0.0) true"]);
     has(("shade", SHADE, DONE), &["tag == SHADE true"]);
 }
 

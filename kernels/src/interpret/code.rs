@@ -37,7 +37,7 @@ pub enum SiteKind {
     If,
     /// The condition of a loop, which is true while the loop goes on.
     Loop,
-    /// A `select` with a single condition.
+    /// A `select`; of vectors it is true if any component is.
     Select,
     /// A `switch`, which is true if a case other than `default` was taken.
     Switch,

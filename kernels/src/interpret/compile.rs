@@ -148,8 +148,8 @@ impl Compiler<'_> {
                     let whole = self.type_of(base);
                     Cell { place: first + self.offset(whole, index), ..cell }
                 }
-                Expression::Select { condition, .. } if of(condition).is_some_and(|c| c.width == 1) => {
-                    let site = self.site(SiteKind::Select, self.function.expressions.get_span(condition));
+                Expression::Select { condition, .. } => {
+                    let site = self.site(SiteKind::Select, self.chosen_by(expression, condition));
                     Cell { place: place(width), site, ..cell }
                 }
                 _ => Cell { place: place(width), ..cell },
@@ -194,10 +194,19 @@ impl Compiler<'_> {
         })
     }
 
-    fn site(&mut self, kind: SiteKind, span: Span) -> u32 {
-        let span = span.to_range().unwrap_or_default();
+    fn site(&mut self, kind: SiteKind, span: Range<usize>) -> u32 {
         self.code.sites.push(Site { kind, line: line_of(self.source, span.start), span });
         self.code.sites.len() as u32 - 1
+    }
+
+    fn span(&self, at: Handle<Expression>) -> Range<usize> {
+        self.function.expressions.get_span(at).to_range().unwrap_or_default()
+    }
+
+    /// The condition of a `select`, as it stands there.
+    fn chosen_by(&self, select: Handle<Expression>, condition: Handle<Expression>) -> Range<usize> {
+        let inside = arguments(self.source, self.span(select).start);
+        inside.and_then(|inside| last_of(self.source, inside)).unwrap_or_else(|| self.span(condition))
     }
 
     fn block(&mut self, frame: &Frame, block: &Block) -> Result<Vec<Op>, InterpretError> {
@@ -222,7 +231,7 @@ impl Compiler<'_> {
                 self.branch(frame, condition, accept, reject, whole)?
             }
             Statement::Switch { selector, ref cases } => {
-                let site = self.site(SiteKind::Switch, self.function.expressions.get_span(selector));
+                let site = self.site(SiteKind::Switch, self.span(selector));
                 let mut all = Vec::new();
                 for case in cases {
                     let value = match case.value {
@@ -237,9 +246,7 @@ impl Compiler<'_> {
             Statement::Loop { ref body, ref continuing, break_if } => {
                 let body = self.block(frame, body)?;
                 let continuing = self.block(frame, continuing)?;
-                let break_if = break_if.map(|condition| {
-                    (condition, self.site(SiteKind::If, self.function.expressions.get_span(condition)))
-                });
+                let break_if = break_if.map(|condition| (condition, self.site(SiteKind::If, self.span(condition))));
                 (What::Loop { body, continuing, break_if }, self.head(whole))
             }
             Statement::Break => (What::Break, whole),
@@ -277,7 +284,7 @@ impl Compiler<'_> {
         reject: &Block,
         whole: Range<usize>,
     ) -> Result<(What, Range<usize>), InterpretError> {
-        let of_condition = self.function.expressions.get_span(condition);
+        let of_condition = self.span(condition);
         let result = match (accept.last(), &reject[..]) {
             (Some(&Statement::Store { pointer, .. }), [Statement::Store { pointer: other, .. }])
                 if pointer == *other =>
@@ -290,16 +297,16 @@ impl Compiler<'_> {
             // The condition of `||` is negated; it is the left side that is named.
             _ if result.is_some() => {
                 let left = match self.function.expressions[condition] {
-                    Expression::Unary { expr, .. } if of_condition.to_range() == Some(whole.clone()) => expr,
+                    Expression::Unary { expr, .. } if of_condition == whole => expr,
                     _ => condition,
                 };
-                (SiteKind::ShortCircuit, self.function.expressions.get_span(left))
+                (SiteKind::ShortCircuit, self.span(left))
             }
             ([], [Statement::Break]) => (SiteKind::Loop, of_condition),
-            _ => (SiteKind::If, of_condition),
+            // A condition may have been computed before, by `let`: here it is as it stands in the statement.
+            _ => (SiteKind::If, arguments(self.source, whole.start).unwrap_or(of_condition)),
         };
-        let end = span.to_range().map_or(whole.start, |span| span.end);
-        let head = if kind == SiteKind::If { whole.start.min(end)..end } else { span.to_range().unwrap_or_default() };
+        let head = if kind == SiteKind::If { whole.start.min(span.end)..span.end } else { span.clone() };
         let site = self.site(kind, span);
         let (accept, reject) = (self.block(frame, accept)?, self.block(frame, reject)?);
         let has_jump = has_jump(&accept, false) || has_jump(&reject, false);
@@ -368,6 +375,43 @@ impl Compiler<'_> {
             _ => None,
         }
     }
+}
+
+/// What is between the first parentheses after a name that begins here.
+fn arguments(source: &str, start: usize) -> Option<Range<usize>> {
+    let rest = source.get(start..)?;
+    let open =
+        rest.find(|c: char| !c.is_alphanumeric() && c != '_' && c != ' ').filter(|&at| rest[at..].starts_with('('))?;
+    let mut depth = 0usize;
+    for (at, c) in rest.char_indices().skip_while(|&(at, _)| at < open) {
+        match c {
+            '(' => depth += 1,
+            ')' => depth = depth.checked_sub(1)?,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some(start + open + 1..start + at);
+        }
+    }
+    None
+}
+
+/// The last of several arguments.
+fn last_of(source: &str, inside: Range<usize>) -> Option<Range<usize>> {
+    let text = source.get(inside.clone())?;
+    let (mut depth, mut first) = (0usize, 0);
+    for (at, c) in text.char_indices() {
+        match c {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth = depth.checked_sub(1)?,
+            // A comma at the end is followed by nothing.
+            ',' if depth == 0 && !text[at + 1..].trim().is_empty() => first = at + 1,
+            _ => {}
+        }
+    }
+    let last = text[first..].trim();
+    let start = inside.start + first + (text[first..].len() - text[first..].trim_start().len());
+    Some(start..start + last.trim_end_matches(',').len())
 }
 
 /// Whether statements may leave the block that they are in; jumps inside of a loop stay there.

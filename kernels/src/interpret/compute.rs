@@ -3,7 +3,7 @@
 use naga::{Expression, Handle, RelationalFunction, UnaryOperator};
 
 use super::InterpretError;
-use super::code::{CONSTANT, Kind, NONE, Slot};
+use super::code::{CONSTANT, Kind, Slot};
 use super::machine::{Frame, Machine};
 use super::operators::{binary, comparison, convert, math};
 use super::recording::{Comparison, KNOWN, Value};
@@ -55,13 +55,12 @@ impl<'a> Machine<'a> {
                 }
             }
             Expression::Select { condition, accept, reject } => {
-                let site = cell.site;
-                let whole = self.get(frame, condition, 0);
-                let node = if site == NONE { KNOWN } else { self.decide(site, whole) };
+                let whole = self.any(frame, condition);
+                let node = self.decide(cell.site, whole);
                 for lane in lanes {
                     let chosen = self.get(frame, condition, lane);
                     let mut value = self.get(frame, if chosen.bits != 0 { accept } else { reject }, lane);
-                    value.from = self.join(value.from, if site == NONE { chosen.from } else { node });
+                    value.from = self.join(value.from, node);
                     // A boolean that f64 would choose otherwise.
                     if cell.kind == Kind::Bool && (chosen.wide != 0.0) != (chosen.bits != 0) {
                         value.wide = self.get(frame, if chosen.bits != 0 { reject } else { accept }, lane).wide;
@@ -144,6 +143,56 @@ impl<'a> Machine<'a> {
         Ok(())
     }
 
+    /// An expression as a reader would name it: what it was bound to by `let`, or its source.
+    fn text(&self, frame: &Frame<'a>, at: Handle<Expression>) -> String {
+        if let Some(name) = frame.function.named_expressions.get(&at) {
+            return name.clone();
+        }
+        let variable = match frame.function.expressions[at] {
+            Expression::Load { pointer } => return self.text(frame, pointer),
+            Expression::LocalVariable(local) => frame.function.local_variables[local].name.clone(),
+            Expression::GlobalVariable(global) => self.kernel.module.global_variables[global].name.clone(),
+            Expression::FunctionArgument(index) => {
+                frame.function.arguments.get(index as usize).and_then(|argument| argument.name.clone())
+            }
+            _ => None,
+        };
+        if let Some(name) = variable {
+            return name;
+        }
+        let source = self.kernel.source();
+        let Some(mut span) = frame.function.expressions.get_span(at).to_range() else { return String::new() };
+        // The span of a call is that of the function's name.
+        let rest = source.get(span.end..).unwrap_or_default();
+        let mut depth = 0usize;
+        for (at, c) in rest.char_indices().take_while(|_| rest.starts_with('(')) {
+            match c {
+                '(' => depth += 1,
+                ')' => depth -= 1,
+                _ => {}
+            }
+            if depth == 0 {
+                span.end += at + 1;
+                break;
+            }
+        }
+        source.get(span).unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    /// Whether any component is true, and in f64: it differs if any component does.
+    fn any(&mut self, frame: &Frame<'a>, condition: Handle<Expression>) -> Slot {
+        let mut whole = self.get(frame, condition, 0);
+        let mut differs = (whole.wide != 0.0) != (whole.bits != 0);
+        for lane in 1..frame.body.cells[condition.index()].width {
+            let slot = self.get(frame, condition, lane);
+            differs |= (slot.wide != 0.0) != (slot.bits != 0);
+            whole.bits |= slot.bits;
+            whole.from = self.join(whole.from, slot.from);
+        }
+        whole.wide = f64::from(u8::from((whole.bits != 0) != differs));
+        whole
+    }
+
     /// Records a comparison, and returns its node.
     #[expect(clippy::too_many_arguments)]
     fn compared(
@@ -158,15 +207,24 @@ impl<'a> Machine<'a> {
     ) -> u32 {
         let kind = frame.body.cells[sides[0].index()].kind;
         let comparison = Comparison {
-            sides: sides.map(|side| frame.function.expressions.get_span(side).to_range().unwrap_or_default()),
+            sides: sides.map(|side| self.text(frame, side)),
             component: (width > 1).then_some(lane as usize),
             operator,
             values: values.map(|value| Value { bits: value.bits, kind, wide: value.wide }),
             holds: result.bits != 0,
             holds_wide: result.wide != 0.0,
-            has_constant: sides.iter().any(|side| frame.body.cells[side.index()].place & CONSTANT != 0),
+            has_constant: sides.iter().any(|&side| is_constant(frame, side)),
         };
         self.recording.as_mut().map_or(KNOWN, |recording| recording.compare(comparison, result.from))
+    }
+}
+
+/// Whether an expression is made of literals and constants only.
+fn is_constant(frame: &Frame<'_>, at: Handle<Expression>) -> bool {
+    match frame.function.expressions[at] {
+        Expression::Splat { value, .. } => is_constant(frame, value),
+        Expression::Compose { ref components, .. } => components.iter().all(|&part| is_constant(frame, part)),
+        _ => frame.body.cells[at.index()].place & CONSTANT != 0,
     }
 }
 

@@ -1,11 +1,10 @@
 //! Which decision made the element's new state.
 //!
-//! Of all decisions that the written state depends on (a backward slice, Weiser 1984), it is the last that depends on
-//! more than what the ray had found before this pass, and that
+//! Of all decisions that the written state depends on (a backward slice, Weiser 1984), and of those only the ones that
+//! depend on more than what the ray had found before this pass, it is
 //!
-//! - compares two floats, if the state stays the same: that a list has not ended yet, or which child is visited next,
-//!   does not explain why a triangle or a box was missed; else
-//! - compares floats, or was taken.
+//! - the last that compares two floats, neither of them a constant: where the ray meets an edge, a box or a face; else
+//! - the last that compares floats, or was taken.
 //!
 //! A test of the old state does not count: it decides whether the kernel works on the ray at all. If nothing else is
 //! left, it is the last branch taken, or reached, of those that anything written depends on.
@@ -16,13 +15,7 @@ use super::code::{Site, SiteKind};
 use super::recording::{Comparison, Node, OUTSIDE, Recording};
 
 /// The decision, for the nodes of the state and of everything that was written.
-pub(super) fn deciding(
-    recording: &Recording,
-    sites: &[Site],
-    state: &[u32],
-    all: &[u32],
-    has_changed: bool,
-) -> Option<usize> {
+pub(super) fn deciding(recording: &Recording, sites: &[Site], state: &[u32], all: &[u32]) -> Option<usize> {
     let is_whole = |index: &usize| is_site(recording, sites, *index, |kind| kind != SiteKind::ShortCircuit);
     let is_taken = |index: &usize| recording.decisions.get(*index).is_some_and(|decision| decision.is_taken);
     let is_found = |index: &usize| {
@@ -36,7 +29,7 @@ pub(super) fn deciding(
     let own: Vec<usize> = slice(recording, state).into_iter().filter(is_whole).collect();
     let everything: Vec<usize> = slice(recording, all).into_iter().filter(is_whole).collect();
     let last = |of: &[usize], is_so: &dyn Fn(&usize) -> bool| of.iter().rev().find(|index| is_so(index)).copied();
-    let two_floats = |index: &usize| !has_changed && compares(index, &|c| !c.has_constant) && is_found(index);
+    let two_floats = |index: &usize| compares(index, &|c| !c.has_constant) && is_found(index);
     last(&own, &two_floats)
         .or_else(|| last(&own, &|index| (is_taken(index) || compares(index, &|_| true)) && is_found(index)))
         .or_else(|| last(&everything, &is_taken))

@@ -36,8 +36,6 @@ pub(super) struct Machine<'a> {
     pub(super) private: Vec<Slot>,
     /// The element's components in the kernel's streams.
     pub(super) row: Vec<Slot>,
-    /// The state's tag before the pass.
-    tag: Option<u32>,
     /// Components that were written.
     pub(super) written: Vec<bool>,
     pub(super) element: Element,
@@ -62,7 +60,6 @@ impl<'a> Machine<'a> {
             stack: Vec::new(),
             private: Vec::new(),
             row: Vec::new(),
-            tag: None,
             written: Vec::new(),
             element: Element { texel: [0; 2], size: [0; 2] },
             returned: Vec::new(),
@@ -95,7 +92,6 @@ impl<'a> Machine<'a> {
             }
         }
         let kernel = self.kernel;
-        self.tag = kernel.tag().map(|tag| texels[tag]);
         let entry = &kernel.code.bodies[kernel.code.entry];
         let function = self.function(entry);
         self.reserve(entry.frame as usize);
@@ -119,10 +115,8 @@ impl<'a> Machine<'a> {
         let kernel = self.kernel;
         let written = |&component: &usize| self.written[component];
         let nodes: Vec<u32> = (0..self.row.len()).filter(written).map(|component| self.row[component].from).collect();
-        let tag = kernel.tag().filter(written).map(|tag| self.row[tag]);
-        let state = tag.map(|tag| tag.from);
-        let has_changed = tag.map(|tag| tag.bits) != self.tag;
-        recording.deciding = deciding::deciding(&recording, &kernel.code.sites, state.as_slice(), &nodes, has_changed);
+        let state = kernel.tag().filter(written).map(|tag| self.row[tag].from);
+        recording.deciding = deciding::deciding(&recording, &kernel.code.sites, state.as_slice(), &nodes);
         Ok(recording)
     }
 

@@ -4,8 +4,6 @@
 //! from anywhere else, or one of the nodes below. A value depends on its operands; on the decisions that chose it; and,
 //! if it was written in a branch, or could have been, on that branch's condition.
 
-use std::ops::Range;
-
 use super::code::{Code, Kind};
 use super::deciding;
 
@@ -43,8 +41,8 @@ pub struct Value {
 /// A comparison of two scalars, or of one component of two vectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// Bytes of its sides in the composed source.
-    pub sides: [Range<usize>; 2],
+    /// Its sides, as a reader would name them.
+    pub sides: [String; 2],
     /// The component, of vectors.
     pub component: Option<usize>,
     /// As in WGSL.

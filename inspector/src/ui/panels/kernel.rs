@@ -235,17 +235,17 @@ impl KernelView {
         self.listing.scroll_to(site);
     }
 
-    /// To the next or the previous branch taken, round and round.
+    /// To the next or the previous branch that the ray reached, round and round.
     fn go_on(&mut self, is_forward: bool) {
         let Known::Ray(OneRay { branches, .. }) = &self.known else { return };
         let is_listed = |index: &usize| self.listing.has(branches.reached[*index].site);
-        let taken: Vec<usize> = branches.taken().filter(is_listed).collect();
+        let reached: Vec<usize> = (0..branches.reached.len()).filter(is_listed).collect();
         let here = self.selected;
         let next = if is_forward {
-            taken.iter().copied().find(|&index| Some(index) > here).or(taken.first().copied())
+            reached.iter().copied().find(|&index| Some(index) > here).or(reached.first().copied())
         } else {
-            let before = taken.iter().rev().copied().find(|&index| here.is_some_and(|here| index < here));
-            before.or(taken.last().copied())
+            let before = reached.iter().rev().copied().find(|&index| here.is_some_and(|here| index < here));
+            before.or(reached.last().copied())
         };
         if next.is_some() {
             self.selected = next;
@@ -317,17 +317,13 @@ impl KernelView {
         if settings == Some(DeviceKind::CpuF64) {
             ui.weak("Interpreted in f32, from this run's f64 streams rounded to f32.");
         }
-        let taken: Vec<usize> = branches.taken().collect();
         let Some((selected, branch)) = self.selected.zip(self.branch()) else { return };
-        let place =
-            taken.iter().position(|&index| index == selected).map(|at| format!("{} of {}", at + 1, taken.len()));
-        let place = place.unwrap_or_else(|| format!("none of the {}", taken.len()));
+        let place = format!("{} of {}", selected + 1, branches.reached.len());
+        let outcome = if branch.is_taken { "taken" } else { "not taken" };
         let role = if branches.deciding == Some(selected) { ", deciding" } else { "" };
-        let where_ = match self.listing.has(branch.site) {
-            true => format!("line {}", branch.line + 1),
-            false => format!("line {} of the composed source", branch.line + 1),
-        };
-        let text = format!("Branch {place} taken{role}: {where_}: {}", branch.condition);
+        let source = if self.listing.has(branch.site) { "" } else { " of the composed source" };
+        let line = branch.line + 1;
+        let text = format!("Branch {place}, {outcome}{role}: line {line}{source}: {}", branch.condition);
         ui.horizontal_wrapped(|ui| {
             for (command, text) in [(Command::PreviousBranch, "< branch"), (Command::NextBranch, "branch >")] {
                 button(ui, cx, command, text);

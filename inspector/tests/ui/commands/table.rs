@@ -266,7 +266,7 @@ pub(super) fn row(command: Command) -> Row {
             s.settle();
             is_shown(s, PaneKind::Kernel);
             // From the deciding branch to another one.
-            assert!(s.reads("taken: line ") && !s.reads("deciding"), "{:?}: {}", was.command, s.read_out());
+            assert!(s.reads("taken: line ") && !s.reads("deciding:"), "{:?}: {}", was.command, s.read_out());
         }),
         C::MaskBranch => (
             |s| {
