@@ -3,6 +3,7 @@
 //! [`session`] does not depend on a user interface and never blocks, so that a desktop window, a browser and a test can
 //! use it alike; [`draw`] renders it with wgpu; [`ui`] is the contents of the window.
 
+pub mod branches;
 pub mod dataflow;
 pub mod draw;
 pub mod exports;

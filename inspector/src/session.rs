@@ -4,6 +4,7 @@
 //! or from a checkpoint where that alone would take too long. What is shown after going back is bit for bit what was
 //! there.
 
+pub mod before;
 mod confirm;
 mod copies;
 mod edit;

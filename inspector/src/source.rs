@@ -1,20 +1,14 @@
-//! A kernel's WGSL, line by line, with highlighting, and, for one ray in one pass, which lines ran.
-//!
-//! The branches taken follow from the ray's streams before and after the pass: a table
-//! ([`conditions`](raystep_kernels::programs::closest_hit::conditions)) states for every condition in a kernel's file
-//! what it means for them. What the streams do not show, such as a material's texture or a loop's count, is marked
-//! [`Mark::Unknown`]: nothing is guessed, and nothing runs again.
+//! A kernel's WGSL, line by line, with highlighting: its own file with what the options leave out, or the composed
+//! source. Which lines ran for a ray, [`crate::branches`] says.
 
-mod block;
+mod functions;
 mod marks;
 mod words;
 
 use std::ops::Range;
 
 use raystep_kernels::Kernel;
-use raystep_kernels::export::trace::RayState;
 use raystep_kernels::options::features::Features;
-use raystep_kernels::programs::closest_hit::conditions::Case;
 use raystep_kernels::shader::Variant;
 
 pub use words::Class;
@@ -29,8 +23,6 @@ pub enum Mark {
     Run,
     /// It did not run.
     NotRun,
-    /// The ray's streams do not show whether it ran.
-    Unknown,
     /// The run's options omit it from the kernel (`@if`).
     LeftOut,
 }
@@ -46,14 +38,12 @@ pub struct Line {
     pub mark: Mark,
 }
 
-/// A kernel's own file, including its options. `pass` is the ray before and after a pass of the kernel.
+/// A kernel's own file, including its options.
 #[must_use]
-pub fn kernel_file(kernel: Kernel, features: &Features, pass: Option<(&RayState, &RayState)>) -> Vec<Line> {
-    let text = kernel.info().wgsl;
-    let mut lines = lines(text);
-    let case = pass.map(|(before, after)| Case { features, before, after });
-    let marks = marks::marks(kernel, text, features, case.as_ref());
-    for (line, mark) in lines.iter_mut().zip(marks) {
+pub fn kernel_file(kernel: Kernel, features: &Features) -> Vec<Line> {
+    let info = kernel.info();
+    let mut lines = lines(info.wgsl);
+    for (line, mark) in lines.iter_mut().zip(marks::marks(info.name, info.wgsl, features)) {
         line.mark = mark;
     }
     lines
@@ -65,12 +55,12 @@ pub fn composed(variant: &Variant) -> Vec<Line> {
     lines(&variant.source)
 }
 
-/// The conditions of every `if`, `for`, `while`, `loop` and `switch` of a kernel's file, in order, with whitespace
-/// normalised. `None` if the file cannot be parsed.
+/// For every line of a kernel's own file, the line of the composed source that it became; `None` for lines outside of
+/// functions, and for those that were left out.
 #[must_use]
-pub fn conditions_in(kernel: Kernel) -> Option<Vec<String>> {
-    let text = kernel.info().wgsl;
-    block::functions(text, &words::words(text)).map(|file| file.conditions)
+pub fn in_composed(variant: &Variant, features: &Features) -> Vec<Option<usize>> {
+    let info = variant.kernel.info();
+    functions::in_composed(info.wgsl, &marks::marks(info.name, info.wgsl, features), &variant.source)
 }
 
 /// Splits text into lines, and each line into words.

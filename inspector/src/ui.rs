@@ -9,6 +9,7 @@ mod keep;
 pub mod latency;
 mod layout;
 mod lessons;
+pub mod mask;
 mod menu;
 pub mod offscreen;
 mod palette;

@@ -3,5 +3,6 @@
 mod common;
 mod dataflow;
 mod exports;
+mod interpret;
 mod link;
 mod source;

@@ -45,6 +45,7 @@ pub mod compose;
 pub mod executor;
 pub mod export;
 pub mod history;
+pub mod interpret;
 pub mod numbers;
 pub mod options;
 pub mod plan;

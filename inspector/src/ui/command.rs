@@ -50,6 +50,12 @@ pub enum Command {
     End,
     /// To the start of the run.
     Start,
+    /// To the next condition that the ray reached in this pass.
+    NextBranch,
+    /// To the previous condition that the ray reached in this pass.
+    PreviousBranch,
+    /// Shows which rays took the branch in view.
+    MaskBranch,
     /// To the ray's next cell or triangle.
     NextEvent,
     /// To the ray's previous cell or triangle.
@@ -221,6 +227,9 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::PreviousOfKernel, "Previous pass of this kernel", CTRL_SHIFT F10;
         C::NextEvent, "Next event of the ray", NONE F11;
         C::PreviousEvent, "Previous event of the ray", SHIFT F11;
+        C::NextBranch, "Next branch of the ray", NONE F7;
+        C::PreviousBranch, "Previous branch of the ray", SHIFT F7;
+        C::MaskBranch, "Show the rays that took this branch", CTRL F7;
         C::IterationEnd, "End of this iteration", CTRL F11;
         C::IterationStart, "Start of this iteration", CTRL_SHIFT F11;
         C::Start, "Go to start", NONE Home;

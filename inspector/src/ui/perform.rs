@@ -24,6 +24,7 @@ impl Inspector {
             C::NextEvent => self.event(true).is_some(),
             C::PreviousEvent => self.event(false).is_some(),
             C::ExportRay | C::ExportWalk => model.life.is_some(),
+            C::NextBranch | C::PreviousBranch | C::MaskBranch => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
             C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
             _ => has_run,
@@ -98,6 +99,10 @@ impl Inspector {
                 self.ask_panels(command);
             }
             C::ExportPasses | C::ExportTrace | C::ExportExr | C::ExportNpy | C::ExportRay => self.take(command),
+            C::NextBranch | C::PreviousBranch | C::MaskBranch => {
+                layout::show(&mut self.tree, PaneKind::Kernel);
+                self.ask_panels(command);
+            }
             C::Judge => {
                 layout::show(&mut self.tree, PaneKind::Error);
                 self.ask_panels(command);

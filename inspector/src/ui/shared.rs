@@ -1,9 +1,12 @@
 //! State shared by panels.
 
+use std::sync::Arc;
+
 use raystep_kernels::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
+use super::mask::Mask;
 use crate::link::{Link, LinkStream};
 use crate::session::Watch;
 
@@ -65,6 +68,8 @@ pub struct Shared {
     pub hovered: Option<[u32; 2]>,
     /// The cell, node or triangle that was clicked last, in any panel.
     pub picked: Option<Picked>,
+    /// Which rays of a pass took a branch, drawn over streams.
+    pub mask: Option<Arc<Mask>>,
     /// Places to return to, by the number of passes.
     pub bookmarks: Vec<Bookmark>,
     /// The panel that the cursor was over last: commands about a view go to it first.
@@ -105,6 +110,7 @@ impl Default for Shared {
             pixel: None,
             hovered: None,
             picked: None,
+            mask: None,
             bookmarks: Vec::new(),
             under: None,
             go_to: None,

@@ -75,6 +75,25 @@ impl RunSoFar<'_> {
         })
     }
 
+    /// A pixel's texels in these streams before a known pass, one after the other, by the CPU reference kernels; f64 is
+    /// rounded to f32. `None` as for [`follow`](Self::follow), or if there is no such pass or stream.
+    #[must_use]
+    pub fn texels_before<R: Precision>(&self, [x, y]: [u32; 2], pass: usize, streams: &[Stream]) -> Option<Vec<u32>> {
+        if !self.can_be_followed_alone() || x >= self.plan.width || y >= self.plan.height {
+            return None;
+        }
+        let mut ray = Alone::<R>::new(self.plan, self.data, [x, y])?;
+        for pass in self.passes.get(..pass)? {
+            ray.run(pass);
+        }
+        let texels = streams.iter().map(|&stream| {
+            let first = ray.streams.contains(&stream).then(|| ray.layout.first[stream.index()]).flatten()?;
+            Some((0..stream.layers()).map(move |layer| (stream, layer, first + layer)))
+        });
+        let components = texels.collect::<Option<Vec<_>>>()?.into_iter().flatten();
+        Some(components.map(|(stream, layer, at)| to_stream_bits::<R>(stream, layer, ray.row[at])).collect())
+    }
+
     /// Adds the rows after the known passes.
     fn predict<R: Precision>(&self, ray: &mut Alone<'_, R>, mut cursor: Cursor, rows: &mut Vec<TraceRow>) {
         let schedule = &self.plan.schedule;

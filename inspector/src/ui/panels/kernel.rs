@@ -1,34 +1,48 @@
-//! The kernel's WGSL, with the lines that ran for the selected ray in the current pass.
+//! The kernel's WGSL: what ran for the selected ray in the current pass, the branch that decided, and which rays of the
+//! pass took it.
 
 mod listing;
+mod run;
 
 use std::sync::Arc;
 
 use egui::RichText;
 use raystep_kernels::Kernel;
-use raystep_kernels::export::trace::{RayState, Trace};
-use raystep_kernels::programs::closest_hit::states;
+use raystep_kernels::export::trace::Trace;
+use raystep_kernels::interpret::MOST_SITES;
 use serde::{Deserialize, Serialize};
 
 use super::ray::current_row;
+use crate::branches::Branch;
 use crate::session::Model;
-use crate::session::request::Opened;
-use crate::source::{self, Line, Mark};
+use crate::settings::DeviceKind;
+use crate::source::{self, Mark};
+use crate::ui::command::Command;
+use crate::ui::mask::Mask;
 use crate::ui::pane::{Context, Panel};
 use listing::Listing;
+use run::{OneRay, PassKey, Runs};
 
 /// What of the view is saved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct Look {
     /// Show the composed source instead of the kernel's own file.
     composed: bool,
 }
 
+impl Default for Look {
+    /// The branch that decided is often in a shared function.
+    fn default() -> Self {
+        Self { composed: true }
+    }
+}
+
 /// Key of the displayed lines.
 #[derive(Clone)]
 struct Shown {
     generation: u64,
+    edition: u64,
     kernel: Kernel,
     /// The ray's history, and the current row.
     row: Option<(Arc<Trace>, usize)>,
@@ -41,8 +55,22 @@ impl PartialEq for Shown {
             (Some((a, i)), Some((b, j))) => Arc::ptr_eq(a, b) && i == j,
             (a, b) => a.is_none() && b.is_none(),
         };
-        same_row && (self.generation, self.kernel, self.composed) == (other.generation, other.kernel, other.composed)
+        let key = |shown: &Self| (shown.generation, shown.edition, shown.kernel, shown.composed);
+        same_row && key(self) == key(other)
     }
+}
+
+/// What is known of the ray in the pass.
+#[derive(Default)]
+enum Known {
+    /// No ray is selected.
+    #[default]
+    Nothing,
+    /// Its streams are being read.
+    Waiting,
+    /// Why there is nothing; one line.
+    Failed(String),
+    Ray(OneRay),
 }
 
 /// The kernel's source.
@@ -51,6 +79,12 @@ pub(in crate::ui) struct KernelView {
     look: Look,
     shown: Option<Shown>,
     listing: Listing,
+    runs: Runs,
+    known: Known,
+    /// The branch in view: an index into those reached.
+    selected: Option<usize>,
+    /// Whether the branch's mask is shown once all rays are known.
+    is_mask_wanted: bool,
 }
 
 impl Panel for KernelView {
@@ -59,20 +93,22 @@ impl Panel for KernelView {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
-        let Some(opened) = &cx.model.opened else {
+        if cx.model.opened.is_none() {
             ui.weak("Open a scene to see the kernel of its last pass.");
             return;
-        };
-        let Some(shown) = self.what(cx.model) else {
+        }
+        let Some(shown) = self.update(cx) else {
             ui.weak("This run has no passes.");
             return;
         };
-        if self.shown.as_ref() != Some(&shown) {
-            self.listing.set(lines(&shown, opened));
-            self.shown = Some(shown.clone());
+        self.head(ui, &shown, cx);
+        ui.separator();
+        let selected = self.branch().map(|branch| branch.site);
+        if let Some(site) = self.listing.show(ui, selected) {
+            let Known::Ray(OneRay { branches, .. }) = &self.known else { return };
+            self.selected = branches.reached.iter().position(|branch| branch.site == site);
+            self.show_mask(cx, false);
         }
-        self.head(ui, &shown, cx.model);
-        self.listing.show(ui);
     }
 
     fn save(&self) -> String {
@@ -84,9 +120,46 @@ impl Panel for KernelView {
             self.look = look;
         }
     }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if !matches!(command, Command::NextBranch | Command::PreviousBranch | Command::MaskBranch) {
+            return false;
+        }
+        self.update(cx);
+        match command {
+            Command::MaskBranch => self.show_mask(cx, true),
+            _ => self.go_on(command == Command::NextBranch),
+        }
+        true
+    }
 }
 
 impl KernelView {
+    /// Brings the lines up to date.
+    fn update(&mut self, cx: &mut Context<'_>) -> Option<Shown> {
+        let shown = self.what(cx.model)?;
+        let has_news = self.runs.listen(cx.model);
+        if self.shown.as_ref() != Some(&shown) || has_news || matches!(self.known, Known::Waiting) {
+            let is_same_pass =
+                self.shown.as_ref().is_some_and(|s| *s == Shown { composed: s.composed, ..shown.clone() });
+            let selected = self.branch().filter(|_| is_same_pass).map(|branch| branch.site);
+            self.known = self.know(cx.model, &shown);
+            self.selected = match &self.known {
+                Known::Ray(OneRay { branches, .. }) => {
+                    let same = selected.and_then(|site| branches.reached.iter().position(|b| b.site == site));
+                    same.or(branches.deciding)
+                }
+                _ => None,
+            };
+            self.list(&shown, cx.model);
+            self.shown = Some(shown.clone());
+            if std::mem::take(&mut self.is_mask_wanted) {
+                self.show_mask(cx, false);
+            }
+        }
+        Some(shown)
+    }
+
     /// The ray's last pass; without a ray the last pass of all, and before the first pass the next one.
     fn what(&self, model: &Model) -> Option<Shown> {
         let row = model.life.as_ref().and_then(|life| Some((life.clone(), current_row(life, model.place)?)));
@@ -95,112 +168,178 @@ impl KernelView {
             .and_then(|(life, row)| model.opened.as_ref()?.plan.program.kernel(life.rows.get(*row)?.kernel));
         let kernel = of_row.or(model.last_pass().map(|pass| pass.kernel)).or(model.next)?;
         let row = row.filter(|_| of_row.is_some());
-        Some(Shown { generation: model.generation, kernel, row, composed: self.look.composed })
+        let (generation, edition) = (model.generation, model.edition);
+        Some(Shown { generation, edition, kernel, row, composed: self.look.composed })
     }
 
-    fn head(&mut self, ui: &mut egui::Ui, shown: &Shown, model: &Model) {
+    fn know(&mut self, model: &mut Model, shown: &Shown) -> Known {
+        let Some((life, row)) = &shown.row else {
+            let opened = model.opened.clone();
+            let made = opened.map(|opened| self.runs.interpreter(model.generation, &opened, shown.kernel));
+            // Without a ray, only what can never be interpreted is worth a word.
+            return made.and_then(Result::err).map_or(Known::Nothing, |error| Known::Failed(error.to_string()));
+        };
+        match self.runs.branches(model, life, *row) {
+            None => Known::Waiting,
+            Some(Err(error)) => Known::Failed(format!("not interpreted: {error}")),
+            Some(Ok(ray)) => Known::Ray(ray),
+        }
+    }
+
+    /// Fills the listing, and scrolls to the branch in view.
+    fn list(&mut self, shown: &Shown, model: &Model) {
+        let Some(opened) = &model.opened else { return };
+        let branches = match &self.known {
+            Known::Ray(OneRay { branches, .. }) => Some(branches),
+            _ => None,
+        };
+        let variant = opened.plan.variant(shown.kernel);
+        let features = &opened.plan.features;
+        let (mut lines, placed) = match variant {
+            Some(variant) if shown.composed => (source::composed(variant), None),
+            Some(variant) => {
+                let placed = source::in_composed(variant, features);
+                (source::kernel_file(shown.kernel, features), Some(placed))
+            }
+            None => (source::kernel_file(shown.kernel, features), Some(Vec::new())),
+        };
+        // The line of the composed source that a line is.
+        let there = |line: usize| match &placed {
+            None => Some(line),
+            Some(placed) => placed.get(line).copied().flatten(),
+        };
+        if let Some(branches) = branches {
+            for (at, line) in lines.iter_mut().enumerate().filter(|(_, line)| line.mark == Mark::Plain) {
+                line.mark = there(at).and_then(|at| branches.marks.get(at)).copied().unwrap_or_default();
+            }
+        }
+        let reached = branches.map_or(&[][..], |branches| &branches.reached);
+        let notes = (0..lines.len()).map(|at| {
+            let at = there(at);
+            reached.iter().filter(|branch| Some(branch.line) == at).collect::<Vec<&Branch>>()
+        });
+        let notes: Vec<Vec<&Branch>> = notes.collect();
+        self.listing.set(lines, &notes);
+        self.scroll();
+    }
+
+    fn branch(&self) -> Option<&Branch> {
+        match &self.known {
+            Known::Ray(OneRay { branches, .. }) => branches.reached.get(self.selected?),
+            _ => None,
+        }
+    }
+
+    fn scroll(&mut self) {
+        let site = self.branch().map(|branch| branch.site);
+        self.listing.scroll_to(site);
+    }
+
+    /// To the next or the previous branch that the ray reached, round and round.
+    fn go_on(&mut self, is_forward: bool) {
+        let Known::Ray(OneRay { branches, .. }) = &self.known else { return };
+        let is_listed = |index: &usize| self.listing.has(branches.reached[*index].site);
+        let reached: Vec<usize> = (0..branches.reached.len()).filter(is_listed).collect();
+        let here = self.selected;
+        let next = if is_forward {
+            reached.iter().copied().find(|&index| Some(index) > here).or(reached.first().copied())
+        } else {
+            let before = reached.iter().rev().copied().find(|&index| here.is_some_and(|here| index < here));
+            before.or(reached.last().copied())
+        };
+        if next.is_some() {
+            self.selected = next;
+            self.scroll();
+        }
+    }
+
+    /// Shows the branch's mask if all rays are known; otherwise asks for them if that is `wanted`.
+    fn show_mask(&mut self, cx: &mut Context<'_>, wanted: bool) {
+        let Known::Ray(OneRay { interpreter, .. }) = &self.known else { return };
+        let (Some(branch), Some(key)) = (self.branch(), self.key(cx.model)) else { return };
+        if let Some(all) = self.runs.all.as_ref().filter(|all| all.key == key) {
+            let kernel = interpreter.kernel().name();
+            let what = format!("pass {}, {kernel}, line {}: {}", key.pass, branch.line + 1, branch.condition);
+            let mask = Mask::new(key.generation, what, all.size, &all.outcomes, branch.site);
+            cx.shared.mask = Some(Arc::new(mask));
+        } else if wanted && branch.site < MOST_SITES {
+            let interpreter = interpreter.clone();
+            self.runs.ask_for_all(cx.model, &interpreter, key);
+            self.is_mask_wanted = true;
+        }
+    }
+
+    fn key(&self, model: &Model) -> Option<PassKey> {
+        let (life, row) = self.shown.as_ref()?.row.as_ref()?;
+        let pass = life.rows.get(*row)?.pass?;
+        Some(PassKey { generation: model.generation, edition: model.edition, pass })
+    }
+
+    fn head(&mut self, ui: &mut egui::Ui, shown: &Shown, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
-            let own = "the kernel's own file, including its options (@if)";
-            ui.selectable_value(&mut self.look.composed, false, "file").on_hover_text(own);
-            let all = "the source given to the device: options resolved, shared functions included; lines are not \
-                       marked";
+            let all = "the source given to the device: options resolved, shared functions included";
             ui.selectable_value(&mut self.look.composed, true, "composed").on_hover_text(all);
+            let own = "the kernel's own file, including its options (@if) and what they omit";
+            ui.selectable_value(&mut self.look.composed, false, "file").on_hover_text(own);
             if ui.button("Copy").on_hover_text("copy the whole source to the clipboard").clicked() {
                 ui.ctx().copy_text(self.listing.text());
             }
             ui.strong(shown.kernel.name()).on_hover_text(shown.kernel.info().summary);
-            if shown.row.is_some() && !shown.composed {
+            if matches!(self.known, Known::Ray(_)) {
                 listing::legend(ui);
             }
         });
         match shown.row.as_ref().and_then(|(life, row)| life.rows.get(*row)) {
             Some(row) => {
-                let is_last = row.place() == Some(model.place);
+                let is_last = row.place() == Some(cx.model.place);
                 let when = if is_last { "" } else { " (the ray's last so far)" };
                 ui.label(RichText::new(format!("pass {}{when}: {}", row.number(), row.why)).strong());
             }
             None => drop(ui.weak(shown.kernel.info().summary)),
         }
-        ui.separator();
+        self.tell(ui, cx);
     }
-}
 
-fn lines(shown: &Shown, opened: &Opened) -> Vec<Line> {
-    let variant = opened.plan.variant(shown.kernel).filter(|_| shown.composed);
-    if let Some(variant) = variant {
-        return source::composed(variant);
-    }
-    let states = shown.row.as_ref().and_then(|(life, row)| before_and_after(life, *row));
-    source::kernel_file(shown.kernel, &opened.plan.features, states.as_ref().map(|(before, after)| (before, after)))
-}
-
-/// The ray before and after a row. Before its first row, only its state is known.
-fn before_and_after(life: &Trace, row: usize) -> Option<(RayState, RayState)> {
-    let now = life.rows.get(row)?;
-    let before = row.checked_sub(1).and_then(|i| life.rows.get(i)).map(|row| row.after);
-    let unknown = || {
-        let tag = states::STATES
-            .iter()
-            .find(|state| state.name == now.state_before)
-            .map_or(states::UNWRITTEN, |state| state.tag);
-        RayState { tag, state: now.state_before, ..now.after }
-    };
-    Some((before.unwrap_or_else(unknown), now.after))
-}
-
-/// The first line of the first branch taken; otherwise the first line that ran.
-fn first_taken(lines: &[Line]) -> Option<usize> {
-    const BRANCHES: [&str; 6] = ["if", "} else", "for", "while", "loop", "switch"];
-    let depth = |line: &Line| line.text.len() - line.text.trim_start().len();
-    let is_taken = |pair: &[Line]| {
-        let [head, body] = pair else { return false };
-        let text = head.text.trim_start();
-        let is_branch = BRANCHES.iter().any(|word| {
-            text.strip_prefix(word)
-                .is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
-        });
-        is_branch && head.mark == Mark::Run && body.mark == Mark::Run && depth(body) > depth(head)
-    };
-    let branch = lines.windows(2).position(is_taken);
-    branch.or_else(|| lines.iter().position(|line| line.mark == Mark::Run))
-}
-
-#[cfg(test)]
-mod tests {
-    use raystep_kernels::Accelerator;
-    use raystep_kernels::programs::closest_hit::PROGRAM;
-
-    use super::super::walked::tests::life;
-    use super::*;
-
-    #[test]
-    fn every_row_has_its_kernel_and_lines_that_ran() {
-        for accelerator in [Accelerator::Grid, Accelerator::Bvh] {
-            let (life, data) = life(accelerator);
-            for (i, row) in life.rows.iter().enumerate() {
-                let kernel = PROGRAM.kernel(row.kernel).expect("a kernel");
-                let (before, after) = before_and_after(&life, i).expect("a row");
-                assert_eq!(before.state, row.state_before, "row {i}");
-                let lines = source::kernel_file(kernel, &data.features, Some((&before, &after)));
-                let first = first_taken(&lines).expect("a line that ran");
-                assert_eq!(lines[first].mark, Mark::Run);
+    /// The branch in view, and what is not known.
+    fn tell(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        let Known::Ray(OneRay { branches, note, .. }) = &self.known else {
+            match &self.known {
+                Known::Waiting => drop(ui.weak("Reading the ray's streams before this pass…")),
+                Known::Failed(why) => drop(ui.weak(why)),
+                Known::Nothing | Known::Ray(_) => {}
             }
-            assert_eq!(before_and_after(&life, life.rows.len()), None);
+            return;
+        };
+        if let Some(note) = note {
+            ui.colored_label(ui.visuals().warn_fg_color, *note);
         }
+        let settings = cx.model.opened.as_ref().map(|opened| opened.settings.device);
+        if settings == Some(DeviceKind::CpuF64) {
+            ui.weak("Interpreted in f32, from this run's f64 streams rounded to f32.");
+        }
+        let Some((selected, branch)) = self.selected.zip(self.branch()) else { return };
+        let place = format!("{} of {}", selected + 1, branches.reached.len());
+        let outcome = if branch.is_taken { "taken" } else { "not taken" };
+        let role = if branches.deciding == Some(selected) { ", deciding" } else { "" };
+        let source = if self.listing.has(branch.site) { "" } else { " of the composed source" };
+        let line = branch.line + 1;
+        let text = format!("Branch {place}, {outcome}{role}: line {line}{source}: {}", branch.condition);
+        ui.horizontal_wrapped(|ui| {
+            for (command, text) in [(Command::PreviousBranch, "< branch"), (Command::NextBranch, "branch >")] {
+                button(ui, cx, command, text);
+            }
+            button(ui, cx, Command::MaskBranch, "rays");
+            ui.label(text);
+        });
     }
+}
 
-    #[test]
-    fn the_branch_that_was_taken_is_found() {
-        let text = "fn f() {\n  if (a) {\n    return;\n  }\n  iffy();\n  if (b) {\n    c();\n  }\n}";
-        let mut lines = source::lines(text);
-        assert_eq!(first_taken(&lines), None);
-        lines[0].mark = Mark::Run;
-        lines[1].mark = Mark::Run;
-        lines[2].mark = Mark::NotRun;
-        lines[4].mark = Mark::Run;
-        assert_eq!(first_taken(&lines), Some(0));
-        lines[5].mark = Mark::Run;
-        lines[6].mark = Mark::Run;
-        assert_eq!(first_taken(&lines), Some(5));
+/// A button for a command.
+fn button(ui: &mut egui::Ui, cx: &mut Context<'_>, command: Command, text: &str) {
+    let key = command.key_text(ui.ctx());
+    let button = ui.button(text).on_hover_text(format!("{} ({key})", command.name()));
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, command.name()));
+    if button.clicked() {
+        cx.todo.push(command);
     }
 }

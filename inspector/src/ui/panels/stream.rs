@@ -1,6 +1,7 @@
 //! A stream after a pass: zoomable to single texels with their values; range, exposure, colours, component.
 
 mod look;
+mod mask;
 mod numbers;
 mod tools;
 
@@ -47,6 +48,7 @@ pub(in crate::ui) struct StreamView {
     asked: Option<(u64, usize, Stream, usize)>,
     /// A copy shown instead of the current stream.
     pinned: Option<Pinned>,
+    mask: mask::Overlay,
 }
 
 impl Panel for StreamView {
@@ -91,6 +93,7 @@ impl Panel for StreamView {
         let stats_of = layer.unwrap_or(0);
         self.read_range(cx, stream, stats_of);
         self.legend(ui, plan.program, (stream, stats_of), meaning);
+        mask::legend(ui, cx);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
         let texture = self.pinned.as_ref().map(|pinned| &pinned.texture).or_else(|| cx.model.texture(stream));
@@ -100,6 +103,7 @@ impl Panel for StreamView {
         self.move_view(ui, &response, rect, size);
         let (scale, origin) = self.placement(rect, size);
         self.paint(ui, cx, rect, scale, origin, stream, layer, meaning);
+        self.mask.draw(ui, cx, rect, scale, origin, size);
         let texel_at = |at: Pos2| {
             let texel = (at - origin) / scale;
             let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < size[0] as f32 && texel.y < size[1] as f32;

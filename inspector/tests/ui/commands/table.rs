@@ -262,6 +262,26 @@ pub(super) fn row(command: Command) -> Row {
             assert!(s.find(Role::Image, |name| name.contains(" rays")).is_some());
         }),
 
+        C::NextBranch | C::PreviousBranch => (nothing, |s, was| {
+            s.settle();
+            is_shown(s, PaneKind::Kernel);
+            // From the deciding branch to another one.
+            assert!(s.reads("taken: line ") && !s.reads("deciding:"), "{:?}: {}", was.command, s.read_out());
+        }),
+        C::MaskBranch => (
+            |s| {
+                s.perform(Command::FullLayout);
+                0.0
+            },
+            |s, _| {
+                s.settle();
+                let rays = s.harness.state().model().last_pass().expect("a pass").rays_in;
+                assert!(s.reads(&format!(" of {rays} rays")), "{}", s.read_out());
+                s.click(Role::Button, "Remove mask");
+                s.settle();
+            },
+        ),
+
         C::Judge => (nothing, |s, was| {
             s.settle();
             shown(s, was, PaneKind::Error);

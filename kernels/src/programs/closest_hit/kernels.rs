@@ -2,7 +2,7 @@
 
 use super::elements::RAYS;
 use super::states::{BACKGROUND, DONE, ISECT_HIT, ISECT_NO_HIT, SHADE as SHADED, TRAV, TRAV_SETUP, UNWRITTEN};
-use super::{Own, Path, breaks, conditions, explain, rounding};
+use super::{Own, Path, breaks, explain, rounding};
 use crate::options::reasons::{
     Because, EYE_RAYS, FUSED as BY_FUSED, GIVEN, MANY_STEPS, NO_SHADE, ONE_SAMPLE, ONE_STEP, STEPPED, of_a_step,
 };
@@ -42,7 +42,6 @@ kernels! {
         summary: "generates a ray for every pixel",
         own: Own {
             explain: explain::of_generate,
-            conditions: conditions::OF_GENERATE,
             path: Path::Stays,
             rounding: rounding::OF_GENERATE,
         },
@@ -67,7 +66,6 @@ kernels! {
         summary: "finds where the ray's walk begins, or that it misses the grid",
         own: Own {
             explain: explain::of_setup,
-            conditions: conditions::OF_SETUP,
             path: Path::Enters,
             rounding: rounding::OF_SETUP,
         },
@@ -93,7 +91,6 @@ kernels! {
         summary: "moves the ray to its next cell",
         own: Own {
             explain: explain::of_traverse_grid,
-            conditions: conditions::OF_TRAVERSE_GRID,
             path: Path::NextCell,
             rounding: rounding::OF_TRAVERSE_GRID,
         },
@@ -120,7 +117,6 @@ kernels! {
         summary: "moves the ray to its next node of the BVH",
         own: Own {
             explain: explain::of_traverse_bvh,
-            conditions: conditions::OF_TRAVERSE_BVH,
             path: Path::NextNode,
             rounding: rounding::OF_TRAVERSE_BVH,
         },
@@ -150,7 +146,6 @@ kernels! {
         summary: "tests the ray against one triangle of its cell or leaf",
         own: Own {
             explain: explain::of_intersect,
-            conditions: conditions::OF_INTERSECT,
             path: Path::Stays,
             rounding: rounding::OF_INTERSECT,
         },
@@ -181,7 +176,6 @@ kernels! {
         summary: "moves the ray by several cells or nodes",
         own: Own {
             explain: explain::of_walk,
-            conditions: conditions::OF_WALK,
             path: Path::Several,
             rounding: rounding::OF_WALK,
         },
@@ -224,7 +218,6 @@ kernels! {
         summary: "takes the ray from its start to its nearest hit",
         own: Own {
             explain: explain::of_fused,
-            conditions: &[],
             path: Path::Stays,
             rounding: rounding::OF_FUSED,
         },
@@ -249,7 +242,6 @@ kernels! {
         summary: "colours the ray from its hit, or the background",
         own: Own {
             explain: explain::of_shade,
-            conditions: conditions::OF_SHADE,
             path: Path::Stays,
             rounding: rounding::OF_SHADE,
         },
@@ -273,7 +265,6 @@ kernels! {
         summary: "adds the sample to its pixel's mean, and requests the next one",
         own: Own {
             explain: explain::of_accumulate,
-            conditions: conditions::OF_ACCUMULATE,
             path: Path::Stays,
             rounding: rounding::OF_ACCUMULATE,
         },
@@ -294,7 +285,6 @@ kernels! {
         summary: "counts the rays in each state, after a kernel that does not",
         own: Own {
             explain: explain::of_count,
-            conditions: &[],
             path: Path::Stays,
             rounding: rounding::NONE,
         },

@@ -5,7 +5,6 @@
 pub mod accumulate;
 mod breaks;
 pub mod buffers;
-pub mod conditions;
 pub mod count;
 pub mod elements;
 pub mod explain;
@@ -29,7 +28,6 @@ pub mod walk;
 
 use std::borrow::Cow;
 
-use conditions::Condition;
 use ray_state::RayState;
 use rounding::Rounding;
 
@@ -75,8 +73,6 @@ pub static PROGRAM: Program = Program {
 pub struct Own {
     /// The triangle that a pass tested, and why it left a ray as it did.
     pub explain: fn(&SceneData, &RayState, &RayState) -> (Option<u32>, String),
-    /// What the conditions of its file mean for a ray's streams.
-    pub conditions: &'static [Condition],
     /// Where one pass of it takes a ray.
     pub path: Path,
     /// What a device that rounds otherwise may change in one pass.

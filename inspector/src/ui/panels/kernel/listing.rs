@@ -1,68 +1,140 @@
-//! A source with line numbers and marks. Only visible rows are laid out.
+//! A source with line numbers and marks, and below a condition's line how it came out. Only visible rows are laid out.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, TextStyle, vec2};
 
-use super::first_taken;
+use crate::branches::Branch;
 use crate::source::{Class, Line, Mark};
+
+/// A row of the listing.
+enum Row {
+    /// A line of the source, by its index.
+    Line(usize),
+    /// About the condition of a branch.
+    Note { site: usize, indent: usize, text: String, is_taken: bool, differs: bool },
+}
 
 /// Lines of a source.
 #[derive(Default)]
 pub(super) struct Listing {
     lines: Vec<Line>,
-    /// Characters of the longest line.
+    rows: Vec<Row>,
+    /// Characters of the longest row.
     longest: usize,
-    /// The line to scroll to.
+    /// The row to scroll to.
     scroll_to: Option<usize>,
 }
 
 impl Listing {
-    /// Replaces the lines, and scrolls to the first branch taken.
-    pub(super) fn set(&mut self, lines: Vec<Line>) {
-        self.longest = lines.iter().map(|line| line.text.chars().count()).max().unwrap_or(0);
-        self.scroll_to = Some(first_taken(&lines).unwrap_or(0));
+    /// Replaces the lines, each with the branches that are decided there.
+    pub(super) fn set(&mut self, lines: Vec<Line>, branches: &[Vec<&Branch>]) {
+        self.rows.clear();
+        for (at, line) in lines.iter().enumerate() {
+            self.rows.push(Row::Line(at));
+            let indent = line.text.len() - line.text.trim_start().len();
+            for branch in branches.get(at).into_iter().flatten() {
+                self.rows.extend(branch.notes.iter().enumerate().map(|(i, note)| Row::Note {
+                    site: branch.site,
+                    indent,
+                    text: format!("{} {}", if i == 0 { "▸" } else { " " }, note.text),
+                    is_taken: branch.is_taken,
+                    differs: note.differs,
+                }));
+            }
+        }
+        let length = |row: &Row| match row {
+            Row::Line(at) => lines.get(*at).map_or(0, |line| line.text.chars().count()),
+            Row::Note { indent, text, .. } => indent + text.chars().count(),
+        };
+        self.longest = self.rows.iter().map(length).max().unwrap_or(0);
         self.lines = lines;
     }
 
-    /// The whole text.
+    /// Whether a branch's condition is in the listing.
+    pub(super) fn has(&self, site: usize) -> bool {
+        self.row_of(site).is_some()
+    }
+
+    fn row_of(&self, wanted: usize) -> Option<usize> {
+        self.rows.iter().position(|row| matches!(row, Row::Note { site, .. } if *site == wanted))
+    }
+
+    /// Scrolls to a branch's condition; to the first line that ran if there is none.
+    pub(super) fn scroll_to(&mut self, site: Option<usize>) {
+        let ran = |row: &Row| matches!(row, Row::Line(at) if self.lines.get(*at).is_some_and(|l| l.mark == Mark::Run));
+        let row = site.and_then(|site| self.row_of(site));
+        self.scroll_to = Some(row.or_else(|| self.rows.iter().position(ran)).unwrap_or(0));
+    }
+
+    /// The whole source.
     pub(super) fn text(&self) -> String {
         self.lines.iter().flat_map(|line| [line.text.as_str(), "\n"]).collect()
     }
 
-    pub(super) fn show(&mut self, ui: &mut egui::Ui) {
+    /// Shows it; returns the branch that was clicked.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, selected: Option<usize>) -> Option<usize> {
         let font = TextStyle::Monospace.resolve(ui.style());
         let height = ui.text_style_height(&TextStyle::Monospace) + 2.0;
         let character = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
         ui.spacing_mut().item_spacing.y = 0.0;
         let mut area = egui::ScrollArea::both().auto_shrink(false);
-        if let Some(line) = self.scroll_to.take() {
+        if let Some(row) = self.scroll_to.take() {
             // The lines before the branch are visible as well.
             let above = ui.available_height() * 0.3;
-            area = area.vertical_scroll_offset((line as f32 * height - above).max(0.0));
+            area = area.vertical_scroll_offset((row as f32 * height - above).max(0.0));
         }
         let digits = self.lines.len().max(1).ilog10() as usize + 1;
         let margin = (digits as f32 + 1.0) * character + 10.0;
         let width = margin + (self.longest as f32 + 1.0) * character;
-        let is_marked = self.lines.iter().any(|line| matches!(line.mark, Mark::Run | Mark::Unknown));
-        area.show_rows(ui, height, self.lines.len(), |ui, rows| {
+        let is_marked = self.lines.iter().any(|line| line.mark == Mark::Run);
+        let mut clicked = None;
+        area.show_rows(ui, height, self.rows.len(), |ui, rows| {
             ui.set_min_width(width);
-            for number in rows {
-                let Some(line) = self.lines.get(number) else { continue };
+            for row in rows.filter_map(|row| self.rows.get(row)) {
                 ui.horizontal(|ui| {
                     ui.set_height(height);
                     ui.spacing_mut().item_spacing.x = 0.0;
                     let (gutter, _) = ui.allocate_exact_size(vec2(margin, height), Sense::hover());
-                    paint_gutter(ui, gutter, number + 1, line.mark, &font);
-                    let job = job(line, &font, ui.visuals(), is_marked);
-                    let text = egui::Label::new(job).selectable(true).extend();
-                    let response = ui.add(text);
-                    if let Some(text) = meaning(line.mark) {
-                        response.on_hover_text(text);
+                    match row {
+                        Row::Line(at) => {
+                            let Some(line) = self.lines.get(*at) else { return };
+                            paint_gutter(ui, gutter, at + 1, line.mark, &font);
+                            let job = job(line, &font, ui.visuals(), is_marked);
+                            let response = ui.add(egui::Label::new(job).selectable(true).extend());
+                            if let Some(text) = meaning(line.mark) {
+                                response.on_hover_text(text);
+                            }
+                        }
+                        Row::Note { site, indent, text, is_taken, differs } => {
+                            ui.add_space(*indent as f32 * character);
+                            let color = note_color(ui.visuals(), *is_taken, *differs);
+                            let mut text = egui::RichText::new(text).font(font.clone()).color(color);
+                            if selected == Some(*site) {
+                                text = text.background_color(ui.visuals().selection.bg_fill.gamma_multiply(0.4));
+                            }
+                            let label = egui::Label::new(text).sense(Sense::click()).selectable(false).extend();
+                            if ui.add(label).on_hover_text("click to look at this branch").clicked() {
+                                clicked = Some(*site);
+                            }
+                        }
                     }
                 });
             }
         });
+        clicked
     }
+}
+
+/// Taken, not taken, and what f64 decides otherwise.
+fn note_color(visuals: &egui::Visuals, is_taken: bool, differs: bool) -> Color32 {
+    let [r, g, b] = match (differs, is_taken, visuals.dark_mode) {
+        (true, _, true) => [240, 130, 220],
+        (true, _, false) => [160, 20, 130],
+        (_, true, true) => [240, 190, 90],
+        (_, true, false) => [135, 80, 0],
+        (_, false, _) => return visuals.weak_text_color(),
+    };
+    Color32::from_rgb(r, g, b)
 }
 
 /// Describes a mark.
@@ -70,22 +142,16 @@ fn meaning(mark: Mark) -> Option<&'static str> {
     match mark {
         Mark::Plain | Mark::Run => None,
         Mark::NotRun => Some("did not run for this ray in this pass"),
-        Mark::Unknown => Some("the ray's streams do not show whether this ran"),
         Mark::LeftOut => Some("omitted in this plan"),
     }
 }
 
 /// Legend of the bars.
 pub(super) fn legend(ui: &mut egui::Ui) {
-    for (mark, name) in [(Mark::Run, "ran"), (Mark::Unknown, "unknown")] {
-        let (rect, _) = ui.allocate_exact_size(vec2(5.0, 12.0), Sense::hover());
-        paint_bar(ui.painter(), rect, mark, ui.visuals());
-        let label = ui.add(egui::Label::new(egui::RichText::new(name).small()).extend());
-        label.on_hover_text(meaning(mark).unwrap_or(
-            "ran for this ray in this pass; lines that did not run are \
-                                                     dimmed",
-        ));
-    }
+    let (rect, _) = ui.allocate_exact_size(vec2(5.0, 12.0), Sense::hover());
+    paint_bar(ui.painter(), rect, Mark::Run, ui.visuals());
+    let label = ui.add(egui::Label::new(egui::RichText::new("ran").small()).extend());
+    label.on_hover_text("ran for this ray in this pass; lines that did not run are dimmed");
 }
 
 fn paint_gutter(ui: &egui::Ui, rect: Rect, number: usize, mark: Mark, font: &FontId) {
@@ -98,19 +164,9 @@ fn paint_gutter(ui: &egui::Ui, rect: Rect, number: usize, mark: Mark, font: &Fon
 }
 
 fn paint_bar(painter: &egui::Painter, rect: Rect, mark: Mark, visuals: &egui::Visuals) {
-    let pick = |dark: [u8; 3], light: [u8; 3]| {
-        let [r, g, b] = if visuals.dark_mode { dark } else { light };
-        Color32::from_rgb(r, g, b)
-    };
-    match mark {
-        Mark::Run => drop(painter.rect_filled(rect, 0.0, pick([80, 200, 120], [20, 140, 65]))),
-        // Distinguished by shape as well as colour.
-        Mark::Unknown => {
-            let stroke = Stroke::new(2.0, pick([225, 165, 60], [185, 115, 0]));
-            let line = [rect.center_top() + vec2(0.0, 1.0), rect.center_bottom()];
-            painter.extend(egui::Shape::dashed_line(&line, stroke, 3.0, 3.0));
-        }
-        Mark::Plain | Mark::NotRun | Mark::LeftOut => {}
+    let [r, g, b] = if visuals.dark_mode { [80, 200, 120] } else { [20, 140, 65] };
+    if mark == Mark::Run {
+        painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
     }
 }
 
@@ -120,7 +176,6 @@ fn job(line: &Line, font: &FontId, visuals: &egui::Visuals, is_marked: bool) -> 
     // Comments and declarations between lines that ran stay readable, but are less prominent.
     let opacity = match line.mark {
         Mark::Run => 1.0,
-        Mark::Unknown => 0.9,
         Mark::Plain => {
             if is_marked {
                 0.75
@@ -187,7 +242,7 @@ mod tests {
             |job: &LayoutJob| job.sections.iter().any(|s| s.format.strikethrough.color != Color32::TRANSPARENT);
         assert!(struck(&jobs[1]) && !struck(&jobs[0]));
         let mut listing = Listing::default();
-        listing.set(lines);
+        listing.set(lines, &[]);
         assert_eq!(listing.text(), "  let a = f(1u); // one\n@if(grid) x();\n");
     }
 }

@@ -1,0 +1,69 @@
+//! The mask of a branch over a stream's picture, and its legend.
+
+use std::sync::Arc;
+
+use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, pos2, vec2};
+use raystep_lab::text::counted;
+
+use super::super::legend::entry;
+use crate::ui::mask::{Mask, Outcome};
+use crate::ui::pane::Context;
+
+/// The picture of a mask.
+#[derive(Default)]
+pub(super) struct Overlay {
+    drawn: Option<(Arc<Mask>, TextureHandle)>,
+}
+
+/// The mask, if it is of this run.
+fn current(cx: &Context<'_>) -> Option<Arc<Mask>> {
+    cx.shared.mask.clone().filter(|mask| mask.generation == cx.model.generation)
+}
+
+/// A line about the mask, with a button that removes it.
+pub(super) fn legend(ui: &mut egui::Ui, cx: &mut Context<'_>) {
+    let Some(mask) = current(cx) else { return };
+    ui.horizontal_wrapped(|ui| {
+        let all = counted(mask.processed, "ray");
+        ui.small(format!("{}: taken by {} of {all}", mask.what, mask.taken));
+        for (outcome, count) in Outcome::DRAWN.into_iter().zip(mask.counts) {
+            if count > 0 {
+                entry(ui, outcome.color(), &format!("{} {count}", outcome.name()), outcome.meaning());
+            }
+        }
+        if ui.small_button("Remove mask").clicked() {
+            cx.shared.mask = None;
+        }
+    });
+}
+
+impl Overlay {
+    /// Draws the mask over the picture of a stream of this size.
+    pub(super) fn draw(
+        &mut self,
+        ui: &egui::Ui,
+        cx: &Context<'_>,
+        rect: Rect,
+        scale: f32,
+        origin: Pos2,
+        size: [u32; 2],
+    ) {
+        let Some(mask) = current(cx).filter(|mask| mask.size == size) else {
+            self.drawn = None;
+            return;
+        };
+        if self.drawn.as_ref().is_none_or(|(drawn, _)| !Arc::ptr_eq(drawn, &mask)) {
+            let pixels = mask.rays.iter().map(|ray| ray.over_picture()).collect::<Vec<_>>();
+            let sides = mask.size.map(|side| side as usize);
+            if pixels.len() != sides[0] * sides[1] {
+                return;
+            }
+            let texture = ui.ctx().load_texture("mask", ColorImage::new(sides, pixels), TextureOptions::NEAREST);
+            self.drawn = Some((mask, texture));
+        }
+        let Some((_, texture)) = &self.drawn else { return };
+        let picture = Rect::from_min_size(origin, vec2(size[0] as f32, size[1] as f32) * scale);
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().with_clip_rect(rect).image(texture.id(), picture, whole, Color32::WHITE);
+    }
+}

@@ -1,0 +1,120 @@
+//! The branch that decided, in the kernel panel, and the rays that took it, over the image.
+
+use egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::NodeT as _;
+use raystep_inspector::settings::{DeviceKind, Settings};
+use raystep_inspector::ui::Arrival;
+use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::ScheduleKind;
+use raystep_kernels::programs::closest_hit::kernels;
+use raystep_kernels::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT};
+
+use crate::ui::desk::CORNELL;
+use crate::ui::stage::Stage;
+
+/// After the first pass of `intersect` in which some lists have ended, with the kernel beside the stream.
+fn stage(settings: Settings) -> Stage {
+    let settings = Settings { size: [48, 40], schedule: ScheduleKind::Second, ..settings };
+    let mut stage =
+        Stage::with_scene(CORNELL, settings, Arrival { pixel: Some([24, 30]), place: Some(3), ..Arrival::default() });
+    stage.perform(Command::FullLayout);
+    if !stage.harness.state().panes_in_view().contains(&PaneKind::Kernel) {
+        stage.perform(Command::Show(PaneKind::Kernel));
+    }
+    assert_eq!(stage.harness.state().model().last_pass().map(|pass| pass.kernel), Some(kernels::INTERSECT));
+    stage
+}
+
+/// The line about the branch in view.
+fn branch(stage: &Stage) -> String {
+    let text = |node: &egui_kittest::Node<'_>| node.accesskit_node().label().or(node.accesskit_node().value());
+    let found = stage.nodes().iter().filter_map(text).find(|text| text.starts_with("Branch "));
+    found.unwrap_or_else(|| panic!("no branch:\n{}", stage.read_out()))
+}
+
+/// Selects a condition by its text, by going through the branches that the ray reached.
+fn go_to(stage: &mut Stage, condition: &str) {
+    for _ in 0..20 {
+        if branch(stage).ends_with(&format!(": {condition}")) {
+            return;
+        }
+        stage.key(Modifiers::NONE, Key::F7);
+        stage.settle();
+    }
+    panic!("no branch {condition}:\n{}", stage.read_out());
+}
+
+#[test]
+fn the_rays_that_took_a_branch_are_those_that_left_the_state() {
+    for device in [DeviceKind::Gpu, DeviceKind::Cpu] {
+        let mut stage = stage(Settings { device, ..Settings::default() });
+        assert!(stage.reads("deciding"), "{}", stage.read_out());
+        // To a pass in which this ray's list has ended.
+        for _ in 0..40 {
+            let model = stage.harness.state().model();
+            let is_intersect = model.last_pass().is_some_and(|pass| pass.kernel == kernels::INTERSECT);
+            let row =
+                model.life.as_ref().and_then(|life| life.rows.iter().find(|row| row.place() == Some(model.place)));
+            if is_intersect && row.is_some_and(|row| !row.after.state.starts_with("ISECT")) {
+                break;
+            }
+            stage.perform(Command::NextPass);
+        }
+        go_to(&mut stage, "ended");
+        stage.key(Modifiers::COMMAND, Key::F7);
+        stage.settle();
+        let model = stage.harness.state().model();
+        let pass = *model.last_pass().expect("a pass");
+        let stay = pass.counts[ISECT_NO_HIT as usize] + pass.counts[ISECT_HIT as usize];
+        let text = format!("taken by {} of {} rays", pass.rays_in - stay, pass.rays_in);
+        assert!(stay < pass.rays_in && stage.reads(&text), "{text}:\n{}", stage.read_out());
+        // The run is where it was, and so it is with an edited texel: one ray fewer.
+        let place = model.place;
+        stage.perform(Command::PreviousPass);
+        stage.perform(Command::EditTexel);
+        stage.answer("7");
+        stage.perform(Command::NextPass);
+        assert_eq!(stage.place(), place);
+        let after = *stage.harness.state().model().last_pass().expect("a pass");
+        assert_eq!(after.rays_in, pass.rays_in - 1);
+        stage.inspector().perform(Command::NudgeLeft);
+        stage.settle();
+        stage.perform(Command::MaskBranch);
+        assert!(stage.reads(&format!(" of {} rays", after.rays_in)), "{}", stage.read_out());
+        assert_eq!(stage.place(), place);
+        stage.click(Role::Button, "Remove mask");
+        stage.settle();
+        assert!(stage.find(Role::Button, |name| name == "Remove mask").is_none());
+    }
+}
+
+#[test]
+fn the_listing_shows_the_branch_that_decided_with_its_values() {
+    let mut stage = stage(Settings { device: DeviceKind::Cpu, ..Settings::default() });
+    // Whatever decided, its line and what it compared are in view.
+    let first = branch(&stage);
+    assert!(first.contains(", deciding: line ") && stage.reads("▸ "), "{}", stage.read_out());
+    assert!(stage.reads("(f64: "), "{}", stage.read_out());
+    stage.key(Modifiers::NONE, Key::F7);
+    stage.settle();
+    let second = branch(&stage);
+    assert_ne!(second, first);
+    stage.key(Modifiers::SHIFT, Key::F7);
+    stage.settle();
+    assert_eq!(branch(&stage), first);
+    // The same in the kernel's own file, with what the plan omits.
+    assert!(!stage.reads("@if("));
+    stage.click(Role::Button, "file");
+    stage.settle();
+    assert!(stage.reads("@if(") && stage.reads("▸ "), "{}", stage.read_out());
+}
+
+#[test]
+fn a_program_without_rays_says_that_it_cannot_be_interpreted() {
+    let settings =
+        Settings { size: [16, 12], program: raystep_kernels::options::ProgramName::GridBuild, ..Settings::default() };
+    let mut stage = Stage::with_scene(CORNELL, settings, Arrival { place: Some(3), ..Arrival::default() });
+    stage.perform(Command::Show(PaneKind::Kernel));
+    assert!(stage.reads("its elements read each other"), "{}", stage.read_out());
+}

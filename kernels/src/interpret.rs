@@ -1,0 +1,226 @@
+//! Interprets a kernel's WGSL for one ray on the CPU, statement by statement, and records every decision: which
+//! conditions were reached, how they came out, and the values on both sides, in f32 and in f64.
+//!
+//! It runs what the device is given: the composed source, as naga parses it. A run needs the ray's texels before a pass
+//! and the scene data, and returns its texels after it; a test compares these with the CPU reference kernels, bit for
+//! bit. Every float carries a *shadow*: the same operations in f64, from the same f32 inputs. Control flow follows f32;
+//! where a comparison of shadows comes out differently, the decision says so. Integers have no shadow, nor has a float
+//! that was made from the bits of another.
+//!
+//! What concerns other rays is left out: a kernel's texel is given instead of being found in a list, and the rays sent
+//! to each state are not counted.
+
+mod code;
+mod compile;
+mod compute;
+mod deciding;
+mod machine;
+mod many;
+mod memory;
+mod operators;
+mod recording;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Module, ShaderStage};
+
+use crate::program::{Kernel, Twin};
+use crate::scene_data::SceneData;
+use crate::shader::Variant;
+use crate::tables::stream::{STATE_TAG, Stream};
+use crate::tables::texels::Layout;
+use code::Code;
+pub use code::{Kind, Site, SiteKind};
+use machine::Machine;
+pub use many::Many;
+pub use recording::{Comparison, Decision, Recording, Value};
+
+/// Why a kernel, or one ray's pass through it, cannot be interpreted.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InterpretError {
+    /// The elements of the kernel read each other.
+    #[error("{0} cannot be interpreted for one element: its elements read each other")]
+    NotAlone(&'static str),
+    /// The source is not valid. This is a bug in raystep.
+    #[error("{kernel} is not valid WGSL: {message}")]
+    Invalid {
+        /// The kernel.
+        kernel: &'static str,
+        /// naga's message.
+        message: String,
+    },
+    /// A part of WGSL that the interpreter does not know.
+    #[error("line {line} has {what}, which the interpreter does not support")]
+    Unsupported {
+        /// What it is.
+        what: String,
+        /// Its line in the composed source, from 1; 0 if it has none.
+        line: usize,
+    },
+    /// An index outside of what it indexes: what a device reads there is its own choice.
+    #[error("index {index} is outside of {what}")]
+    OutOfBounds {
+        /// The index or offset.
+        index: u64,
+        /// What it indexes.
+        what: String,
+    },
+    /// It did not end.
+    #[error("not finished after {0} steps")]
+    Steps(u64),
+    /// The texels given do not belong to the kernel.
+    #[error("{given} components given for a kernel whose rays have {needed}")]
+    Texels {
+        /// Number of components that were given.
+        given: usize,
+        /// Number of components that are needed.
+        needed: usize,
+    },
+}
+
+/// The element of a set that a kernel is interpreted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Element {
+    /// Column and row of its texel.
+    pub texel: [u32; 2],
+    /// Columns and rows of the streams.
+    pub size: [u32; 2],
+}
+
+/// How the conditions of a kernel came out for one ray: a bit for each of the first [`MOST_SITES`] sites.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outcomes {
+    /// It was reached.
+    pub reached: u128,
+    /// It was true at least once.
+    pub taken: u128,
+    /// In f64 it would have come out differently at least once.
+    pub differs: u128,
+}
+
+/// Number of sites in [`Outcomes`].
+pub const MOST_SITES: usize = 128;
+
+/// Steps after which a ray is given up: statements and expressions. The longest walks take a few million.
+const MOST_STEPS: u64 = 200_000_000;
+
+/// A kernel's variant, prepared to be interpreted.
+#[derive(Debug)]
+pub struct Interpreter {
+    kernel: Kernel,
+    source: String,
+    module: Module,
+    code: Code,
+    streams: Vec<Stream>,
+    layout: Layout,
+    /// Streams that the variant updates in place, whose integers are what the ray has found before.
+    kept: Vec<Stream>,
+}
+
+impl Interpreter {
+    /// Prepares a variant.
+    ///
+    /// # Errors
+    /// If its elements read each other, or if its source is not valid.
+    pub fn new(variant: &Variant) -> Result<Self, InterpretError> {
+        let kernel = variant.kernel;
+        if !matches!(kernel.info().twin, Twin::Element { .. }) || kernel.program().course.is_none() {
+            return Err(InterpretError::NotAlone(kernel.name()));
+        }
+        let source = variant.source.clone();
+        let invalid = |message| InterpretError::Invalid { kernel: kernel.name(), message };
+        let module = naga::front::wgsl::parse_str(&source).map_err(|e| invalid(e.emit_to_string(&source)))?;
+        let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+            .validate(&module)
+            .map_err(|e| invalid(e.emit_to_string(&source)))?;
+        let entry = module
+            .entry_points
+            .iter()
+            .position(|e| e.stage == ShaderStage::Compute && e.name == kernel.info().name)
+            .ok_or_else(|| invalid(format!("no compute entry point named {}", kernel.info().name)))?;
+        let code = compile::compile(variant, &module, &info, entry)?;
+        let streams: Vec<Stream> = variant.streams().map(|(stream, _)| stream).collect();
+        let kept = variant
+            .streams()
+            .filter(|(_, binding)| binding.reads && binding.writes)
+            .map(|(stream, _)| stream)
+            .collect();
+        let layout = Layout::of(streams.iter().copied());
+        Ok(Self { kernel, source, module, code, streams, layout, kept })
+    }
+
+    /// The kernel.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
+    /// The composed source that spans refer to.
+    #[must_use]
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// The streams that it reads or writes: a ray's texels in them, one after the other, are its input and output.
+    #[must_use]
+    pub fn streams(&self) -> &[Stream] {
+        &self.streams
+    }
+
+    /// Number of components of a ray in those streams.
+    #[must_use]
+    pub fn components(&self) -> usize {
+        self.layout.stride
+    }
+
+    /// The component with the state's tag.
+    #[must_use]
+    pub fn tag(&self) -> Option<usize> {
+        let stream = self.kernel.program().state_stream()?;
+        self.layout.first[stream.index()].map(|first| first + STATE_TAG)
+    }
+
+    /// Its conditions, in no particular order.
+    #[must_use]
+    pub fn sites(&self) -> &[Site] {
+        &self.code.sites
+    }
+
+    /// Statements of the source, as byte ranges without the blocks inside of them, in no particular order.
+    #[must_use]
+    pub fn statements(&self) -> &[std::ops::Range<usize>] {
+        &self.code.statements
+    }
+
+    /// Interprets one element's pass, and records it. `texels` are the element's components in
+    /// [`streams`](Self::streams) before the pass, and after it on return.
+    ///
+    /// # Errors
+    /// If the source has what the interpreter does not know, an index is out of bounds, or it does not end.
+    pub fn record(&self, data: &SceneData, element: Element, texels: &mut [u32]) -> Result<Recording, InterpretError> {
+        let mut machine = Machine::new(self, data, Some(Recording::new(&self.code)));
+        machine.run(element, texels)?;
+        machine.finish()
+    }
+
+    /// A run of it over many elements, which only keeps how conditions came out.
+    #[must_use]
+    pub fn counter<'a>(&'a self, data: &'a SceneData) -> Counter<'a> {
+        Counter { machine: Machine::new(self, data, None) }
+    }
+}
+
+/// Interprets elements one after the other.
+pub struct Counter<'a> {
+    machine: Machine<'a>,
+}
+
+impl Counter<'_> {
+    /// Interprets one element's pass, as [`record`](Interpreter::record).
+    ///
+    /// # Errors
+    /// As [`record`](Interpreter::record).
+    pub fn run(&mut self, element: Element, texels: &mut [u32]) -> Result<Outcomes, InterpretError> {
+        self.machine.run(element, texels)?;
+        Ok(self.machine.outcomes)
+    }
+}

@@ -1,0 +1,480 @@
+//! Gives every value of a kernel a place, and every condition an index.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use naga::proc::TypeResolution;
+use naga::valid::{FunctionInfo, ModuleInfo};
+use naga::{Arena, Binding, Block, Expression, Function, Handle, Literal, Module, Span, Statement, TypeInner};
+
+use super::InterpretError;
+use super::code::{
+    Body, CONSTANT, Cell, Code, Global, If, Kind, Local, NONE, Op, Site, SiteKind, Slot, What, kind, slots,
+};
+use crate::shader::{Resource, Variant};
+
+/// Functions that find a thread's element in a list.
+const TEXEL_OF: [&str; 2] = ["listed_texel", "tiled_texel"];
+/// Functions that tell the host and other passes what became of the element.
+const BOOKS: [&str; 2] = ["send", "book"];
+
+pub(super) fn compile(
+    variant: &Variant,
+    module: &Module,
+    info: &ModuleInfo,
+    entry: usize,
+) -> Result<Code, InterpretError> {
+    let mut code = Code::default();
+    for (_, global) in module.global_variables.iter() {
+        let name = global.name.as_deref().map(|name| variant.kernel.bound(name));
+        let binding = name.and_then(|name| variant.bindings.iter().find(|binding| binding.name == name));
+        let found = match (binding.map(|binding| binding.resource), global.space) {
+            (Some(Resource::ReadStream(stream) | Resource::WriteStream { stream, .. }), _) => Global::Stream(stream),
+            (Some(Resource::Uniform | Resource::Storage), _) => Global::Bytes(name.unwrap_or_default().to_owned()),
+            (None, naga::AddressSpace::Private) => {
+                let place = code.private;
+                code.private += slots(&module.types, &module.types[global.ty].inner).unwrap_or(0);
+                Global::Private(place)
+            }
+            _ => Global::Other,
+        };
+        code.globals.push(found);
+    }
+    let Some(point) = module.entry_points.get(entry) else { return Ok(code) };
+    let called = called(module, &point.function);
+    for (handle, function) in module.functions.iter() {
+        if !called.contains(&handle) {
+            code.bodies.push(Body::default());
+            continue;
+        }
+        let body = Compiler { source: &variant.source, module, function, info: &info[handle], code: &mut code };
+        let body = body.function(Some(handle))?;
+        code.bodies.push(body);
+    }
+    let info = info.get_entry_point(entry);
+    let body = Compiler { source: &variant.source, module, function: &point.function, info, code: &mut code };
+    let body = body.function(None)?;
+    code.entry = code.bodies.len();
+    code.bodies.push(body);
+    Ok(code)
+}
+
+/// The functions that a function calls, except those that are not interpreted.
+fn called(module: &Module, from: &Function) -> BTreeSet<Handle<Function>> {
+    fn visit(module: &Module, block: &Block, found: &mut BTreeSet<Handle<Function>>) {
+        for statement in block {
+            match statement {
+                Statement::Call { function, .. } => {
+                    let name = module.functions[*function].name.as_deref().unwrap_or_default();
+                    if !TEXEL_OF.contains(&name) && !BOOKS.contains(&name) && found.insert(*function) {
+                        visit(module, &module.functions[*function].body, found);
+                    }
+                }
+                Statement::Block(block) => visit(module, block, found),
+                Statement::If { accept, reject, .. } => [accept, reject].iter().for_each(|b| visit(module, b, found)),
+                Statement::Switch { cases, .. } => cases.iter().for_each(|case| visit(module, &case.body, found)),
+                Statement::Loop { body, continuing, .. } => {
+                    [body, continuing].iter().for_each(|b| visit(module, b, found));
+                }
+                _ => {}
+            }
+        }
+    }
+    let mut found = BTreeSet::new();
+    visit(module, &from.body, &mut found);
+    found
+}
+
+struct Compiler<'a> {
+    source: &'a str,
+    module: &'a Module,
+    function: &'a Function,
+    info: &'a FunctionInfo,
+    code: &'a mut Code,
+}
+
+/// A body without its statements.
+struct Frame {
+    cells: Vec<Cell>,
+    /// Place and width of local variables.
+    locals: Vec<Local>,
+}
+
+impl Compiler<'_> {
+    fn unsupported(&self, what: impl Into<String>, span: Span) -> InterpretError {
+        let line = span.to_range().map_or(0, |range| line_of(self.source, range.start) + 1);
+        InterpretError::Unsupported { what: what.into(), line }
+    }
+
+    fn function(mut self, handle: Option<Handle<Function>>) -> Result<Body, InterpretError> {
+        let types = &self.module.types;
+        let mut frame = 0;
+        let mut place = |width: u32| {
+            frame += width;
+            frame - width
+        };
+        let mut arguments = Vec::new();
+        for argument in &self.function.arguments {
+            let width = slots(types, &types[argument.ty].inner).unwrap_or(0);
+            arguments.push((place(width), width));
+        }
+        let mut locals = Vec::new();
+        for (_, local) in self.function.local_variables.iter() {
+            let width = slots(types, &types[local.ty].inner).unwrap_or(0);
+            let init = match local.init {
+                Some(init) => self.constant(&self.function.expressions, init)?,
+                None => NONE,
+            };
+            locals.push(Local { place: place(width), width, init });
+        }
+        let mut cells: Vec<Cell> = Vec::new();
+        for (expression, what) in self.function.expressions.iter() {
+            let inner = inner(&self.info[expression].ty, &self.module.types);
+            let width = slots(&self.module.types, inner).unwrap_or(0);
+            let cell = Cell { place: NONE, width, kind: kind(inner), site: NONE };
+            let of = |handle: Handle<Expression>| cells.get(handle.index()).copied();
+            let cell = match *what {
+                _ if width == 0 => cell,
+                Expression::Literal(Literal::AbstractInt(_) | Literal::AbstractFloat(_)) => cell,
+                Expression::Literal(_) | Expression::Constant(_) | Expression::ZeroValue(_) => {
+                    Cell { place: self.constant(&self.function.expressions, expression)?, ..cell }
+                }
+                Expression::FunctionArgument(index) => {
+                    Cell { place: arguments.get(index as usize).map_or(NONE, |&(place, _)| place), ..cell }
+                }
+                // A part of a value lies in the value.
+                Expression::AccessIndex { base, index } if of(base).is_some_and(|base| base.width > 0) => {
+                    let first = of(base).map_or(0, |base| base.place);
+                    let whole = self.type_of(base);
+                    Cell { place: first + self.offset(whole, index), ..cell }
+                }
+                Expression::Select { condition, .. } => {
+                    let site = self.site(SiteKind::Select, self.chosen_by(expression, condition));
+                    Cell { place: place(width), site, ..cell }
+                }
+                _ => Cell { place: place(width), ..cell },
+            };
+            cells.push(cell);
+        }
+        let made = Frame { cells, locals };
+        let ops = self.block(&made, &self.function.body)?;
+        Ok(Body { handle, cells: made.cells, arguments, locals: made.locals, frame, ops })
+    }
+
+    fn type_of(&self, expression: Handle<Expression>) -> &TypeInner {
+        inner(&self.info[expression].ty, &self.module.types)
+    }
+
+    /// The slot at which a part of a composite begins.
+    fn offset(&self, whole: &TypeInner, index: u32) -> u32 {
+        part(&self.module.types, whole, index)
+    }
+
+    /// The value of an expression without variables, in the constants.
+    fn constant(&mut self, arena: &Arena<Expression>, at: Handle<Expression>) -> Result<u32, InterpretError> {
+        let value = self.evaluated(arena, at)?;
+        let place = self.code.constants.len() as u32;
+        self.code.constants.extend(value);
+        Ok(CONSTANT | place)
+    }
+
+    fn evaluated(&self, arena: &Arena<Expression>, at: Handle<Expression>) -> Result<Vec<Slot>, InterpretError> {
+        let types = &self.module.types;
+        let globals = &self.module.global_expressions;
+        Ok(match arena[at] {
+            Expression::Literal(literal) => vec![slot(literal)],
+            Expression::ZeroValue(ty) => vec![Slot::default(); slots(types, &types[ty].inner).unwrap_or(0) as usize],
+            Expression::Constant(constant) => self.evaluated(globals, self.module.constants[constant].init)?,
+            Expression::Compose { ref components, .. } => {
+                let parts = components.iter().map(|&part| self.evaluated(arena, part));
+                parts.collect::<Result<Vec<_>, _>>()?.concat()
+            }
+            Expression::Splat { size, value } => self.evaluated(arena, value)?.repeat(size as usize),
+            _ => return Err(self.unsupported("a constant expression", arena.get_span(at))),
+        })
+    }
+
+    fn site(&mut self, kind: SiteKind, span: Range<usize>) -> u32 {
+        self.code.sites.push(Site { kind, line: line_of(self.source, span.start), span });
+        self.code.sites.len() as u32 - 1
+    }
+
+    fn span(&self, at: Handle<Expression>) -> Range<usize> {
+        self.function.expressions.get_span(at).to_range().unwrap_or_default()
+    }
+
+    /// The condition of a `select`, as it stands there.
+    fn chosen_by(&self, select: Handle<Expression>, condition: Handle<Expression>) -> Range<usize> {
+        let inside = arguments(self.source, self.span(select).start);
+        inside.and_then(|inside| last_of(self.source, inside)).unwrap_or_else(|| self.span(condition))
+    }
+
+    fn block(&mut self, frame: &Frame, block: &Block) -> Result<Vec<Op>, InterpretError> {
+        block.span_iter().map(|(statement, span)| self.statement(frame, statement, *span)).collect()
+    }
+
+    fn statement(&mut self, frame: &Frame, statement: &Statement, span: Span) -> Result<Op, InterpretError> {
+        let whole = span.to_range().unwrap_or_default();
+        let (what, span) = match *statement {
+            Statement::Emit(ref range) => {
+                let is_run = |&at: &Handle<Expression>| {
+                    let is_part = match self.function.expressions[at] {
+                        Expression::AccessIndex { base, .. } => frame.cells[base.index()].width > 0,
+                        _ => false,
+                    };
+                    frame.cells[at.index()].width > 0 && !is_part
+                };
+                (What::Emit(range.clone().filter(is_run).collect()), whole)
+            }
+            Statement::Block(ref block) => (What::Block(self.block(frame, block)?), 0..0),
+            Statement::If { condition, ref accept, ref reject } => {
+                self.branch(frame, condition, accept, reject, whole)?
+            }
+            Statement::Switch { selector, ref cases } => {
+                let site = self.site(SiteKind::Switch, self.span(selector));
+                let mut all = Vec::new();
+                for case in cases {
+                    let value = match case.value {
+                        naga::SwitchValue::I32(value) => Some(value.cast_unsigned()),
+                        naga::SwitchValue::U32(value) => Some(value),
+                        naga::SwitchValue::Default => None,
+                    };
+                    all.push((value, self.block(frame, &case.body)?, case.fall_through));
+                }
+                (What::Switch { site, selector, cases: all }, self.head(whole))
+            }
+            Statement::Loop { ref body, ref continuing, break_if } => {
+                let body = self.block(frame, body)?;
+                let continuing = self.block(frame, continuing)?;
+                let break_if = break_if.map(|condition| (condition, self.site(SiteKind::If, self.span(condition))));
+                (What::Loop { body, continuing, break_if }, self.head(whole))
+            }
+            Statement::Break => (What::Break, whole),
+            Statement::Continue => (What::Continue, whole),
+            Statement::Return { value } => (What::Return(value), whole),
+            Statement::Store { pointer, value } => {
+                let is_hidden = self.hidden(pointer).is_some();
+                (What::Store { pointer, value }, if is_hidden { 0..0 } else { whole })
+            }
+            Statement::ImageStore { image, coordinate, array_index: Some(layer), value } => {
+                (What::ImageStore { image, texel: coordinate, layer, value }, whole)
+            }
+            Statement::Call { function, ref arguments, result } => {
+                let name = self.module.functions[function].name.as_deref().unwrap_or_default();
+                let what = match result {
+                    Some(result) if TEXEL_OF.contains(&name) => What::Texel(result),
+                    None if BOOKS.contains(&name) => What::Nothing,
+                    _ => What::Call { function: function.index(), arguments: arguments.clone(), result },
+                };
+                (what, whole)
+            }
+            Statement::ControlBarrier(_) | Statement::MemoryBarrier(_) => (What::Unsupported("a barrier"), whole),
+            Statement::Atomic { .. } => (What::Unsupported("an atomic operation"), whole),
+            _ => (What::Unsupported("a statement"), whole),
+        };
+        self.code.statements.push(span);
+        Ok(Op { statement: self.code.statements.len() as u32 - 1, what })
+    }
+
+    fn branch(
+        &mut self,
+        frame: &Frame,
+        condition: Handle<Expression>,
+        accept: &Block,
+        reject: &Block,
+        whole: Range<usize>,
+    ) -> Result<(What, Range<usize>), InterpretError> {
+        let of_condition = self.span(condition);
+        let result = match (accept.last(), &reject[..]) {
+            (Some(&Statement::Store { pointer, .. }), [Statement::Store { pointer: other, .. }])
+                if pointer == *other =>
+            {
+                self.hidden(pointer)
+            }
+            _ => None,
+        };
+        let (kind, span) = match (&accept[..], &reject[..]) {
+            // The condition of `||` is negated; it is the left side that is named.
+            _ if result.is_some() => {
+                let left = match self.function.expressions[condition] {
+                    Expression::Unary { expr, .. } if of_condition == whole => expr,
+                    _ => condition,
+                };
+                (SiteKind::ShortCircuit, self.span(left))
+            }
+            ([], [Statement::Break]) => (SiteKind::Loop, of_condition),
+            // A condition may have been computed before, by `let`: here it is as it stands in the statement.
+            _ => (SiteKind::If, arguments(self.source, whole.start).unwrap_or(of_condition)),
+        };
+        let head = if kind == SiteKind::If { whole.start.min(span.end)..span.end } else { span.clone() };
+        let site = self.site(kind, span);
+        let (accept, reject) = (self.block(frame, accept)?, self.block(frame, reject)?);
+        let has_jump = has_jump(&accept, false) || has_jump(&reject, false);
+        let mut writes = Vec::new();
+        self.writes(frame, &accept, &mut writes);
+        self.writes(frame, &reject, &mut writes);
+        writes.sort_unstable();
+        writes.dedup();
+        Ok((What::If(Box::new(If { site, condition, accept, reject, has_jump, writes, result })), head))
+    }
+
+    /// The variable without a name that a pointer is to, if it is one: the result of `&&` or `||`.
+    fn hidden(&self, pointer: Handle<Expression>) -> Option<Handle<naga::LocalVariable>> {
+        match self.function.expressions[pointer] {
+            Expression::LocalVariable(local) if self.function.local_variables[local].name.is_none() => Some(local),
+            _ => None,
+        }
+    }
+
+    /// From a statement's first byte to the brace that opens its block.
+    fn head(&self, whole: Range<usize>) -> Range<usize> {
+        let text = self.source.get(whole.clone()).unwrap_or_default();
+        whole.start..whole.start + text.find('{').unwrap_or(0)
+    }
+
+    /// The slots of the frame that statements may write.
+    fn writes(&self, frame: &Frame, ops: &[Op], found: &mut Vec<(u32, u32)>) {
+        for op in ops {
+            match &op.what {
+                What::Store { pointer, .. } => found.extend(self.written(frame, *pointer)),
+                What::Block(ops) => self.writes(frame, ops, found),
+                What::If(branch) => {
+                    self.writes(frame, &branch.accept, found);
+                    self.writes(frame, &branch.reject, found);
+                }
+                What::Switch { cases, .. } => cases.iter().for_each(|(_, ops, _)| self.writes(frame, ops, found)),
+                What::Loop { body, continuing, .. } => {
+                    self.writes(frame, body, found);
+                    self.writes(frame, continuing, found);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The slots that a pointer may be to; `None` outside of the frame.
+    fn written(&self, frame: &Frame, pointer: Handle<Expression>) -> Option<(u32, u32)> {
+        match self.function.expressions[pointer] {
+            Expression::LocalVariable(local) => {
+                let local = frame.locals.get(local.index())?;
+                Some((local.place, local.width))
+            }
+            Expression::Access { base, .. } => self.written(frame, base),
+            Expression::AccessIndex { base, index } => {
+                let (place, width) = self.written(frame, base)?;
+                let types = &self.module.types;
+                let whole = pointee(types, self.type_of(base))?;
+                // Behind an index that is not known before, all of it.
+                let all = slots(types, &whole)?;
+                if all != width {
+                    return Some((place, width));
+                }
+                let part = pointee(types, self.type_of(pointer)).and_then(|inner| slots(types, &inner))?;
+                Some((place + self.offset(&whole, index), part))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What is between the first parentheses after a name that begins here.
+fn arguments(source: &str, start: usize) -> Option<Range<usize>> {
+    let rest = source.get(start..)?;
+    let open =
+        rest.find(|c: char| !c.is_alphanumeric() && c != '_' && c != ' ').filter(|&at| rest[at..].starts_with('('))?;
+    let mut depth = 0usize;
+    for (at, c) in rest.char_indices().skip_while(|&(at, _)| at < open) {
+        match c {
+            '(' => depth += 1,
+            ')' => depth = depth.checked_sub(1)?,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some(start + open + 1..start + at);
+        }
+    }
+    None
+}
+
+/// The last of several arguments.
+fn last_of(source: &str, inside: Range<usize>) -> Option<Range<usize>> {
+    let text = source.get(inside.clone())?;
+    let (mut depth, mut first) = (0usize, 0);
+    for (at, c) in text.char_indices() {
+        match c {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth = depth.checked_sub(1)?,
+            // A comma at the end is followed by nothing.
+            ',' if depth == 0 && !text[at + 1..].trim().is_empty() => first = at + 1,
+            _ => {}
+        }
+    }
+    let last = text[first..].trim();
+    let start = inside.start + first + (text[first..].len() - text[first..].trim_start().len());
+    Some(start..start + last.trim_end_matches(',').len())
+}
+
+/// Whether statements may leave the block that they are in; jumps inside of a loop stay there.
+fn has_jump(ops: &[Op], is_in_loop: bool) -> bool {
+    ops.iter().any(|op| match &op.what {
+        What::Return(_) => true,
+        What::Break | What::Continue => !is_in_loop,
+        What::Block(ops) => has_jump(ops, is_in_loop),
+        What::If(branch) => has_jump(&branch.accept, is_in_loop) || has_jump(&branch.reject, is_in_loop),
+        What::Switch { cases, .. } => cases.iter().any(|(_, ops, _)| has_jump(ops, true)),
+        What::Loop { body, continuing, .. } => has_jump(body, true) || has_jump(continuing, true),
+        _ => false,
+    })
+}
+
+fn inner<'a>(ty: &'a TypeResolution, types: &'a naga::UniqueArena<naga::Type>) -> &'a TypeInner {
+    ty.inner_with(types)
+}
+
+/// What a pointer points to.
+pub(super) fn pointee(types: &naga::UniqueArena<naga::Type>, pointer: &TypeInner) -> Option<TypeInner> {
+    match *pointer {
+        TypeInner::Pointer { base, .. } => Some(types[base].inner.clone()),
+        TypeInner::ValuePointer { size: Some(size), scalar, .. } => Some(TypeInner::Vector { size, scalar }),
+        TypeInner::ValuePointer { size: None, scalar, .. } => Some(TypeInner::Scalar(scalar)),
+        _ => None,
+    }
+}
+
+/// The slot at which a part of a composite begins.
+pub(super) fn part(types: &naga::UniqueArena<naga::Type>, whole: &TypeInner, index: u32) -> u32 {
+    match *whole {
+        TypeInner::Struct { ref members, .. } => {
+            members.iter().take(index as usize).filter_map(|member| slots(types, &types[member.ty].inner)).sum()
+        }
+        TypeInner::Array { base, .. } => index * slots(types, &types[base].inner).unwrap_or(0),
+        _ => index,
+    }
+}
+
+fn slot(literal: Literal) -> Slot {
+    let (bits, wide) = match literal {
+        Literal::F32(value) => (value.to_bits(), f64::from(value)),
+        Literal::U32(value) => (value, 0.0),
+        Literal::I32(value) => (value.cast_unsigned(), 0.0),
+        Literal::Bool(value) => (value.into(), f64::from(u8::from(value))),
+        _ => (0, 0.0),
+    };
+    Slot { bits, from: 0, wide }
+}
+
+/// The line of a byte, from 0.
+pub(super) fn line_of(source: &str, byte: usize) -> usize {
+    source.bytes().take(byte).filter(|&b| b == b'\n').count()
+}
+
+/// Which argument of the entry point is the invocation's id.
+pub(super) fn is_invocation(argument: &naga::FunctionArgument) -> bool {
+    matches!(argument.binding, Some(Binding::BuiltIn(naga::BuiltIn::GlobalInvocationId)))
+}
+
+impl Kind {
+    pub(super) fn is_float(self) -> bool {
+        self == Self::F32
+    }
+}

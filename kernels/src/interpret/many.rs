@@ -1,0 +1,79 @@
+//! How the conditions of a kernel came out for many rays in one pass.
+
+use std::ops::Range;
+
+use super::{Element, InterpretError, Interpreter, Outcomes};
+use crate::numbers::parallel::map_ranges;
+use crate::scene_data::SceneData;
+use crate::tables::kernel::Role;
+use crate::tables::stream::StreamData;
+
+/// The streams of all rays before a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Many<'a> {
+    /// The kernel.
+    pub kernel: &'a Interpreter,
+    /// The scene as the kernel reads it.
+    pub data: &'a SceneData,
+    /// Its streams, in the order of [`Interpreter::streams`].
+    pub streams: &'a [StreamData],
+}
+
+/// Rays per task.
+const CHUNK: usize = 256;
+
+impl Many<'_> {
+    /// Columns and rows of the streams.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        self.streams.first().map_or([0; 2], |stream| [stream.width, stream.height])
+    }
+
+    /// How conditions came out for consecutive rays, on all cores; `None` for a ray that the kernel does not work on.
+    ///
+    /// # Errors
+    /// As [`Interpreter::record`], for the first such ray.
+    pub fn outcomes(&self, rays: Range<usize>) -> Result<Vec<Option<Outcomes>>, InterpretError> {
+        let size = self.size();
+        let is_complete = self.streams.iter().map(|stream| stream.stream).eq(self.kernel.streams.iter().copied());
+        let is_even = self.streams.iter().all(|stream| [stream.width, stream.height] == size);
+        let given = self.streams.iter().map(|stream| stream.stream.layers()).sum();
+        if !is_complete || !is_even {
+            return Err(InterpretError::Texels { given, needed: self.kernel.components() });
+        }
+        let count = size[0] as usize * size[1] as usize;
+        let rays = rays.start.min(count)..rays.end.min(count);
+        let some = map_ranges(rays.len(), CHUNK, |range| {
+            let mut counter = self.kernel.counter(self.data);
+            let mut texels = vec![0; self.kernel.components()];
+            range.map(|i| self.one(rays.start + i, size, &mut counter, &mut texels)).collect::<Result<Vec<_>, _>>()
+        });
+        Ok(some.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+    }
+
+    fn one(
+        &self,
+        ray: usize,
+        size: [u32; 2],
+        counter: &mut super::Counter<'_>,
+        texels: &mut [u32],
+    ) -> Result<Option<Outcomes>, InterpretError> {
+        let own = self.streams.iter().flat_map(|data| (0..data.stream.layers()).map(move |layer| data.get(layer, ray)));
+        texels.iter_mut().zip(own).for_each(|(texel, bits)| *texel = bits);
+        let tag = self.kernel.tag().and_then(|tag| texels.get(tag).copied());
+        if !self.is_worked_on(tag) {
+            return Ok(None);
+        }
+        let column = (ray % size[0].max(1) as usize) as u32;
+        let element = Element { texel: [column, (ray / size[0].max(1) as usize) as u32], size };
+        counter.run(element, texels).map(Some)
+    }
+
+    /// Whether the kernel works on a ray in this state; `None` in a kernel that does not read the state.
+    fn is_worked_on(&self, tag: Option<u32>) -> bool {
+        let kernel = self.kernel.kernel;
+        let generates = kernel.role() == Role::Whole && self.data.features.eye_rays;
+        let unborn = kernel.program().course.as_ref().map(|course| course.unborn);
+        tag.is_none_or(|tag| kernel.info().takes.contains(&tag) || generates && unborn == Some(tag))
+    }
+}
