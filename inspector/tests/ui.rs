@@ -10,6 +10,8 @@ mod exports;
 mod hard;
 mod measured;
 mod names;
+mod runs;
 mod session;
+mod session_file;
 mod snapshots;
 mod stage;

@@ -32,7 +32,7 @@ pub(crate) fn screenshot(
     let ctx = egui::Context::default();
     ctx.set_pixels_per_point(scale);
     let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
-    let (points, is_asked) = (start.size, start.scene.is_some());
+    let (points, is_asked) = (start.size, start.scene.is_some() || start.session.is_some());
     let inspector = inspector(&ctx, gpu, renderer.clone(), start);
     let mut stage = Stage { ctx, gpu: gpu.clone(), renderer, inspector, points, time: 0.0, scale };
     stage.settle()?;

@@ -31,6 +31,10 @@ pub enum Command {
     ExportWalk,
     /// Exports the data flow as SVG.
     ExportDataflow,
+    /// Saves the session.
+    SaveSession,
+    /// Opens a session from a dialog.
+    OpenSession,
     /// Closes the window.
     Quit,
 
@@ -120,6 +124,15 @@ pub enum Command {
     Judge,
     /// Times every choice of structure, schedule and rules, and judges its hits.
     Measure,
+
+    /// Keeps this run beside others.
+    KeepRun,
+    /// Shows the next kept run in stream views.
+    NextRun,
+    /// Shows the previous kept run in stream views.
+    PreviousRun,
+    /// Selects the next ray in which the compared kept runs differ.
+    NextDifferingRay,
 
     /// Opens the palette.
     Palette,
@@ -212,6 +225,8 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::ExportView, "Export stream view as PNG";
         C::ExportWalk, "Export walk as SVG";
         C::ExportDataflow, "Export data flow as SVG";
+        C::OpenSession, "Open session…", CTRL_SHIFT O;
+        C::SaveSession, "Save session…", CTRL S;
         C::Quit, "Quit", CTRL Q;
     }
     Step {
@@ -270,6 +285,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Show(PaneKind::Divergence), "Divergence";
         C::Show(PaneKind::Error), "Error over time";
         C::Show(PaneKind::Choices), "Choices";
+        C::Show(PaneKind::Runs), "Runs";
         C::Show(PaneKind::Watches), "Watches";
         C::Show(PaneKind::Options), "Options", CTRL Comma;
         C::Show(PaneKind::Log), "Log";
@@ -280,6 +296,10 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Divergence, "Map GPU/CPU differences", CTRL D;
         C::Judge, "Judge hits";
         C::Measure, "Measure choices";
+        C::KeepRun, "Keep this run", NONE K;
+        C::NextRun, "Flip to the next kept run", NONE Period;
+        C::PreviousRun, "Flip to the previous kept run", NONE Comma;
+        C::NextDifferingRay, "Next differing ray", NONE D;
     }
     Help {
         C::Palette, "Commands…", CTRL P;

@@ -17,6 +17,9 @@ impl Inspector {
         let (model, has_run) = (&self.model, self.model.opened.is_some());
         match command {
             C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
+            C::OpenSession => true,
+            C::NextRun | C::PreviousRun => has_run && !self.shared.runs.runs.list().is_empty(),
+            C::NextDifferingRay => has_run && self.shared.runs.pair().is_some(),
             C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
             C::Cancel => self.is_busy() || self.is_playing,
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
@@ -106,6 +109,11 @@ impl Inspector {
                 layout::show(&mut self.tree, PaneKind::Choices);
                 self.ask_panels(command);
             }
+            C::OpenSession => self.host.choose_session(),
+            C::SaveSession => self.save_session(),
+            C::KeepRun => self.keep_run(),
+            C::NextRun | C::PreviousRun => self.flip(command == C::NextRun),
+            C::NextDifferingRay => self.next_differing(),
             C::ExportWalk => {
                 layout::show(&mut self.tree, PaneKind::Walk2d);
                 self.ask_panels(command);

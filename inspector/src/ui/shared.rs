@@ -4,6 +4,7 @@ use raystep_kernels::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
+use super::runs::KeptRuns;
 use crate::link::{Link, LinkStream};
 use crate::session::Watch;
 
@@ -95,6 +96,8 @@ pub struct Shared {
     pub visit: Option<String>,
     /// The place at which the inspector was closed, as a link.
     pub last_place: Option<String>,
+    /// Kept runs.
+    pub(super) runs: KeptRuns,
     /// Messages, oldest first.
     pub log: Vec<LogLine>,
 }
@@ -120,6 +123,7 @@ impl Default for Shared {
             open: None,
             visit: None,
             last_place: None,
+            runs: KeptRuns::default(),
             log: Vec::new(),
         }
     }

@@ -1,5 +1,6 @@
 //! A stream after a pass: zoomable to single texels with their values; range, exposure, colours, component.
 
+mod kept;
 mod look;
 mod numbers;
 mod tools;
@@ -19,6 +20,7 @@ use crate::ui::Shown;
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
+use crate::ui::runs::Flipped;
 use crate::ui::take::{EXPORTING, png};
 
 /// The inputs that the picture was drawn from: it is only redrawn if they change.
@@ -47,6 +49,8 @@ pub(in crate::ui) struct StreamView {
     asked: Option<(u64, usize, Stream, usize)>,
     /// A copy shown instead of the current stream.
     pinned: Option<Pinned>,
+    /// A kept run shown instead of the current stream.
+    kept: Option<Flipped>,
 }
 
 impl Panel for StreamView {
@@ -93,6 +97,7 @@ impl Panel for StreamView {
         self.legend(ui, plan.program, (stream, stats_of), meaning);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
+        self.take_kept(cx, stream);
         let texture = self.pinned.as_ref().map(|pinned| &pinned.texture).or_else(|| cx.model.texture(stream));
         let size = texture.map_or([plan.width, plan.height], |texture| [texture.width(), texture.height()]);
         // What is selected is an element of the first set.
@@ -114,7 +119,7 @@ impl Panel for StreamView {
         if response.double_clicked() {
             self.look.scale = None;
         }
-        numbers::draw(ui, cx, rect, scale, origin, stream, self.pinned.is_some());
+        numbers::draw(ui, cx, rect, scale, origin, stream, self.whose(stream));
         if can_select {
             mark(ui, cx.shared.pixel, rect, scale, origin, Color32::WHITE);
         }
@@ -122,7 +127,8 @@ impl Panel for StreamView {
             mark(ui, cx.shared.hovered, rect, scale, origin, Color32::from_white_alpha(120));
         }
         let what = format!(
-            "{} after {}{}",
+            "{}{} after {}{}",
+            self.kept_label(ui, rect),
             stream.name(),
             counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
             cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
@@ -325,11 +331,12 @@ impl StreamView {
         if let Some(texture) = cx.model.texture(stream).filter(|_| self.pinned.is_none() && !cx.model.is_moving()) {
             self.still.take(cx.canvas, now, stream, texture);
         }
-        let source = match &self.pinned {
-            Some(pinned) => Some((now, &pinned.texture)),
-            None => self.still.of(stream).filter(|(moment, _)| moment.0 == now.0),
+        let source = match (&self.pinned, &self.kept) {
+            (Some(pinned), _) => Some((now, &pinned.texture)),
+            (None, Some(Flipped { texture: Some((moment, texture)), .. })) => Some((*moment, texture)),
+            (None, _) => self.still.of(stream).filter(|(moment, _)| moment.0 == now.0),
         };
-        if source.is_none_or(|(moment, _)| moment != now) {
+        if !self.is_kept() && source.is_none_or(|(moment, _)| moment != now) {
             ui.ctx().request_repaint();
         }
         let Some((moment, texture)) = source else { return };

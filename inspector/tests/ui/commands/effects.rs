@@ -20,6 +20,25 @@ pub(super) fn choose_cornell(stage: &mut Stage) -> f64 {
     0.0
 }
 
+/// A session at another place.
+pub(super) fn choose_session(stage: &mut Stage) -> f64 {
+    let file = format!(
+        r#"{{"version": 1, "here": {{"link": "raystep:1?scene={CORNELL}&size=64x64&device=gpu&pixel=3,4&pass=5"}}}}"#
+    );
+    let mut desk = stage.desk.lock().expect("not poisoned");
+    desk.session = Some("box.raystep-session".into());
+    desk.sessions = vec![("box.raystep-session".into(), file.into_bytes())];
+    0.0
+}
+
+/// Keeps the run, at least twice; returns the number of kept runs.
+pub(super) fn keep(stage: &mut Stage) -> f64 {
+    while stage.harness.state().kept_runs().list().len() < 2 {
+        stage.perform(Command::KeepRun);
+    }
+    stage.harness.state().kept_runs().list().len() as f64
+}
+
 /// Rays can be sorted once all passes are known.
 pub(super) fn sort_rays(stage: &mut Stage) -> f64 {
     stage.perform(Command::End);

@@ -1,0 +1,218 @@
+//! The list of kept runs, with a budget for their pictures.
+
+use std::sync::{Arc, Weak};
+
+use raystep_scenes::Scene;
+
+use super::measure::Measured;
+use super::outcome::{Outcome, Picture, Recorded};
+use crate::session::Edit;
+use crate::settings::{DeviceKind, Settings};
+
+/// Identifies a kept run as long as the window is open.
+pub type RunId = u64;
+
+/// Most runs in the list.
+pub const MOST_RUNS: usize = 256;
+/// Longest name, in characters.
+pub const LONGEST_NAME: usize = 100;
+/// Initial budget of pictures, in bytes.
+pub const DEFAULT_BUDGET: u64 = 512 << 20;
+
+/// How a run is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Its options.
+    pub settings: Settings,
+    /// Edits by hand.
+    pub edits: Vec<Edit>,
+    /// How many of the first passes run on the CPU reference.
+    pub twins: Option<usize>,
+}
+
+impl Recipe {
+    /// A name for the run: what distinguishes most runs from others.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let Settings { accelerator, schedule, numerics, device, .. } = &self.settings;
+        let device = match device {
+            DeviceKind::CpuF64 => " f64",
+            _ => "",
+        };
+        let edited = if self.edits.is_empty() { "" } else { " edited" };
+        format!("{accelerator} {schedule} {numerics}{device}{edited}")
+    }
+
+    /// Why the rays of two runs are not the same rays; `None` if they are.
+    #[must_use]
+    pub fn other_rays(&self, other: &Self) -> Option<&'static str> {
+        let (a, b) = (&self.settings, &other.settings);
+        if a.ray.is_none() && b.ray.is_none() && a.size != b.size {
+            Some("they have different sizes")
+        } else if a.ray != b.ray || a.ray.is_none() && a.view != b.view {
+            Some("they have different views")
+        } else if a.samples != b.samples {
+            Some("they have different samples")
+        } else {
+            None
+        }
+    }
+}
+
+/// A kept run.
+pub struct Kept {
+    /// Its identity.
+    pub id: RunId,
+    /// The user's name for it.
+    pub name: String,
+    /// The user's note.
+    pub note: String,
+    /// How to run it again.
+    pub recipe: Recipe,
+    /// The name by which its scene was opened; empty for a scene without a file.
+    pub path: String,
+    /// The hash of its scene.
+    pub hash: String,
+    /// Its scene, while that is open.
+    pub scene: Weak<Scene>,
+    /// What it came to; `None` until it was run again.
+    pub outcome: Option<Arc<Outcome>>,
+    /// Its picture, or why there is none.
+    pub picture: Result<Arc<Picture>, String>,
+    /// Incremented with every picture.
+    pub edition: u64,
+    /// How long it takes, if that was measured.
+    pub measured: Option<Arc<Measured>>,
+}
+
+impl Kept {
+    /// Bytes that count against the budget.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let outcome = self.outcome.as_ref().map_or(0, |outcome| outcome.bytes());
+        outcome + self.picture.as_ref().map_or(0, |picture| picture.bytes())
+    }
+
+    /// Whether it is of this scene.
+    #[must_use]
+    pub fn is_of(&self, scene: &Arc<Scene>, hash: Option<&str>) -> bool {
+        self.scene.upgrade().is_some_and(|own| Arc::ptr_eq(&own, scene)) || hash == Some(&self.hash)
+    }
+}
+
+/// Why a run of a session file has no picture yet.
+pub const NOT_RUN: &str = "not run since the session was opened";
+
+/// The kept runs, oldest first.
+pub struct Runs {
+    list: Vec<Kept>,
+    next: RunId,
+    budget: u64,
+}
+
+impl Default for Runs {
+    fn default() -> Self {
+        Self { list: Vec::new(), next: 1, budget: DEFAULT_BUDGET }
+    }
+}
+
+impl Runs {
+    /// All runs, oldest first.
+    #[must_use]
+    pub fn list(&self) -> &[Kept] {
+        &self.list
+    }
+
+    /// A run.
+    #[must_use]
+    pub fn get(&self, id: RunId) -> Option<&Kept> {
+        self.list.iter().find(|kept| kept.id == id)
+    }
+
+    /// A run, for changing its name, its note or its times.
+    pub fn get_mut(&mut self, id: RunId) -> Option<&mut Kept> {
+        self.list.iter_mut().find(|kept| kept.id == id)
+    }
+
+    /// The budget of pictures in bytes.
+    #[must_use]
+    pub fn budget(&self) -> u64 {
+        self.budget
+    }
+
+    /// Bytes that all runs take.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.list.iter().map(Kept::bytes).sum()
+    }
+
+    /// Adds a run that has not been run yet, and returns its identity. `None` if the list is full.
+    pub fn add(&mut self, name: &str, recipe: Recipe, path: String, hash: String) -> Option<RunId> {
+        if self.list.len() >= MOST_RUNS {
+            return None;
+        }
+        let id = self.next;
+        self.next += 1;
+        self.list.push(Kept {
+            id,
+            name: self.unused(name),
+            note: String::new(),
+            recipe,
+            path,
+            hash,
+            scene: Weak::new(),
+            outcome: None,
+            picture: Err(NOT_RUN.into()),
+            edition: 0,
+            measured: None,
+        });
+        Some(id)
+    }
+
+    /// Sets what a run came to. Returns the names of the runs whose pictures were dropped to stay within the budget.
+    pub fn set(&mut self, id: RunId, recorded: Recorded) -> Vec<String> {
+        let Some(kept) = self.get_mut(id) else { return Vec::new() };
+        (kept.scene, kept.hash) = (Arc::downgrade(&recorded.scene), recorded.hash);
+        kept.outcome = Some(Arc::new(recorded.outcome));
+        kept.picture = recorded.picture.map(Arc::new);
+        kept.edition += 1;
+        self.thin(Some(id))
+    }
+
+    /// Sets the budget. Returns the names of the runs whose pictures were dropped.
+    pub fn set_budget(&mut self, bytes: u64) -> Vec<String> {
+        self.budget = bytes;
+        self.thin(None)
+    }
+
+    /// Removes a run.
+    pub fn remove(&mut self, id: RunId) {
+        self.list.retain(|kept| kept.id != id);
+    }
+
+    /// Removes all runs.
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// Drops the oldest pictures, and last of all that of `newest`.
+    fn thin(&mut self, newest: Option<RunId>) -> Vec<String> {
+        let mut dropped = Vec::new();
+        while self.bytes() > self.budget {
+            let has_picture = |kept: &&mut Kept| kept.picture.is_ok();
+            let oldest = self.list.iter_mut().filter(has_picture).min_by_key(|kept| (Some(kept.id) == newest, kept.id));
+            let Some(kept) = oldest else { break };
+            kept.picture = Err("dropped to stay within the budget".into());
+            dropped.push(kept.name.clone());
+        }
+        dropped
+    }
+
+    /// The name, with a number if another run has it already.
+    fn unused(&self, name: &str) -> String {
+        let name: String = name.chars().take(LONGEST_NAME).collect();
+        let is_used = |name: &str| self.list.iter().any(|kept| kept.name == name);
+        let numbered = (2..).map(|n| format!("{name} {n}"));
+        std::iter::once(name.clone()).chain(numbered).find(|name| !is_used(name)).unwrap_or(name)
+    }
+}
