@@ -43,7 +43,9 @@ fn a_session_opens_by_its_name_and_shows_what_its_link_shows() {
     assert_eq!((differing(&by_name, &linked), differing(&by_command, &linked)), (0, 0));
     assert!(differing(&by_name, &elsewhere) > 1000);
     let panel = shot("e.png", &["inspect", "work/s.raystep-session", "--do", "Runs"]);
-    assert!(differing(&panel, &by_name) > 1000, "the panel of runs is not shown");
+    let everywhere = panel.pixels().zip(by_name.pixels()).filter(|(a, b)| a != b).count();
+    // A table in place of the ray's history.
+    assert!(everywhere > 5000, "{everywhere} pixels: the panel of runs is not shown");
 }
 
 #[test]

@@ -204,3 +204,65 @@ pub fn job<Q: Send + 'static>(question: Q, a: Arc<Picture>, b: Arc<Picture>, asp
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::generate::cornell_box;
+
+    use super::*;
+    use crate::runs::outcome::tests::picture;
+    use crate::settings::Settings;
+
+    /// Sets a component of a ray.
+    fn set(picture: &mut Picture, stream: usize, layer: usize, ray: usize, change: impl Fn(u32) -> u32) {
+        let data = &mut picture.streams[stream];
+        let at = layer * (data.width * data.height) as usize + ray;
+        data.bits[at] = change(data.bits[at]);
+    }
+
+    #[test]
+    fn every_kind_of_difference_is_counted_and_listed() {
+        let a = picture(&cornell_box(), &Settings { size: [8, 8], ..Settings::default() });
+        for aspect in Aspect::ALL {
+            let same = differences(&a, &a, aspect).expect("the same size");
+            assert_eq!((same.counts, same.rays.len()), (Counts { rays: 64, ..Counts::default() }, 0));
+        }
+        let mut b = a.clone();
+        let at = |stream| a.streams.iter().position(|data| data.stream == stream).expect("kept");
+        let results = a.results;
+        let (hit, t, color) = (at(results.triangle.stream), at(results.t.stream), at(results.color));
+        let inside = |ray: usize| results.hit(&a.streams[t], &a.streams[hit], ray).is_some();
+        let hits: Vec<usize> = (0..64).filter(|&ray| inside(ray)).collect();
+        let [other, far, miss, weights, both] = hits[10..15] else { panic!("five hits") };
+        set(&mut b, hit, results.triangle.layer, other, |id| id + 1);
+        set(&mut b, t, results.t.layer, far, |bits| bits + 3);
+        set(&mut b, hit, results.triangle.layer, miss, |_| u32::MAX);
+        set(&mut b, hit, results.weights[0], weights, |bits| bits ^ 1);
+        set(&mut b, hit, results.triangle.layer, both, |id| id + 2);
+        set(&mut b, t, results.t.layer, both, |bits| bits + 1);
+        set(&mut b, color, 1, far, |bits| (f32::from_bits(bits) + 0.25).to_bits());
+        let [triangle, distance, colors] =
+            Aspect::ALL.map(|aspect| differences(&a, &b, aspect).expect("the same size"));
+        let counts = &triangle.counts;
+        assert_eq!((counts.triangle, counts.hit_or_miss, counts.t, counts.weights), (2, 1, 2, 1), "{counts:?}");
+        assert_eq!((counts.max_ulps, counts.color), (3, 1));
+        // A quarter, but for the rounding of the sum.
+        assert!((counts.max_color - 0.25).abs() < 1e-6 && counts.max_t > 0.0 && counts.max_t < 1e-5, "{counts:?}");
+        let list = |rays: &[usize]| rays.iter().map(|&ray| ray as u32).collect::<Vec<_>>();
+        assert_eq!(triangle.rays, list(&[other, miss, both]));
+        assert_eq!(distance.rays, list(&[far, miss, both]));
+        assert_eq!(colors.rays, list(&[far]));
+        let values = |found: &Differences, rays: [usize; 5]| rays.map(|ray| found.values[ray]);
+        assert_eq!(values(&triangle, [other, far, miss, weights, both]), [2.0, 1.0, 3.0, 1.0, 2.0]);
+        assert_eq!(distance.values[miss], f32::INFINITY);
+        assert_eq!(distance.values[other], INF);
+        assert!(distance.range().is_some_and(|[lo, hi]| lo < hi && hi < -4.0), "{:?}", distance.range());
+        // In the order of the image, and around.
+        let pixel = |ray: usize| Some([ray as u32 % 8, ray as u32 / 8]);
+        assert_eq!(triangle.next(None), pixel(other));
+        assert_eq!(triangle.next(pixel(other)), pixel(miss));
+        assert_eq!(triangle.next(pixel(both)), pixel(other));
+        let small = picture(&cornell_box(), &Settings { size: [8, 4], ..Settings::default() });
+        assert_eq!(differences(&a, &small, Aspect::Color), None);
+    }
+}

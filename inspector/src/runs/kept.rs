@@ -216,3 +216,77 @@ impl Runs {
         std::iter::once(name.clone()).chain(numbered).find(|name| !is_used(name)).unwrap_or(name)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use raystep_scenes::generate::cornell_box;
+
+    use super::*;
+    use crate::runs::outcome::tests::picture;
+
+    fn recipe() -> Recipe {
+        Recipe { settings: Settings { size: [8, 8], ..Settings::default() }, edits: Vec::new(), twins: None }
+    }
+
+    /// Adds a run with a picture; returns the names of those whose pictures were dropped.
+    fn keep(runs: &mut Runs) -> Vec<String> {
+        let scene = cornell_box();
+        let id = runs.add("run", recipe(), String::new(), "hash".into()).expect("room");
+        let outcome = Outcome { passes: Vec::new(), rays: 64, hits: None, device: String::new(), why_no_times: None };
+        let picture = Ok(picture(&scene, &recipe().settings));
+        let (scene, hash, recipe) = (Arc::new(scene), "hash".into(), recipe());
+        runs.set(id, Recorded { again: None, recipe, scene, hash, outcome, picture })
+    }
+
+    #[test]
+    fn the_oldest_pictures_are_dropped_and_that_is_told() {
+        let mut runs = Runs::default();
+        assert!(keep(&mut runs).is_empty() && keep(&mut runs).is_empty());
+        let each = runs.bytes() / 2;
+        assert_eq!(each, 64 * 4 * 13);
+        runs.set_budget(2 * each + each / 2);
+        assert_eq!(keep(&mut runs), ["run"]);
+        let has_picture = |runs: &Runs| runs.list().iter().map(|kept| kept.picture.is_ok()).collect::<Vec<_>>();
+        assert_eq!(has_picture(&runs), [false, true, true]);
+        assert!(runs.list()[0].outcome.is_some() && runs.bytes() <= runs.budget());
+        assert_eq!(runs.set_budget(0), ["run 2", "run 3"]);
+        assert_eq!((runs.bytes(), runs.list().len()), (0, 3));
+        // Run again, the first is the newest.
+        runs.set_budget(each);
+        let (scene, hash) = (Arc::new(cornell_box()), "hash".into());
+        let outcome = Outcome { passes: Vec::new(), rays: 64, hits: None, device: String::new(), why_no_times: None };
+        let picture = Ok(picture(&scene, &recipe().settings));
+        let id = runs.list()[0].id;
+        let recorded = Recorded { again: Some(id), recipe: recipe(), scene, hash, outcome, picture };
+        assert!(runs.set(id, recorded).is_empty());
+        assert_eq!(has_picture(&runs), [true, false, false]);
+    }
+
+    #[test]
+    fn names_are_distinct_and_the_list_ends() {
+        let mut runs = Runs::default();
+        let long = "x".repeat(1000);
+        for name in ["a", "a", "a 2", &long] {
+            runs.add(name, recipe(), String::new(), String::new());
+        }
+        let names: Vec<&str> = runs.list().iter().map(|kept| kept.name.as_str()).collect();
+        assert_eq!(names[..3], ["a", "a 2", "a 2 2"]);
+        assert_eq!(names[3].len(), LONGEST_NAME);
+        while runs.add("b", recipe(), String::new(), String::new()).is_some() {}
+        assert_eq!(runs.list().len(), MOST_RUNS);
+    }
+
+    #[test]
+    fn rays_are_the_same_where_view_size_and_samples_are() {
+        let of = |change: fn(&mut Settings)| {
+            let mut other = recipe();
+            change(&mut other.settings);
+            recipe().other_rays(&other)
+        };
+        assert_eq!(of(|s| (s.accelerator, s.device) = (raystep_kernels::Accelerator::Bvh, DeviceKind::CpuF64)), None);
+        assert_eq!(of(|s| s.size = [8, 9]), Some("they have different sizes"));
+        assert_eq!(of(|s| s.view = crate::settings::View::Scene(1)), Some("they have different views"));
+        assert_eq!(of(|s| s.ray = Some([0.0; 6])), Some("they have different views"));
+        assert_eq!(of(|s| s.samples.count = 2), Some("they have different samples"));
+    }
+}

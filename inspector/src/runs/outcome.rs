@@ -232,3 +232,40 @@ pub fn again(id: RunId, recipe: Recipe, device: Device, clock: Option<fn() -> u6
         })
     })
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// The outcome of a run on the CPU.
+    fn recorded(scene: &Scene, settings: &Settings, most: u64) -> (Outcome, Result<Picture, String>) {
+        let device = Device::Cpu(None);
+        pollster::block_on(async {
+            let mut session = Session::new(scene, &settings.options(scene), &device).await.expect("a run");
+            session.step(Target::End, &mut go_on).await.expect("its end");
+            record(&session, &device, most).await.expect("results")
+        })
+    }
+
+    /// The picture of a run on the CPU.
+    pub(in crate::runs) fn picture(scene: &Scene, settings: &Settings) -> Picture {
+        recorded(scene, settings, u64::MAX).1.expect("a picture")
+    }
+
+    #[test]
+    fn pictures_have_the_size_that_is_expected_of_them_or_are_left_out() {
+        let scene = raystep_scenes::generate::cornell_box();
+        let settings = Settings { size: [16, 8], ..Settings::default() };
+        let (outcome, picture) = recorded(&scene, &settings, u64::MAX);
+        let picture = picture.expect("a picture");
+        // Three layers of colour, hit and counters, four of state.
+        assert_eq!((picture.bytes(), picture.size()), (16 * 8 * 4 * 13, [16, 8]));
+        assert_eq!((outcome.rays, outcome.device_ns(), outcome.why_no_times.is_some()), (128, None, true));
+        let (outcome, picture) = recorded(&scene, &settings, 16 * 8 * 4 * 13 - 1);
+        assert!(picture.is_err_and(|why| why.contains("budget")) && !outcome.passes.is_empty());
+        let build = Settings { program: raystep_kernels::options::ProgramName::GridBuild, ..settings };
+        let (outcome, picture) = recorded(&scene, &build, u64::MAX);
+        assert!(picture.is_err_and(|why| why.contains("traces no rays")) && !outcome.passes.is_empty());
+        assert_eq!((outcome.rays, outcome.hits), (0, None));
+    }
+}

@@ -127,6 +127,8 @@ pub enum Command {
 
     /// Keeps this run beside others.
     KeepRun,
+    /// Runs kept runs that have no results.
+    RunKept,
     /// Shows the next kept run in stream views.
     NextRun,
     /// Shows the previous kept run in stream views.
@@ -297,6 +299,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Judge, "Judge hits";
         C::Measure, "Measure choices";
         C::KeepRun, "Keep this run", NONE K;
+        C::RunKept, "Run kept runs again";
         C::NextRun, "Flip to the next kept run", NONE Period;
         C::PreviousRun, "Flip to the previous kept run", NONE Comma;
         C::NextDifferingRay, "Next differing ray", NONE D;

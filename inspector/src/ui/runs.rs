@@ -24,6 +24,8 @@ pub(super) type Question = ([(RunId, u64); 2], Aspect);
 pub(super) enum Asked {
     /// Runs a kept run again.
     Again(RunId),
+    /// Runs all kept runs of the open scene that have no results.
+    AllAgain,
     /// Measures runs, one beside the other.
     Measure(Vec<RunId>),
     /// Opens a kept run's settings, with its edits.
@@ -69,6 +71,8 @@ pub(super) struct KeptRuns {
     measurements: u64,
     /// The open scene's hash, once it is known.
     scene: Option<(Weak<Scene>, String)>,
+    /// The generation whose scene was to be identified last.
+    identifying: u64,
     /// Whether the session is saved once the scene's hash is known.
     is_saving: bool,
     /// The hash that the open scene should have: that of the session's file.
@@ -95,6 +99,7 @@ impl Default for KeptRuns {
             textures: Textures::default(),
             measurements: 0,
             scene: None,
+            identifying: 0,
             is_saving: false,
             expected: None,
             opening: None,

@@ -94,8 +94,12 @@ fn keys_flip_between_kept_runs_in_the_same_view() {
     assert_eq!(picture(&mut stage), here, "after the last, the open run");
     stage.key(Modifiers::NONE, Key::Comma);
     assert!(stage.paints("kept run 2 of 2"));
-    stage.show_stream(streams::TMAX, "x");
-    assert!(stage.paints("not shown: tmax was not kept, only color, hit, state, counters"), "{:?}", stage.painted());
+    stage.show_stream(streams::RAY_ORIGIN, "x");
+    assert!(
+        stage.paints("not shown: ray_origin was not kept, only color, hit, state, counters"),
+        "{:?}",
+        stage.painted()
+    );
 }
 
 #[test]

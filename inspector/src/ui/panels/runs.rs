@@ -96,6 +96,12 @@ impl RunsPanel {
             if ui.add_enabled(!cx.model.is_busy(), keep).on_hover_text(about).clicked() {
                 cx.todo.push(Command::KeepRun);
             }
+            let is_unknown = cx.shared.runs.runs.list().iter().any(|kept| kept.outcome.is_none());
+            let again = Button::new("Run all again");
+            let about = "runs kept runs of this scene that have no results";
+            if is_unknown && ui.add_enabled(!cx.model.is_busy(), again).on_hover_text(about).clicked() {
+                cx.todo.push(Command::RunKept);
+            }
             for (command, name) in [(Command::SaveSession, "Save session…"), (Command::OpenSession, "Open session…")]
             {
                 if ui.button(name).on_hover_text("runs, edits, bookmarks, watches, notes, layout").clicked() {

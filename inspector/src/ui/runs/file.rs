@@ -86,7 +86,15 @@ impl Inspector {
             }
         }
         let Some(opened) = &self.model.opened else { return };
-        let Some(hash) = self.shared.runs.hash(&opened.scene).map(str::to_owned) else { return };
+        let Some(hash) = self.shared.runs.hash(&opened.scene).map(str::to_owned) else {
+            // Kept runs may be of this scene, too, although it was read anew.
+            let (generation, runs) = (self.model.generation, &mut self.shared.runs);
+            if !runs.runs.list().is_empty() && runs.identifying != generation && !self.model.is_busy() {
+                runs.identifying = generation;
+                self.model.ask(Request::Job(IDENTIFYING, identify()));
+            }
+            return;
+        };
         if let Some(expected) = self.shared.runs.expected.take().filter(|expected| *expected != hash) {
             let name = opened.scene.name.clone();
             let kept = self.shared.runs.runs.list().iter().filter(|kept| kept.hash == expected).count();
@@ -179,7 +187,7 @@ impl Inspector {
         }
         let is_it = |opening: &mut Box<Opening>| Some(&opening.scene) == self.path.as_ref();
         let Some(opening) = self.shared.runs.opening.take_if(is_it) else { return };
-        let Opening { path, file, .. } = *opening;
+        let Opening { path, file, scene: own } = *opening;
         if let Some(tree) = file.layout.as_deref().and_then(|text| layout::read(text).ok()) {
             self.tree = tree;
         }
@@ -202,6 +210,10 @@ impl Inspector {
             let id = runs.runs.add(&run.name, Recipe { settings, ..recipe }, scene, run.scene_hash.clone());
             if let Some(kept) = id.and_then(|id| runs.runs.get_mut(id)) {
                 kept.note.clone_from(&run.note);
+                // Without a hash, the file's name has to do.
+                if let Some(opened) = self.model.opened.as_ref().filter(|_| kept.hash.is_empty() && kept.path == own) {
+                    kept.scene = Arc::downgrade(&opened.scene);
+                }
             }
             ids.push(id);
         }
@@ -211,6 +223,7 @@ impl Inspector {
         self.shared.bookmarks = file.bookmarks;
         let recipe = file.here.recipe();
         self.restore_edits(recipe.edits, recipe.twins);
+        self.shared.runs.identifying = self.model.generation;
         self.model.ask(Request::Job(IDENTIFYING, identify()));
         let mut text = format!("session {path} opened, with {}", counted(file.runs.len(), "kept run"));
         if replaced > 0 {

@@ -4,11 +4,11 @@ use raystep_kernels::Device;
 use raystep_lab::text::counted;
 
 use super::{Asked, Question};
-use crate::runs::RunId;
 use crate::runs::differ::{COMPARING, Differences};
 use crate::runs::kept::MOST_RUNS;
 use crate::runs::measure::{MEASURING, Measured, Subject, measure};
 use crate::runs::outcome::{KEEPING, Recorded, again, keep};
+use crate::runs::{Kept, RunId};
 use crate::session::request::Request;
 use crate::settings::DeviceKind;
 use crate::ui::Inspector;
@@ -57,7 +57,7 @@ impl Inspector {
 
     /// Takes answers about kept runs, and performs what the panel asks for.
     pub(in crate::ui) fn serve_runs(&mut self) {
-        if let Some(recorded) = self.model.take_answer::<Recorded>(KEEPING) {
+        while let Some(recorded) = self.model.take_answer::<Recorded>(KEEPING) {
             self.recorded(*recorded);
         }
         while let Some(times) = self.model.take_answer::<Vec<(RunId, Measured)>>(MEASURING) {
@@ -147,6 +147,16 @@ impl Inspector {
             Asked::Budget(bytes) => {
                 let dropped = self.shared.runs.runs.set_budget(bytes);
                 self.tell_dropped(&dropped);
+            }
+            Asked::AllAgain => {
+                let Some(opened) = &self.model.opened else { return };
+                let runs = &self.shared.runs;
+                let is_wanted = |kept: &&Kept| kept.outcome.is_none() && runs.is_of(kept, opened);
+                let ids: Vec<RunId> = runs.runs.list().iter().filter(is_wanted).map(|kept| kept.id).collect();
+                if ids.is_empty() {
+                    self.warn("no kept run of this scene is without results");
+                }
+                ids.into_iter().for_each(|id| self.perform_asked(Asked::Again(id)));
             }
             Asked::Again(id) => {
                 let Some(kept) = self.of_open_scene(id) else { return };

@@ -9,7 +9,7 @@ use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
     assert_all, choose_cornell, choose_session, event, exposure, is_ray_watched, is_shown, keep, moved_range, nothing,
-    pixel_moved, play, range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    open_session, pixel_moved, play, range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -289,11 +289,19 @@ pub(super) fn row(command: Command) -> Row {
             assert!(s.paints("kept as \"grid compact robust"), "{:?}", s.painted());
             assert_eq!(s.place(), was.place);
         }),
+        C::RunKept => (open_session, |s, _| {
+            s.settle();
+            let kept = &s.harness.state().kept_runs().list()[0];
+            let outcome = kept.outcome.as_ref().expect("it has run");
+            assert!(outcome.passes.len() > 30 && kept.picture.is_ok(), "{}", outcome.passes.len());
+        }),
         C::NextRun => (keep, |s, _| {
             s.settle();
-            assert!(s.paints("kept run 1 of "), "{:?}", s.painted());
+            let label = "compact robust";
+            let is_label = |text: &String| text.starts_with("kept run ") && text.contains(label);
+            assert!(s.painted().iter().any(is_label), "{:?}", s.painted());
             s.perform(Command::PreviousRun);
-            assert!(!s.paints("kept run 1 of "));
+            assert!(!s.painted().iter().any(is_label));
         }),
         C::PreviousRun => (keep, |s, was| {
             s.settle();

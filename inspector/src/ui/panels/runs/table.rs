@@ -15,28 +15,35 @@ use crate::settings::Settings;
 use crate::ui::pane::Context;
 use crate::ui::runs::Asked;
 
-/// Heads, with their explanations; the first three and the last columns are controls.
-const HEADS: [(&str, &str); 14] = [
-    ("", "shows the run in stream views, in place of the open run"),
-    ("ref.", "the run that others are compared with"),
-    ("vs.", "the run that is compared with the reference"),
-    ("name", "the run's name"),
-    ("structure", "acceleration structure"),
-    ("schedule", "the order in which kernels run"),
-    ("numerics", "the rules for planes, steps and hits"),
-    ("skip", "whether rays skip over empty cells"),
-    ("device", "where passes ran"),
-    ("size", "width and height in pixels"),
-    ("passes", "number of passes"),
-    ("hits", "rays that hit something; of the last sample, if there are several"),
-    ("time", "median [shortest–longest] of all passes by the device's clock, or of the whole run by the host's"),
-    ("note", "a note on the run"),
+/// Heads, with their explanations and the widths of columns that have a fixed one.
+const HEADS: [(&str, &str, Option<f32>); 15] = [
+    ("", "shows the run in stream views, in place of the open run", None),
+    ("ref.", "the run that others are compared with", None),
+    ("vs.", "the run that is compared with the reference", None),
+    ("name", "the run's name", Some(NAME)),
+    ("", "what can be done with the run", None),
+    (
+        "time",
+        "median [shortest–longest] of all passes by the device's clock, or of the whole run by the host's",
+        Some(175.0),
+    ),
+    ("passes", "number of passes", Some(50.0)),
+    ("hits", "rays that hit something; of the last sample, if there are several", Some(75.0)),
+    ("structure", "acceleration structure", None),
+    ("schedule", "the order in which kernels run", None),
+    ("numerics", "the rules for planes, steps and hits", None),
+    ("skip", "whether rays skip over empty cells", None),
+    ("device", "where passes ran", None),
+    ("size", "width and height in pixels", Some(85.0)),
+    ("note", "a note on the run", Some(NOTE)),
 ];
 
+/// Columns of numbers.
+const NUMBERS: [usize; 4] = [5, 6, 7, 13];
 /// Width of names.
-const NAME: f32 = 170.0;
+const NAME: f32 = 160.0;
 /// Width of notes.
-const NOTE: f32 = 160.0;
+const NOTE: f32 = 180.0;
 
 /// Changes that a row asks for, applied once the table is drawn.
 enum Change {
@@ -54,24 +61,20 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, most_height: f32) {
     let rows = cx.shared.runs.runs.list().len();
     ScrollArea::horizontal().id_salt("kept runs").auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        let text = || Column::auto().at_least(24.0);
-        let table = TableBuilder::new(ui)
+        let mut table = TableBuilder::new(ui)
             .id_salt("kept runs")
             .striped(true)
             .auto_shrink(true)
             .max_scroll_height(most_height)
             .min_scrolled_height(most_height.min((rows as f32 + 1.0) * height))
-            .cell_layout(Layout::left_to_right(Align::Center))
-            .columns(text(), 3)
-            .column(Column::exact(NAME))
-            .columns(text(), 9)
-            .column(Column::exact(NOTE))
-            .column(text());
+            .cell_layout(Layout::left_to_right(Align::Center));
+        for (_, _, width) in HEADS {
+            table = table.column(width.map_or_else(|| Column::auto().at_least(24.0), Column::exact));
+        }
         let table = table.header(height, |mut header| {
-            for (i, (head, about)) in HEADS.into_iter().enumerate() {
+            for (i, (head, about, _)) in HEADS.into_iter().enumerate() {
                 header.col(|ui| aligned(ui, i, |ui| drop(ui.strong(head).on_hover_text(about))));
             }
-            header.col(|_| {});
         });
         table.body(|body| {
             body.rows(height, rows, |row| {
@@ -88,11 +91,10 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, most_height: f32) {
 
 /// Numbers to the right, everything else to the left.
 fn aligned(ui: &mut Ui, column: usize, add: impl FnOnce(&mut Ui)) {
-    match column {
-        9..=12 => {
-            ui.with_layout(Layout::right_to_left(Align::Center), add);
-        }
-        _ => add(ui),
+    if NUMBERS.contains(&column) {
+        ui.with_layout(Layout::right_to_left(Align::Center), add);
+    } else {
+        add(ui);
     }
 }
 
@@ -159,10 +161,10 @@ fn row(mut row: TableRow<'_, '_>, cx: &Context<'_>, kept: &Kept, changes: &mut V
             changes.push(Change::Name(id, name));
         }
     });
-    let cells = cells(kept, is_here);
-    for (i, (text, about)) in cells.into_iter().enumerate() {
+    row.col(|ui| actions(ui, cx, kept, is_here, changes));
+    for (i, (text, about)) in cells(kept, is_here).into_iter().enumerate() {
         row.col(|ui| {
-            aligned(ui, 4 + i, |ui| {
+            aligned(ui, 5 + i, |ui| {
                 let label = ui.add(egui::Label::new(text).extend());
                 if !about.is_empty() {
                     label.on_hover_text(about);
@@ -180,7 +182,6 @@ fn row(mut row: TableRow<'_, '_>, cx: &Context<'_>, kept: &Kept, changes: &mut V
             changes.push(Change::Note(id, note));
         }
     });
-    row.col(|ui| actions(ui, cx, kept, is_here, changes));
 }
 
 /// What can be done with a run.
@@ -213,7 +214,7 @@ fn actions(ui: &mut Ui, cx: &Context<'_>, kept: &Kept, is_here: bool, changes: &
     menu.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
 }
 
-/// The texts of the columns from the structure to the time, with explanations.
+/// The texts of the columns from the time to the size, with explanations.
 fn cells(kept: &Kept, is_here: bool) -> [(String, String); 9] {
     let Settings { accelerator, schedule, numerics, skip, grid, size, ray, device, steps_per_pass, .. } =
         &kept.recipe.settings;
@@ -236,15 +237,15 @@ fn cells(kept: &Kept, is_here: bool) -> [(String, String); 9] {
         Err(why) => format!("no picture: {why}"),
     };
     [
+        time(kept),
+        plain(passes),
+        (hits, memory),
         (format!("{accelerator}{cells}{other}"), kept.path.clone()),
         plain(format!("{schedule}{steps}")),
         plain(format!("{numerics}{edited}")),
         plain(if is_grid { skip.to_string() } else { "–".into() }),
         (device.name().into(), outcome.map_or_else(String::new, |outcome| outcome.device.clone())),
         plain(size),
-        plain(passes),
-        (hits, memory),
-        time(kept),
     ]
 }
 
@@ -258,7 +259,7 @@ fn time(kept: &Kept) -> (String, String) {
         }
         let why = measured.why_no_times.clone().unwrap_or_else(|| "no pass was timed".into());
         if let Some(text) = spread(Timed::Host, measured) {
-            return (format!("host {text}"), format!("the whole run by the host's clock, {count}: {why}"));
+            return (format!("{text} host"), format!("the whole run by the host's clock, {count}: {why}"));
         }
         return ("–".into(), why);
     }
@@ -272,8 +273,31 @@ fn time(kept: &Kept) -> (String, String) {
     }
 }
 
-/// `1.20 ms [1.18 ms–1.31 ms]`
+/// `1.20 [1.18–1.31] ms`
 pub(super) fn text(spread: &Spread) -> String {
-    let [median, min, max] = [spread.median, spread.min, spread.max].map(|ns| duration(ns.round() as u64));
-    if spread.count == 1 { median } else { format!("{median} [{min}–{max}]") }
+    let Spread { median, min, max, count } = *spread;
+    if count == 1 {
+        return duration(median.round() as u64);
+    }
+    let (unit, ns, digits) = match median {
+        ..1e6 => ("µs", 1e3, 1),
+        ..1e9 => ("ms", 1e6, 2),
+        _ => ("s", 1e9, 2),
+    };
+    let number = |value: f64| format!("{:.digits$}", value / ns);
+    format!("{} [{}–{}] {unit}", number(median), number(min), number(max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spread_has_one_unit() {
+        let of = |[median, min, max]: [f64; 3], count| text(&Spread { median, min, max, count });
+        assert_eq!(of([1_200_000.0, 980_000.0, 1_310_000.0], 6), "1.20 [0.98–1.31] ms");
+        assert_eq!(of([1_500.0, 1_450.0, 2_000_000.0], 6), "1.5 [1.4–2000.0] µs");
+        assert_eq!(of([2e9, 1e9, 3e9], 2), "2.00 [1.00–3.00] s");
+        assert_eq!(of([1_500.0; 3], 1), "1.5 µs");
+    }
 }

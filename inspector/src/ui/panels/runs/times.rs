@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use egui::{Align, Grid, Layout, ScrollArea, Ui};
+use egui::{Align, Label, Layout, RichText, ScrollArea, TextStyle, Ui};
+use egui_extras::{Column, TableBuilder, TableRow};
 
 use super::table::text;
 use crate::runs::Kept;
@@ -12,6 +13,11 @@ use crate::ui::pane::Context;
 
 const ABOUT: &str = "Timing every pass costs several µs per pass. Use these times to compare kernels; for the time of a \
                      whole run, use `raystep bench`, which measures runs without timers.";
+
+/// Widths of columns.
+const KERNEL: f32 = 125.0;
+const TIME: f32 = 165.0;
+const RATIO: f32 = 125.0;
 
 pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>) {
     let runs = &cx.shared.runs;
@@ -32,7 +38,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>) {
         match reference {
             None => ui.weak("Measure the reference, too, to see ratios."),
             Some(_) => ui.weak(format!(
-                "× is the ratio to the reference; [ ] its 95% interval, from {FEWEST_REPEATS} repeats in turns on."
+                "[ ] after a time: shortest and longest; after a ratio: its 95% interval, from {FEWEST_REPEATS} repeats in turns on."
             )),
         };
     });
@@ -57,54 +63,66 @@ fn table(ui: &mut Ui, measured: &[(&Kept, &Measured)], reference: Option<(&Kept,
         rows.push(("all passes".into(), Timed::Device));
     }
     rows.push(("whole run, host".into(), Timed::Host));
-    Grid::new("times").striped(true).num_columns(1 + 2 * measured.len()).spacing([14.0, 3.0]).show(ui, |ui| {
-        ui.strong("kernel").on_hover_text(ABOUT);
+    let height = ui.text_style_height(&TextStyle::Body) + 4.0;
+    let mut builder = TableBuilder::new(ui)
+        .id_salt("times")
+        .striped(true)
+        .vscroll(false)
+        .cell_layout(Layout::right_to_left(Align::Center))
+        .column(Column::exact(KERNEL));
+    for _ in measured {
+        builder = builder.column(Column::exact(TIME)).column(Column::exact(RATIO));
+    }
+    let table = builder.header(height, |mut header| {
+        header.col(|ui| left(ui, |ui| drop(ui.strong("kernel").on_hover_text(ABOUT))));
         for (kept, _) in measured {
             let is_reference = reference.is_some_and(|(own, _)| own.id == kept.id);
-            right(ui, |ui| drop(ui.strong(&kept.name)));
-            right(ui, |ui| drop(ui.strong(if is_reference { "ref." } else { "×" })));
+            let name = Label::new(RichText::new(&kept.name).strong()).truncate();
+            header.col(|ui| drop(ui.add(name).on_hover_text(&kept.name)));
+            header.col(|ui| drop(ui.strong(if is_reference { "reference" } else { "× reference" })));
         }
-        ui.end_row();
-        for (name, timed) in rows {
-            ui.label(name);
+    });
+    table.body(|body| {
+        body.rows(height, rows.len(), |mut row| {
+            let Some((name, timed)) = rows.get(row.index()) else { return };
+            row.col(|ui| left(ui, |ui| drop(ui.label(name))));
             for (kept, measured) in measured {
-                cell(ui, timed, measured, reference.filter(|(own, _)| own.id != kept.id).map(|(_, own)| own));
+                let reference = reference.filter(|(own, _)| own.id != kept.id).map(|(_, own)| own);
+                cells(&mut row, *timed, measured, reference);
             }
-            ui.end_row();
-        }
+        });
     });
 }
 
 /// A run's time, and its ratio.
-fn cell(ui: &mut Ui, timed: Timed<'_>, measured: &Measured, reference: Option<&Measured>) {
-    match Spread::of(timed, measured) {
+fn cells(row: &mut TableRow<'_, '_>, timed: Timed<'_>, measured: &Measured, reference: Option<&Measured>) {
+    row.col(|ui| match Spread::of(timed, measured) {
         Some(spread) => {
             let about = format!("median [shortest–longest] of {} repeats", spread.count);
-            right(ui, |ui| drop(ui.label(text(&spread)).on_hover_text(about)));
+            ui.label(text(&spread)).on_hover_text(about);
         }
-        None => right(ui, |ui| drop(ui.weak("–"))),
-    }
-    let Some(ratio) = reference.and_then(|reference| Ratio::of(timed, measured, reference)) else {
-        ui.label("");
-        return;
-    };
-    let (text, about) = match (ratio.interval, ratio.is_paired) {
-        (Some(interval), _) => (
-            format!("{:.2} [{:.2}–{:.2}]", ratio.ratio, interval.low, interval.high),
-            format!("median of the ratios of pairs; covers the true median in {:.1}%", 100.0 * interval.level),
-        ),
-        (None, true) => (
-            format!("{:.2}", ratio.ratio),
-            format!("median of the ratios of pairs; {FEWEST_REPEATS} repeats would give an interval"),
-        ),
-        (None, false) => (
-            format!("{:.2}", ratio.ratio),
-            "ratio of medians: the two were not measured in turns, so there is no interval".into(),
-        ),
-    };
-    right(ui, |ui| drop(ui.label(text).on_hover_text(about)));
+        None => drop(ui.weak("–")),
+    });
+    row.col(|ui| {
+        let Some(ratio) = reference.and_then(|reference| Ratio::of(timed, measured, reference)) else { return };
+        let (text, about) = match (ratio.interval, ratio.is_paired) {
+            (Some(interval), _) => (
+                format!("{:.2} [{:.2}–{:.2}]", ratio.ratio, interval.low, interval.high),
+                format!("median of the ratios of pairs; covers the true median in {:.1}%", 100.0 * interval.level),
+            ),
+            (None, true) => (
+                format!("{:.2}", ratio.ratio),
+                format!("median of the ratios of pairs; {FEWEST_REPEATS} repeats would give an interval"),
+            ),
+            (None, false) => (
+                format!("{:.2}", ratio.ratio),
+                "ratio of medians: the two were not measured in turns, so there is no interval".into(),
+            ),
+        };
+        ui.label(text).on_hover_text(about);
+    });
 }
 
-fn right(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
-    ui.with_layout(Layout::right_to_left(Align::Center), add);
+fn left(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    ui.with_layout(Layout::left_to_right(Align::Center), add);
 }
