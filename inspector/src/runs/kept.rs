@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Weak};
 
+use raystep_kernels::options::ProgramName;
 use raystep_scenes::Scene;
 
 use super::measure::Measured;
@@ -34,7 +35,10 @@ impl Recipe {
     /// A name for the run: what distinguishes most runs from others.
     #[must_use]
     pub fn name(&self) -> String {
-        let Settings { accelerator, schedule, numerics, device, .. } = &self.settings;
+        let Settings { program, accelerator, schedule, numerics, device, .. } = &self.settings;
+        if *program != ProgramName::ClosestHit {
+            return program.to_string();
+        }
         let device = match device {
             DeviceKind::CpuF64 => " f64",
             _ => "",

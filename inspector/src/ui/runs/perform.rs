@@ -104,8 +104,12 @@ impl Inspector {
             kept.choose(id);
         }
         let (count, name) = (kept.runs.list().len(), kept.runs.get(id).map_or(name, |kept| kept.name.clone()));
-        let what = if is_new { format!("kept as \"{name}\"") } else { format!("\"{name}\" was run again") };
-        self.note(format!("{what}: {}", counted(count, "kept run")));
+        if is_new {
+            self.note(format!("kept as \"{name}\": {}", counted(count, "kept run")));
+        } else {
+            // The table shows it.
+            self.shared.say(false, format!("\"{name}\" was run again"));
+        }
         if let Some(why) = why {
             self.note(format!("\"{name}\" has no picture: {why}"));
         }

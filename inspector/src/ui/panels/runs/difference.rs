@@ -146,7 +146,8 @@ fn colors(aspect: Aspect) -> Colors {
 /// A range for the values of a pair: whole powers of ten for distances.
 fn fitted(aspect: Aspect, found: &Differences) -> [f32; 2] {
     match aspect {
-        Aspect::Triangle => [0.0, (CLASSES.len() - 1) as f32],
+        // Other bits of the same triangle are the darkest, as they are the most.
+        Aspect::Triangle => [1.0, (CLASSES.len() - 1) as f32],
         Aspect::Distance => found.range().map_or([-8.0, 0.0], |[lo, hi]| [lo.floor(), hi.ceil().max(lo.floor() + 1.0)]),
         Aspect::Color => [0.0, found.range().map_or(1.0, |[_, hi]| if hi > 0.0 { hi } else { 1.0 })],
     }
