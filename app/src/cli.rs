@@ -85,5 +85,5 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Req
 
 /// Whether an argument looks like a scene's file, including those that have to be converted first.
 fn is_scene(argument: &OsString) -> bool {
-    matches!(extension(Path::new(argument)).as_str(), "gltf" | "glb" | "obj" | "ply")
+    matches!(extension(Path::new(argument)).as_str(), "gltf" | "glb" | "obj" | "ply" | "raystep-session")
 }

@@ -11,6 +11,7 @@ mod output;
 mod rays_file;
 mod scene_file;
 mod session;
+mod session_file;
 mod terminal;
 mod usage;
 mod window;

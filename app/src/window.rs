@@ -8,6 +8,7 @@ mod measure;
 mod screenshot;
 mod surface;
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -16,6 +17,7 @@ use driven::Driven;
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
 use raystep_inspector::session::engine::Devices;
+use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::{Arrival, Inspector};
 use raystep_kernels::Gpu;
@@ -33,6 +35,8 @@ pub(crate) use screenshot::{latency, screenshot};
 pub(crate) struct Start {
     /// The scene; `None` shows an empty window.
     pub(crate) scene: Option<SceneChoice>,
+    /// A session with that scene, and its file; it has settings and place of its own.
+    pub(crate) session: Option<(PathBuf, SessionFile)>,
     /// Limits for reading it and each scene opened later.
     pub(crate) read: ReadArgs,
     /// The settings of the run.
@@ -117,7 +121,9 @@ pub(crate) fn inspector(
     let devices = Devices { gpu: gpu.clone(), clock: Some(now_ns), measure, wake };
     let host = host::Desktop::new(ctx.clone(), gpu.clone(), start.read);
     let mut inspector = Inspector::new(devices, renderer, Box::new(host));
-    if let Some(scene) = start.scene {
+    if let Some((path, session)) = start.session {
+        inspector.open_session(&path.to_string_lossy(), session);
+    } else if let Some(scene) = start.scene {
         inspector.open(&scene.to_string(), start.settings, start.arrival);
     }
     inspector

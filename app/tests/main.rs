@@ -18,6 +18,7 @@ mod report;
 mod report_bundle;
 mod report_files;
 mod report_sections;
+mod session_file;
 #[cfg(unix)]
 mod signals;
 mod stability;

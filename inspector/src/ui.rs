@@ -18,6 +18,7 @@ mod panels;
 mod perform;
 mod picture;
 mod places;
+mod runs;
 mod selected;
 mod shared;
 mod style;
@@ -31,6 +32,7 @@ use egui_notify::Toasts;
 use egui_tiles::Tree;
 use raystep_lab::text::counted;
 
+use crate::runs::Runs;
 use crate::saved::Saved;
 use crate::session::engine::{Devices, OPENING};
 use crate::session::request::{Opened, Request};
@@ -45,7 +47,7 @@ use layout::Layout;
 use lessons::Lesson;
 use pane::{Context, Pane, PaneKind};
 use shared::Shared;
-pub use shared::Shown;
+pub use shared::{Bookmark, Shown};
 pub use style::background;
 
 /// The inspector. The owner of the window calls [`ui`](Self::ui) once per frame.
@@ -169,6 +171,12 @@ impl Inspector {
         &self.model
     }
 
+    /// The kept runs.
+    #[must_use]
+    pub fn kept_runs(&self) -> &Runs {
+        &self.shared.runs.runs
+    }
+
     /// The last error, in one line.
     #[must_use]
     pub fn last_error(&self) -> Option<&str> {
@@ -230,6 +238,7 @@ impl Inspector {
         self.toasts.show(&ctx);
         self.show_lesson(&ctx);
         self.follow_up();
+        self.serve_runs();
         self.hand_over();
         self.tell_fired();
         while let Some(command) = self.todo.pop_front() {
@@ -265,7 +274,7 @@ impl Inspector {
         for (what, message) in failures.collect::<Vec<_>>() {
             if what == OPENING {
                 // The place of the old run no longer applies.
-                self.arrival = None;
+                (self.arrival, self.shared.runs.opening) = (None, None);
             }
             self.fail(format!("{what}: {message}"));
         }
@@ -276,6 +285,7 @@ impl Inspector {
         for event in self.host.events() {
             match event {
                 HostEvent::Chosen(path) => self.open_file(&path),
+                HostEvent::Read { path, bytes } => self.open_session_bytes(&path, &bytes),
                 HostEvent::Saved { holds, path } => self.note(format!("{holds} written to {path}")),
                 HostEvent::Cancelled(what) => self.note(what),
                 HostEvent::AskPath { file, path, why } => self.asked.push_back(AskedPath::new(file, path, why)),
@@ -300,6 +310,10 @@ impl Inspector {
 
     /// A file from a dialog, a drop or the list of recent ones: with the current settings, and the scene's own view.
     fn open_file(&mut self, path: &str) {
+        if runs::is_session(path) {
+            self.host.read(path);
+            return;
+        }
         let settings = self.model.opened.as_ref().map(|o| o.settings.clone());
         let settings = settings.unwrap_or_else(|| Settings { device: DeviceKind::Auto, ..Settings::default() });
         let settings = Settings { view: Settings::default().view, ray: None, ..settings };
@@ -331,6 +345,7 @@ impl Inspector {
         self.shared.pixel = None;
         self.shared.select = pixel;
         self.shared.show = shown;
+        self.apply_session();
         // The engine may have gone there already.
         let is_there = |place: usize| {
             self.model.place == place || self.model.place < place && self.model.next.is_none() && self.model.place > 0

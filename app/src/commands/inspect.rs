@@ -1,10 +1,12 @@
 //! `raystep inspect`
 
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::Args;
+use clap::{Args, Parser};
 use raystep_inspector::link::{Link, LinkRay};
+use raystep_inspector::session_file::BUILT_IN;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::command::{COMMANDS, Command};
 use raystep_inspector::ui::{Arrival, Shown};
@@ -19,6 +21,7 @@ use crate::error::Error;
 use crate::link::{LinkArgs, Wanted, link_of};
 use crate::output::{Target, ending, write};
 use crate::scene_file;
+use crate::session_file;
 use crate::terminal::print;
 use crate::usage::did_you_mean;
 use crate::window::{self, SceneChoice, Start};
@@ -31,6 +34,7 @@ use crate::window::{self, SceneChoice, Start};
 Examples:
   raystep inspect scenes/cornell-box.gltf
   raystep inspect scenes/teapot.glb --accelerator bvh --pixel 200,260 --pass 40
+  raystep inspect teapot.raystep-session
   raystep inspect --link \"raystep:1?scene=scenes/teapot.glb&pixel=200,260&pass=41&stream=tmax.x\"
   raystep inspect scenes/cornell-box.gltf --screenshot box.png --window 1600x1000 --do \"Full layout\"")]
 pub(crate) struct InspectArgs {
@@ -107,7 +111,11 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     if let Some(path) = &args.screenshot {
         ending("--screenshot", path, &["png"])?;
     }
-    let (args, start) = start(args)?;
+    let session = args.link.scene.clone().filter(|path| session_file::is_session(path));
+    let (args, start) = match &session {
+        Some(path) => of_session(args, path)?,
+        None => start(args)?,
+    };
     if let Some(scene) = &start.scene {
         scene_file::expect_scene(&scene.path)?;
     }
@@ -122,8 +130,9 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
         ));
     }
     let target = args.screenshot.as_deref().map(Target::new).transpose()?;
-    if let (Some(target), Some(scene)) = (&target, &start.scene) {
-        crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(std::slice::from_ref(&scene.path)))?;
+    if let Some(target) = &target {
+        let inputs: Vec<PathBuf> = start.scene.iter().map(|scene| scene.path.clone()).chain(session).collect();
+        crate::output::refuse_inputs(&[Some(target)], &scene_file::canonical(&inputs))?;
     }
     let gpu = device::open(&adapter(&args.device))?;
     if is_measured && !window::has_display() {
@@ -151,6 +160,46 @@ struct WindowArgs {
     scale: f32,
     commands: Vec<Command>,
     device: DeviceArgs,
+}
+
+/// The request of a session's file, which has all options of the run.
+fn of_session(args: InspectArgs, path: &Path) -> Result<(WindowArgs, Start), Error> {
+    let at = path.display();
+    let own = InspectArgs::of(path)?;
+    let of_run = |args: &InspectArgs| {
+        let InspectArgs { link, pixel, pass, program, view, run, .. } = args;
+        let RunArgs { accelerator, schedule, tuning, device } = run;
+        let run = format!("{accelerator:?} {schedule:?} {tuning:?} {:?}", device.device);
+        format!("{:?} {pixel:?} {pass:?} {program:?} {view:?} {run}", link.scene_index)
+    };
+    if of_run(&args) != of_run(&own) {
+        return Err(Error::usage(format!(
+            "{at} has its own options: omit all but those of the window, --adapter, and limits for reading"
+        )));
+    }
+    let session = session_file::read(path)?;
+    let link = &session.here.link;
+    let scene = link.scene.as_deref().filter(|scene| !scene.starts_with(BUILT_IN));
+    let scene = scene.map(|scene| SceneChoice { path: session_file::beside(path, scene), index: link.scene_index });
+    let InspectArgs { link, screenshot, window, scale, commands, run, .. } = args;
+    let start =
+        Start { scene, session: Some((path.to_owned(), session)), read: link.read, size: window.0, ..Start::default() };
+    Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
+}
+
+impl InspectArgs {
+    /// The options for a file when no others are given.
+    fn of(path: &Path) -> Result<Self, Error> {
+        /// The options alone.
+        #[derive(Parser)]
+        struct Alone {
+            #[command(flatten)]
+            args: InspectArgs,
+        }
+        let arguments = [OsStr::new("inspect"), OsStr::new("--"), path.as_os_str()];
+        let alone = Alone::try_parse_from(arguments).map_err(|e| Error::failed(e.to_string()))?;
+        Ok(alone.args)
+    }
 }
 
 /// The request, from options or from a link.
@@ -229,6 +278,6 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
-    let start = Start { scene, read, settings, arrival, size: window.0, measured_from };
+    let start = Start { scene, session: None, read, settings, arrival, size: window.0, measured_from };
     Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
 }

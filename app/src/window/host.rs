@@ -8,6 +8,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use eframe::egui;
 use raystep_inspector::session::engine::EngineTask;
 use raystep_inspector::session::request::Loader;
+use raystep_inspector::session_file::EXTENSION;
 use raystep_inspector::ui::host::{FileToSave, Host, HostEvent};
 use raystep_kernels::Gpu;
 use raystep_lab::block_on_shared;
@@ -16,6 +17,7 @@ use super::{files, last_error};
 use crate::args::{ReadArgs, SceneArgs};
 use crate::output::{Target, write};
 use crate::scene_file;
+use crate::session_file;
 
 /// A scene's path, and which scene of a file with several.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -116,6 +118,34 @@ impl Host for Desktop {
         });
     }
 
+    fn choose_session(&mut self) {
+        let asking = Asking::begin();
+        let dialog = rfd::AsyncFileDialog::new().add_filter("raystep session", &[EXTENSION]).pick_file();
+        self.aside(move || {
+            Some(match files::wait(dialog) {
+                Some(file) => HostEvent::Chosen(file.path().to_string_lossy().into_owned()),
+                None => match asking.failure() {
+                    Some(why) => HostEvent::AskPath { file: None, path: files::proposed(""), why },
+                    None => HostEvent::Cancelled("cancelled: no session opened"),
+                },
+            })
+        });
+    }
+
+    fn read(&mut self, path: &str) {
+        let path = path.to_owned();
+        self.aside(move || {
+            Some(match session_file::bytes(Path::new(&path)) {
+                Ok(bytes) => HostEvent::Read { path, bytes },
+                Err(error) => HostEvent::Failed(error.message().to_owned()),
+            })
+        });
+    }
+
+    fn beside(&self, session: &str, scene: &str) -> String {
+        session_file::beside(Path::new(session), scene).to_string_lossy().into_owned()
+    }
+
     fn save(&mut self, file: FileToSave) {
         let extension = Path::new(&file.name).extension().unwrap_or_default().to_string_lossy().into_owned();
         let asking = Asking::begin();
@@ -153,6 +183,11 @@ impl Host for Desktop {
 /// The result of writing a file. If it failed, the user is asked for another path.
 fn save(file: FileToSave, name: &str, path: &Path, replaces: bool) -> HostEvent {
     let path_text = name.to_owned();
+    let (file, path) = match session_file::prepared(file, path) {
+        Ok(prepared) => prepared,
+        Err((file, why)) => return HostEvent::AskPath { file: Some(file), path: path_text, why },
+    };
+    let path = path.as_path();
     if !replaces && path.exists() {
         let why = format!("{name} already exists: choose another file, or allow replacing it");
         return HostEvent::AskPath { file: Some(file), path: path_text, why };

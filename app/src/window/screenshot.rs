@@ -27,7 +27,7 @@ pub(crate) fn screenshot(
     scale: f32,
     commands: &[Command],
 ) -> Result<image::RgbaImage, Error> {
-    let is_asked = start.scene.is_some();
+    let is_asked = start.scene.is_some() || start.session.is_some();
     let (mut stage, [width, height]) = Stage::new(gpu, start, scale)?;
     stage.settle()?;
     if is_asked {

@@ -38,6 +38,14 @@ impl Host for Threads {
 
     fn choose_scene(&mut self) {}
 
+    fn choose_session(&mut self) {}
+
+    fn read(&mut self, _path: &str) {}
+
+    fn beside(&self, _session: &str, scene: &str) -> String {
+        scene.into()
+    }
+
     fn save(&mut self, _file: FileToSave) {}
 
     fn save_as(&mut self, _file: FileToSave, _path: &str, _replaces: bool) {}

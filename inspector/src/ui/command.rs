@@ -31,6 +31,10 @@ pub enum Command {
     ExportWalk,
     /// Exports the data flow as SVG.
     ExportDataflow,
+    /// Saves the session.
+    SaveSession,
+    /// Opens a session from a dialog.
+    OpenSession,
     /// Closes the window.
     Quit,
 
@@ -127,6 +131,17 @@ pub enum Command {
     /// Times every choice of structure, schedule and rules, and judges its hits.
     Measure,
 
+    /// Keeps this run beside others.
+    KeepRun,
+    /// Runs kept runs that have no results.
+    RunKept,
+    /// Shows the next kept run in stream views.
+    NextRun,
+    /// Shows the previous kept run in stream views.
+    PreviousRun,
+    /// Selects the next ray in which the compared kept runs differ.
+    NextDifferingRay,
+
     /// Opens the palette.
     Palette,
     /// Shows keyboard shortcuts.
@@ -218,6 +233,8 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::ExportView, "Export stream view as PNG";
         C::ExportWalk, "Export walk as SVG";
         C::ExportDataflow, "Export data flow as SVG";
+        C::OpenSession, "Open session…", CTRL_SHIFT O;
+        C::SaveSession, "Save session…", CTRL S;
         C::Quit, "Quit", CTRL Q;
     }
     Step {
@@ -279,6 +296,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Show(PaneKind::Divergence), "Divergence";
         C::Show(PaneKind::Error), "Error over time";
         C::Show(PaneKind::Choices), "Choices";
+        C::Show(PaneKind::Runs), "Runs";
         C::Show(PaneKind::Watches), "Watches";
         C::Show(PaneKind::Options), "Options", CTRL Comma;
         C::Show(PaneKind::Log), "Log";
@@ -289,6 +307,11 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Divergence, "Map GPU/CPU differences", CTRL D;
         C::Judge, "Judge hits";
         C::Measure, "Measure choices";
+        C::KeepRun, "Keep this run", NONE K;
+        C::RunKept, "Run kept runs again";
+        C::NextRun, "Flip to the next kept run", NONE Period;
+        C::PreviousRun, "Flip to the previous kept run", NONE Comma;
+        C::NextDifferingRay, "Next differing ray", NONE D;
     }
     Help {
         C::Palette, "Commands…", CTRL P;

@@ -18,6 +18,13 @@ pub struct FileToSave {
 pub enum HostEvent {
     /// The user chose a scene.
     Chosen(String),
+    /// A session's file was read.
+    Read {
+        /// Its path.
+        path: String,
+        /// Its contents.
+        bytes: Vec<u8>,
+    },
     /// A file was written.
     Saved {
         /// Description of the contents.
@@ -52,6 +59,12 @@ pub trait Host {
     fn loader(&mut self, path: &str) -> Loader;
     /// Asks the user for a scene.
     fn choose_scene(&mut self);
+    /// Asks the user for a session.
+    fn choose_session(&mut self);
+    /// Reads a session's file.
+    fn read(&mut self, path: &str);
+    /// The path of a scene that a session's file names, relative to the session's folder.
+    fn beside(&self, session: &str, scene: &str) -> String;
     /// Asks the user where to save a file, and writes it.
     fn save(&mut self, file: FileToSave);
     /// Writes to a path; replaces an existing file only if that is allowed.

@@ -40,6 +40,12 @@ impl Inspector {
         }
     }
 
+    /// A session was read from a file.
+    pub(super) fn remember_session(&mut self, path: &str) {
+        self.saved.opened(path);
+        self.shared.recent = self.saved.recent().to_vec();
+    }
+
     /// A scene was read from a file.
     pub(super) fn remember_file(&mut self) {
         if let Some(path) = self.path.as_deref().filter(|path| *path != super::lessons::BUILT_IN) {

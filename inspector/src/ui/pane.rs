@@ -45,6 +45,8 @@ pub enum PaneKind {
     Error,
     /// Time and wrong rays of every structure, schedule and set of rules.
     Choices,
+    /// Kept runs.
+    Runs,
     /// Watches and edits.
     Watches,
     /// The options of the run.
@@ -72,6 +74,7 @@ impl PaneKind {
         Self::Divergence,
         Self::Error,
         Self::Choices,
+        Self::Runs,
         Self::Watches,
         Self::Options,
         Self::Log,
@@ -99,6 +102,7 @@ impl PaneKind {
             Self::Divergence => Box::<panels::divergence::Divergence>::default(),
             Self::Error => Box::<panels::error::ErrorOverTime>::default(),
             Self::Choices => Box::<panels::choices::Choices>::default(),
+            Self::Runs => Box::<panels::runs::RunsPanel>::default(),
             Self::Watches => Box::<panels::watches::Watches>::default(),
         };
         Pane { kind: self, panel }

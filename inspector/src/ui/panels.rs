@@ -14,6 +14,7 @@ pub(super) mod options;
 pub(super) mod passes;
 pub(super) mod plan;
 pub(super) mod ray;
+pub(super) mod runs;
 mod scroll;
 pub(super) mod stream;
 pub(super) mod structure;

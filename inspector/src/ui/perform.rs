@@ -6,6 +6,7 @@ use super::dialogs::Dialog;
 use super::layout::{self, Layout};
 use super::palette::Palette;
 use super::pane::{Context, PaneKind};
+use super::runs::Asked;
 use crate::session::request::Request;
 use crate::session::{Model, Target, Way};
 use raystep_kernels::export::trace::TraceRow;
@@ -17,6 +18,10 @@ impl Inspector {
         let (model, has_run) = (&self.model, self.model.opened.is_some());
         match command {
             C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
+            C::OpenSession => true,
+            C::NextRun | C::PreviousRun => has_run && !self.shared.runs.runs.list().is_empty(),
+            C::RunKept => has_run && self.shared.runs.runs.list().iter().any(|kept| kept.outcome.is_none()),
+            C::NextDifferingRay => has_run && self.shared.runs.pair().is_some(),
             C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
             C::Cancel => self.is_busy() || self.is_playing,
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
@@ -111,6 +116,12 @@ impl Inspector {
                 layout::show(&mut self.tree, PaneKind::Choices);
                 self.ask_panels(command);
             }
+            C::OpenSession => self.host.choose_session(),
+            C::SaveSession => self.save_session(),
+            C::KeepRun => self.keep_run(),
+            C::RunKept => self.shared.runs.asked.push(Asked::AllAgain),
+            C::NextRun | C::PreviousRun => self.flip(command == C::NextRun),
+            C::NextDifferingRay => self.next_differing(),
             C::ExportWalk => {
                 layout::show(&mut self.tree, PaneKind::Walk2d);
                 self.ask_panels(command);

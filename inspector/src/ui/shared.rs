@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
 use super::mask::Mask;
+use super::runs::KeptRuns;
 use crate::link::{Link, LinkStream};
 use crate::session::Watch;
 
@@ -100,6 +101,8 @@ pub struct Shared {
     pub visit: Option<String>,
     /// The place at which the inspector was closed, as a link.
     pub last_place: Option<String>,
+    /// Kept runs.
+    pub(super) runs: KeptRuns,
     /// Messages, oldest first.
     pub log: Vec<LogLine>,
 }
@@ -126,6 +129,7 @@ impl Default for Shared {
             open: None,
             visit: None,
             last_place: None,
+            runs: KeptRuns::default(),
             log: Vec::new(),
         }
     }

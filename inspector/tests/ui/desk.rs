@@ -31,6 +31,10 @@ pub(crate) struct Desk {
     pub(crate) choice: Option<String>,
     /// How dialogs behave.
     pub(crate) dialogs: Dialogs,
+    /// The answer of the dialog for sessions; `None` if the user cancels it.
+    pub(crate) session: Option<String>,
+    /// Sessions that can be read, by name.
+    pub(crate) sessions: Vec<(String, Vec<u8>)>,
     /// Names of existing files, if there are no dialogs.
     pub(crate) there: Vec<String>,
     events: Vec<HostEvent>,
@@ -99,6 +103,29 @@ impl Host for TestHost {
             _ => HostEvent::Cancelled("cancelled: no scene opened"),
         };
         desk.events.push(event);
+    }
+
+    fn choose_session(&mut self) {
+        let mut desk = self.desk();
+        let event = match desk.session.clone() {
+            Some(choice) => HostEvent::Chosen(choice),
+            None => HostEvent::Cancelled("cancelled: no session opened"),
+        };
+        desk.events.push(event);
+    }
+
+    fn read(&mut self, path: &str) {
+        let mut desk = self.desk();
+        let found = desk.sessions.iter().find(|(name, _)| name == path).map(|(_, bytes)| bytes.clone());
+        let event = match found {
+            Some(bytes) => HostEvent::Read { path: path.into(), bytes },
+            None => HostEvent::Failed(format!("{path}: no such file")),
+        };
+        desk.events.push(event);
+    }
+
+    fn beside(&self, _session: &str, scene: &str) -> String {
+        scene.into()
     }
 
     fn save(&mut self, file: FileToSave) {

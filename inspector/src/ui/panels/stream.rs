@@ -1,5 +1,6 @@
 //! A stream after a pass: zoomable to single texels with their values; range, exposure, colours, component.
 
+mod kept;
 mod look;
 mod mask;
 mod numbers;
@@ -20,6 +21,7 @@ use crate::ui::Shown;
 use crate::ui::canvas::{Moment, Picture, Still};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
+use crate::ui::runs::Flipped;
 use crate::ui::take::{EXPORTING, png};
 
 /// The inputs that the picture was drawn from: it is only redrawn if they change.
@@ -49,6 +51,8 @@ pub(in crate::ui) struct StreamView {
     /// A copy shown instead of the current stream.
     pinned: Option<Pinned>,
     mask: mask::Overlay,
+    /// A kept run shown instead of the current stream.
+    kept: Option<Flipped>,
 }
 
 impl Panel for StreamView {
@@ -96,6 +100,7 @@ impl Panel for StreamView {
         mask::legend(ui, cx);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
+        self.take_kept(cx, stream);
         let texture = self.pinned.as_ref().map(|pinned| &pinned.texture).or_else(|| cx.model.texture(stream));
         let size = texture.map_or([plan.width, plan.height], |texture| [texture.width(), texture.height()]);
         // What is selected is an element of the first set.
@@ -118,7 +123,7 @@ impl Panel for StreamView {
         if response.double_clicked() {
             self.look.scale = None;
         }
-        numbers::draw(ui, cx, rect, scale, origin, stream, self.pinned.is_some());
+        numbers::draw(ui, cx, rect, scale, origin, stream, self.whose(stream));
         if can_select {
             mark(ui, cx.shared.pixel, rect, scale, origin, Color32::WHITE);
         }
@@ -126,7 +131,8 @@ impl Panel for StreamView {
             mark(ui, cx.shared.hovered, rect, scale, origin, Color32::from_white_alpha(120));
         }
         let what = format!(
-            "{} after {}{}",
+            "{}{} after {}{}",
+            self.kept_label(ui, rect),
             stream.name(),
             counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
             cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
@@ -333,17 +339,19 @@ impl StreamView {
         let size_now = cx.model.texture(stream).map(wgpu::Texture::size);
         let still = self.still.of(stream).filter(|(at, t)| at.0 == now.0 || Some(t.size()) == size_now);
         let glimpse = cx.model.glimpse.as_ref().filter(|g| g.stream == stream && meaning == Meaning::Color);
-        let source = match (&self.pinned, glimpse) {
-            (Some(pinned), _) => Some((now, &pinned.texture)),
+        let glimpse = glimpse.filter(|_| self.pinned.is_none() && !self.is_kept());
+        let source = match (&self.pinned, &self.kept, glimpse) {
+            (Some(pinned), ..) => Some((now, &pinned.texture)),
+            (None, Some(Flipped { texture: Some((moment, texture)), .. }), _) => Some((*moment, texture)),
             // No run has so many passes.
-            (None, Some(glimpse)) => Some(((glimpse.index, usize::MAX), &glimpse.texture)),
-            (None, None) => still,
+            (None, _, Some(glimpse)) => Some(((glimpse.index, usize::MAX), &glimpse.texture)),
+            (None, _, None) => still,
         };
-        if glimpse.is_none() && source.is_none_or(|(moment, _)| moment != now) {
+        if glimpse.is_none() && !self.is_kept() && source.is_none_or(|(moment, _)| moment != now) {
             ui.ctx().request_repaint();
         }
         let Some((moment, texture)) = source else { return };
-        let scale = match glimpse.filter(|_| self.pinned.is_none()).zip(size_now) {
+        let scale = match glimpse.zip(size_now) {
             Some((glimpse, size)) => scale * size.width as f32 / glimpse.texture.width() as f32,
             None => scale,
         };

@@ -208,7 +208,7 @@ fn rate(times: &KernelTimes) -> Option<f64> {
 }
 
 /// A duration in readable form.
-fn duration(ns: u64) -> String {
+pub(super) fn duration(ns: u64) -> String {
     match ns {
         0..1_000_000 => format!("{:.1} µs", ns as f64 / 1e3),
         1_000_000..1_000_000_000 => format!("{:.2} ms", ns as f64 / 1e6),

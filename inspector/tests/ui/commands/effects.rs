@@ -20,6 +20,34 @@ pub(super) fn choose_cornell(stage: &mut Stage) -> f64 {
     0.0
 }
 
+/// A session at another place.
+pub(super) fn choose_session(stage: &mut Stage) -> f64 {
+    let file = format!(
+        r#"{{"version": 1, "here": {{"link": "raystep:1?scene={CORNELL}&size=64x64&device=gpu&pixel=3,4&pass=5"}},
+            "runs": [{{"name": "tree", "link": "raystep:1?scene={CORNELL}&size=32x32&accelerator=bvh&device=cpu"}}]}}"#
+    );
+    let mut desk = stage.desk.lock().expect("not poisoned");
+    desk.session = Some("box.raystep-session".into());
+    desk.sessions = vec![("box.raystep-session".into(), file.into_bytes())];
+    0.0
+}
+
+/// A session with a kept run, without results.
+pub(super) fn open_session(stage: &mut Stage) -> f64 {
+    choose_session(stage);
+    stage.perform(Command::OpenSession);
+    0.0
+}
+
+/// Keeps the run, at least twice; returns the number of kept runs.
+pub(super) fn keep(stage: &mut Stage) -> f64 {
+    let is_here = |kept: &&raystep_inspector::runs::Kept| kept.recipe.settings.size == [64, 64];
+    while stage.harness.state().kept_runs().list().iter().filter(is_here).count() < 2 {
+        stage.perform(Command::KeepRun);
+    }
+    stage.harness.state().kept_runs().list().len() as f64
+}
+
 /// Rays can be sorted once all passes are known.
 pub(super) fn sort_rays(stage: &mut Stage) -> f64 {
     stage.perform(Command::End);

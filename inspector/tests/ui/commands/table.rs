@@ -2,13 +2,14 @@
 
 use egui::Role;
 use raystep_inspector::link::Link;
+use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, moved_range, nothing, pixel_moved, play,
-    range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    assert_all, choose_cornell, choose_session, event, exposure, is_ray_watched, is_shown, keep, moved_range, nothing,
+    open_session, pixel_moved, play, range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -292,6 +293,46 @@ pub(super) fn row(command: Command) -> Row {
             s.settle();
             shown(s, was, PaneKind::Choices);
             assert!(s.reads("bvh, fused, robust is fastest"), "{}", s.read_out());
+        }),
+
+        C::OpenSession => (choose_session, |s, was| {
+            s.settle();
+            assert_eq!(s.harness.state().model().generation, was.generation + 1);
+            assert_eq!((s.place(), s.harness.state().pixel()), (5, Some([3, 4])));
+        }),
+        C::SaveSession => (nothing, |s, was| {
+            let session = SessionFile::from_bytes(&file(s, ".raystep-session")).expect("a session");
+            assert_eq!(session.here.link.pass, Some(was.place));
+        }),
+        C::KeepRun => (nothing, |s, was| {
+            s.settle();
+            assert!(s.paints("kept as \"grid compact robust"), "{:?}", s.painted());
+            assert_eq!(s.place(), was.place);
+        }),
+        C::RunKept => (open_session, |s, _| {
+            s.settle();
+            let kept = &s.harness.state().kept_runs().list()[0];
+            let outcome = kept.outcome.as_ref().expect("it has run");
+            assert!(outcome.passes.len() > 30 && kept.picture.is_ok(), "{}", outcome.passes.len());
+        }),
+        C::NextRun => (keep, |s, _| {
+            s.settle();
+            let label = "compact robust";
+            let is_label = |text: &String| text.starts_with("kept run ") && text.contains(label);
+            assert!(s.painted().iter().any(is_label), "{:?}", s.painted());
+            s.perform(Command::PreviousRun);
+            assert!(!s.painted().iter().any(is_label));
+        }),
+        C::PreviousRun => (keep, |s, was| {
+            s.settle();
+            let label = format!("kept run {} of {}: ", was.number, was.number);
+            assert!(s.paints(&label), "{label}: {:?}", s.painted());
+            s.perform(Command::NextRun);
+            assert!(!s.paints(&label));
+        }),
+        C::NextDifferingRay => (keep, |s, _| {
+            s.settle();
+            assert!(s.paints("no ray has another triangle"), "{:?}", s.painted());
         }),
 
         C::Palette => (nothing, |s, _| {

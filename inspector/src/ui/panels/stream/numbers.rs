@@ -2,12 +2,23 @@
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, vec2};
 use raystep_kernels::tables::stream::STATE_TAG;
-use raystep_kernels::{Program, Stream};
+use raystep_kernels::{Program, Stream, StreamData};
 
+use crate::session::request::Texels;
 use crate::ui::pane::Context;
 
 /// Points per texel at which values fit.
 const FROM: f32 = 46.0;
+
+/// Whose values are drawn.
+pub(super) enum Whose<'a> {
+    /// The current run's.
+    Run,
+    /// A kept run's.
+    Kept(&'a StreamData),
+    /// None: they are not known.
+    Nobody,
+}
 
 /// Draws the values of visible texels.
 pub(super) fn draw(
@@ -17,28 +28,41 @@ pub(super) fn draw(
     scale: f32,
     origin: Pos2,
     stream: Stream,
-    is_pinned: bool,
+    whose: Whose<'_>,
 ) {
-    if scale < FROM || is_pinned {
+    if scale < FROM {
         return;
     }
     let Some(opened) = &cx.model.opened else { return };
-    let Some(texels) = cx.model.texels.iter().find(|t| t.stream == stream && t.place == cx.model.place) else { return };
-    let [_, _, width, height] = texels.region;
+    let is_now = |t: &&Texels| t.stream == stream && t.place == cx.model.place;
+    let layers: Vec<&[u32]>;
+    let (width, height) = match whose {
+        Whose::Nobody => return,
+        Whose::Kept(data) => {
+            layers = (0..stream.layers()).map(|layer| data.layer(layer)).collect();
+            (data.width, data.height)
+        }
+        Whose::Run => {
+            let Some(texels) = cx.model.texels.iter().find(is_now) else { return };
+            layers = (0..stream.layers()).map(|layer| texels.layer(layer)).collect();
+            let [_, _, width, height] = texels.region;
+            (width, height)
+        }
+    };
     let first = (rect.min - origin) / scale;
     let last = (rect.max - origin) / scale;
     let columns = first.x.max(0.0) as u32..(last.x.max(0.0).ceil() as u32).min(width);
     let rows = first.y.max(0.0) as u32..(last.y.max(0.0).ceil() as u32).min(height);
-    let layers = stream.layers();
-    let size = (scale / (layers as f32 + 1.0)).min(scale / 7.0).clamp(6.0, 13.0);
+    let count = layers.len();
+    let size = (scale / (count as f32 + 1.0)).min(scale / 7.0).clamp(6.0, 13.0);
     let painter = ui.painter().with_clip_rect(rect);
     for y in rows {
         for x in columns.clone() {
             let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
-            for layer in 0..layers {
-                let bits = texels.layer(layer)[(y * width + x) as usize];
+            for (layer, values) in layers.iter().enumerate() {
+                let Some(&bits) = values.get((y * width + x) as usize) else { continue };
                 let text = text(opened.plan.program, stream, layer, bits);
-                let down = (layer as f32 - 0.5 * (layers as f32 - 1.0)) * size * 1.1;
+                let down = (layer as f32 - 0.5 * (count as f32 - 1.0)) * size * 1.1;
                 let at = middle + vec2(0.0, down);
                 let font = FontId::monospace(size);
                 for (dx, dy) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {

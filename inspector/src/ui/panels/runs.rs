@@ -1,0 +1,156 @@
+//! Kept runs: a table, the difference of two of them, and how long each takes.
+
+mod difference;
+mod table;
+mod times;
+
+use egui::{Button, DragValue, ScrollArea, TextEdit, Ui};
+use raystep_kernels::plan::Bytes;
+use raystep_lab::text::counted;
+use serde::{Deserialize, Serialize};
+
+use crate::runs::RunId;
+use crate::runs::measure::{MOST_REPEATS, why_not};
+use crate::runs::spread::FEWEST_REPEATS;
+use crate::ui::command::Command;
+use crate::ui::pane::{Context, Panel};
+use crate::ui::runs::Asked;
+use difference::DifferenceView;
+
+/// What is shown below the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Part {
+    /// Where two runs differ.
+    #[default]
+    Difference,
+    /// How long each run takes.
+    Times,
+    /// The user's notes.
+    Notes,
+}
+
+/// The panel.
+#[derive(Default)]
+pub(in crate::ui) struct RunsPanel {
+    part: Part,
+    difference: DifferenceView,
+}
+
+const ABOUT_MEASURING: &str = "Repeats the runs in turns, after a first one that does not count, and takes the times of \
+                               their kernels. Stepping waits meanwhile; Escape cancels it.";
+
+impl Panel for RunsPanel {
+    fn title(&self) -> String {
+        "Runs".into()
+    }
+
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if cx.model.opened.is_none() {
+            ui.weak("Open a scene, then keep runs of it side by side.");
+            return;
+        }
+        self.tools(ui, cx);
+        if cx.shared.runs.runs.list().is_empty() {
+            let key = Command::KeepRun.key_text(ui.ctx());
+            ui.label(format!(
+                "Keep a run ({key}), change its options, and keep that run, too: then flip between their pictures, \
+                 find the rays that differ, and measure both."
+            ));
+        } else {
+            let most = (0.45 * ui.available_height()).max(60.0);
+            table::show(ui, cx, most);
+        }
+        ui.horizontal_wrapped(|ui| {
+            for (part, name) in [(Part::Difference, "Difference"), (Part::Times, "Times"), (Part::Notes, "Notes")] {
+                ui.selectable_value(&mut self.part, part, name);
+            }
+            self.part_tools(ui, cx);
+        });
+        match self.part {
+            Part::Difference => self.difference.show(ui, cx),
+            Part::Times => times::show(ui, cx),
+            Part::Notes => {
+                let notes = &mut cx.shared.runs.notes;
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    let field = TextEdit::multiline(notes).desired_width(f32::INFINITY).desired_rows(4);
+                    ui.add(field.hint_text("Notes, saved with the session")).accessible_name("notes");
+                });
+            }
+        }
+    }
+
+    fn save(&self) -> String {
+        serde_json::to_string(&self.part).unwrap_or_default()
+    }
+
+    fn load(&mut self, saved: &str) {
+        self.part = serde_json::from_str(saved).unwrap_or_default();
+    }
+}
+
+impl RunsPanel {
+    fn tools(&self, ui: &mut Ui, cx: &mut Context<'_>) {
+        ui.horizontal_wrapped(|ui| {
+            let keep = Button::new(Command::KeepRun.name());
+            let about = "Completes the run if necessary, keeps its results and times, and returns to this pass.";
+            if ui.add_enabled(!cx.model.is_busy(), keep).on_hover_text(about).clicked() {
+                cx.todo.push(Command::KeepRun);
+            }
+            let is_unknown = cx.shared.runs.runs.list().iter().any(|kept| kept.outcome.is_none());
+            let again = Button::new("Run all again");
+            let about = "runs kept runs of this scene that have no results";
+            if is_unknown && ui.add_enabled(!cx.model.is_busy(), again).on_hover_text(about).clicked() {
+                cx.todo.push(Command::RunKept);
+            }
+            for (command, name) in [(Command::SaveSession, "Save session…"), (Command::OpenSession, "Open session…")]
+            {
+                if ui.button(name).on_hover_text("runs, edits, bookmarks, watches, notes, layout").clicked() {
+                    cx.todo.push(command);
+                }
+            }
+            ui.separator();
+            let runs = &mut cx.shared.runs;
+            let (bytes, budget) = (runs.runs.bytes(), runs.runs.budget());
+            let label = ui.label(format!("{} of", Bytes(bytes)));
+            let mut mib = budget >> 20;
+            let value = DragValue::new(&mut mib).range(1..=1 << 20).suffix(" MiB");
+            let about = "Memory for results of kept runs. Beyond it, the oldest pictures are dropped.";
+            if ui.add(value).labelled_by(label.id).on_hover_text(about).changed() {
+                runs.asked.push(Asked::Budget(mib << 20));
+            }
+        });
+    }
+
+    /// The tools of the part that is shown.
+    fn part_tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        match self.part {
+            Part::Difference => self.difference.tools(ui, cx),
+            Part::Notes => {}
+            Part::Times => {
+                ui.separator();
+                let label = ui.label("repeats");
+                let value = DragValue::new(&mut cx.shared.runs.repeats).range(1..=MOST_REPEATS);
+                let about = format!("{FEWEST_REPEATS} or more give an interval of ratios");
+                ui.add(value).labelled_by(label.id).on_hover_text(about);
+                let opened = cx.model.opened.as_ref();
+                let runs = &cx.shared.runs;
+                let ids = |wanted: &[Option<RunId>]| -> Vec<RunId> {
+                    let list = runs.runs.list().iter();
+                    let fits = list.filter(|kept| opened.is_some_and(|opened| runs.is_of(kept, opened)));
+                    let fits = fits.filter(|kept| why_not(&kept.recipe).is_none()).map(|kept| kept.id);
+                    fits.filter(|id| wanted.is_empty() || wanted.contains(&Some(*id))).collect()
+                };
+                let (pair, all) = (ids(&[runs.reference, runs.compared]), ids(&[]));
+                for (name, ids) in
+                    [("Measure both".to_owned(), pair), (format!("Measure {}", counted(all.len(), "run")), all)]
+                {
+                    let button = Button::new(name);
+                    let can = !ids.is_empty() && !cx.model.is_busy();
+                    if ui.add_enabled(can, button).on_hover_text(ABOUT_MEASURING).clicked() {
+                        cx.shared.runs.asked.push(Asked::Measure(ids));
+                    }
+                }
+            }
+        }
+    }
+}

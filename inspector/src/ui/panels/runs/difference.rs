@@ -1,0 +1,226 @@
+//! The rays in which two kept runs differ, as a picture and in numbers.
+
+use std::sync::Arc;
+
+use egui::{Color32, Rect, Sense, Ui, pos2, vec2};
+use raystep_kernels::Stream;
+use raystep_kernels::tables::state::States;
+use raystep_lab::text::counted;
+
+use super::super::legend::entry;
+use crate::draw::stream::{self, Colors, Meaning};
+use crate::runs::differ::{Aspect, CLASSES, Counts, Differences};
+use crate::ui::canvas::{Canvas, Picture};
+use crate::ui::command::Command;
+use crate::ui::pane::Context;
+use crate::ui::runs::Question;
+
+/// Of rays that hit in one run only: that of an infinity in stream views.
+const ONE_SIDED: Color32 = Color32::from_rgb(242, 51, 26);
+
+/// The view.
+#[derive(Default)]
+pub(super) struct DifferenceView {
+    /// The values on the GPU, and what they are of.
+    values: Option<(Question, wgpu::Texture)>,
+    picture: Picture,
+    drawn: Option<(Question, [u32; 2], [f32; 2])>,
+    /// The range of each aspect: that of the first pair, for all pairs after it.
+    ranges: [Option<[f32; 2]>; 3],
+}
+
+impl DifferenceView {
+    pub(super) fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        ui.separator();
+        for aspect in Aspect::ALL {
+            ui.selectable_value(&mut cx.shared.runs.aspect, aspect, aspect.name());
+        }
+        let can = cx.shared.runs.why_not_compared().is_none();
+        let next = egui::Button::new(Command::NextDifferingRay.name());
+        let about = format!(
+            "selects the next ray with another {} ({})",
+            cx.shared.runs.aspect.name(),
+            Command::NextDifferingRay.key_text(ui.ctx())
+        );
+        if ui.add_enabled(can, next).on_hover_text(about).clicked() {
+            cx.todo.push(Command::NextDifferingRay);
+        }
+    }
+
+    pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if let Some(why) = cx.shared.runs.why_not_compared() {
+            if cx.shared.runs.runs.list().len() > 1 {
+                ui.label(why);
+            }
+            return;
+        }
+        cx.shared.runs.compare(cx.model);
+        let names = cx.shared.runs.pair().map(|pair| pair.map(|kept| kept.name.clone()));
+        let stream = cx.shared.runs.pair().and_then(|[a, _]| Some(a.picture.as_ref().ok()?.results.color));
+        let Some((question, found)) = cx.shared.runs.differences() else {
+            if cx.model.is_busy() {
+                ui.spinner();
+            } else {
+                ui.weak("The comparison was cancelled, or failed; see the log.");
+            }
+            return;
+        };
+        let (Some([reference, compared]), Some(stream)) = (names, stream) else { return };
+        let (question, aspect) = (*question, question.1);
+        if self.values.as_ref().is_none_or(|(of, _)| *of != question) {
+            self.values = Some((question, upload(cx.canvas, found)));
+        }
+        let range = *self.ranges[aspect as usize].get_or_insert_with(|| fitted(aspect, found));
+        ui.label(format!("{compared} against {reference}: {}", sentence(&found.counts)));
+        let mut is_refit = false;
+        ui.horizontal_wrapped(|ui| is_refit = legend(ui, aspect, range));
+        if is_refit {
+            self.ranges[aspect as usize] = Some(fitted(aspect, found));
+        }
+        let (size, text) = (found.size, describe(aspect, found));
+        let (selected, hovered) = self.paint(ui, cx, question, stream, range, size, &text);
+        if let Some(hovered) = hovered {
+            cx.shared.hovered = Some(hovered);
+        }
+        if selected.is_some() {
+            cx.shared.select = selected;
+        }
+    }
+
+    /// Draws the picture; returns the ray that was clicked, and the one under the cursor.
+    #[expect(clippy::too_many_arguments)]
+    fn paint(
+        &mut self,
+        ui: &mut Ui,
+        cx: &Context<'_>,
+        question: Question,
+        stream: Stream,
+        range: [f32; 2],
+        [width, height]: [u32; 2],
+        text: &str,
+    ) -> (Option<[u32; 2]>, Option<[u32; 2]>) {
+        let room = ui.available_size().max(vec2(64.0, 64.0));
+        let scale = (room.x / width as f32).min(room.y / height as f32);
+        let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::click());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, text));
+        let points = ui.ctx().pixels_per_point();
+        let pixels = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let (target, is_new) = self.picture.target(cx.canvas, pixels);
+        let now = (question, pixels, range);
+        if let Some((_, texture)) = self.values.as_ref().filter(|_| is_new || self.drawn != Some(now)) {
+            let picture = stream::Picture {
+                stream,
+                states: States(&[]),
+                texture,
+                minus: None,
+                layer: 0,
+                meaning: Meaning::Scalar,
+                range,
+                exposure: 1.0,
+                colors: colors(question.1),
+                offset: [0.0; 2],
+                scale: scale * points,
+            };
+            cx.canvas.streams.draw(&picture, target);
+            self.drawn = Some(now);
+        }
+        if let Some(id) = self.picture.id() {
+            ui.painter().image(id, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+        }
+        if let Some([x, y]) = cx.shared.pixel.filter(|[x, y]| *x < width && *y < height) {
+            let middle = rect.min + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
+            let frame = Rect::from_center_size(middle, egui::Vec2::splat(scale.max(9.0)));
+            let painter = ui.painter().with_clip_rect(rect);
+            painter.rect_stroke(frame, 0.0, egui::Stroke::new(1.5, Color32::WHITE), egui::StrokeKind::Outside);
+        }
+        let texel = response.hover_pos().map(|at| (at - rect.min) / scale);
+        let texel = texel.map(|at| [(at.x.max(0.0) as u32).min(width - 1), (at.y.max(0.0) as u32).min(height - 1)]);
+        (texel.filter(|_| response.clicked()), texel)
+    }
+}
+
+fn colors(aspect: Aspect) -> Colors {
+    if aspect == Aspect::Distance { Colors::Magma } else { Colors::Viridis }
+}
+
+/// A range for the values of a pair: whole powers of ten for distances.
+fn fitted(aspect: Aspect, found: &Differences) -> [f32; 2] {
+    match aspect {
+        // Other bits of the same triangle are the darkest, as they are the most.
+        Aspect::Triangle => [1.0, (CLASSES.len() - 1) as f32],
+        Aspect::Distance => found.range().map_or([-8.0, 0.0], |[lo, hi]| [lo.floor(), hi.ceil().max(lo.floor() + 1.0)]),
+        Aspect::Color => [0.0, found.range().map_or(1.0, |[_, hi]| if hi > 0.0 { hi } else { 1.0 })],
+    }
+}
+
+/// The meaning of colours; returns whether the range is to be fitted again.
+fn legend(ui: &mut Ui, aspect: Aspect, [lo, hi]: [f32; 2]) -> bool {
+    let patch = |ui: &mut Ui, value: f32, name: &str| {
+        let [r, g, b] = colors(aspect).at(f64::from((value - lo) / (hi - lo)));
+        entry(ui, Color32::from_rgb(r, g, b), name, "");
+    };
+    entry(ui, Color32::from_rgb(28, 28, 33), "same bits", "");
+    match aspect {
+        Aspect::Triangle => {
+            for (class, name) in CLASSES.iter().enumerate().skip(1) {
+                patch(ui, class as f32, name);
+            }
+            return false;
+        }
+        Aspect::Distance => {
+            for power in [lo, (0.5 * (lo + hi)).round(), hi] {
+                patch(ui, power, &format!("|Δt| = 1e{power}"));
+            }
+            entry(ui, ONE_SIDED, CLASSES[3], "");
+        }
+        Aspect::Color => {
+            for value in [lo, 0.5 * (lo + hi), hi] {
+                patch(ui, value, &format!("{value:.2e}"));
+            }
+        }
+    }
+    let about = "Fits the range to this pair. Otherwise it stays the same for all pairs.";
+    ui.button("Fit range").on_hover_text(about).clicked()
+}
+
+/// How many rays differ in which way.
+fn sentence(counts: &Counts) -> String {
+    if *counts == (Counts { rays: counts.rays, ..Counts::default() }) {
+        return format!("the same bits for all of {}", counted(counts.rays, "ray"));
+    }
+    let mut parts = vec![
+        format!("{} with another triangle", counts.triangle),
+        format!("{} with a hit and a miss", counts.hit_or_miss),
+    ];
+    parts.push(match counts.t {
+        0 => "0 with another t".into(),
+        t => format!("{t} with another t, by up to {} ulp or {:.2e} in scene units", counts.max_ulps, counts.max_t),
+    });
+    parts.push(format!("{} with other weights only", counts.weights));
+    parts.push(match counts.color {
+        0 => "0 of another colour".into(),
+        color => format!("{color} of another colour, by up to {:.2e}", counts.max_color),
+    });
+    format!("of {}, {}", counted(counts.rays, "ray"), parts.join("; "))
+}
+
+/// The picture, for screen readers.
+fn describe(aspect: Aspect, found: &Differences) -> String {
+    format!("map of {} with another {}", counted(found.rays.len(), "ray"), aspect.name())
+}
+
+fn upload(canvas: &Arc<Canvas>, found: &Differences) -> wgpu::Texture {
+    let [width, height] = found.size;
+    let texture = canvas.gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("differences of kept runs"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    canvas.gpu.write_texture(texture.as_image_copy(), texture.size(), bytemuck::cast_slice(&found.values));
+    texture
+}
