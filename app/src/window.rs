@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
+use raystep_inspector::lesson::Lesson;
 use raystep_inspector::session::engine::Devices;
 use raystep_inspector::settings::Settings;
 use raystep_inspector::ui::{Arrival, Inspector};
@@ -24,7 +25,7 @@ use winit::event_loop::EventLoop;
 use crate::args::ReadArgs;
 use crate::error::Error;
 pub(crate) use host::SceneChoice;
-pub(crate) use screenshot::screenshot;
+pub(crate) use screenshot::{check_lesson, screenshot};
 
 /// The initial contents.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +38,8 @@ pub(crate) struct Start {
     pub(crate) settings: Settings,
     /// The initial place.
     pub(crate) arrival: Arrival,
+    /// A lesson, and its step, counted from 0.
+    pub(crate) lesson: Option<(Lesson, usize)>,
     /// Points, width and height.
     pub(crate) size: [f32; 2],
 }
@@ -113,6 +116,9 @@ pub(crate) fn inspector(
     let mut inspector = Inspector::new(devices, renderer, Box::new(host));
     if let Some(scene) = start.scene {
         inspector.open(&scene.to_string(), start.settings, start.arrival);
+    }
+    if let Some((lesson, step)) = start.lesson {
+        inspector.begin_lesson(lesson, step);
     }
     inspector
 }

@@ -8,6 +8,7 @@ mod desk;
 mod error;
 mod exports;
 mod hard;
+mod lessons;
 mod measured;
 mod names;
 mod session;

@@ -7,7 +7,7 @@ use eframe::egui::{self, mutex::RwLock};
 use eframe::egui_wgpu::{Renderer, RendererOptions};
 use raystep_inspector::draw::picture::FORMAT;
 use raystep_inspector::ui::command::Command;
-use raystep_inspector::ui::{Inspector, background, offscreen};
+use raystep_inspector::ui::{CheckedStep, Inspector, background, offscreen};
 use raystep_kernels::Gpu;
 use raystep_lab::block_on;
 
@@ -16,6 +16,29 @@ use crate::error::Error;
 
 /// How long to wait for work before the screenshot is taken anyway.
 const PATIENCE: Duration = Duration::from_secs(300);
+
+/// Sets up every step of the lesson that `start` begins, and checks that what it speaks of is on the screen. `tell` gets
+/// each step.
+pub(crate) fn check_lesson(
+    gpu: &Arc<Gpu>,
+    start: Start,
+    mut tell: impl FnMut(&CheckedStep) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let mut stage = Stage::new(gpu, start, 1.0);
+    let (_, steps) = stage.inspector.lesson_step().unwrap_or_default();
+    for step in 0..steps {
+        if step > 0 {
+            // As the reader does, from the step before.
+            stage.inspector.perform(Command::NextStep);
+        }
+        stage.settle()?;
+        stage.frame();
+        if let Some(checked) = stage.inspector.check_step(&stage.shapes, stage.points.into()) {
+            tell(&checked)?;
+        }
+    }
+    Ok(())
+}
 
 /// Draws the interface once all work is done. `commands` are performed first, one after the other.
 pub(crate) fn screenshot(
@@ -29,12 +52,8 @@ pub(crate) fn screenshot(
     if width > most || height > most {
         return Err(Error::failed(format!("--window: the adapter supports at most {most} pixels per side")));
     }
-    let ctx = egui::Context::default();
-    ctx.set_pixels_per_point(scale);
-    let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
-    let (points, is_asked) = (start.size, start.scene.is_some());
-    let inspector = inspector(&ctx, gpu, renderer.clone(), start);
-    let mut stage = Stage { ctx, gpu: gpu.clone(), renderer, inspector, points, time: 0.0, scale };
+    let is_asked = start.scene.is_some() || start.lesson.is_some();
+    let mut stage = Stage::new(gpu, start, scale);
     stage.settle()?;
     if is_asked && stage.inspector.model().opened.is_none() {
         return Err(Error::failed(stage.inspector.last_error().unwrap_or("the scene could not be opened")));
@@ -56,9 +75,20 @@ struct Stage {
     points: [f32; 2],
     time: f64,
     scale: f32,
+    /// What the last frame drew.
+    shapes: Vec<egui::epaint::ClippedShape>,
 }
 
 impl Stage {
+    fn new(gpu: &Arc<Gpu>, start: Start, scale: f32) -> Self {
+        let ctx = egui::Context::default();
+        ctx.set_pixels_per_point(scale);
+        let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
+        let points = start.size;
+        let inspector = inspector(&ctx, gpu, renderer.clone(), start);
+        Self { ctx, gpu: gpu.clone(), renderer, inspector, points, time: 0.0, scale, shapes: Vec::new() }
+    }
+
     /// Runs frames until no work is left, and some more because layouts need several frames to settle.
     fn settle(&mut self) -> Result<(), Error> {
         let begin = Instant::now();
@@ -86,6 +116,7 @@ impl Stage {
         for (id, delta) in output.textures_delta.set.iter().flat_map(|(id, all)| all.iter().map(move |d| (id, d))) {
             renderer.update_texture(&self.gpu.device, &self.gpu.queue, *id, delta);
         }
+        self.shapes.clone_from(&output.shapes);
         let jobs = self.ctx.tessellate(output.shapes, self.scale);
         // This frame's shapes still use textures that are freed now.
         self.gpu.submit([]);

@@ -17,7 +17,9 @@ impl Inspector {
         let (model, has_run) = (&self.model, self.model.opened.is_some());
         match command {
             C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
-            C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
+            C::Palette | C::Help | C::Lesson(_) => true,
+            C::NextStep | C::PreviousStep => self.lesson.as_ref().is_some_and(|l| l.has(command == C::NextStep)),
+            C::RepeatStep | C::CloseLesson => self.lesson.is_some(),
             C::Cancel => self.is_busy() || self.is_playing,
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
@@ -118,7 +120,14 @@ impl Inspector {
                 layout::show(&mut self.tree, PaneKind::Cost);
                 self.ask_panels(command);
             }
-            C::LessonRay | C::LessonGrid | C::LessonCrack => self.begin_lesson(command),
+            C::Lesson(index) => self.begin_built_in(index),
+            C::NextStep | C::PreviousStep | C::RepeatStep => {
+                if let Some((step, _)) = self.lesson_step() {
+                    let by = usize::from(command == C::NextStep);
+                    self.go_to_step((step + by).saturating_sub(usize::from(command == C::PreviousStep)));
+                }
+            }
+            C::CloseLesson => self.close_lesson(),
             C::NudgeLeft => self.nudge(-1, 0),
             C::NudgeRight => self.nudge(1, 0),
             C::NudgeUp => self.nudge(0, -1),

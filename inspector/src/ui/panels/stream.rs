@@ -221,7 +221,8 @@ impl StreamView {
             }
             ui.add_space(8.0);
             ui.weak("or start with a lesson");
-            for lesson in [Command::LessonRay, Command::LessonGrid, Command::LessonCrack] {
+            for index in 0..crate::lesson::built_in::LESSONS.len() {
+                let lesson = Command::Lesson(index);
                 if ui.link(lesson.name()).clicked() {
                     cx.todo.push(lesson);
                 }
