@@ -49,7 +49,7 @@ table! {
         RowHit "row.hit" "coordinate of the hit along that axis";
         RowPlane "row.plane" "coordinate of that plane";
         RowBeyond "row.beyond" "how far the hit lies beyond it: along the axis if the paper's rule refuses the hit, else in t";
-        RowUlps "row.ulps" "the same, in units in the last place of an f32";
+        RowUlps "row.ulps" "the same, in units in the last place (f32) of the hit's largest coordinate, or of t";
         RowLeapt "row.leapt" "cells that this pass leaps over";
         TieCount "tie.count" "triangles that the ray may hit within the error of f32";
         TieHits "tie.hits" "how many of them the kernels' test in f32 hits";

@@ -47,7 +47,15 @@ impl Value {
     /// A small difference, with two digits.
     #[must_use]
     pub fn small(value: f64) -> Self {
-        let text = if value == 0.0 { "0".into() } else { format!("{value:.1e}") };
+        let size = value.abs();
+        let text = match size {
+            0.0 => "0".into(),
+            0.001..1000.0 => {
+                let digits = (1.0 - size.log10().floor()).max(0.0) as usize;
+                format!("{value:.digits$}")
+            }
+            _ => format!("{value:.1e}"),
+        };
         Self { text, number: Some(value), clock: None }
     }
 
@@ -134,7 +142,8 @@ mod tests {
         assert_eq!(Value::ratio(6.268).to_string(), "6.27");
         assert_eq!(Value::ratio(62.68).to_string(), "62.7");
         assert_eq!(Value::single(0.646_017_73).to_string(), "0.64601773");
-        assert_eq!(Value::small(-0.000_012).to_string(), "-1.2e-5");
+        let small = [-0.000_012, 0.0, 0.038_36, -1.26, 12.6, 1e9].map(|value| Value::small(value).to_string());
+        assert_eq!(small, ["-1.2e-5", "0", "0.038", "-1.3", "13", "1.0e9"]);
         assert_eq!(Value::time(12_345_678, Clock::Device).to_string(), "12.3 ms");
         assert_eq!(Value::time(12_345_678, Clock::Host).to_string(), "12.3 ms (host time)");
     }

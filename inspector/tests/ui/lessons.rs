@@ -2,8 +2,10 @@
 //! out.
 
 use egui::{Key, Modifiers, Role, Vec2};
+use raystep_inspector::lesson::Lesson;
 use raystep_inspector::lesson::built_in::LESSONS;
-use raystep_inspector::lesson::{Lesson, Wrong};
+use raystep_inspector::lesson::command::WORDS;
+use raystep_inspector::lesson::fact::{FACTS, FIELDS};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
@@ -100,6 +102,23 @@ fn lessons_have_the_titles_of_their_commands() {
         let lesson = Lesson::parse(file, text).expect("a lesson");
         let name = Command::Lesson(index).name().strip_prefix("Lesson: ").expect("a lesson");
         assert_eq!(name.to_lowercase(), lesson.title.to_lowercase());
+    }
+}
+
+/// The documentation has every command and every value.
+#[test]
+fn the_documentation_has_all_of_the_format() {
+    let docs = std::fs::read_to_string("../docs/inspector.md").expect("the documentation");
+    let plain = |about: &str| about.replace('\n', " ");
+    for (word, arguments, about) in WORDS {
+        let arguments = if arguments.is_empty() { String::new() } else { format!("`{arguments}`") };
+        let row = format!("| `{word}` | {arguments} | {} |", plain(about));
+        assert!(docs.contains(&row), "not in docs/inspector.md: {row}");
+    }
+    let facts = FACTS.iter().map(|(_, name, about)| format!("| `{name}` | {about} |"));
+    let fields = FIELDS.iter().map(|(_, name, about)| format!("| `NAME.{name}` | of a measured run: {about} |"));
+    for row in facts.chain(fields) {
+        assert!(docs.contains(&row), "not in docs/inspector.md: {row}");
     }
 }
 

@@ -2,12 +2,22 @@
 
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 
-use crate::ui::layout::Layout;
 use crate::ui::pane::{Pane, PaneKind};
 
-/// Panels in rows from top to bottom; the simple layout without any.
-pub(super) fn arrange(rows: Option<&[Vec<PaneKind>]>) -> Tree<Pane> {
-    let Some(rows) = rows else { return Layout::Simple.tree() };
+/// The panels at the start of a lesson.
+const FIRST: [PaneKind; 3] = [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray];
+
+/// Panels in rows from top to bottom; those at the start without any. The others have a row at the bottom: there is no
+/// largest tile yet to add them to.
+pub(super) fn arrange(rows: Option<&[Vec<PaneKind>]>, more: &[PaneKind]) -> Tree<Pane> {
+    let mut rows = rows.map_or_else(|| vec![FIRST.to_vec()], <[_]>::to_vec);
+    let mut last = Vec::new();
+    for kind in more {
+        if !last.contains(kind) && !rows.iter().flatten().any(|shown| shown == kind) {
+            last.push(*kind);
+        }
+    }
+    rows.extend((!last.is_empty()).then_some(last));
     let mut tiles = Tiles::default();
     let rows: Vec<(TileId, f32)> = rows
         .iter()

@@ -1,7 +1,7 @@
 //! The values of the run that a text can show.
 
 use raystep_kernels::export::trace::{Trace, TraceRow};
-use raystep_kernels::numbers::real::{Vec3, ulps};
+use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle};
 
@@ -27,6 +27,8 @@ struct Beyond {
     axis: usize,
     /// The hit's coordinate and the plane's, or t and the exit.
     values: [f32; 2],
+    /// The size of what was rounded: the hit's largest coordinate, or t.
+    size: f32,
 }
 
 impl Facts<'_> {
@@ -151,8 +153,9 @@ impl Facts<'_> {
                 Value::small((hit - plane).abs())
             }
             _ => {
-                let [hit, plane] = self.beyond()?.values.map(f32::to_bits);
-                Value::count(ulps(hit, plane))
+                let Beyond { values: [hit, plane], size, .. } = self.beyond()?;
+                let place = f64::from(size.next_up()) - f64::from(size);
+                Value::count(((f64::from(hit) - f64::from(plane)).abs() / place).round() as u64)
             }
         })
     }
@@ -176,7 +179,7 @@ impl Facts<'_> {
         let t = self.t_of(row, triangle).map_err(|_| NOT)?;
         if !data.features.in_cell {
             let (axis, exit) = exit_of(life, index).ok_or(NOT)?;
-            return if t > exit { Ok(Beyond { axis, values: [t, exit] }) } else { Err(NOT.into()) };
+            return if t > exit { Ok(Beyond { axis, values: [t, exit], size: t }) } else { Err(NOT.into()) };
         }
         // As the kernel does: the point, rounded, against the planes of the cell, rounded.
         let [o, d] = [row.after.origin, row.after.direction].map(Vec3::<f32>::from_f32);
@@ -184,10 +187,11 @@ impl Facts<'_> {
         let low = data.grid.cell_plane::<f32>(cell);
         let high = (low + Vec3::from_f32(data.grid.width)).to_array();
         let low = low.to_array();
+        let size = point.iter().fold(0.0, |most: f32, c| most.max(c.abs()));
         let outside = (0..3).flat_map(|axis| {
             let below = (point[axis] < low[axis]).then_some(low[axis]);
             let above = (point[axis] > high[axis]).then_some(high[axis]);
-            below.or(above).map(|plane| Beyond { axis, values: [point[axis], plane] })
+            below.or(above).map(|plane| Beyond { axis, values: [point[axis], plane], size })
         });
         let by = |beyond: &Beyond| (f64::from(beyond.values[0]) - f64::from(beyond.values[1])).abs();
         outside.max_by(|a, b| by(a).total_cmp(&by(b))).ok_or_else(|| NOT.into())

@@ -24,6 +24,8 @@ pub(super) struct Measured {
     pub(super) options: String,
     /// Its passes.
     pub(super) passes: usize,
+    /// Whether they ran on a GPU.
+    pub(super) is_gpu: bool,
     /// Threads that a GPU launches for them.
     pub(super) launched: u64,
     /// Threads with a ray to work on.
@@ -80,6 +82,7 @@ fn job(name: String, settings: Settings) -> Job {
                 name,
                 options: options_of(&settings),
                 passes: passes.len(),
+                is_gpu: device.is_gpu(),
                 launched: passes.iter().map(|pass| launched(plan, pass)).sum(),
                 useful: passes.iter().map(|pass| u64::from(pass.rays_in)).sum(),
                 misses: misses(plan, passes),

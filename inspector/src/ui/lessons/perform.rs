@@ -8,7 +8,7 @@ use crate::lesson::{Goal, Wrong};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
 use crate::settings::Settings;
-use crate::ui::{Arrival, Inspector, layout};
+use crate::ui::{Arrival, Inspector};
 
 /// What is set up next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,8 +173,7 @@ impl Inspector {
         if let Some(other) = self.other.take() {
             other.cancel();
         }
-        self.tree = arrange(set_up.panels.as_deref());
-        set_up.more.iter().for_each(|&kind| layout::show(&mut self.tree, kind));
+        self.tree = arrange(set_up.panels.as_deref(), &set_up.more);
         self.shared.picked = None;
         if self.is_open_for(lesson) {
             self.shared.show = set_up.shown;
