@@ -35,7 +35,10 @@ impl Value {
     /// A float of a stream, with all its digits.
     #[must_use]
     pub fn single(value: f32) -> Self {
-        Self { text: value.to_string(), number: Some(value.into()), clock: None }
+        // No minus before a zero, and no row of zeros.
+        let value = value + 0.0;
+        let text = if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { value.to_string() };
+        Self { text, number: Some(value.into()), clock: None }
     }
 
     /// A float of the reference, with all its digits.
@@ -141,7 +144,8 @@ mod tests {
         assert_eq!(Value::share(0.998).to_string(), "100%");
         assert_eq!(Value::ratio(6.268).to_string(), "6.27");
         assert_eq!(Value::ratio(62.68).to_string(), "62.7");
-        assert_eq!(Value::single(0.646_017_73).to_string(), "0.64601773");
+        let single = [0.646_017_73, -0.0, 9.536_743e-7].map(|value| Value::single(value).to_string());
+        assert_eq!(single, ["0.64601773", "0", "9.536743e-7"]);
         let small = [-0.000_012, 0.0, 0.038_36, -1.26, 12.6, 1e9].map(|value| Value::small(value).to_string());
         assert_eq!(small, ["-1.2e-5", "0", "0.038", "-1.3", "13", "1.0e9"]);
         assert_eq!(Value::time(12_345_678, Clock::Device).to_string(), "12.3 ms");

@@ -247,7 +247,9 @@ impl Facts<'_> {
 
 /// The axis and the t at which a ray leaves the cell that a row worked in.
 fn exit_of(life: &Trace, index: usize) -> Option<(usize, f32)> {
-    let before = index.checked_sub(1).and_then(|i| life.rows.get(i)).or(life.rows.get(index))?;
+    let row = life.rows.get(index)?;
+    // The first pass that knows a cell has found its tMax itself.
+    let before = index.checked_sub(1).and_then(|i| life.rows.get(i)).filter(|_| row.cell.is_some()).unwrap_or(row);
     let known = before.after.tmax.iter().enumerate().filter_map(|(axis, t)| Some((axis, (*t)?)));
     known.min_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -2,8 +2,8 @@
 
 use super::Lesson;
 use super::arrange::arrange;
-use super::candidates::Candidates;
-use super::measured::Measured;
+use super::candidates::{Candidates, FINDING};
+use super::measured::{MEASURING, Measured};
 use crate::lesson::{Goal, Wrong};
 use crate::session::request::Request;
 use crate::session::{Model, Target};
@@ -131,7 +131,7 @@ impl Inspector {
                 }
                 None => Phase::Candidates,
             },
-            Phase::Measuring(index) => match self.model.take_answer::<Measured>(measured_name()) {
+            Phase::Measuring(index) => match self.model.take_answer::<Measured>(MEASURING) {
                 Some(measured) => {
                     lesson.measured.push(*measured);
                     Phase::Measure(index + 1)
@@ -151,8 +151,7 @@ impl Inspector {
             }
             Phase::Candidates => Phase::Tell,
             Phase::Finding => {
-                lesson.candidates =
-                    self.model.take_answer::<Candidates>(super::candidates::FINDING).map(|found| *found);
+                lesson.candidates = self.model.take_answer::<Candidates>(FINDING).map(|found| *found);
                 if lesson.candidates.is_none() {
                     return failed(line, "the search for what the ray may hit was stopped");
                 }
@@ -215,9 +214,4 @@ impl Inspector {
             }
         }
     }
-}
-
-/// The name of the job that measures.
-fn measured_name() -> &'static str {
-    super::measured::MEASURING
 }

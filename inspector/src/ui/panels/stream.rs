@@ -223,7 +223,7 @@ impl StreamView {
             ui.weak("or start with a lesson");
             for index in 0..crate::lesson::built_in::LESSONS.len() {
                 let lesson = Command::Lesson(index);
-                if ui.link(lesson.name()).clicked() {
+                if ui.link(lesson.name().trim_start_matches("Lesson: ")).clicked() {
                     cx.todo.push(lesson);
                 }
             }
