@@ -12,7 +12,7 @@ use raystep_kernels::plan::Bytes;
 use raystep_lab::text::visible;
 use raystep_scenes::{Camera, FileError, LoadError, LoadOptions, Projection, Scene, load};
 
-use crate::args::{CameraArgs, SceneArgs, Vector, WRONG_FOV};
+use crate::args::{CameraArgs, ReadArgs, SceneArgs, Vector, WRONG_FOV};
 use crate::commands::extension;
 use crate::error::Error;
 use crate::output::reason;
@@ -52,6 +52,14 @@ pub(crate) fn read(args: &SceneArgs) -> Result<SceneFile, Error> {
     let mut inputs = vec![path.to_owned()];
     inputs.extend(files.into_read());
     Ok(SceneFile { scene, inputs: canonical(&inputs) })
+}
+
+/// The path of a file that another one names, as scenes name their textures: in its folder or below, unless others are
+/// allowed.
+pub(crate) fn beside(file: &Path, name: &str, read: ReadArgs) -> Result<PathBuf, String> {
+    let found = Beside::new(file, read.allow_outside).and_then(|files| files.find(name).map_err(|e| e.to_string()));
+    let allows = |e: String| if e.contains("outside") { format!("{e}; --allow-outside permits it") } else { e };
+    found.map_err(|e| format!("{name}: {}", allows(e)))
 }
 
 /// Checks whether a file may be a scene, without reading it.

@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 use driven::Driven;
 use eframe::egui;
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
+use raystep_inspector::lesson::Lesson;
 use raystep_inspector::session::engine::Devices;
 use raystep_inspector::session_file::SessionFile;
 use raystep_inspector::settings::Settings;
@@ -28,7 +29,7 @@ use winit::event_loop::EventLoop;
 use crate::args::ReadArgs;
 use crate::error::Error;
 pub(crate) use host::SceneChoice;
-pub(crate) use screenshot::{latency, screenshot};
+pub(crate) use screenshot::{check_lesson, latency, screenshot};
 
 /// The initial contents.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +44,8 @@ pub(crate) struct Start {
     pub(crate) settings: Settings,
     /// The initial place.
     pub(crate) arrival: Arrival,
+    /// A lesson, and its step, counted from 0.
+    pub(crate) lesson: Option<(Lesson, usize)>,
     /// Points, width and height.
     pub(crate) size: [f32; 2],
     /// When the program began, in nanoseconds, if the window's response times are measured: it drives itself then, does
@@ -125,6 +128,9 @@ pub(crate) fn inspector(
         inspector.open_session(&path.to_string_lossy(), session);
     } else if let Some(scene) = start.scene {
         inspector.open(&scene.to_string(), start.settings, start.arrival);
+    }
+    if let Some((lesson, step)) = start.lesson {
+        inspector.begin_lesson(lesson, step);
     }
     inspector
 }

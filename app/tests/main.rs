@@ -11,6 +11,7 @@ mod escapes;
 mod files;
 mod inspect;
 mod left_out;
+mod lesson;
 mod link;
 mod messages;
 mod rays_file;

@@ -7,6 +7,7 @@ pub mod branches;
 pub mod dataflow;
 pub mod draw;
 pub mod exports;
+pub mod lesson;
 pub mod link;
 pub mod names;
 pub mod orbit;

@@ -44,6 +44,7 @@ use command::Command;
 use dialogs::Dialog;
 use host::{Host, HostEvent};
 use layout::Layout;
+pub use lessons::CheckedStep;
 use lessons::Lesson;
 use pane::{Context, Pane, PaneKind};
 use shared::Shared;
@@ -135,9 +136,9 @@ impl Inspector {
 
     /// Opens a scene by its path; the open one stays until the new one has been read.
     pub fn open(&mut self, path: &str, settings: Settings, arrival: Arrival) {
-        let load = match path {
-            lessons::BUILT_IN => Box::new(|| Ok(raystep_scenes::generate::cornell_box())),
-            path => self.host.loader(path),
+        let load = match path.starts_with(crate::lesson::built_in::PREFIX) {
+            true => crate::lesson::built_in::loader(path),
+            false => self.host.loader(path),
         };
         self.arrival = Some(arrival);
         self.model.ask(Request::Open { path: path.to_owned(), load, settings: Box::new(settings) });
@@ -232,11 +233,11 @@ impl Inspector {
         }
         self.menu_bar(ui);
         self.status_bar(ui);
+        self.show_lesson(ui);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.panes(ui));
         self.show_dialog(&ctx);
         self.had_focus = ctx.egui_wants_keyboard_input();
         self.toasts.show(&ctx);
-        self.show_lesson(&ctx);
         self.follow_up();
         self.serve_runs();
         self.hand_over();
@@ -244,6 +245,7 @@ impl Inspector {
         while let Some(command) = self.todo.pop_front() {
             self.execute(&ctx, command);
         }
+        self.set_up_lesson();
         // What commands have selected.
         self.follow_up();
         self.model.drop_unwanted_glimpse(ctx.input(|input| input.pointer.any_down()));

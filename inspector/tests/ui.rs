@@ -9,6 +9,7 @@ mod desk;
 mod error;
 mod exports;
 mod hard;
+mod lessons;
 mod measured;
 mod names;
 mod runs;

@@ -1,5 +1,7 @@
 //! `raystep inspect`
 
+mod lesson;
+
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -36,7 +38,8 @@ Examples:
   raystep inspect scenes/teapot.glb --accelerator bvh --pixel 200,260 --pass 40
   raystep inspect teapot.raystep-session
   raystep inspect --link \"raystep:1?scene=scenes/teapot.glb&pixel=200,260&pass=41&stream=tmax.x\"
-  raystep inspect scenes/cornell-box.gltf --screenshot box.png --window 1600x1000 --do \"Full layout\"")]
+  raystep inspect scenes/cornell-box.gltf --screenshot box.png --window 1600x1000 --do \"Full layout\"
+  raystep inspect --lesson my-lesson.md --check")]
 pub(crate) struct InspectArgs {
     #[command(flatten)]
     link: LinkArgs,
@@ -46,6 +49,26 @@ pub(crate) struct InspectArgs {
     /// Start after this many passes
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(0, u64::MAX))]
     pass: Option<usize>,
+    /// Begin a lesson: a Markdown file with a text and commands for each step
+    ///
+    /// Scenes are named relative to the lesson, and have to be in its folder or below, unless --allow-outside is used.
+    #[arg(
+        long,
+        value_name = "F.md",
+        conflicts_with_all = [
+            "scene", "scene_index", "link", "pixel", "pass", "program", "size", "camera", "eye", "look_at", "up", "fov",
+            "accelerator", "schedule", "numerics", "grid", "skip", "steps_per_pass", "keep_all", "spp", "sampler",
+            "seed",
+        ]
+    )]
+    lesson: Option<PathBuf>,
+    /// Begin at this step of the lesson, counted from 1
+    #[arg(long, value_name = "N", requires = "lesson", value_parser = whole::<usize>(1, u64::MAX),
+          allow_negative_numbers = true)]
+    step: Option<usize>,
+    /// Set up every step of the lesson without a display, and check that what it speaks of is on the screen
+    #[arg(long, requires = "lesson", conflicts_with_all = ["screenshot", "step"])]
+    check: bool,
     /// Draw the window to a PNG without a display, and exit
     #[arg(long, value_name = "F.png")]
     screenshot: Option<PathBuf>,
@@ -111,13 +134,18 @@ pub(crate) fn run(args: InspectArgs) -> Result<(), Error> {
     if let Some(path) = &args.screenshot {
         ending("--screenshot", path, &["png"])?;
     }
+    let is_check = args.check;
     let session = args.link.scene.clone().filter(|path| session_file::is_session(path));
-    let (args, start) = match &session {
-        Some(path) => of_session(args, path)?,
-        None => start(args)?,
+    let (args, start) = match (&args.lesson, &session) {
+        (Some(file), _) => lesson::start(file, &args)?,
+        (None, Some(path)) => of_session(args, path)?,
+        (None, None) => start(args)?,
     };
     if let Some(scene) = &start.scene {
         scene_file::expect_scene(&scene.path)?;
+    }
+    if is_check {
+        return lesson::check(&device::open(&adapter(&args.device))?, start);
     }
     let is_measured = start.measured_from.is_some();
     if is_measured && start.scene.is_none() {
@@ -204,20 +232,8 @@ impl InspectArgs {
 
 /// The request, from options or from a link.
 fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
-    let InspectArgs {
-        link,
-        pixel,
-        pass,
-        screenshot,
-        window,
-        scale,
-        commands,
-        latency,
-        mut program,
-        view,
-        run,
-        list: _,
-    } = args;
+    let InspectArgs { link, pixel, pass, screenshot, window, scale, commands, latency, mut program, view, run, .. } =
+        args;
     let measured_from = latency.then(raystep_lab::machine::now_ns);
     let mut arrival = Arrival { pixel: pixel.map(|p| [p.x, p.y]), place: pass, shown: None };
     if let Some(text) = &link.link {
@@ -278,6 +294,6 @@ fn start(args: InspectArgs) -> Result<(WindowArgs, Start), Error> {
     let Wanted { scene, run, .. } = wanted;
     let read = scene.read;
     let scene = (!is_empty).then_some(SceneChoice { path: scene.scene, index: scene.scene_index });
-    let start = Start { scene, session: None, read, settings, arrival, size: window.0, measured_from };
+    let start = Start { scene, session: None, lesson: None, read, settings, arrival, size: window.0, measured_from };
     Ok((WindowArgs { screenshot, scale, commands, device: run.device }, start))
 }

@@ -30,6 +30,16 @@ impl Beside {
         self.read.into_inner()
     }
 
+    /// The path of a file that is named relative to the folder, if it is permitted.
+    pub(super) fn find(&self, path: &str) -> Result<PathBuf, FileError> {
+        let relative = Path::new(path);
+        // On Windows, a drive without a root also leaves the folder.
+        if relative.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir)) {
+            return Err("an absolute path; expected one relative to the file that names it".into());
+        }
+        self.place(relative)
+    }
+
     /// The path of a file after resolving links, if it is permitted.
     fn place(&self, relative: &Path) -> Result<PathBuf, FileError> {
         let path = self.folder.join(relative);
@@ -51,12 +61,7 @@ impl Beside {
 
 impl Resolver for Beside {
     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, FileError> {
-        let relative = Path::new(path);
-        // On Windows, a drive without a root also leaves the folder.
-        if relative.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir)) {
-            return Err("an absolute path; expected one relative to the scene".into());
-        }
-        let path = self.place(relative)?;
+        let path = self.find(path)?;
         let bytes = read_file(&path, max_bytes)?;
         self.read.borrow_mut().push(path);
         Ok(bytes)

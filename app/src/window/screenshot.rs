@@ -8,7 +8,7 @@ use eframe::egui_wgpu::{Renderer, RendererOptions};
 use raystep_inspector::draw::picture::{FORMAT, picture};
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::latency::Script;
-use raystep_inspector::ui::{Inspector, background, offscreen};
+use raystep_inspector::ui::{CheckedStep, Inspector, background, offscreen};
 use raystep_kernels::Gpu;
 use raystep_lab::block_on;
 use raystep_lab::machine::now_ns;
@@ -20,6 +20,29 @@ use crate::error::Error;
 /// How long to wait for work before the screenshot is taken anyway.
 const PATIENCE: Duration = Duration::from_secs(300);
 
+/// Sets up every step of the lesson that `start` begins, and checks that what it speaks of is on the screen. `tell` gets
+/// each step.
+pub(crate) fn check_lesson(
+    gpu: &Arc<Gpu>,
+    start: Start,
+    mut tell: impl FnMut(&CheckedStep) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let (mut stage, _) = Stage::new(gpu, start, 1.0)?;
+    let (_, steps) = stage.inspector.lesson_step().unwrap_or_default();
+    for step in 0..steps {
+        if step > 0 {
+            // As the reader does, from the step before.
+            stage.inspector.perform(Command::NextStep);
+        }
+        stage.settle()?;
+        stage.frame(Vec::new());
+        if let Some(checked) = stage.inspector.check_step(&stage.shapes, stage.points.into()) {
+            tell(&checked)?;
+        }
+    }
+    Ok(())
+}
+
 /// Draws the interface once all work is done. `commands` are performed first, one after the other.
 pub(crate) fn screenshot(
     gpu: &Arc<Gpu>,
@@ -27,7 +50,7 @@ pub(crate) fn screenshot(
     scale: f32,
     commands: &[Command],
 ) -> Result<image::RgbaImage, Error> {
-    let is_asked = start.scene.is_some() || start.session.is_some();
+    let is_asked = start.scene.is_some() || start.session.is_some() || start.lesson.is_some();
     let (mut stage, [width, height]) = Stage::new(gpu, start, scale)?;
     stage.settle()?;
     if is_asked {
@@ -69,6 +92,8 @@ struct Stage {
     points: [f32; 2],
     time: f64,
     scale: f32,
+    /// What the last frame drew.
+    shapes: Vec<egui::epaint::ClippedShape>,
 }
 
 impl Stage {
@@ -84,7 +109,8 @@ impl Stage {
         let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE)));
         let points = start.size;
         let inspector = inspector(&ctx, gpu, renderer.clone(), start);
-        Ok((Self { ctx, gpu: gpu.clone(), renderer, inspector, points, time: 0.0, scale }, size))
+        let (gpu, shapes) = (gpu.clone(), Vec::new());
+        Ok((Self { ctx, gpu, renderer, inspector, points, time: 0.0, scale, shapes }, size))
     }
 
     fn expect_scene(&self) -> Result<(), Error> {
@@ -121,6 +147,7 @@ impl Stage {
         for (id, delta) in output.textures_delta.set.iter().flat_map(|(id, all)| all.iter().map(move |d| (id, d))) {
             renderer.update_texture(&self.gpu.device, &self.gpu.queue, *id, delta);
         }
+        self.shapes.clone_from(&output.shapes);
         let jobs = self.ctx.tessellate(output.shapes, self.scale);
         // This frame's shapes still use textures that are freed now.
         self.gpu.submit([]);

@@ -146,12 +146,16 @@ pub enum Command {
     Palette,
     /// Shows keyboard shortcuts.
     Help,
-    /// Lesson: how one ray finds its triangle.
-    LessonRay,
-    /// Lesson: why the grid lost in 2004.
-    LessonGrid,
-    /// Lesson: a crack at a voxel face.
-    LessonCrack,
+    /// Begins a built-in lesson, by its index.
+    Lesson(usize),
+    /// The next step of the lesson.
+    NextStep,
+    /// The step of the lesson before.
+    PreviousStep,
+    /// Sets the step of the lesson up again.
+    RepeatStep,
+    /// Closes the lesson.
+    CloseLesson,
 }
 
 /// A menu.
@@ -316,13 +320,25 @@ pub const COMMANDS: &[CommandInfo] = table! {
     Help {
         C::Palette, "Commands…", CTRL P;
         C::Help, "Keyboard shortcuts", SHIFT Questionmark, NONE Questionmark;
-        C::LessonRay, "Lesson: how one ray finds its triangle";
-        C::LessonGrid, "Lesson: why the grid lost in 2004";
-        C::LessonCrack, "Lesson: a crack at a voxel face";
+        C::Lesson(0), "Lesson: how one ray finds its triangle";
+        C::Lesson(1), "Lesson: why the grid lost in 2004";
+        C::Lesson(2), "Lesson: a crack at a voxel face";
+        C::Lesson(3), "Lesson: what empty-space skipping leaps over";
+        C::Lesson(4), "Lesson: a tie that f32 cannot decide";
+        C::NextStep, "Next step of the lesson", CTRL PageDown;
+        C::PreviousStep, "Previous step of the lesson", CTRL PageUp;
+        C::RepeatStep, "Set up this step again";
+        C::CloseLesson, "Close lesson";
     }
 };
 
 impl Command {
+    /// Whether it begins, moves through or ends a lesson.
+    #[must_use]
+    pub fn is_of_lessons(self) -> bool {
+        matches!(self, C::Lesson(_) | C::NextStep | C::PreviousStep | C::RepeatStep | C::CloseLesson)
+    }
+
     /// Its row of the table.
     #[must_use]
     pub fn info(self) -> Option<&'static CommandInfo> {

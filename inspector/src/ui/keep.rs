@@ -15,7 +15,7 @@ impl Inspector {
             self.fail(error.to_string());
         }
         if let Some(tree) = saved.layout.as_deref().and_then(|text| serde_json::from_str::<Tree<Pane>>(text).ok()) {
-            self.tree = tree;
+            *self.own_tree_mut() = tree;
         }
         if let Some(watches) =
             saved.watches.as_deref().and_then(|text| serde_json::from_str::<Vec<(Watch, bool)>>(text).ok())
@@ -29,7 +29,7 @@ impl Inspector {
 
     /// Hands the settings to the host for saving.
     pub fn keep(&mut self) {
-        self.saved.layout = serde_json::to_string(&self.tree).ok();
+        self.saved.layout = serde_json::to_string(self.own_tree()).ok();
         self.saved.watches = serde_json::to_string(&self.shared.watches).ok();
         if let Some(link) = self.link() {
             self.saved.link = Some(link);
@@ -48,7 +48,7 @@ impl Inspector {
 
     /// A scene was read from a file.
     pub(super) fn remember_file(&mut self) {
-        if let Some(path) = self.path.as_deref().filter(|path| *path != super::lessons::BUILT_IN) {
+        if let Some(path) = self.path.as_deref().filter(|path| !path.starts_with(crate::lesson::built_in::PREFIX)) {
             self.saved.opened(path);
             self.shared.recent = self.saved.recent().to_vec();
         }

@@ -1,151 +1,141 @@
-//! Built-in lessons: each step has a text and sets up the inspector for it.
+//! Lessons in the window: a dock with the text beside the panels, and the set-up of each step.
+//!
+//! A step's set-up does not depend on what was shown before: it is always the whole of [`SetUp`], from the scene to the
+//! panels. So a reader may click around, go back, or press *Next* while the set-up of a step is still in progress.
 
-mod texts;
+mod arrange;
+mod bars;
+mod candidates;
+mod check;
+mod dock;
+mod facts;
+mod measured;
+mod perform;
+mod told;
 
-use egui::text::LayoutJob;
-use egui::{FontSelection, Label, RichText};
+use std::sync::Arc;
 
-use super::command::Command;
-use super::layout;
-use super::{Arrival, Inspector};
-use crate::session::Target;
-use crate::session::request::Request;
-use crate::settings::Settings;
-use texts::LESSONS;
+use egui_tiles::Tree;
 
-/// An action of a step, besides showing its text.
-enum Do {
-    /// Opens the built-in Cornell box with these settings, at a pixel, after a number of passes.
-    Open(fn() -> Settings, [u32; 2], usize),
-    /// Goes to a place.
-    Go(usize),
-    /// To the end.
-    End,
-    /// Goes to the selected ray's next event, this many times.
-    Events(usize),
-    /// Shows a panel.
-    Show(super::pane::PaneKind),
-    /// Performs a command.
-    Perform(Command),
-}
+use super::Inspector;
+use super::pane::Pane;
+use crate::lesson::{self, LessonError, SetUp, built_in};
+use candidates::Candidates;
+pub use check::CheckedStep;
+use measured::Measured;
+use perform::Phase;
+use told::Told;
 
-/// A step of a lesson.
-struct Step {
-    /// Its text, one paragraph: `**strong**` and `` `code` `` as in Markdown.
-    text: &'static str,
-    /// Its actions.
-    set_up: &'static [Do],
-}
-
-/// A lesson.
-struct LessonText {
-    command: Command,
-    title: &'static str,
-    steps: &'static [Step],
-}
-
-/// The open lesson, and the current step.
+/// The open lesson.
 pub(super) struct Lesson {
-    lesson: &'static LessonText,
+    lesson: Arc<lesson::Lesson>,
+    /// The current step, from 0.
     step: usize,
-    /// Actions still to be performed for this step; they need an open run.
-    waiting: Vec<&'static Do>,
-}
-
-/// The path of the built-in scene.
-pub(super) const BUILT_IN: &str = "built-in:cornell-box";
-
-/// Text enclosed in `**` and `` ` ``, in the corresponding styles.
-fn paragraph(ui: &egui::Ui, text: &str) -> LayoutJob {
-    let mut job = LayoutJob::default();
-    for (strong, part) in text.split("**").enumerate() {
-        for (code, part) in part.split('`').enumerate() {
-            let mut words = RichText::new(part);
-            if strong % 2 == 1 {
-                words = words.strong();
-            }
-            if code % 2 == 1 {
-                words = words.code();
-            }
-            words.append_to(&mut job, ui.style(), FontSelection::Default, egui::Align::Center);
-        }
-    }
-    job
+    set_up: SetUp,
+    /// What is set up next.
+    phase: Phase,
+    /// What went wrong with the current step.
+    problems: Vec<LessonError>,
+    /// Runs that were measured, for all steps.
+    measured: Vec<Measured>,
+    /// What the ray may hit, if the step asks for it.
+    candidates: Option<Candidates>,
+    /// The text with its values.
+    told: Told,
+    /// The panels before the lesson.
+    before: Option<Tree<Pane>>,
+    /// Where the lesson was drawn last.
+    dock: egui::Rect,
+    /// Whether the text is scrolled to its beginning in the next frame.
+    is_new: bool,
 }
 
 impl Inspector {
-    pub(super) fn begin_lesson(&mut self, command: Command) {
-        if let Some(lesson) = LESSONS.iter().find(|lesson| lesson.command == command) {
-            let mut lesson = Lesson { lesson, step: 0, waiting: Vec::new() };
-            lesson.set_up();
-            self.lesson = Some(lesson);
+    /// Begins a lesson at one of its steps, counted from 0.
+    pub fn begin_lesson(&mut self, lesson: lesson::Lesson, step: usize) {
+        let before = match self.lesson.take() {
+            Some(other) => other.before,
+            None => Some(std::mem::replace(&mut self.tree, super::layout::Layout::Simple.tree())),
+        };
+        let mut open = Lesson {
+            lesson: Arc::new(lesson),
+            step: 0,
+            set_up: SetUp::default(),
+            phase: Phase::Done,
+            problems: Vec::new(),
+            measured: Vec::new(),
+            candidates: None,
+            told: Told::default(),
+            before,
+            dock: egui::Rect::NOTHING,
+            is_new: true,
+        };
+        open.go_to(step);
+        self.lesson = Some(open);
+    }
+
+    /// Begins a built-in lesson.
+    pub(super) fn begin_built_in(&mut self, index: usize) {
+        let Some((file, text)) = built_in::LESSONS.get(index) else { return };
+        match lesson::Lesson::parse(file, text) {
+            Ok(lesson) => self.begin_lesson(lesson, 0),
+            Err(error) => self.fail(error.to_string()),
         }
     }
 
-    /// Shows the open lesson, and sets up its step once nothing else is in progress.
-    pub(super) fn show_lesson(&mut self, ctx: &egui::Context) {
-        let Some(mut lesson) = self.lesson.take() else { return };
-        let mut is_open = true;
-        let steps = lesson.lesson.steps;
-        egui::Window::new(lesson.lesson.title)
-            .open(&mut is_open)
-            .default_width(360.0)
-            .default_pos(ctx.content_rect().right_bottom() - egui::vec2(400.0, 380.0))
-            .resizable(true)
-            .show(ctx, |ui| {
-                egui::ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
-                    ui.add(Label::new(paragraph(ui, steps[lesson.step].text)).wrap());
-                });
-                ui.separator();
-                ui.horizontal(|ui| {
-                    ui.label(format!("step {} of {}", lesson.step + 1, steps.len()));
-                    if ui.add_enabled(lesson.step > 0, egui::Button::new("Back")).clicked() {
-                        lesson.step -= 1;
-                        lesson.set_up();
-                    }
-                    let is_last = lesson.step + 1 == steps.len();
-                    if ui.add_enabled(!is_last, egui::Button::new("Next")).clicked() {
-                        lesson.step += 1;
-                        lesson.set_up();
-                    }
-                });
-            });
-        while !self.model.is_busy() && self.todo.is_empty() && !lesson.waiting.is_empty() {
-            let next = lesson.waiting.remove(0);
-            self.set_up(next);
-        }
-        if is_open {
-            self.lesson = Some(lesson);
+    /// The step of the open lesson, counted from 0, and their number.
+    #[must_use]
+    pub fn lesson_step(&self) -> Option<(usize, usize)> {
+        self.lesson.as_ref().map(|lesson| (lesson.step, lesson.lesson.steps.len()))
+    }
+
+    /// Goes to a step of the open lesson, counted from 0; the last one if there are fewer.
+    pub fn go_to_step(&mut self, step: usize) {
+        if let Some(lesson) = &mut self.lesson {
+            lesson.go_to(step);
         }
     }
 
-    fn set_up(&mut self, what: &Do) {
-        match *what {
-            Do::Open(settings, pixel, place) => {
-                let arrival = Arrival { pixel: Some(pixel), place: Some(place), shown: None };
-                self.shared.pixel = None;
-                self.open(BUILT_IN, settings(), arrival);
-            }
-            Do::Go(place) => {
-                self.model.ask(Request::Step(Target::Pass(place)));
-            }
-            Do::End => {
-                self.model.ask(Request::Step(Target::End));
-            }
-            Do::Events(times) => (0..times).for_each(|_| self.perform(Command::NextEvent)),
-            Do::Show(kind) => layout::show(&mut self.tree, kind),
-            Do::Perform(command) => self.perform(command),
+    /// Ends the lesson: the panels are again those of before.
+    pub(super) fn close_lesson(&mut self) {
+        if let Some(before) = self.lesson.take().and_then(|lesson| lesson.before) {
+            self.tree = before;
         }
+    }
+
+    /// The panels to save: not those of a lesson.
+    pub(super) fn own_tree(&self) -> &Tree<Pane> {
+        self.lesson.as_ref().and_then(|lesson| lesson.before.as_ref()).unwrap_or(&self.tree)
+    }
+
+    /// The same, to restore them.
+    pub(super) fn own_tree_mut(&mut self) -> &mut Tree<Pane> {
+        self.lesson.as_mut().and_then(|lesson| lesson.before.as_mut()).unwrap_or(&mut self.tree)
     }
 }
 
 impl Lesson {
-    fn set_up(&mut self) {
-        self.waiting = self.lesson.steps[self.step].set_up.iter().collect();
+    /// Goes to a step. What is in progress for another one ends first.
+    fn go_to(&mut self, step: usize) {
+        self.step = step.min(self.lesson.steps.len().saturating_sub(1));
+        self.set_up = self.lesson.set_up(self.step);
+        (self.phase, self.is_new) = (Phase::Open, true);
+        self.problems.clear();
+        self.candidates = None;
+        self.told = Told::of(&self.lesson, self.step);
     }
 
-    /// Whether actions remain.
+    /// Whether its step is still being set up.
     pub(super) fn is_waiting(&self) -> bool {
-        !self.waiting.is_empty()
+        self.phase != Phase::Done
+    }
+
+    /// Whether there is a step after or before this one.
+    pub(super) fn has(&self, is_next: bool) -> bool {
+        if is_next { self.step + 1 < self.lesson.steps.len() } else { self.step > 0 }
+    }
+
+    fn error(&self, line: usize, wrong: lesson::Wrong) -> LessonError {
+        LessonError { file: self.lesson.file.clone(), line, wrong }
     }
 }

@@ -22,7 +22,9 @@ impl Inspector {
             C::NextRun | C::PreviousRun => has_run && !self.shared.runs.runs.list().is_empty(),
             C::RunKept => has_run && self.shared.runs.runs.list().iter().any(|kept| kept.outcome.is_none()),
             C::NextDifferingRay => has_run && self.shared.runs.pair().is_some(),
-            C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
+            C::Palette | C::Help | C::Lesson(_) => true,
+            C::NextStep | C::PreviousStep => self.lesson.as_ref().is_some_and(|l| l.has(command == C::NextStep)),
+            C::RepeatStep | C::CloseLesson => self.lesson.is_some(),
             C::Cancel => self.is_busy() || self.is_playing,
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
@@ -134,7 +136,14 @@ impl Inspector {
                 layout::show(&mut self.tree, PaneKind::Cost);
                 self.ask_panels(command);
             }
-            C::LessonRay | C::LessonGrid | C::LessonCrack => self.begin_lesson(command),
+            C::Lesson(index) => self.begin_built_in(index),
+            C::NextStep | C::PreviousStep | C::RepeatStep => {
+                if let Some((step, _)) = self.lesson_step() {
+                    let by = usize::from(command == C::NextStep);
+                    self.go_to_step((step + by).saturating_sub(usize::from(command == C::PreviousStep)));
+                }
+            }
+            C::CloseLesson => self.close_lesson(),
             C::NudgeLeft => self.nudge(-1, 0),
             C::NudgeRight => self.nudge(1, 0),
             C::NudgeUp => self.nudge(0, -1),

@@ -75,9 +75,7 @@ fn clear(stage: &mut Stage) {
         stage.key(Modifiers::NONE, Key::Escape);
         stage.frames(2);
     }
-    if stage.reads("step 1 of") {
-        stage.click(Role::Button, "Close window");
-    }
+    stage.perform(Command::CloseLesson);
     stage.settle();
 }
 

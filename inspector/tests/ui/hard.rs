@@ -36,7 +36,7 @@ fn a_window_of_200_by_150() {
     stage.open(CORNELL, small(), Arrival::default());
     stage.snapshot("window-200x150");
     tour(&mut stage);
-    for command in [Command::Palette, Command::Help, Command::EditTexel, Command::LessonRay] {
+    for command in [Command::Palette, Command::Help, Command::EditTexel, Command::Lesson(0)] {
         stage.perform(command);
         stage.key(Modifiers::NONE, Key::Escape);
     }

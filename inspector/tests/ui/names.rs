@@ -84,7 +84,7 @@ fn dialogs_and_lessons() {
         stage.key(Modifiers::NONE, Key::Escape);
         stage.settle();
     }
-    stage.perform(C::LessonRay);
+    stage.perform(C::Lesson(0));
     named(&stage, "a lesson");
 }
 

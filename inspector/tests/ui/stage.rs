@@ -158,6 +158,12 @@ impl Stage {
         self.settle();
     }
 
+    /// The same, but goes on at once.
+    pub(crate) fn perform_without_waiting(&mut self, command: Command) {
+        self.inspector().perform(command);
+        self.frame();
+    }
+
     /// Presses and releases a key, one event per frame.
     pub(crate) fn key(&mut self, modifiers: Modifiers, key: Key) {
         let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };

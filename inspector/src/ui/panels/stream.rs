@@ -231,8 +231,9 @@ impl StreamView {
             }
             ui.add_space(8.0);
             ui.weak("or start with a lesson");
-            for lesson in [Command::LessonRay, Command::LessonGrid, Command::LessonCrack] {
-                if ui.link(lesson.name()).clicked() {
+            for index in 0..crate::lesson::built_in::LESSONS.len() {
+                let lesson = Command::Lesson(index);
+                if ui.link(lesson.name().trim_start_matches("Lesson: ")).clicked() {
                     cx.todo.push(lesson);
                 }
             }

@@ -48,6 +48,20 @@ pub(super) fn keep(stage: &mut Stage) -> f64 {
     stage.harness.state().kept_runs().list().len() as f64
 }
 
+/// The second step of a lesson, which has other panels than those at the start.
+pub(super) fn begin_lesson(stage: &mut Stage) -> f64 {
+    stage.perform(Command::Lesson(0));
+    stage.perform(Command::NextStep);
+    0.0
+}
+
+/// The same, after selecting another ray.
+pub(super) fn leave_lesson(stage: &mut Stage) -> f64 {
+    begin_lesson(stage);
+    stage.perform(Command::NudgeRight);
+    0.0
+}
+
 /// Rays can be sorted once all passes are known.
 pub(super) fn sort_rays(stage: &mut Stage) -> f64 {
     stage.perform(Command::End);

@@ -8,8 +8,9 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    assert_all, choose_cornell, choose_session, event, exposure, is_ray_watched, is_shown, keep, moved_range, nothing,
-    open_session, pixel_moved, play, range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    assert_all, begin_lesson, choose_cornell, choose_session, event, exposure, is_ray_watched, is_shown, keep,
+    leave_lesson, moved_range, nothing, open_session, pixel_moved, play, range, same_kernel, show_watches, shown,
+    sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -343,10 +344,27 @@ pub(super) fn row(command: Command) -> Row {
             s.frames(3);
             assert!(s.reads("In pictures"));
         }),
-        C::LessonRay | C::LessonGrid | C::LessonCrack => (nothing, |s, was| {
+        C::Lesson(_) => (nothing, |s, was| {
             s.settle();
             assert!(s.reads("step 1 of"));
             assert!(s.harness.state().model().generation > was.generation);
+        }),
+        C::NextStep => (begin_lesson, |s, _| {
+            s.settle();
+            assert_eq!(s.harness.state().lesson_step().map(|(step, _)| step), Some(2));
+        }),
+        C::PreviousStep => (begin_lesson, |s, _| {
+            s.settle();
+            assert_eq!(s.harness.state().lesson_step().map(|(step, _)| step), Some(0));
+        }),
+        C::RepeatStep => (leave_lesson, |s, was| {
+            s.settle();
+            assert_ne!(s.harness.state().pixel(), was.pixel, "the ray of the lesson is not selected again");
+        }),
+        C::CloseLesson => (begin_lesson, |s, was| {
+            s.settle();
+            assert_eq!(s.harness.state().lesson_step(), None);
+            assert_ne!(s.harness.state().panes_in_view(), was.panes, "the panels of the lesson stay");
         }),
     };
     Row { prepare, check }

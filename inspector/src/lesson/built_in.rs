@@ -1,0 +1,24 @@
+//! The lessons and scenes that need no file.
+
+use raystep_scenes::generate;
+
+use crate::session::request::Loader;
+
+/// What the path of a built-in scene begins with; the name of a generator follows.
+pub const PREFIX: &str = "built-in:";
+
+/// The lessons: the name of each file, and its text.
+pub const LESSONS: [(&str, &str); 5] = [
+    ("one-ray.md", include_str!("../../lessons/one-ray.md")),
+    ("grid-2004.md", include_str!("../../lessons/grid-2004.md")),
+    ("crack.md", include_str!("../../lessons/crack.md")),
+    ("leaping.md", include_str!("../../lessons/leaping.md")),
+    ("tie.md", include_str!("../../lessons/tie.md")),
+];
+
+/// A loader for the built-in scene of a path; its error says which names there are.
+#[must_use]
+pub fn loader(path: &str) -> Loader {
+    let name = path.strip_prefix(PREFIX).unwrap_or(path).to_owned();
+    Box::new(move || generate::find(&name).and_then(|scene| scene.make(&[])).map_err(|error| error.to_string()))
+}

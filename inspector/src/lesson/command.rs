@@ -1,0 +1,304 @@
+//! The commands of a lesson, one a line.
+
+use super::error::Wrong;
+use super::expression::Expression;
+use super::fact::is_label;
+use crate::link::{Link, LinkDevice, LinkStream};
+use crate::ui::command::{COMMANDS, Command};
+use crate::ui::pane::PaneKind;
+
+/// The commands: the word, its arguments, and what it does.
+pub const WORDS: &[(&str, &str, &str)] = &[
+    (
+        "open",
+        "KEY=VALUE …",
+        "opens a scene with the keys of a link (or a link), runs it to its end, and resets the panels",
+    ),
+    ("pixel", "X,Y", "selects the ray of a pixel"),
+    ("start", "", "goes to before the first pass"),
+    ("pass", "N", "goes to after pass N"),
+    ("end", "", "goes to after the last pass"),
+    ("row", "[N] \"TEXT\"", "goes to the pass of the ray's first (or N-th) row whose *why* contains the text"),
+    ("only", "PANEL … / PANEL …", "shows exactly these panels, in rows from top to bottom, separated by a slash"),
+    ("show", "PANEL", "shows one more panel, in a row at the bottom"),
+    ("stream", "NAME[.LAYER]", "shows a stream in the stream panel, as a whole"),
+    ("zoom", "N at X,Y", "enlarges it to N points a texel, around a pixel"),
+    ("do", "COMMAND", "performs a command of the menus"),
+    (
+        "measure",
+        "NAME KEY=VALUE …",
+        "traces the open scene with other options, on the same device, twice, and keeps the second run's numbers",
+    ),
+    ("bars", "NAME …", "shows measured runs next to each other in the lesson"),
+    ("candidates", "", "shows the triangles that the ray may hit, in f32 and in f64, in the lesson"),
+    ("expect", "panel PANEL", "the panel has to be in view"),
+    ("expect", "text \"TEXT\"", "the text has to be readable outside of the lesson"),
+    ("expect", "VALUE = VALUE", "values have to compare so; also !=, <, >, and `contains`"),
+];
+
+/// What a step sets up.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Opens a scene.
+    Open(Box<Link>),
+    /// Selects a ray.
+    Pixel([u32; 2]),
+    /// Goes to a pass.
+    Go(Goal),
+    /// Shows exactly these panels, in rows.
+    Only(Vec<Vec<PaneKind>>),
+    /// Shows a panel.
+    Show(PaneKind),
+    /// Shows a stream.
+    Stream(LinkStream),
+    /// Enlarges it: points a texel, and the pixel in the middle.
+    Zoom(f32, [f32; 2]),
+    /// Performs a command.
+    Do(Command),
+    /// Measures a run.
+    Measure(String, Box<Link>),
+    /// Shows measured runs.
+    Bars(Vec<String>),
+    /// Shows what the ray may hit.
+    Candidates,
+}
+
+/// Where to go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Goal {
+    /// After this many passes.
+    Passes(usize),
+    /// After the last pass.
+    End,
+    /// After the pass of the ray's N-th row, from 1, whose reason contains a text.
+    Row(usize, String),
+}
+
+/// What has to hold.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expect {
+    /// A panel is in view.
+    Panel(PaneKind),
+    /// A text can be read outside of the lesson.
+    Text(String),
+    /// Values compare so.
+    Values(Expression, Condition, Operand),
+}
+
+/// How values compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// Equal.
+    Equal,
+    /// Not equal.
+    Unequal,
+    /// Less.
+    Less,
+    /// Greater.
+    Greater,
+    /// The first, as text, contains the second.
+    Contains,
+}
+
+/// What a value is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Operand {
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// Another value.
+    Value(Expression),
+}
+
+impl Condition {
+    const ALL: [(&'static str, Self); 5] = [
+        (" = ", Self::Equal),
+        (" != ", Self::Unequal),
+        (" < ", Self::Less),
+        (" > ", Self::Greater),
+        (" contains ", Self::Contains),
+    ];
+}
+
+/// A line of commands.
+pub(super) enum Line {
+    /// To set up.
+    Action(Action),
+    /// To check.
+    Expect(Expect),
+}
+
+/// The words of all commands, for errors.
+pub(super) fn names() -> String {
+    let mut words: Vec<&str> = WORDS.iter().map(|(word, ..)| *word).collect();
+    words.dedup();
+    words.join(", ")
+}
+
+/// The name of a panel in lessons: that of the menu, in lower case with hyphens.
+#[must_use]
+pub fn panel_name(kind: PaneKind) -> String {
+    Command::Show(kind).name().to_lowercase().replace(' ', "-")
+}
+
+/// Reads a line.
+pub(super) fn line(text: &str) -> Result<Line, Wrong> {
+    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    let rest = rest.trim();
+    let action = match word {
+        "open" => Action::Open(Box::new(link("open", rest)?)),
+        "pixel" => Action::Pixel(pair("pixel", rest)?),
+        "start" => nothing("start", rest, Action::Go(Goal::Passes(0)))?,
+        "end" => nothing("end", rest, Action::Go(Goal::End))?,
+        "pass" => {
+            let pass = rest.parse::<usize>().ok().and_then(|pass| pass.checked_add(1));
+            Action::Go(Goal::Passes(pass.ok_or_else(|| wrong("pass", "expected the index of a pass, such as 14"))?))
+        }
+        "row" => Action::Go(row(rest)?),
+        "only" => Action::Only(rows(rest)?),
+        "show" => Action::Show(panel("show", rest)?),
+        "stream" => Action::Stream(stream(rest)?),
+        "zoom" => zoom(rest)?,
+        "do" => Action::Do(command(rest)?),
+        "measure" => measure(rest)?,
+        "bars" => {
+            let names: Vec<String> = rest.split_whitespace().map(str::to_owned).collect();
+            if names.is_empty() {
+                return Err(wrong("bars", "expected the names of measured runs"));
+            }
+            Action::Bars(names)
+        }
+        "candidates" => nothing("candidates", rest, Action::Candidates)?,
+        "expect" => return expect(rest).map(Line::Expect),
+        _ => return Err(Wrong::Command(text.chars().take(40).collect())),
+    };
+    Ok(Line::Action(action))
+}
+
+fn wrong(word: &'static str, wanted: impl Into<String>) -> Wrong {
+    Wrong::Argument(word, wanted.into())
+}
+
+fn nothing(word: &'static str, rest: &str, action: Action) -> Result<Action, Wrong> {
+    if rest.is_empty() { Ok(action) } else { Err(wrong(word, format!("takes nothing, but {rest:?} follows"))) }
+}
+
+/// A link, or pairs of one.
+fn link(word: &'static str, rest: &str) -> Result<Link, Wrong> {
+    let text = match rest.starts_with("raystep:") {
+        true => rest.to_owned(),
+        false => format!("raystep:{}?{}", crate::link::VERSION, rest.split_whitespace().collect::<Vec<_>>().join("&")),
+    };
+    let link: Link = text.parse().map_err(|error| Wrong::Link(word, error))?;
+    if word == "open" && link.scene.is_none() {
+        return Err(wrong("open", "expected a scene, such as scene=built-in:cornell-box"));
+    }
+    Ok(link)
+}
+
+fn pair<T: std::str::FromStr>(word: &'static str, text: &str) -> Result<[T; 2], Wrong> {
+    let parts = text.split_once(',').and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+    parts.ok_or_else(|| wrong(word, "expected two numbers, such as 96,180"))
+}
+
+/// The text between double quotes.
+fn quoted(word: &'static str, text: &str) -> Result<String, Wrong> {
+    let inner = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+    let inner = inner.filter(|inner| !inner.trim().is_empty());
+    inner.map(str::to_owned).ok_or_else(|| wrong(word, "expected a text in double quotes"))
+}
+
+fn row(rest: &str) -> Result<Goal, Wrong> {
+    let (number, text) = match rest.split_once(char::is_whitespace).filter(|_| !rest.starts_with('"')) {
+        Some((number, text)) => {
+            let number = number.parse().ok().filter(|&number: &usize| number > 0);
+            (number.ok_or_else(|| wrong("row", "expected a number of at least 1, or a text in double quotes"))?, text)
+        }
+        None => (1, rest),
+    };
+    Ok(Goal::Row(number, quoted("row", text.trim())?))
+}
+
+fn panel(word: &'static str, name: &str) -> Result<PaneKind, Wrong> {
+    let found = PaneKind::ALL.iter().copied().find(|&kind| panel_name(kind) == name);
+    found.ok_or_else(|| {
+        let names: Vec<String> = PaneKind::ALL.iter().map(|&kind| panel_name(kind)).collect();
+        wrong(word, format!("{name:?} is not a panel; the panels are {}", names.join(", ")))
+    })
+}
+
+fn rows(rest: &str) -> Result<Vec<Vec<PaneKind>>, Wrong> {
+    let mut rows = Vec::new();
+    let mut seen = Vec::new();
+    for row in rest.split('/') {
+        let kinds = row.split_whitespace().map(|name| panel("only", name)).collect::<Result<Vec<_>, _>>()?;
+        if kinds.is_empty() {
+            return Err(wrong("only", "expected panels, such as 'only stream ray / unfolded-walk'"));
+        }
+        if let Some(twice) = kinds.iter().find(|kind| seen.contains(*kind)) {
+            return Err(wrong("only", format!("{} is there twice", panel_name(*twice))));
+        }
+        seen.extend_from_slice(&kinds);
+        rows.push(kinds);
+    }
+    Ok(rows)
+}
+
+fn stream(name: &str) -> Result<LinkStream, Wrong> {
+    let of = |program: &str| link("stream", &format!("{program} stream={name}"));
+    let found = of("").or_else(|error| of("program=grid-build").map_err(|_| error))?;
+    found.stream.ok_or_else(|| wrong("stream", "expected the name of a stream, such as state.t"))
+}
+
+fn zoom(rest: &str) -> Result<Action, Wrong> {
+    const WANTED: &str = "expected points a texel and a pixel, such as 'zoom 40 at 256,4'";
+    let (points, at) = rest.split_once(" at ").ok_or_else(|| wrong("zoom", WANTED))?;
+    let points = points.trim().parse::<f32>().ok().filter(|points| (0.01..=256.0).contains(points));
+    let [x, y] = pair::<u32>("zoom", at.trim())?.map(|side| side as f32 + 0.5);
+    Ok(Action::Zoom(points.ok_or_else(|| wrong("zoom", "expected 0.01 to 256 points a texel"))?, [x, y]))
+}
+
+fn command(name: &str) -> Result<Command, Wrong> {
+    let plain = |name: &str| name.trim_end_matches('…').to_lowercase();
+    let found = COMMANDS.iter().find(|info| plain(info.name) == plain(name)).map(|info| info.command);
+    // A lesson that opens another, or ends itself, would have no next step.
+    let found = found.filter(|command| !command.is_of_lessons() && *command != Command::Quit);
+    found.ok_or_else(|| wrong("do", format!("{name:?} is not a command that a lesson can perform; see the menus")))
+}
+
+fn measure(rest: &str) -> Result<Action, Wrong> {
+    let (name, options) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+    if !is_label(name) {
+        return Err(wrong("measure", format!("{name:?}: expected a name of lower-case letters, digits and hyphens")));
+    }
+    let link = link("measure", options)?;
+    let is_elsewhere = link.scene.is_some() || link.device != LinkDevice::Auto || link.adapter.is_some();
+    if is_elsewhere || link.ray.is_some() || link.pass.is_some() || link.stream.is_some() {
+        let why = "it traces the open scene on the open run's device: omit scene, device, adapter, pixel, ray, pass \
+                   and stream";
+        return Err(wrong("measure", why));
+    }
+    Ok(Action::Measure(name.to_owned(), Box::new(link)))
+}
+
+fn expect(rest: &str) -> Result<Expect, Wrong> {
+    if let Some(name) = rest.strip_prefix("panel ") {
+        return panel("expect", name.trim()).map(Expect::Panel);
+    }
+    if let Some(text) = rest.strip_prefix("text ") {
+        return quoted("expect", text.trim()).map(Expect::Text);
+    }
+    let found = Condition::ALL.into_iter().find_map(|(mark, condition)| Some((rest.split_once(mark)?, condition)));
+    let Some(((first, second), condition)) = found else {
+        let wanted = "expected 'panel NAME', 'text \"TEXT\"', or two values with =, !=, <, > or contains between them";
+        return Err(wrong("expect", wanted));
+    };
+    let second = second.trim();
+    let operand = match second.parse::<f64>() {
+        Ok(number) if number.is_finite() => Operand::Number(number),
+        _ if second.starts_with('"') => Operand::Text(quoted("expect", second)?),
+        _ => Operand::Value(Expression::parse(second)?),
+    };
+    Ok(Expect::Values(Expression::parse(first.trim())?, condition, operand))
+}

@@ -1,0 +1,182 @@
+//! Reads the lines of a lesson. The text is untrusted: it may be wrong in any way, and nothing panics.
+
+use super::command::{self, Line};
+use super::error::Wrong;
+use super::prose::{Content, Paragraph, paragraph};
+use super::{
+    Action, Expect, Expression, Lesson, LessonError, MOST_BYTES, MOST_COMMANDS, MOST_STEPS, Name, Operand, Step,
+};
+
+/// The fence of a block of commands.
+const BLOCK: &str = "```raystep";
+const FENCE: &str = "```";
+
+pub(super) fn lesson(file: &str, text: &str) -> Result<Lesson, LessonError> {
+    let at = |(line, wrong)| LessonError { file: file.to_owned(), line, wrong };
+    let (title, about, steps) = sections(text).map_err(at)?;
+    let lesson = Lesson { file: file.to_owned(), title, about, steps };
+    check(&lesson).map_err(at)?;
+    Ok(lesson)
+}
+
+type Mistake = (usize, Wrong);
+
+/// The title, what is before the first step, and the steps.
+fn sections(text: &str) -> Result<(String, Vec<Paragraph>, Vec<Step>), Mistake> {
+    if text.len() > MOST_BYTES {
+        return Err((1, Wrong::TooLong(text.len())));
+    }
+    let mut title = None;
+    let (mut about, mut steps): (Vec<Paragraph>, Vec<Step>) = (Vec::new(), Vec::new());
+    let mut pending: Pending<'_> = Pending::default();
+    let mut lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines().enumerate().map(|(i, l)| (i + 1, l.trim()));
+    let mut last = 1;
+    while let Some((number, line)) = lines.next() {
+        last = number;
+        let is_break = line.is_empty() || line.starts_with('#') || line.starts_with(FENCE) || line.starts_with("- ");
+        if is_break {
+            let texts = steps.last_mut().map_or(&mut about, |step| &mut step.text);
+            pending.end(texts)?;
+        }
+        if line.is_empty() {
+            continue;
+        }
+        if title.is_none() {
+            let words = line.strip_prefix("# ").map(str::trim).filter(|words| !words.is_empty());
+            title = Some(words.ok_or((number, Wrong::NoTitle))?.to_owned());
+        } else if let Some(words) = line.strip_prefix("## ") {
+            if steps.len() == MOST_STEPS {
+                return Err((number, Wrong::TooManySteps));
+            }
+            steps.push(Step { line: number, title: words.trim().to_owned(), ..Step::default() });
+        } else if line.starts_with("# ") {
+            return Err((number, Wrong::SecondTitle));
+        } else if line.starts_with('#') {
+            return Err((number, Wrong::Heading));
+        } else if line.starts_with(FENCE) {
+            if line != BLOCK {
+                return Err((number, Wrong::Block(line.chars().take(40).collect())));
+            }
+            let step = steps.last_mut().ok_or((number, Wrong::NoStep))?;
+            block(step, number, &mut lines)?;
+        } else {
+            pending.is_item |= line.starts_with("- ");
+            pending.lines.push((number, line.strip_prefix("- ").unwrap_or(line)));
+        }
+    }
+    pending.end(steps.last_mut().map_or(&mut about, |step| &mut step.text))?;
+    let title = title.ok_or((1, Wrong::NoTitle))?;
+    if steps.is_empty() {
+        return Err((last, Wrong::NoSteps));
+    }
+    Ok((title, about, steps))
+}
+
+/// The lines of a paragraph so far.
+#[derive(Default)]
+struct Pending<'a> {
+    lines: Vec<(usize, &'a str)>,
+    is_item: bool,
+}
+
+impl Pending<'_> {
+    fn end(&mut self, texts: &mut Vec<Paragraph>) -> Result<(), Mistake> {
+        let Self { lines, is_item } = std::mem::take(self);
+        if !lines.is_empty() {
+            texts.push(paragraph(&lines, is_item)?);
+        }
+        Ok(())
+    }
+}
+
+/// The commands up to the end of a block that begins in line `first`.
+fn block<'a>(step: &mut Step, first: usize, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<(), Mistake> {
+    for (number, line) in lines {
+        if line == FENCE {
+            return Ok(());
+        }
+        if line.is_empty() {
+            continue;
+        }
+        if step.actions.len() + step.expects.len() == MOST_COMMANDS {
+            return Err((number, Wrong::TooManyCommands));
+        }
+        match command::line(line).map_err(|wrong| (number, wrong))? {
+            Line::Action(action) => step.actions.push((number, action)),
+            Line::Expect(expect) => step.expects.push((number, expect)),
+        }
+    }
+    Err((first, Wrong::OpenBlock))
+}
+
+/// What depends on several lines: that a scene is open, and that all names are known.
+fn check(lesson: &Lesson) -> Result<(), Mistake> {
+    let mut measured: Vec<&str> = Vec::new();
+    let mut has_stream = false;
+    let is_open = |action: &Action| matches!(action, Action::Open(_));
+    let first = lesson.steps.first();
+    if let Some(step) = first
+        && !step.actions.first().is_some_and(|(_, action)| is_open(action))
+    {
+        return Err((step.actions.first().map_or(step.line, |(line, _)| *line), Wrong::NothingOpen));
+    }
+    for step in &lesson.steps {
+        for (line, action) in &step.actions {
+            let fail = |wrong| Err((*line, wrong));
+            match action {
+                Action::Open(link) => has_stream = link.stream.is_some(),
+                Action::Stream(_) => has_stream = true,
+                Action::Zoom(..) if !has_stream => {
+                    return fail(Wrong::Argument("zoom", "name the stream first: add 'stream color'".into()));
+                }
+                Action::Measure(name, _) if measured.contains(&name.as_str()) => {
+                    return fail(Wrong::Argument("measure", format!("{name} was measured already")));
+                }
+                Action::Measure(name, _) => measured.push(name),
+                Action::Bars(names) => {
+                    if let Some(unknown) = names.iter().find(|name| !measured.contains(&name.as_str())) {
+                        return fail(Wrong::NotMeasured(unknown.clone()));
+                    }
+                }
+                _ => {}
+            }
+        }
+        let has_candidates = step.actions.iter().any(|(_, action)| *action == Action::Candidates);
+        for (line, expression) in expressions(lesson, step) {
+            for name in expression.names() {
+                match name {
+                    Name::Measured(of, _) if !measured.contains(&of.as_str()) => {
+                        return Err((line, Wrong::NotMeasured(of.clone())));
+                    }
+                    Name::Fact(fact) if fact.name().starts_with("tie.") && !has_candidates => {
+                        return Err((line, Wrong::NoCandidates(fact.name().to_owned())));
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The values that a step shows or compares, with their lines. What is before the first step belongs to it.
+fn expressions<'a>(lesson: &'a Lesson, step: &'a Step) -> impl Iterator<Item = (usize, &'a Expression)> {
+    let about = lesson.about.iter().filter(|_| lesson.steps.first().is_some_and(|first| std::ptr::eq(first, step)));
+    let parts = about.chain(&step.text).flat_map(|paragraph| &paragraph.parts);
+    let shown = parts.filter_map(|part| match &part.content {
+        Content::Value(expression) => Some((part.line, expression)),
+        Content::Text(_) => None,
+    });
+    let compared = step.expects.iter().flat_map(|(line, expect)| {
+        let both = match expect {
+            Expect::Values(first, _, Operand::Value(second)) => [Some(first), Some(second)],
+            Expect::Values(first, ..) => [Some(first), None],
+            Expect::Panel(_) | Expect::Text(_) => [None, None],
+        };
+        both.into_iter().flatten().map(|expression| (*line, expression))
+    });
+    shown.chain(compared)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,130 @@
+//! Whole runs that a lesson compares.
+
+use std::any::Any;
+use std::ops::ControlFlow;
+
+use raystep_kernels::programs::closest_hit::states;
+use raystep_kernels::shared::constants::{LIST_GROUPS, LIST_SIDE};
+use raystep_kernels::{Options, Pass, Plan, Progress, Renderer};
+use raystep_lab::work::Launch;
+
+use crate::lesson::{Clock, Measurement};
+use crate::session::request::{Job, JobContext, JobFuture, Request};
+use crate::settings::Settings;
+
+/// The name of the engine's job.
+pub(super) const MEASURING: &str = "measuring a run for the lesson";
+
+/// A measured run.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Measured {
+    /// Its name in the lesson.
+    pub(super) name: String,
+    /// Its options in words.
+    pub(super) options: String,
+    /// Its passes.
+    pub(super) passes: usize,
+    /// Whether they ran on a GPU.
+    pub(super) is_gpu: bool,
+    /// Threads that a GPU launches for them.
+    pub(super) launched: u64,
+    /// Threads with a ray to work on.
+    pub(super) useful: u64,
+    /// Rays that hit nothing; `None` where that is not known.
+    pub(super) misses: Option<u64>,
+    /// The time of all passes by the device's clock, if that is valid.
+    pub(super) device_ns: Option<u64>,
+    /// The same by the host's clock, including the wait for a GPU.
+    pub(super) host_ns: Option<u64>,
+    /// Why the device's clock is not valid.
+    pub(super) why_no_times: Option<String>,
+}
+
+impl Measured {
+    /// The request of a measurement; the answer is a `Measured`.
+    pub(super) fn request(wanted: &Measurement) -> Request {
+        Request::Job(MEASURING, job(wanted.name.clone(), Settings { counters: false, ..Settings::from(&wanted.link) }))
+    }
+
+    /// Its time, by the best valid clock.
+    pub(super) fn time(&self) -> Option<(u64, Clock)> {
+        let device = self.device_ns.map(|ns| (ns, Clock::Device));
+        device.or(self.host_ns.map(|ns| (ns, Clock::Host)))
+    }
+
+    /// Useful threads as a part of those launched.
+    pub(super) fn share(&self) -> f64 {
+        if self.launched == 0 { 0.0 } else { self.useful as f64 / self.launched as f64 }
+    }
+}
+
+/// Traces the scene twice: in the first run, memory is touched and code is loaded for the first time.
+fn job(name: String, settings: Settings) -> Job {
+    Box::new(move |context: JobContext<'_>| -> JobFuture<'_> {
+        Box::pin(async move {
+            let JobContext { scene, device, progress, .. } = context;
+            let options = Options { keep_passes: true, ..settings.options(scene) };
+            let mut renderer = Renderer::new(scene, &options, &device).await.map_err(|e| e.to_string())?;
+            for _ in 0..2 {
+                renderer.restart();
+                let go_on = |p: &Progress| match progress(p.rays_decided, p.rays) {
+                    true => ControlFlow::Continue(()),
+                    false => ControlFlow::Break(()),
+                };
+                renderer.run(go_on).await.map_err(|e| e.to_string())?;
+            }
+            let (plan, passes) = (renderer.plan(), renderer.passes());
+            let why_no_times = match &device {
+                raystep_kernels::Device::Gpu(gpu) => gpu.why_no_times(),
+                _ => None,
+            };
+            let measured = Measured {
+                name,
+                options: options_of(&settings),
+                passes: passes.len(),
+                is_gpu: device.is_gpu(),
+                launched: passes.iter().map(|pass| launched(plan, pass)).sum(),
+                useful: passes.iter().map(|pass| u64::from(pass.rays_in)).sum(),
+                misses: misses(plan, passes),
+                device_ns: renderer.device_ns().filter(|_| why_no_times.is_none()),
+                host_ns: renderer.host_ns(),
+                why_no_times,
+            };
+            Ok(Box::new(measured) as Box<dyn Any + Send>)
+        })
+    })
+}
+
+/// The options of a run in words.
+fn options_of(settings: &Settings) -> String {
+    let Settings { accelerator, schedule, numerics, skip, .. } = settings;
+    let structure = match accelerator {
+        raystep_kernels::Accelerator::None => "no structure".to_owned(),
+        other => other.to_string(),
+    };
+    let skip = if *skip == raystep_kernels::Skip::Auto { String::new() } else { format!(", skip {skip}") };
+    format!("{structure}, {schedule} schedule, {numerics}{skip}")
+}
+
+/// Threads that a GPU launches for a pass, whatever device the pass ran on: whole workgroups that cover the image, or
+/// full rows of workgroups that hold the list of rays.
+pub(super) fn launched(plan: &Plan, pass: &Pass) -> u64 {
+    const LIST: u64 = (LIST_SIDE * LIST_SIDE * LIST_GROUPS) as u64;
+    let kernel = pass.kernel;
+    if Launch::of(kernel, &plan.features) == Launch::List {
+        return u64::from(pass.rays_in).div_ceil(LIST) * LIST;
+    }
+    match kernel.info().launch {
+        raystep_kernels::tables::kernel::Launch::List { .. } => pass.threads_launched,
+        _ => {
+            [plan.width, plan.height].map(|side| u64::from(side.next_multiple_of(kernel.workgroup()))).iter().product()
+        }
+    }
+}
+
+/// Rays that hit nothing: those that wait for their background before the image is shaded.
+pub(super) fn misses(plan: &Plan, passes: &[Pass]) -> Option<u64> {
+    let is_known = plan.can_go_alone() && !passes.is_empty();
+    let most = passes.iter().map(|pass| u64::from(pass.counts[states::BACKGROUND as usize])).max();
+    most.filter(|_| is_known)
+}
