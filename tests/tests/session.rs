@@ -99,6 +99,32 @@ fn what_is_kept_lies_evenly() {
 }
 
 #[test]
+fn the_place_before_the_last_pass_is_kept_and_kept_longest() {
+    let scene = scene("cornell-box.gltf");
+    for (name, device) in devices() {
+        block_on(gpu_of(&device), async {
+            let options = stepped(&scene, 16, 16);
+            let mut session = Session::new(&scene, &options, &device).await.expect("a session");
+            // A checkpoint about every ten passes; only by chance would one lie before the end.
+            session.set_span(2560);
+            let last = go(&mut session, Target::End).await;
+            let places: Vec<usize> = session.kept_places().collect();
+            assert_eq!(session.passes().last().map(|pass| pass.kernel), Some(kernels::SHADE));
+            assert!(places.len() < last / 2 && places.last() == Some(&(last - 1)), "{name}: {places:?} of {last}");
+            let shown = streams(&session).await;
+            assert_eq!(go(&mut session, Target::Previous).await, last - 1);
+            assert_eq!(go(&mut session, Target::Next).await, last);
+            assert!(streams(&session).await == shown, "{name}");
+            let (all, count) = (session.kept_bytes(), session.kept_places().count() as u64);
+            session.set_budget(all * 3 / (2 * count));
+            assert_eq!(session.kept_places().collect::<Vec<_>>(), [last - 1], "{name}: with room for one");
+            session.set_budget(0);
+            assert_eq!(session.kept_places().count(), 0);
+        });
+    }
+}
+
+#[test]
 fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
     let scene = scene("cornell-box.gltf");
     let device = Device::Cpu(None);

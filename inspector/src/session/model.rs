@@ -10,7 +10,7 @@ use raystep_kernels::{Kernel, Pass, Stream};
 
 use super::engine::{Engine, EngineTask};
 use super::request::{At, Opened, Request, Texels, Update};
-use super::{Edit, Fired, Told};
+use super::{Edit, Fired, Sketch, Told};
 
 /// Work in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +82,8 @@ pub struct Model {
     pub texels: Vec<Texels>,
     /// Copies that were asked for, oldest first.
     pub pinned: Vec<Pinned>,
+    /// The states after passes on the way, until taken for thumbnails.
+    pub sketches: Vec<Sketch>,
     /// Work in progress.
     pub work: Option<Work>,
     /// Answers of jobs, until their requester takes them.
@@ -132,6 +134,7 @@ impl Model {
             reference_life: None,
             texels: Vec::new(),
             pinned: Vec::new(),
+            sketches: Vec::new(),
             work: None,
             answers: Vec::new(),
             failures: Vec::new(),
@@ -167,6 +170,18 @@ impl Model {
         self.waiting > 0
     }
 
+    /// How many requests were sent.
+    #[must_use]
+    pub fn sent(&self) -> u64 {
+        self.sent
+    }
+
+    /// How many requests were served; all of them if the engine is gone.
+    #[must_use]
+    pub fn served(&self) -> u64 {
+        self.sent.saturating_sub(self.waiting as u64)
+    }
+
     /// Whether the streams are between two places: drawing them now would show neither.
     #[must_use]
     pub fn is_moving(&self) -> bool {
@@ -192,6 +207,7 @@ impl Model {
                 self.passes.clear();
                 self.texels.clear();
                 self.pinned.clear();
+                self.sketches.clear();
                 (self.place, self.is_complete, self.next, self.life) = (0, false, None, None);
                 (self.followed, self.told, self.reference_life) = (None, Told::default(), None);
                 (self.edits, self.twins) = (Vec::new(), None);
@@ -215,6 +231,7 @@ impl Model {
             Update::Pinned { stream, place, texture } => {
                 self.pinned.push(Pinned { stream, place, generation: self.generation, texture });
             }
+            Update::Sketched(sketch) => self.sketches.push(sketch),
             Update::Done(what, answer) => self.answers.push((what, answer)),
             Update::Progress(what, done, of) => self.work = Some(Work { what, done, of }),
             Update::Failed(what, message) => self.failures.push((what, message)),
@@ -236,6 +253,7 @@ impl Model {
         if is_changed {
             self.edition += 1;
             self.texels.clear();
+            self.sketches.clear();
             self.passes.truncate(at.place);
             self.is_complete = false;
         }

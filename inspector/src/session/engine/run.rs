@@ -10,6 +10,7 @@ use super::super::Session;
 use super::super::confirm::Confirming;
 use super::super::copies::{fill, stream_copy, textures};
 use super::super::request::{At, Opened, Texels, Update};
+use super::super::sketch::Sketcher;
 use super::{Moving, Run, Server, Trouble};
 use crate::settings::Settings;
 
@@ -53,7 +54,8 @@ impl Server {
         if let (Device::Gpu(gpu), Some(clock)) = (&device, self.devices.clock) {
             gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
         }
-        let session = Session::new(&scene, &settings.options(&scene), &device).await?;
+        let mut session = Session::new(&scene, &settings.options(&scene), &device).await?;
+        session.sketcher = Sketcher::new(&self.devices.gpu, session.renderer(), &self.outbox);
         let renderer = session.renderer();
         let mut copies = Vec::new();
         let textures = textures(&self.devices.gpu, renderer, &mut copies);
