@@ -112,12 +112,12 @@ mod tests {
         for place in 1..=50 {
             scrub.hold(place);
             engine.frame(&mut scrub);
-            // A step takes as long as ten movements of the pointer.
+            // A step takes as long as ten movements of the pointer: the next one is sent at the movement after it.
             if place % 10 == 0 {
                 engine.serve();
             }
         }
-        assert_eq!(engine.visited, [1, 10, 20, 30, 40]);
+        assert_eq!(engine.visited, [1, 11, 21, 31, 41]);
         scrub.release();
         for _ in 0..3 {
             engine.frame(&mut scrub);
@@ -125,7 +125,7 @@ mod tests {
         }
         engine.frame(&mut scrub);
         assert_eq!((engine.here, scrub.wanted(), scrub.is_waiting(50)), (50, None, false));
-        assert_eq!(engine.visited, [1, 10, 20, 30, 40, 50], "no step after the last");
+        assert_eq!(engine.visited, [1, 11, 21, 31, 41, 50], "no step after the last");
     }
 
     #[test]

@@ -38,6 +38,12 @@ fn button(stage: &mut Stage, pos: Pos2, button: PointerButton, pressed: bool) {
     stage.event(Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
 }
 
+/// Moves the cursor there; what it shows about it has its size after a frame.
+fn hover(stage: &mut Stage, pos: Pos2) {
+    stage.event(Event::PointerMoved(pos));
+    stage.frame();
+}
+
 /// The place under the cursor, as the window says it.
 fn under_cursor(stage: &Stage) -> Option<usize> {
     let texts = stage.painted();
@@ -99,7 +105,7 @@ fn passes_that_were_never_shown_have_thumbnails() {
         let rect = timeline(&s);
         let mut places = Vec::new();
         for x in (50..rect.width() as i32 - 10).step_by(10) {
-            s.event(Event::PointerMoved(pos2(rect.left() + x as f32, rect.center().y)));
+            hover(&mut s, pos2(rect.left() + x as f32, rect.center().y));
             let thumb = s.find(Role::Image, |name| name.starts_with("thumbnail after ")).expect("a thumbnail");
             let label = thumb.accesskit_node().label().expect("a name");
             places.push(label.split(' ').nth(2).and_then(|n| n.parse::<usize>().ok()).expect("a place"));
@@ -113,7 +119,7 @@ fn passes_that_were_never_shown_have_thumbnails() {
         while s.find(Role::Image, |label| label == name).is_none() {
             x += 3.0;
             assert!(x < rect.right(), "{name} is not found again");
-            s.event(Event::PointerMoved(pos2(x, rect.center().y)));
+            hover(&mut s, pos2(x, rect.center().y));
         }
         s.frames(2);
         let thumb = s.get(Role::Image, &name).rect();
@@ -147,13 +153,13 @@ fn scales_change_what_is_under_the_cursor_and_are_saved() {
     let mut s = stage(settings(DeviceKind::Cpu), usize::MAX);
     let rect = timeline(&s);
     let first = pos2(rect.left() + 42.0, rect.center().y);
-    s.event(Event::PointerMoved(first));
+    hover(&mut s, first);
     assert_eq!(under_cursor(&s), Some(1), "the first pass is shown first");
     s.click(Role::CheckBox, "walk only");
     s.click(Role::CheckBox, "log");
     s.settle();
     assert!(name(&s).ends_with("by pass, logarithmic, walk only"), "{}", name(&s));
-    s.event(Event::PointerMoved(first + egui::vec2(0.5, 0.0)));
+    hover(&mut s, first + egui::vec2(0.5, 0.0));
     assert_eq!(under_cursor(&s), Some(3), "generate and setup are hidden");
     s.click(Role::Button, "by device time");
     s.settle();
@@ -176,7 +182,7 @@ fn an_event_of_the_ray_is_named_and_a_click_goes_there() {
     while reads(&s).is_none() {
         x += 3.0;
         assert!(x < rect.right(), "no event is named");
-        s.event(Event::PointerMoved(pos2(x, lane)));
+        hover(&mut s, pos2(x, lane));
     }
     let text = reads(&s).expect("an event");
     s.click_at(pos2(x, lane));
@@ -203,7 +209,7 @@ fn a_bookmark_is_a_flag_that_returns_is_renamed_kept_and_deleted() {
     assert_eq!((s.place(), s.inspector().pixel()), (12, Some(PIXEL)), "its place and its ray");
 
     // Rename it.
-    s.event(Event::PointerMoved(at));
+    hover(&mut s, at);
     for pressed in [true, false] {
         button(&mut s, at, PointerButton::Secondary, pressed);
     }
@@ -294,7 +300,7 @@ fn every_schedule_and_the_build_of_a_grid_can_be_scrubbed() {
         let end = s.place();
         let rect = timeline(&s);
         let at = pos2(rect.left() + 40.0 + 0.3 * (rect.width() - 46.0), rect.center().y);
-        s.event(Event::PointerMoved(at));
+        hover(&mut s, at);
         let under = under_cursor(&s).unwrap_or_else(|| panic!("{what}: no pass is named"));
         s.click_at(at);
         s.settle();

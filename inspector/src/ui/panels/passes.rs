@@ -84,7 +84,7 @@ impl Panel for Passes {
                     let cells = pass.map_or_else(|| ["–".into(), "start".into(), String::new(), String::new()], cells);
                     let mut cells = cells;
                     if cx.shared.bookmark_at(pass.map_or(0, |pass| pass.index + 1)).is_some() {
-                        cells[0] += " ⚑";
+                        cells[0] += " •";
                     }
                     for cell in cells {
                         row.col(|ui| {

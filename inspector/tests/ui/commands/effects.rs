@@ -59,7 +59,7 @@ pub(super) fn remove_bookmarks(stage: &mut Stage, to_the_other: Command) {
     for command in [Command::ToggleBookmark, to_the_other, Command::ToggleBookmark] {
         stage.perform(command);
     }
-    assert!(!stage.paints("⚑"), "{:?}", stage.painted());
+    assert!(!stage.paints("•"), "{:?}", stage.painted());
 }
 
 pub(super) fn exposure(stage: &mut Stage) -> f64 {

@@ -140,7 +140,7 @@ pub(super) fn row(command: Command) -> Row {
         }),
         C::ToggleBookmark => (nothing, |s, was| {
             s.settle();
-            let flag = format!("{} ⚑", was.place - 1);
+            let flag = format!("{} •", was.place - 1);
             assert!(s.paints(&flag), "{:?}", s.painted());
             s.perform(Command::ToggleBookmark);
             assert!(!s.paints(&flag));

@@ -155,7 +155,7 @@ pub(super) fn paint(
 mod tests {
     use std::ops::ControlFlow;
 
-    use raystep_kernels::export::trace::{Rays, trace};
+    use raystep_kernels::export::trace::{Rays, TraceRow, trace};
     use raystep_kernels::{Device, Renderer};
     use raystep_scenes::generate;
 
@@ -175,13 +175,16 @@ mod tests {
             (life, ticks)
         });
         let count = |mark: Mark| ticks.iter().filter(|tick| tick.mark == mark).count();
-        let tests = life.rows.iter().filter(|row| row.tested.is_some()).count();
         // The reasons are found from other numbers of the same rows.
         let says = |part: &str| life.rows.iter().filter(|row| row.why.contains(part)).count();
         let (hits, accepted) = (says(", v "), says("accepted"));
+        // The pass that accepts the hit may test a triangle, too.
+        let is_only_test =
+            |row: &&TraceRow| row.tested.is_some() && ![", v ", "accepted"].iter().any(|p| row.why.contains(p));
+        let tests = life.rows.iter().filter(is_only_test).count();
         let texts: Vec<_> = life.rows.iter().map(|row| &row.why).collect();
-        assert!(hits > 0 && accepted == 1 && tests > hits, "{texts:#?}");
-        assert_eq!([Mark::Hit, Mark::Test, Mark::Accepted].map(count), [hits, tests - hits, accepted], "{texts:#?}");
+        assert!(hits > 0 && accepted == 1 && tests > 0, "{texts:#?}");
+        assert_eq!([Mark::Hit, Mark::Test, Mark::Accepted].map(count), [hits, tests, accepted], "{texts:#?}");
         assert!(count(Mark::Move) > 1);
         assert!(ticks.windows(2).all(|two| two[0].place < two[1].place));
         assert!(ticks.iter().all(|tick| life.rows[tick.row].place() == Some(tick.place)));
