@@ -235,6 +235,25 @@ fn main() -> Result<(), String> {
         start.elapsed()
     });
     window.frame(vec![press(false)]);
+    let at = |i: usize| pos2(660.0 + 560.0 * (0.02 * i as f32).sin(), 720.0);
+    let press = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.frame(vec![Event::PointerMoved(at(0)), press(at(0), true)]);
+    let (start, mut place, mut places) = (Instant::now(), window.inspector.model().place, 0);
+    window.times("drag in the timeline, a frame", 50.0, 4 * TIMES, |window, i| {
+        let start = Instant::now();
+        window.frame(vec![Event::PointerMoved(at(i))]);
+        let now = window.inspector.model().place;
+        places += usize::from(std::mem::replace(&mut place, now) != now);
+        start.elapsed()
+    });
+    let seconds = start.elapsed().as_secs_f64();
+    window.frame(vec![press(at(4 * TIMES), false)]);
+    println!("\ndragging showed {places} places in {seconds:.1} s, {:.1} a second", places as f64 / seconds);
     println!("\na limit below two idle repaints is two idle repaints");
     Ok(())
 }

@@ -32,8 +32,8 @@ const EVENTS: f32 = 13.0;
 const FOOT: f32 = 14.0;
 /// Points between two of them.
 const LABEL: f64 = 64.0;
-/// Below this height there are no thumbnails.
-const ROOM_FOR_STRIP: f32 = 96.0;
+/// There are no thumbnails if the chart is lower than this.
+const ROOM_FOR_STRIP: f32 = 58.0;
 
 /// The saved part of the panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -85,7 +85,7 @@ impl Panel for Timeline {
         let size = ui.available_size().max(vec2(LEFT + RIGHT + 40.0, 40.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let has_flags = !cx.shared.bookmarks.is_empty();
-        let lanes = lanes(rect, has_flags, cx.model.life.is_some(), cx.shared.thumbs.shown().next().is_some());
+        let lanes = lanes(rect, has_flags, has_events(cx), cx.shared.thumbs.shown().next().is_some());
         let axis = &self.axis;
         let (left, width) = (lanes.field.left(), f64::from(lanes.field.width().max(1.0)));
         let at = |part: f64| left + (part * width) as f32;
@@ -179,7 +179,7 @@ impl Timeline {
                     legend::entry(ui, columns::color(state), state.name, state.meaning);
                 }
             }
-            if cx.model.life.is_some() {
+            if has_events(cx) {
                 ui.separator();
                 let color = ui.visuals().text_color();
                 for (mark, name, about) in Mark::ALL {
@@ -210,11 +210,16 @@ impl Timeline {
     }
 }
 
+/// Whether a ray is selected that some pass processes.
+fn has_events(cx: &Context<'_>) -> bool {
+    cx.model.life.as_ref().is_some_and(|life| !life.rows.is_empty())
+}
+
 fn lanes(rect: Rect, has_flags: bool, has_events: bool, has_thumbs: bool) -> Lanes {
     let top = rect.top() + if has_flags { flags::LANE } else { 2.0 };
     let below = top + if has_events { EVENTS } else { 0.0 };
     let foot = rect.bottom() - FOOT;
-    let strip = (has_thumbs && foot - below > ROOM_FOR_STRIP - EVENTS - FOOT).then(|| (0.4 * (foot - below)).min(64.0));
+    let strip = (has_thumbs && foot - below > ROOM_FOR_STRIP).then(|| (0.4 * (foot - below)).min(64.0));
     let bottom = (foot - strip.map_or(0.0, |height| height + 2.0)).max(below + 8.0);
     let (left, right) = (rect.left() + LEFT, rect.right() - RIGHT);
     let lane = |top: f32, bottom: f32| Rect::from_min_max(pos2(left, top), pos2(right, bottom));
@@ -332,7 +337,7 @@ mod tests {
                 assert!(lanes.events.bottom() <= lanes.field.top());
                 if let Some(strip) = lanes.strip {
                     assert!(strip.top() > lanes.field.bottom() && strip.bottom() <= rect.bottom(), "{height}, {bits}");
-                    assert!(height >= 90.0);
+                    assert!(height >= ROOM_FOR_STRIP);
                 }
             }
         }

@@ -35,17 +35,28 @@ impl Flags {
             let ink = ui.visuals().text_color();
             let galley = ui.painter().layout_no_wrap(name.clone(), FontId::proportional(SMALLEST), ink);
             let room = (next - left).max(FLAG);
-            let width = (FLAG + 2.0 + galley.size().x).min(room);
-            let rect = Rect::from_min_size(pos2(left, lane.top()), vec2(width, lane.height()));
+            let wanted = FLAG + 2.0 + galley.size().x;
+            let before = i.checked_sub(1).map_or(lane.left(), |before| at[before].1 + FLAG);
+            // At the right edge, the name is on the other side of the pole.
+            let is_left = wanted > lane.right() - left && wanted < left - before;
+            let (has_room, width) = (is_left || wanted <= room, wanted.min(room).max(FLAG));
+            let rect = match is_left {
+                true => Rect::from_min_max(pos2(left - wanted, lane.top()), pos2(left, lane.bottom())),
+                false => Rect::from_min_size(pos2(left, lane.top()), vec2(width, lane.height())),
+            };
             let response = ui.interact(rect, ui.scope_id().with(("bookmark", place)), Sense::click());
             let color = ui.visuals().selection.stroke.color;
             let painter = ui.painter();
             painter.vline(left, rect.top()..=bottom, Stroke::new(1.0, color));
-            let flag = [vec2(0.0, 1.0), vec2(8.0, 5.0), vec2(0.0, 9.0)].map(|corner| rect.min + corner);
+            let flag = [vec2(0.0, 1.0), vec2(8.0, 5.0), vec2(0.0, 9.0)].map(|corner| {
+                let way = if is_left { -1.0 } else { 1.0 };
+                pos2(left + way * corner.x, rect.top() + corner.y)
+            });
             painter.add(Shape::convex_polygon(flag.to_vec(), color, Stroke::NONE));
             // A name that does not fit is in the hover text.
-            if FLAG + 2.0 + galley.size().x <= room {
-                let name = Align2::LEFT_CENTER.anchor_size(pos2(left + FLAG, rect.center().y), galley.size());
+            if has_room {
+                let from = if is_left { rect.left() } else { left + FLAG };
+                let name = Align2::LEFT_CENTER.anchor_size(pos2(from, rect.center().y), galley.size());
                 painter.galley(name.min, galley, ink);
             }
             if response.has_focus() || response.hovered() {
