@@ -2,8 +2,8 @@
 //!
 //! Cost is counted in threads launched: there is no clock here. A checkpoint is taken if a replay from the previous one
 //! would cost more than [`span`] allows; if they exceed the budget, those are dropped whose absence increases the
-//! longest replay the least. One more is kept before the last passes, and dropped last: that is where one goes back to
-//! from the end.
+//! longest replay the least. One more is kept before the last passes, where one goes back to from the end; among many it
+//! is dropped last.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,9 @@ fn span(renderer: &Renderer) -> u64 {
     }
 }
 
-/// The place before the end needs no checkpoint of its own if the last one is nearer than this part of a span.
+/// The checkpoint before the last passes is dropped last only if there is room for so many.
+const MANY: u64 = 8;
+/// It is not taken if the one before it is nearer than this part of a span.
 const NEAR: u64 = 8;
 
 pub(super) struct History {
@@ -112,10 +114,11 @@ impl History {
     pub(super) fn is_due(&mut self, place: usize, is_before_end: bool) -> bool {
         let fits = self.size.is_none_or(|size| size <= self.budget) && self.budget > 0;
         let since = self.since_checkpoint(place);
-        if is_before_end && fits && since > self.span / NEAR {
-            self.before_end.get_or_insert(place);
+        let is_due = fits && (since >= self.spacing() || is_before_end && since > self.span / NEAR);
+        if is_due && is_before_end {
+            self.before_end = self.before_end.max(Some(place));
         }
-        fits && (since >= self.spacing() || self.before_end == Some(place) && since > 0)
+        is_due
     }
 
     /// Keeps a checkpoint, and drops others if there is no room for all.
@@ -151,7 +154,8 @@ impl History {
             let after = places.get(i + 1).map_or(self.cost(usize::MAX), |&place| self.cost(place));
             after.saturating_sub(before)
         };
-        let least = (0..places.len()).min_by_key(|&i| (self.before_end == Some(places[i]), gap(i)));
+        let are_many = self.size.is_some_and(|size| size.saturating_mul(MANY) <= self.budget);
+        let least = (0..places.len()).min_by_key(|&i| (are_many && self.before_end == Some(places[i]), gap(i)));
         least.is_some_and(|i| self.kept.remove(&places[i]).is_some())
     }
 

@@ -13,8 +13,8 @@ use super::request::Update;
 const FIRST_STRIDE: usize = 4;
 /// Sketches with the same number of passes between them, before that number doubles.
 const MOST_OF_A_STRIDE: usize = 24;
-/// Sketches that may wait for the client.
-const MOST_WAITING: usize = 8;
+/// Bytes of sketches that may wait for the client.
+const MOST_BYTES_WAITING: u64 = 64 << 20;
 /// Most texels along a side of a sketch from the CPU: those of a thumbnail.
 pub(crate) const SIDE: u32 = 128;
 
@@ -59,7 +59,13 @@ impl Sketcher {
     /// Makes a sketch if this is a place for one.
     pub(super) async fn take(&mut self, renderer: &Renderer) -> Result<(), RenderError> {
         let place = renderer.pass_count();
-        if !place.is_multiple_of(self.stride) || Arc::strong_count(&self.waiting) > MOST_WAITING {
+        if !place.is_multiple_of(self.stride) {
+            return Ok(());
+        }
+        // Four bytes a tag; from the CPU only those of a thumbnail.
+        let texels = if renderer.gpu().is_some() { renderer.plan().rays } else { u64::from(SIDE * SIDE) };
+        let waiting = Arc::strong_count(&self.waiting).saturating_sub(1) as u64;
+        if (waiting + 1).saturating_mul(4 * texels) > MOST_BYTES_WAITING {
             return Ok(());
         }
         let texture = match renderer.gpu().map(|own| own.texture(self.stream)) {
