@@ -27,6 +27,8 @@ pub struct Saved {
     pub link: Option<Link>,
     /// The watches.
     pub watches: Option<String>,
+    /// The bookmarks, and their scene.
+    pub bookmarks: Option<String>,
     /// Recent files, the latest first.
     recent: Vec<String>,
 }
@@ -60,7 +62,15 @@ pub enum SavedError {
 
 impl Default for Saved {
     fn default() -> Self {
-        Self { version: VERSION, layout: None, settings: None, link: None, watches: None, recent: Vec::new() }
+        Self {
+            version: VERSION,
+            layout: None,
+            settings: None,
+            link: None,
+            watches: None,
+            bookmarks: None,
+            recent: Vec::new(),
+        }
     }
 }
 
@@ -155,6 +165,7 @@ mod tests {
             settings: Some("say \"hi\"\n\\ \u{7f} ø".into()),
             link: Some(Link { scene: Some("a b.glb".into()), ray: Some(LinkRay::Pixel([1, 2])), ..Link::default() }),
             watches: Some(String::new()),
+            bookmarks: Some("[\"start\"]".into()),
             ..Saved::default()
         };
         saved.opened("a b.glb");

@@ -16,6 +16,7 @@ pub mod judged;
 pub mod measure;
 mod model;
 pub mod request;
+mod sketch;
 mod target;
 mod told;
 mod travel;
@@ -28,11 +29,14 @@ use history::History;
 use raystep_kernels::export::trace::{RayState, ray_state};
 use raystep_kernels::{Device, Options, Pass, Progress, Region, RenderError, Renderer, Stream, StreamData};
 use raystep_scenes::Scene;
+use sketch::Sketcher;
 use twins::Twins;
 
 pub use edit::Edit;
 pub use history::DEFAULT_BUDGET;
 pub use model::{Model, Pinned, Work};
+pub(crate) use sketch::SIDE as SKETCH_SIDE;
+pub use sketch::Sketch;
 pub use target::Target;
 pub use told::Told;
 pub use watch::{Fired, Watch, Way};
@@ -54,6 +58,8 @@ pub struct Session {
     /// In order of their places, those of one place in the order in which they were made.
     edits: Vec<Edit>,
     twins: Option<Twins>,
+    /// Copies states for thumbnails, if somebody shows them.
+    sketcher: Option<Sketcher>,
     /// Whether the streams are those of [`place`](Self::place), including edits. False if a future was dropped before
     /// it completed, or if the device failed.
     is_settled: bool,
@@ -82,6 +88,7 @@ impl Session {
             history,
             edits: Vec::new(),
             twins: None,
+            sketcher: None,
             is_settled: true,
         }
     }

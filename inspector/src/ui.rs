@@ -1,6 +1,7 @@
 //! The window: menus, keys and panels for a run.
 
 mod asked_path;
+mod bookmarks;
 pub mod canvas;
 pub mod command;
 mod dialogs;
@@ -19,10 +20,12 @@ mod perform;
 mod picture;
 mod places;
 mod runs;
+mod scrub;
 mod selected;
 mod shared;
 mod style;
 mod take;
+mod thumbs;
 mod toast;
 
 use std::collections::VecDeque;
@@ -161,6 +164,7 @@ impl Inspector {
         self.model.is_busy()
             || self.other.as_ref().is_some_and(Model::is_busy)
             || !self.todo.is_empty()
+            || self.shared.scrub.is_waiting(self.model.place)
             || self.is_to_follow()
             || self.is_confirming()
             || self.lesson.as_ref().is_some_and(Lesson::is_waiting)
@@ -238,6 +242,12 @@ impl Inspector {
         self.show_dialog(&ctx);
         self.had_focus = ctx.egui_wants_keyboard_input();
         self.toasts.show(&ctx);
+        if !ctx.input(|input| input.pointer.any_down()) {
+            self.shared.scrub.release();
+        }
+        if self.shared.thumbs.draw_sketches(&self.canvas, &mut self.model) {
+            ctx.request_repaint();
+        }
         self.follow_up();
         self.serve_runs();
         self.hand_over();
@@ -326,6 +336,7 @@ impl Inspector {
     fn arrived(&mut self) {
         self.path = self.model.opened.as_ref().and_then(|opened| opened.path.clone());
         self.remember_file();
+        self.keep_bookmarks();
         let Some(opened) = &self.model.opened else { return };
         let plan = &opened.plan;
         for note in &opened.scene.notes {
@@ -344,6 +355,7 @@ impl Inspector {
         {
             other.cancel();
         }
+        self.shared.scrub.stop();
         self.shared.pixel = None;
         self.shared.select = pixel;
         self.shared.show = shown;
@@ -401,6 +413,11 @@ impl Inspector {
             && place != self.model.place
         {
             self.model.ask(Request::Step(Target::Pass(place)));
+        }
+        let target = self.shared.scrub.next(self.model.place, self.model.served());
+        if let Some(place) = target {
+            self.model.ask(Request::Step(Target::Pass(place)));
+            self.shared.scrub.sent(place, self.model.sent());
         }
         self.follow_selected();
     }

@@ -17,4 +17,5 @@ mod session;
 mod session_file;
 mod snapshots;
 mod stage;
+mod timeline;
 mod views;

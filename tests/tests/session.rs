@@ -99,6 +99,37 @@ fn what_is_kept_lies_evenly() {
 }
 
 #[test]
+fn the_place_before_the_last_pass_is_kept_and_kept_longest() {
+    let scene = scene("cornell-box.gltf");
+    for (name, device) in devices() {
+        block_on(gpu_of(&device), async {
+            let options = stepped(&scene, 16, 16);
+            let mut session = Session::new(&scene, &options, &device).await.expect("a session");
+            // A checkpoint about every ten passes; only by chance would one lie before the end.
+            session.set_span(2560);
+            let last = go(&mut session, Target::End).await;
+            let places: Vec<usize> = session.kept_places().collect();
+            assert_eq!(session.passes().last().map(|pass| pass.kernel), Some(kernels::SHADE));
+            // All hits are known there; a pass of the walk without rays may be left, and then the last one.
+            assert!(places.len() < last / 2 && places.last() >= Some(&(last - 2)), "{name}: {places:?} of {last}");
+            let shown = streams(&session).await;
+            assert_eq!(go(&mut session, Target::Previous).await, last - 1);
+            assert_eq!(go(&mut session, Target::Next).await, last);
+            assert!(streams(&session).await == shown, "{name}");
+            // Among many, it is dropped last.
+            let mut session = Session::new(&scene, &options, &device).await.expect("a session");
+            session.set_span(1);
+            assert_eq!(go(&mut session, Target::End).await, last);
+            session.set_budget(session.kept_bytes() / 3);
+            let places: Vec<usize> = session.kept_places().collect();
+            assert!(places.len() < last / 2 && places.last() == Some(&(last - 1)), "{name}: {places:?} of {last}");
+            session.set_budget(0);
+            assert_eq!(session.kept_places().count(), 0);
+        });
+    }
+}
+
+#[test]
 fn a_kernel_is_found_forward_and_back_and_a_ray_is_followed() {
     let scene = scene("cornell-box.gltf");
     let device = Device::Cpu(None);

@@ -2,7 +2,8 @@
 //!
 //! Cost is counted in threads launched: there is no clock here. A checkpoint is taken if a replay from the previous one
 //! would cost more than [`span`] allows; if they exceed the budget, those are dropped whose absence increases the
-//! longest replay the least.
+//! longest replay the least. One more is kept before the last passes, where one goes back to from the end; among many it
+//! is dropped last.
 
 use std::collections::BTreeMap;
 
@@ -21,6 +22,11 @@ fn span(renderer: &Renderer) -> u64 {
     }
 }
 
+/// The checkpoint before the last passes is dropped last only if there is room for so many.
+const MANY: u64 = 8;
+/// It is not taken if the one before it is nearer than this part of a span.
+const NEAR: u64 = 8;
+
 pub(super) struct History {
     known: Vec<Pass>,
     /// Cumulative cost of the passes, from none of them to all that are known.
@@ -32,6 +38,8 @@ pub(super) struct History {
     size: Option<u64>,
     /// Cost of a pass, until passes have shown it.
     rays: u64,
+    /// The checkpoint before the last passes.
+    before_end: Option<usize>,
 }
 
 impl History {
@@ -44,6 +52,7 @@ impl History {
             span: span(renderer),
             size: None,
             rays: renderer.plan().rays,
+            before_end: None,
         }
     }
 
@@ -70,11 +79,13 @@ impl History {
         self.known.truncate(place);
         self.costs.truncate(place + 1);
         self.kept.split_off(&(place + 1));
+        self.before_end = self.before_end.filter(|&before| before <= place);
     }
 
     /// Also invalidates the place itself.
     pub(super) fn forget_from(&mut self, place: usize) {
         self.forget_after(place);
+        self.before_end = self.before_end.filter(|&before| before != place);
         self.kept.remove(&place);
     }
 
@@ -105,10 +116,15 @@ impl History {
         usize::try_from(left / last.max(1)).unwrap_or(usize::MAX).max(1)
     }
 
-    /// Whether the place is worth a checkpoint.
-    pub(super) fn is_due(&self, place: usize) -> bool {
+    /// Whether the place is worth a checkpoint; `is_before_end`: only the last passes follow.
+    pub(super) fn is_due(&mut self, place: usize, is_before_end: bool) -> bool {
         let fits = self.size.is_none_or(|size| size <= self.budget) && self.budget > 0;
-        fits && self.since_checkpoint(place) >= self.spacing()
+        let since = self.since_checkpoint(place);
+        let is_due = fits && (since >= self.spacing() || is_before_end && since > self.span / NEAR);
+        if is_due && is_before_end {
+            self.before_end = self.before_end.max(Some(place));
+        }
+        is_due
     }
 
     /// Keeps a checkpoint, and drops others if there is no room for all.
@@ -144,7 +160,8 @@ impl History {
             let after = places.get(i + 1).map_or(self.cost(usize::MAX), |&place| self.cost(place));
             after.saturating_sub(before)
         };
-        let least = (0..places.len()).min_by_key(|&i| gap(i));
+        let are_many = self.size.is_some_and(|size| size.saturating_mul(MANY) <= self.budget);
+        let least = (0..places.len()).min_by_key(|&i| (are_many && self.before_end == Some(places[i]), gap(i)));
         least.is_some_and(|i| self.kept.remove(&places[i]).is_some())
     }
 

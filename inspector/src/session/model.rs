@@ -11,7 +11,7 @@ use raystep_kernels::{Kernel, Pass, Stream};
 use super::copies::bit;
 use super::engine::{Engine, EngineTask, GLIMPSING};
 use super::request::{At, Glimpse, Opened, Request, Texels, Update};
-use super::{Edit, Fired, Told};
+use super::{Edit, Fired, Sketch, Told};
 use crate::settings::Settings;
 
 /// Work in progress.
@@ -94,6 +94,8 @@ pub struct Model {
     pub texels: Vec<Texels>,
     /// Copies that were asked for, oldest first.
     pub pinned: Vec<Pinned>,
+    /// The states after passes on the way, until taken for thumbnails.
+    pub sketches: Vec<Sketch>,
     /// Work in progress.
     pub work: Option<Work>,
     /// Answers of jobs, until their requester takes them.
@@ -150,6 +152,7 @@ impl Model {
             glanced: None,
             texels: Vec::new(),
             pinned: Vec::new(),
+            sketches: Vec::new(),
             work: None,
             answers: Vec::new(),
             failures: Vec::new(),
@@ -202,6 +205,18 @@ impl Model {
         self.waiting > 0
     }
 
+    /// How many requests were sent.
+    #[must_use]
+    pub fn sent(&self) -> u64 {
+        self.sent
+    }
+
+    /// How many requests were served; all of them if the engine is gone.
+    #[must_use]
+    pub fn served(&self) -> u64 {
+        self.sent.saturating_sub(self.waiting as u64)
+    }
+
     /// Whether the streams are between two places: drawing them now would show neither.
     #[must_use]
     pub fn is_moving(&self) -> bool {
@@ -231,6 +246,7 @@ impl Model {
                 self.passes.clear();
                 self.texels.clear();
                 self.pinned.clear();
+                self.sketches.clear();
                 (self.place, self.is_complete, self.next, self.life) = (0, false, None, None);
                 (self.followed, self.told, self.reference_life) = (None, Told::default(), None);
                 (self.edits, self.twins) = (Vec::new(), None);
@@ -260,6 +276,7 @@ impl Model {
             Update::Pinned { stream, place, texture } => {
                 self.pinned.push(Pinned { stream, place, generation: self.generation, texture });
             }
+            Update::Sketched(sketch) => self.sketches.push(sketch),
             Update::Done(what, answer) => self.answers.push((what, answer)),
             Update::Progress(what, done, of) => self.work = Some(Work { what, done, of }),
             Update::Failed(what, message) => {
@@ -285,6 +302,7 @@ impl Model {
         if is_changed {
             self.edition += 1;
             self.texels.clear();
+            self.sketches.clear();
             self.passes.truncate(at.place);
             self.is_complete = false;
         }

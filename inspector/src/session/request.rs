@@ -10,7 +10,7 @@ use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
 
 use super::measure::Measure;
-use super::{Edit, Fired, Target, Watch, Way};
+use super::{Edit, Fired, Sketch, Target, Watch, Way};
 use crate::settings::Settings;
 
 /// Reads a scene; the error is one line.
@@ -203,6 +203,8 @@ pub enum Update {
         /// The copy.
         texture: wgpu::Texture,
     },
+    /// The states after a pass on the way.
+    Sketched(Sketch),
     /// The answer of a job, with the job's name.
     Done(&'static str, Box<dyn std::any::Any + Send>),
     /// Progress: name of the work, amount done, total (0 if unknown).

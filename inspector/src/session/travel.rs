@@ -69,15 +69,29 @@ impl Session {
         if let Some(edit) = self.edits.iter().find(|e| e.place > here) {
             stop = stop.min(edit.place);
         }
-        let result = self.run_to(stop, guide).await;
+        let known = self.history.known().len();
+        if let Some(sketcher) = &self.sketcher {
+            // Only passes that run for the first time.
+            stop = stop.min(sketcher.after(here.max(known)));
+        }
+        let result = match self.run_to(stop, guide).await {
+            Err(RenderError::Cancelled { .. }) if !guide.is_halted => Ok(()),
+            result => result,
+        };
         self.history.note(self.renderer.passes());
         if self.place() == stop {
             self.apply_edits().await?;
         }
         result?;
-        if self.history.is_due(self.place()) {
+        let is_last = self.is_before_end();
+        if self.history.is_due(self.place(), is_last) {
             let checkpoint = self.renderer.checkpoint().await;
             self.history.keep(checkpoint)?;
+        }
+        if self.place() > known
+            && let Some(sketcher) = &mut self.sketcher
+        {
+            sketcher.take(&self.renderer).await?;
         }
         Ok(())
     }
@@ -85,11 +99,22 @@ impl Session {
     /// Runs passes: first on the CPU reference, as many as are assigned to it, then on the session's device.
     async fn run_to(&mut self, stop: usize, guide: &mut Guide<'_>) -> Result<(), RenderError> {
         let here = self.place();
-        let mut tell = |progress: &Progress| guide.tell(progress);
+        // A pause where the walks have ended: the place before the last passes is worth a checkpoint.
+        let mut tell = |progress: &Progress| match guide.tell(progress) {
+            ControlFlow::Continue(()) if is_decided(progress) => ControlFlow::Break(()),
+            answer => answer,
+        };
         match &mut self.twins {
             Some(twins) if here < twins.until => twins.run_to(&mut self.renderer, stop, &mut tell).await,
             _ => self.renderer.run_to(stop, tell).await,
         }
+    }
+
+    /// Whether all hits are known and only the last passes are missing.
+    fn is_before_end(&self) -> bool {
+        self.renderer.plan().program.course.is_some()
+            && self.renderer.next_kernel().is_some()
+            && is_decided(&self.renderer.progress())
     }
 
     /// Applies the edits of this place.
@@ -103,4 +128,9 @@ impl Session {
         }
         Ok(())
     }
+}
+
+/// Whether all hits of the last sample are known.
+fn is_decided(progress: &Progress) -> bool {
+    progress.rays_decided == progress.rays && progress.samples.saturating_add(1) >= progress.samples_wanted
 }

@@ -70,6 +70,12 @@ pub enum Command {
     RunBackToWatch,
     /// Toggles a watch on the selected ray's state and hit.
     ToggleWatch,
+    /// Adds a bookmark at the current place, or removes it.
+    ToggleBookmark,
+    /// To the next bookmark.
+    NextBookmark,
+    /// To the previous bookmark.
+    PreviousBookmark,
     /// Starts or stops automatic stepping.
     Play,
     /// Cancels work in progress.
@@ -258,6 +264,9 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::RunToWatch, "Run to watch", NONE F5;
         C::RunBackToWatch, "Run back to watch", SHIFT F5;
         C::ToggleWatch, "Watch the selected ray's state and hit", NONE F9;
+        C::ToggleBookmark, "Bookmark this pass", CTRL M;
+        C::NextBookmark, "Next bookmark", CTRL_SHIFT ArrowDown;
+        C::PreviousBookmark, "Previous bookmark", CTRL_SHIFT ArrowUp;
         C::Play, "Play", NONE Space;
         C::Cancel, "Cancel", NONE Escape;
     }
@@ -387,7 +396,8 @@ pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
 fn is_global(shortcut: &KeyboardShortcut) -> bool {
     let function_keys = Key::F1..=Key::F12;
     function_keys.contains(&shortcut.logical_key)
-        || shortcut.modifiers.command && matches!(shortcut.logical_key, Key::P | Key::O | Key::G | Key::E | Key::Q)
+        || shortcut.modifiers.command
+            && matches!(shortcut.logical_key, Key::P | Key::O | Key::G | Key::E | Key::Q | Key::M)
 }
 
 #[cfg(test)]

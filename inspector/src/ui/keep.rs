@@ -1,4 +1,4 @@
-//! Settings that persist between sessions: the layout, watches, the last place, recent files.
+//! Settings that persist between sessions: the layout, watches, bookmarks, the last place, recent files.
 
 use egui_tiles::Tree;
 
@@ -22,6 +22,7 @@ impl Inspector {
         {
             self.shared.watches = watches;
         }
+        self.restore_bookmarks(saved.bookmarks.as_deref());
         self.shared.recent = saved.recent().to_vec();
         self.shared.last_place = saved.link.as_ref().map(ToString::to_string);
         self.saved = saved;
@@ -31,6 +32,7 @@ impl Inspector {
     pub fn keep(&mut self) {
         self.saved.layout = serde_json::to_string(self.own_tree()).ok();
         self.saved.watches = serde_json::to_string(&self.shared.watches).ok();
+        self.saved.bookmarks = self.bookmarks_to_save();
         if let Some(link) = self.link() {
             self.saved.link = Some(link);
         }

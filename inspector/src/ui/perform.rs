@@ -30,6 +30,8 @@ impl Inspector {
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
             C::NextEvent => self.event(true).is_some(),
             C::PreviousEvent => self.event(false).is_some(),
+            C::NextBookmark => has_run && self.shared.bookmark_from(model.place, true).is_some(),
+            C::PreviousBookmark => has_run && self.shared.bookmark_from(model.place, false).is_some(),
             C::ExportRay | C::ExportWalk => model.life.is_some(),
             C::NextBranch | C::PreviousBranch | C::MaskBranch => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
@@ -66,6 +68,8 @@ impl Inspector {
             C::Start => step(&mut self.model, Target::Start),
             C::End => step(&mut self.model, Target::End),
             C::NextEvent | C::PreviousEvent => self.shared.go_to = self.event(command == C::NextEvent),
+            C::ToggleBookmark => self.toggle_bookmark(),
+            C::NextBookmark | C::PreviousBookmark => self.visit_bookmark(command == C::NextBookmark),
             C::Play => {
                 self.is_playing = !self.is_playing;
                 if self.is_playing && self.model.next.is_none() {
@@ -74,6 +78,7 @@ impl Inspector {
             }
             C::Cancel => {
                 self.is_playing = false;
+                self.shared.scrub.stop();
                 self.model.cancel();
                 if let Some(other) = &self.other {
                     other.cancel();

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::host::FileToSave;
 use super::mask::Mask;
 use super::runs::KeptRuns;
+use super::scrub::Scrub;
+use super::thumbs::Thumbs;
 use crate::link::{Link, LinkStream};
 use crate::session::Watch;
 
@@ -73,6 +75,12 @@ pub struct Shared {
     pub mask: Option<Arc<Mask>>,
     /// Places to return to, by the number of passes.
     pub bookmarks: Vec<Bookmark>,
+    /// The scene that they belong to.
+    pub bookmarked: Option<String>,
+    /// The place that the timeline asks for.
+    pub scrub: Scrub,
+    /// Thumbnails of the stream in view.
+    pub thumbs: Thumbs,
     /// The panel that the cursor was over last: commands about a view go to it first.
     pub under: Option<egui_tiles::TileId>,
     /// The place that this frame's panels request, as a number of passes.
@@ -115,6 +123,9 @@ impl Default for Shared {
             picked: None,
             mask: None,
             bookmarks: Vec::new(),
+            bookmarked: None,
+            scrub: Scrub::default(),
+            thumbs: Thumbs::default(),
             under: None,
             go_to: None,
             select: None,

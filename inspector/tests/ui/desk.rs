@@ -37,6 +37,8 @@ pub(crate) struct Desk {
     pub(crate) sessions: Vec<(String, Vec<u8>)>,
     /// Names of existing files, if there are no dialogs.
     pub(crate) there: Vec<String>,
+    /// The saved settings.
+    pub(crate) remembered: Option<String>,
     events: Vec<HostEvent>,
 }
 
@@ -162,7 +164,9 @@ impl Host for TestHost {
         std::mem::take(&mut self.desk().events)
     }
 
-    fn remember(&mut self, _saved: &str) {}
+    fn remember(&mut self, saved: &str) {
+        self.desk().remembered = Some(saved.into());
+    }
 }
 
 /// A triangle of side 1 in the plane z = 0: three vertices, no indices, in a data URI.

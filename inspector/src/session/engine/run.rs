@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use futures_channel::mpsc::{UnboundedReceiver, unbounded};
 use raystep_kernels::{Device, Progress, RenderError, Stream, StreamData};
 use raystep_lab::layer_stats::LayerStats;
 use raystep_scenes::Scene;
@@ -11,6 +12,7 @@ use super::super::confirm::Confirming;
 use super::super::copies::{bit, fill, stream_copy, textures};
 use super::super::glimpse::Glimpses;
 use super::super::request::{At, Opened, Texels, Update};
+use super::super::sketch::Sketcher;
 use super::super::{Session, Target};
 use super::{GLIMPSING, Moving, Run, Server, Trouble, flow};
 use crate::settings::Settings;
@@ -57,6 +59,7 @@ impl Server {
             gpu.check_clock(clock).await.map_err(|error| Trouble::Failed(error.to_string()))?;
         }
         let mut session = Session::new(&scene, &settings.options(&scene), &device).await?;
+        let sketches = self.sketch(&mut session);
         let reached = self.reach(&mut session, place).await;
         if let Err(Trouble::Failed(message)) = reached {
             return Err(Trouble::Failed(message));
@@ -75,7 +78,7 @@ impl Server {
             confirming,
             glimpses,
         });
-        self.ready().await?;
+        self.ready(sketches).await?;
         reached
     }
 
@@ -97,10 +100,18 @@ impl Server {
         }
         run.settings = settings;
         (run.known, run.followed, run.confirming) = (0, None, Confirming::default());
+        let sketches = self.sketch(&mut run.session);
         let reached = self.reach(&mut run.session, place).await;
         self.run = Some(run);
-        self.ready().await?;
+        self.ready(sketches).await?;
         reached
+    }
+
+    /// Has the session make sketches; those made before its run is reported are sent after that.
+    fn sketch(&self, session: &mut Session) -> UnboundedReceiver<Update> {
+        let (before, sketches) = unbounded();
+        session.sketcher = Sketcher::new(&self.devices.gpu, session.renderer(), &before);
+        sketches
     }
 
     /// With a device that this machine has.
@@ -117,10 +128,13 @@ impl Server {
         session.step(Target::Pass(place), tell).await.map(drop).map_err(Trouble::from)
     }
 
-    /// Reports a run that is ready, once its streams can be drawn.
-    async fn ready(&mut self) -> Result<(), Trouble> {
+    /// Reports a run that is ready, once its streams can be drawn, and what was sketched on the way.
+    async fn ready(&mut self, mut sketches: UnboundedReceiver<Update>) -> Result<(), Trouble> {
         let at = self.at().await?;
         let Some((run, at)) = self.run.as_mut().zip(at) else { return Ok(()) };
+        if let Some(sketcher) = &mut run.session.sketcher {
+            sketcher.send_to(&self.outbox);
+        }
         let renderer = run.session.renderer();
         let textures = textures(&self.devices.gpu, renderer, &mut run.copies);
         let device = match &run.device {
@@ -142,6 +156,10 @@ impl Server {
             why_no_times,
         };
         self.say(Update::Opened(Box::new(opened), at));
+        while let Ok(sketch) = sketches.try_recv() {
+            // The client is gone: the inbox ends next.
+            let _ = self.outbox.unbounded_send(sketch);
+        }
         Ok(())
     }
 

@@ -82,6 +82,10 @@ impl Panel for Passes {
                     row.set_selected(index == current);
                     let pass = index.checked_sub(1).and_then(|i| cx.model.passes.get(rows[i]));
                     let cells = pass.map_or_else(|| ["–".into(), "start".into(), String::new(), String::new()], cells);
+                    let mut cells = cells;
+                    if cx.shared.bookmark_at(pass.map_or(0, |pass| pass.index + 1)).is_some() {
+                        cells[0] += " •";
+                    }
                     for cell in cells {
                         row.col(|ui| {
                             // Passes ahead are known from an earlier run.

@@ -38,6 +38,13 @@ struct Drawn {
     scale: f32,
 }
 
+impl Drawn {
+    /// What it shows, wherever it is in its panel.
+    fn of(self) -> Self {
+        Self { offset: [0.0; 2], scale: 1.0, ..self }
+    }
+}
+
 /// A view of a stream.
 #[derive(Default)]
 pub(in crate::ui) struct StreamView {
@@ -264,7 +271,9 @@ impl StreamView {
     /// Requests values when they have changed, and takes their range once they arrive.
     fn read_range(&mut self, cx: &mut Context<'_>, stream: Stream, layer: usize) {
         let (edition, place) = (cx.model.edition, cx.model.place);
-        if self.pinned.is_none() && self.asked != Some((edition, place, stream, layer)) && !cx.model.is_busy() {
+        let is_dragging = cx.shared.scrub.wanted().is_some();
+        let is_known = self.pinned.is_some() || self.asked == Some((edition, place, stream, layer));
+        if !is_known && !is_dragging && !cx.model.is_busy() {
             self.asked = Some((edition, place, stream, layer));
             cx.model.ask(Request::Count(stream, layer));
         }
@@ -321,7 +330,7 @@ impl StreamView {
     fn paint(
         &mut self,
         ui: &egui::Ui,
-        cx: &Context<'_>,
+        cx: &mut Context<'_>,
         rect: Rect,
         scale: f32,
         origin: Pos2,
@@ -370,6 +379,11 @@ impl StreamView {
             offset: [offset.x, offset.y],
             scale: scale * points,
         };
+        let is_chosen = self.look.stream.is_some() || layer.is_some();
+        let view = is_chosen.then_some((stream, layer));
+        if self.pinned.is_none() {
+            cx.shared.thumbs.look(view);
+        }
         let (target, is_new) = self.picture.target(cx.canvas, size);
         if is_new || self.drawn != Some(drawn) {
             let picture = stream::Picture {
@@ -386,11 +400,18 @@ impl StreamView {
                 scale: drawn.scale,
             };
             cx.canvas.streams.draw(&picture, target);
+            if self.pinned.is_none() && self.drawn.is_none_or(|before| before.of() != drawn.of()) {
+                cx.shared.thumbs.take(cx.canvas, moment, view, &picture);
+            }
             self.drawn = Some(drawn);
         }
         if let Some(id) = self.picture.id() {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(id, rect, whole, Color32::WHITE);
+        }
+        if self.pinned.is_none() {
+            let picture = Rect::from_min_size(origin, scale * vec2(texture.width() as f32, texture.height() as f32));
+            cx.shared.thumbs.cover(ui, rect, picture, moment.1, cx.shared.scrub.wanted());
         }
     }
 }

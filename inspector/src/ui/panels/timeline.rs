@@ -1,32 +1,67 @@
-//! Rays in each state over all passes, stacked; by pass, or by time on the device.
+//! The passes as a scrubber: rays in each state, by pass or by time on the device; the selected ray's events, bookmarks
+//! and thumbnails. Dragging goes through the passes, and the pictures follow.
 
-use egui::{Color32, Pos2, Rect, Sense, Stroke, pos2, vec2};
-use raystep_kernels::Pass;
-use raystep_kernels::tables::state::{StateInfo, StateRole};
+mod axis;
+mod columns;
+mod flags;
+mod height;
+mod inset;
+mod strip;
+mod ticks;
+
+use axis::{Axis, Scale};
+use columns::Columns;
+use egui::{EventFilter, FontId, Key, Modifiers, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
+use flags::Flags;
 use raystep_lab::text::counted;
 use serde::{Deserialize, Serialize};
+use ticks::{Mark, Tick, Ticks};
 
 use super::legend;
-use super::ray::current_row;
+use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
+use crate::ui::style::SMALLEST;
 
-/// The horizontal axis of the timeline.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Scale {
-    /// All passes have equal width.
-    #[default]
-    Passes,
-    /// Width is proportional to time on the device.
-    Time,
+/// Points left of the chart, for numbers of rays. Dragging into them goes to the start.
+const LEFT: f32 = 40.0;
+/// Points at the right, so that the last pass can be reached.
+const RIGHT: f32 = 6.0;
+/// Height of the lane of the ray's events.
+const EVENTS: f32 = 13.0;
+/// Height of the labels below the chart.
+const FOOT: f32 = 14.0;
+/// Points between two of them.
+const LABEL: f64 = 64.0;
+/// There are no thumbnails if the chart is lower than this.
+const ROOM_FOR_STRIP: f32 = 58.0;
+
+/// The saved part of the panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+struct Look {
+    scale: Scale,
+    is_log: bool,
+    is_walk_only: bool,
 }
 
 /// The timeline.
 #[derive(Default)]
 pub(in crate::ui) struct Timeline {
-    scale: Scale,
-    /// The end of each pass, as a fraction of the total, and the inputs of that result.
-    ends: Vec<f64>,
-    known: Option<(u64, usize, Scale)>,
+    look: Look,
+    axis: Axis,
+    /// The inputs of the axis, and how often they have changed.
+    known: Option<(u64, u64, usize, Look)>,
+    version: u64,
+    columns: Columns,
+    ticks: Ticks,
+    flags: Flags,
+}
+
+/// Where the parts of the panel are.
+struct Lanes {
+    events: Rect,
+    field: Rect,
+    strip: Option<Rect>,
 }
 
 impl Panel for Timeline {
@@ -34,133 +69,277 @@ impl Panel for Timeline {
         "Timeline".into()
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
-        let passes = &cx.model.passes;
-        if passes.is_empty() {
-            ui.weak("Step a pass to see how many rays are in each state.");
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        if cx.model.passes.is_empty() {
+            let rays = "Step a pass to see how many rays are in each state.";
+            ui.weak(if cx.has_rays() { rays } else { "Step a pass to see how many elements each pass works on." });
             return;
         }
-        let has_times = passes.iter().any(|pass| pass.duration_ns.is_some());
-        ui.horizontal_wrapped(|ui| {
-            ui.selectable_value(&mut self.scale, Scale::Passes, "by pass");
-            ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.scale, Scale::Time, "by device time"));
-            ui.separator();
-            for state in passes[0].kernel.program().states.iter().skip(1) {
-                legend::entry(ui, color(state), state.name, state.meaning);
-            }
-        });
-        if !has_times {
-            self.scale = Scale::Passes;
-        }
-        let known = (cx.model.generation, passes.len(), self.scale);
+        let look = self.tools(ui, cx);
+        let passes = &cx.model.passes;
+        let known = (cx.model.generation, cx.model.edition, passes.len(), look);
         if self.known != Some(known) {
-            self.ends = ends(passes, self.scale);
-            self.known = Some(known);
+            self.axis = Axis::new(passes, look.scale, look.is_walk_only);
+            (self.known, self.version) = (Some(known), self.version + 1);
         }
-        let (rect, response) =
-            ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 24.0)), Sense::click_and_drag());
-        self.draw(ui, rect, cx);
-        let at = |x: f32| f64::from((x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
-        let pass_at = |pos: Pos2| self.ends.partition_point(|&end| end < at(pos.x)).min(passes.len() - 1);
-        if let Some(pass) = response.hover_pos().map(pass_at).and_then(|i| passes.get(i)) {
-            response.clone().on_hover_ui_at_pointer(|ui| about(ui, pass));
+        let size = ui.available_size().max(vec2(LEFT + RIGHT + 40.0, 40.0));
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let has_flags = !cx.shared.bookmarks.is_empty();
+        let lanes = lanes(rect, has_flags, has_events(cx), cx.shared.thumbs.shown().next().is_some());
+        let axis = &self.axis;
+        let (left, width) = (lanes.field.left(), f64::from(lanes.field.width().max(1.0)));
+        let at = |part: f64| left + (part * width) as f32;
+        let part = |x: f32| f64::from(x - left) / width;
+        let middle = |place: usize| axis.middle_of(place).map(at);
+        let run = cx.model.opened.as_ref().map(|opened| (&*opened.data, opened.plan.program.states));
+        let ticks = self.ticks.of(cx.model.life.as_ref(), run);
+        let thumbs = lanes.strip.map(|lane| strip::placed(lane, &cx.shared.thumbs, middle)).unwrap_or_default();
+
+        // A mark or a thumbnail is met, or the pass under the cursor.
+        let pointer = response.interact_pointer_pos().or(response.hover_pos());
+        let is_drag = response.dragged() || response.drag_stopped();
+        let tick = pointer
+            .filter(|pos| lanes.events.contains(*pos) && !is_drag)
+            .and_then(|pos| ticks::nearest(ticks, pos.x, middle));
+        let thumb = pointer
+            .filter(|_| !is_drag)
+            .and_then(|pos| thumbs.iter().find(|(rect, _)| rect.contains(pos)).map(|(_, place)| *place));
+        let under =
+            pointer.map(|pos| tick.map(|tick| tick.place).or(thumb).unwrap_or_else(|| axis.place_at(part(pos.x))));
+        let is_held = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
+        match under {
+            Some(place) if is_held => cx.shared.scrub.hold(place),
+            Some(place) if response.clicked() || response.drag_stopped() => cx.shared.scrub.go(place),
+            _ => {}
         }
-        // During a drag, one place at a time; intermediate ones are skipped.
-        let is_asked = response.clicked() || response.dragged() && !cx.model.is_busy();
-        if let Some(pos) = response.interact_pointer_pos().filter(|_| is_asked) {
-            cx.shared.go_to = Some(pass_at(pos) + 1);
+        keys(ui, &response, cx, axis);
+
+        let shown = cx.shared.scrub.wanted().unwrap_or(cx.model.place);
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(lanes.field, 0.0, ui.visuals().extreme_bg_color);
+        let passes = &cx.model.passes;
+        let height = columns::height(passes, axis, look.is_walk_only, look.is_log);
+        self.columns.paint(&painter, lanes.field, (passes, axis, height), look.is_walk_only, self.version);
+        columns::marks(ui, &painter, lanes.field, height);
+        feet(ui, lanes.field, axis, look.scale);
+        let colors = [ui.visuals().text_color(), ui.visuals().selection.stroke.color];
+        ticks::paint(&painter, lanes.events, ticks, shown, colors, middle);
+        strip::paint(&painter, &thumbs, &cx.shared.thumbs, shown);
+        playhead(ui, rect, &lanes, at(axis.part_of(shown)));
+        if let Some(pos) = pointer.filter(|pos| rect.contains(*pos) || is_held) {
+            painter.vline(pos.x.clamp(left, rect.right()), lanes.field.y_range(), Stroke::new(1.0, colors[0]));
         }
-        let text = format!("after {} of {} known passes", cx.model.place, passes.len());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, &text));
+        if response.has_focus() {
+            painter.rect_stroke(rect, 2.0, Stroke::new(2.0, colors[1]), egui::StrokeKind::Inside);
+        }
+        if let Some((pos, place)) = pointer.zip(under).filter(|_| !egui::Popup::is_any_open(ui.ctx())) {
+            let text = event_at(cx, ticks, tick, place);
+            inset::show(ui, cx, pos2(pos.x, rect.top() - 2.0), place, text.as_deref());
+        }
+        let text = self.text(cx, shown, look);
+        let value = Some(shown as f64);
+        response
+            .widget_info(|| egui::WidgetInfo { value, ..egui::WidgetInfo::labeled(egui::Role::Slider, true, &text) });
+        let axis = &self.axis;
+        let lane = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + flags::LANE));
+        self.flags.show(ui, cx, lane, lanes.field.bottom(), |place| at(axis.part_of(place)));
     }
 
     fn save(&self) -> String {
-        serde_json::to_string(&self.scale).unwrap_or_default()
+        serde_json::to_string(&self.look).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        self.scale = serde_json::from_str(saved).unwrap_or_default();
-    }
-}
-
-fn color(state: &StateInfo) -> Color32 {
-    let [r, g, b] = state.colour;
-    Color32::from_rgb(r, g, b)
-}
-
-/// The end of each pass, as a fraction of the total.
-fn ends(passes: &[Pass], scale: Scale) -> Vec<f64> {
-    let width = |pass: &Pass| match scale {
-        Scale::Passes => 1.0,
-        Scale::Time => pass.duration_ns.unwrap_or(0) as f64,
-    };
-    let whole: f64 = passes.iter().map(width).sum();
-    let mut end = 0.0;
-    passes
-        .iter()
-        .map(|pass| {
-            end += width(pass);
-            if whole > 0.0 { end / whole } else { 1.0 }
-        })
-        .collect()
-}
-
-fn about(ui: &mut egui::Ui, pass: &Pass) {
-    ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
-    ui.label(format!("processed {}", counted(pass.rays_in, "ray")));
-    if let Some(ns) = pass.duration_ns {
-        ui.label(format!("{:.1} µs on the device", ns as f64 / 1e3));
-    }
-    for StateInfo { tag, name, .. } in pass.kernel.program().states.iter() {
-        let count = pass.counts[*tag as usize];
-        if count > 0 {
-            ui.label(format!("{count} {name} after it"));
-        }
+        // Formerly only the scale was saved.
+        let only_scale = |_| serde_json::from_str(saved).map(|scale| Look { scale, ..Look::default() });
+        self.look = serde_json::from_str(saved).or_else(only_scale).unwrap_or_default();
     }
 }
 
 impl Timeline {
-    fn draw(&self, ui: &egui::Ui, rect: Rect, cx: &Context<'_>) {
-        let painter = ui.painter().with_clip_rect(rect);
-        painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-        let (passes, model) = (&cx.model.passes, &cx.model);
-        let x = |part: f64| rect.left() + (part * f64::from(rect.width())) as f32;
-        let rays: u32 = passes[0].counts.iter().sum();
-        // One bar per point if there are more passes than points: the last pass that ends in it.
-        let columns = rect.width().ceil().max(1.0) as usize;
-        let bars: Vec<(f32, f32, usize)> = if passes.len() <= columns {
-            (0..passes.len()).map(|i| (x(if i == 0 { 0.0 } else { self.ends[i - 1] }), x(self.ends[i]), i)).collect()
-        } else {
-            let pass = |c: usize| self.ends.partition_point(|&end| end < (c as f64 + 0.5) / columns as f64);
-            (0..columns)
-                .map(|c| (rect.left() + c as f32, rect.left() + c as f32 + 1.0, pass(c).min(passes.len() - 1)))
-                .collect()
-        };
-        for (left, right, i) in bars {
-            let mut bottom = rect.bottom();
-            // Waiting rays at the bottom, finished ones on top: the remaining work shrinks downwards.
-            let is_shown = |state: &&StateInfo| matches!(state.role, StateRole::Active | StateRole::Resolved);
-            for state in passes[i].kernel.program().states.iter().filter(is_shown) {
-                let share = passes[i].counts[state.tag as usize] as f32 / rays.max(1) as f32;
-                let top = bottom - share * rect.height();
-                let bar = Rect::from_min_max(pos2(left, top), pos2(right.max(left + 0.5), bottom));
-                if share > 0.0 {
-                    painter.rect_filled(bar, 0.0, color(state));
+    /// The scales, as far as this run has them, and the legend.
+    fn tools(&mut self, ui: &mut Ui, cx: &Context<'_>) -> Look {
+        let passes = &cx.model.passes;
+        let has_times = passes.iter().any(|pass| pass.duration_ns.is_some());
+        let has_walk = passes.iter().any(axis::is_of_walk);
+        let why_no_times = cx.model.opened.as_ref().and_then(|opened| opened.why_no_times.clone());
+        ui.horizontal_wrapped(|ui| {
+            ui.selectable_value(&mut self.look.scale, Scale::Passes, "by pass");
+            ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.look.scale, Scale::Time, "by device time"))
+                .inner
+                .on_disabled_hover_text(why_no_times.unwrap_or_else(|| "no pass has a time".into()));
+            ui.checkbox(&mut self.look.is_log, "log").on_hover_text("logarithmic numbers: few rays are visible, too");
+            ui.add_enabled_ui(has_walk, |ui| ui.checkbox(&mut self.look.is_walk_only, "walk only"))
+                .inner
+                .on_hover_text("hide passes before and after the walk, and rays that have left it")
+                .on_disabled_hover_text("this run has no passes of a walk");
+            ui.separator();
+            if let Some(pass) = passes.first() {
+                for state in columns::states(pass, self.look.is_walk_only && has_walk) {
+                    legend::entry(ui, columns::color(state), state.name, state.meaning);
                 }
-                bottom = top;
+            }
+            if has_events(cx) {
+                ui.separator();
+                let color = ui.visuals().text_color();
+                for (mark, name, about) in Mark::ALL {
+                    legend::painted(ui, name, about, |painter, rect| mark.paint(painter, rect.center(), color));
+                }
+            }
+        });
+        Look {
+            scale: if has_times { self.look.scale } else { Scale::Passes },
+            is_walk_only: self.look.is_walk_only && has_walk,
+            ..self.look
+        }
+    }
+
+    /// For screen readers.
+    fn text(&self, cx: &Context<'_>, place: usize, look: Look) -> String {
+        let known = cx.model.passes.len();
+        let mut text = format!("after {place} of {known} known passes");
+        if let Some(pass) = place.checked_sub(1).and_then(|last| cx.model.passes.get(last)) {
+            text += &format!("; pass {}: {}, processed {}", pass.index, pass.kernel.name(), pass.rays_in);
+            text += &inset::states(pass).map_or_else(String::new, |states| format!(", {states}"));
+        }
+        if !cx.shared.bookmarks.is_empty() {
+            text += &format!("; {}", counted(cx.shared.bookmarks.len(), "bookmark"));
+        }
+        text += if look.scale == Scale::Time { "; by device time" } else { "; by pass" };
+        text + if look.is_log { ", logarithmic" } else { "" } + if look.is_walk_only { ", walk only" } else { "" }
+    }
+}
+
+/// Whether a ray is selected that some pass processes.
+fn has_events(cx: &Context<'_>) -> bool {
+    cx.model.life.as_ref().is_some_and(|life| !life.rows.is_empty())
+}
+
+fn lanes(rect: Rect, has_flags: bool, has_events: bool, has_thumbs: bool) -> Lanes {
+    let top = rect.top() + if has_flags { flags::LANE } else { 2.0 };
+    let below = top + if has_events { EVENTS } else { 0.0 };
+    let foot = rect.bottom() - FOOT;
+    let strip = (has_thumbs && foot - below > ROOM_FOR_STRIP).then(|| (0.4 * (foot - below)).min(64.0));
+    let bottom = (foot - strip.map_or(0.0, |height| height + 2.0)).max(below + 8.0);
+    let (left, right) = (rect.left() + LEFT, rect.right() - RIGHT);
+    let lane = |top: f32, bottom: f32| Rect::from_min_max(pos2(left, top), pos2(right, bottom));
+    // Marks of the first pass are cut off at the field's edge otherwise.
+    let events = lane(top, below).expand2(vec2(RIGHT, 0.0));
+    Lanes { events, field: lane(below, bottom), strip: strip.map(|height| lane(foot - height, foot)) }
+}
+
+/// The keys of a slider, while it has the focus.
+fn keys(ui: &Ui, response: &Response, cx: &mut Context<'_>, axis: &Axis) {
+    let id = response.id;
+    let asked = |action| ui.input(|input| input.num_accesskit_action_requests(id, action)) as i64;
+    let mut by = asked(egui::accesskit::Action::Increment) - asked(egui::accesskit::Action::Decrement);
+    if response.has_focus() {
+        let filter = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        ui.input_mut(|input| {
+            // With Shift first: without it, it is allowed too.
+            for (modifiers, far) in [(Modifiers::SHIFT, 10), (Modifiers::NONE, 1)] {
+                let mut count = |key| input.count_and_consume_key(modifiers, key) as i64;
+                by += far * (count(Key::ArrowRight) - count(Key::ArrowLeft));
+            }
+            for (key, command) in [(Key::Home, Command::Start), (Key::End, Command::End)] {
+                if input.consume_key(Modifiers::NONE, key) {
+                    cx.todo.push(command);
+                }
+            }
+        });
+    }
+    if by != 0 {
+        let from = cx.shared.scrub.wanted().unwrap_or(cx.model.place);
+        cx.shared.scrub.go(axis.step(from, by));
+    }
+}
+
+/// The place that is shown, or on its way: a line, with a handle below the chart.
+fn playhead(ui: &Ui, rect: Rect, lanes: &Lanes, x: f32) {
+    let painter = ui.painter().with_clip_rect(rect);
+    let x = x.clamp(lanes.field.left() + 1.0, lanes.field.right() - 1.0);
+    let bottom = lanes.strip.map_or(lanes.field.bottom(), |strip| strip.bottom());
+    // With an edge, it is visible over every colour.
+    painter.vline(x, lanes.field.top()..=bottom, Stroke::new(4.0, ui.visuals().extreme_bg_color));
+    painter.vline(x, lanes.field.top()..=bottom, Stroke::new(2.0, ui.visuals().strong_text_color()));
+}
+
+/// Indices of passes, or times, below the chart.
+fn feet(ui: &Ui, field: Rect, axis: &Axis, scale: Scale) {
+    let bottom = ui.max_rect().bottom();
+    let (ink, font) = (ui.visuals().text_color(), FontId::proportional(SMALLEST));
+    let painter = ui.painter();
+    let step = axis::round_up(axis.total * LABEL / f64::from(field.width().max(1.0)));
+    let label = |part: f64, text: String| {
+        let x = field.left() + (part * f64::from(field.width())) as f32;
+        let galley = painter.layout_no_wrap(text, font.clone(), ink);
+        let left = (x - 0.5 * galley.size().x).min(field.right() + RIGHT - galley.size().x);
+        painter.galley(pos2(left, bottom - galley.size().y), galley, ink);
+    };
+    match scale {
+        Scale::Passes => {
+            let every = step.max(1.0) as usize;
+            let marked = (0..axis.len()).filter_map(|at| Some((at, axis.pass(at)?)));
+            for (at, pass) in marked.filter(|(_, pass)| pass.is_multiple_of(every)) {
+                let [begin, end] = axis.span(at);
+                label(0.5 * (begin + end), pass.to_string());
             }
         }
-        let tick = |place: usize| if place == 0 { rect.left() } else { x(self.ends[place.min(passes.len()) - 1]) };
-        if let Some(life) = &model.life {
-            let current = current_row(life, model.place);
-            for (i, row) in life.rows.iter().enumerate() {
-                let Some(place) = row.place().filter(|&place| place <= passes.len()) else { continue };
-                let color = if Some(i) == current { Color32::WHITE } else { Color32::from_white_alpha(90) };
-                let at = tick(place);
-                painter.vline(at, rect.top()..=rect.top() + 5.0, Stroke::new(1.0, color));
+        Scale::Time => {
+            let (unit, of) = match axis.total {
+                ns if ns < 2e6 => ("µs", 1e3),
+                ns if ns < 2e9 => ("ms", 1e6),
+                _ => ("s", 1e9),
+            };
+            let digits = (-(step / of).log10()).ceil().clamp(0.0, 9.0) as usize;
+            let count = (axis.total / step).floor().min(1000.0) as usize;
+            for i in 0..=count {
+                let ns = i as f64 * step;
+                label(ns / axis.total.max(1.0), format!("{:.digits$} {unit}", ns / of));
             }
         }
-        let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
-        painter.vline(tick(model.place).clamp(rect.left() + 1.0, rect.right() - 1.0), rect.y_range(), stroke);
+    }
+}
+
+/// The ray's event in the pass under the cursor, in words.
+fn event_at(cx: &Context<'_>, ticks: &[Tick], tick: Option<Tick>, place: usize) -> Option<String> {
+    let tick = tick.or_else(|| ticks.iter().find(|tick| tick.place == place).copied())?;
+    let row = cx.model.life.as_ref()?.rows.get(tick.row)?;
+    Some(format!("the selected ray: {}", row.why))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_saved_comes_back_also_from_before_there_was_more_than_a_scale() {
+        let look = Look { scale: Scale::Time, is_log: true, is_walk_only: true };
+        let timeline = Timeline { look, ..Timeline::default() };
+        let saved = timeline.save();
+        let mut other = Timeline::default();
+        other.load(&saved);
+        assert_eq!(other.look, timeline.look);
+        other.load("\"Time\"");
+        assert_eq!(other.look, Look { scale: Scale::Time, ..Look::default() });
+        other.load("nonsense");
+        assert_eq!(other.look, Look::default());
+    }
+
+    #[test]
+    fn lanes_lie_in_the_panel_however_small_it_is() {
+        for height in [40.0, 60.0, 90.0, 130.0, 400.0] {
+            let rect = Rect::from_min_size(pos2(5.0, 7.0), vec2(300.0, height));
+            for bits in 0..8 {
+                let lanes = lanes(rect, bits & 1 > 0, bits & 2 > 0, bits & 4 > 0);
+                assert!(lanes.field.height() >= 8.0 && rect.contains_rect(lanes.field), "{height}, {bits}");
+                assert!(lanes.events.bottom() <= lanes.field.top());
+                if let Some(strip) = lanes.strip {
+                    assert!(strip.top() > lanes.field.bottom() && strip.bottom() <= rect.bottom(), "{height}, {bits}");
+                    assert!(height >= ROOM_FOR_STRIP);
+                }
+            }
+        }
     }
 }

@@ -87,6 +87,23 @@ pub(super) fn play(stage: &mut Stage) -> f64 {
     0.0
 }
 
+/// Bookmarks after the next pass and before the last one.
+pub(super) fn bookmarks_around(stage: &mut Stage) -> f64 {
+    use Command as C;
+    for command in [C::NextPass, C::ToggleBookmark, C::PreviousPass, C::PreviousPass, C::ToggleBookmark, C::NextPass] {
+        stage.perform(command);
+    }
+    0.0
+}
+
+/// Removes the bookmark here and the other one.
+pub(super) fn remove_bookmarks(stage: &mut Stage, to_the_other: Command) {
+    for command in [Command::ToggleBookmark, to_the_other, Command::ToggleBookmark] {
+        stage.perform(command);
+    }
+    assert!(!stage.paints("•"), "{:?}", stage.painted());
+}
+
 pub(super) fn exposure(stage: &mut Stage) -> f64 {
     stage.show_stream(streams::COLOR, "rgb");
     stage.number("exposure")

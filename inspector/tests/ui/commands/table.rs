@@ -8,9 +8,9 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    assert_all, begin_lesson, choose_cornell, choose_session, event, exposure, is_ray_watched, is_shown, keep,
-    leave_lesson, moved_range, nothing, open_session, pixel_moved, play, range, same_kernel, show_watches, shown,
-    sort_rays, watch_the_ray, zoomed,
+    assert_all, begin_lesson, bookmarks_around, choose_cornell, choose_session, event, exposure, is_ray_watched,
+    is_shown, keep, leave_lesson, moved_range, nothing, open_session, pixel_moved, play, range, remove_bookmarks,
+    same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -139,6 +139,23 @@ pub(super) fn row(command: Command) -> Row {
             s.settle();
             assert_eq!(is_ray_watched(s), was.number == 0.0);
             s.perform(Command::ToggleWatch);
+        }),
+        C::ToggleBookmark => (nothing, |s, was| {
+            s.settle();
+            let flag = format!("{} •", was.place - 1);
+            assert!(s.paints(&flag), "{:?}", s.painted());
+            s.perform(Command::ToggleBookmark);
+            assert!(!s.paints(&flag));
+        }),
+        C::NextBookmark => (bookmarks_around, |s, was| {
+            s.settle();
+            assert_eq!(s.place(), was.place + 1);
+            remove_bookmarks(s, Command::PreviousBookmark);
+        }),
+        C::PreviousBookmark => (bookmarks_around, |s, was| {
+            s.settle();
+            assert_eq!(s.place(), was.place - 1);
+            remove_bookmarks(s, Command::NextBookmark);
         }),
         C::Play => (nothing, |s, was| {
             let place = was.place;

@@ -1,0 +1,71 @@
+//! What is under the cursor: a pass, the ray's event, a bookmark, and the nearest thumbnail, above the timeline.
+
+use egui::{Align2, Area, Color32, Frame, Order, Pos2, RichText, Sense, Ui, vec2};
+use raystep_kernels::Pass;
+use raystep_lab::text::counted;
+
+use crate::ui::pane::Context;
+
+/// Height of the thumbnail.
+const PICTURE: f32 = 96.0;
+/// Width of its texts.
+const WIDTH: f32 = 300.0;
+
+/// Shows it above `at`.
+pub(super) fn show(ui: &Ui, cx: &Context<'_>, at: Pos2, place: usize, event: Option<&str>) {
+    let area = Area::new(ui.scope_id().with("inset")).order(Order::Tooltip).interactable(false).fade_in(false);
+    area.pivot(Align2::CENTER_BOTTOM).fixed_pos(at).constrain(true).show(ui.ctx(), |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| {
+            ui.set_max_width(WIDTH + 140.0);
+            ui.horizontal_top(|ui| {
+                picture(ui, cx, place);
+                ui.vertical(|ui| {
+                    ui.set_max_width(WIDTH);
+                    about(ui, cx, place);
+                    if let Some(event) = event {
+                        ui.label(event);
+                    }
+                    if let Some(bookmark) = cx.shared.bookmark_at(place).and_then(|i| cx.shared.bookmarks.get(i)) {
+                        ui.label(format!("bookmark: {}", bookmark.name));
+                    }
+                });
+            });
+        });
+    });
+}
+
+fn picture(ui: &mut Ui, cx: &Context<'_>, place: usize) {
+    let Some(thumb) = cx.shared.thumbs.nearest(place) else { return };
+    ui.vertical(|ui| {
+        let (rect, response) = ui.allocate_exact_size(vec2(thumb.width(PICTURE), PICTURE), Sense::hover());
+        thumb.paint(ui.painter(), rect, Color32::WHITE);
+        let text = format!("after {}", counted(thumb.place, "pass"));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("thumbnail {text}")));
+        // Where this pass was never shown, it is another one's.
+        let text = if thumb.place == place { text } else { format!("nearest: {text}") };
+        ui.label(RichText::new(text).small());
+    });
+}
+
+fn about(ui: &mut Ui, cx: &Context<'_>, place: usize) {
+    let Some(pass) = place.checked_sub(1).and_then(|index| cx.model.passes.get(index)) else {
+        ui.strong("before the first pass");
+        return;
+    };
+    ui.strong(format!("pass {}: {}", pass.index, pass.kernel.name()));
+    ui.label(format!("processed {}", counted(pass.rays_in, if cx.has_rays() { "ray" } else { "element" })));
+    if let Some(ns) = pass.duration_ns {
+        ui.label(format!("{:.1} µs on the device", ns as f64 / 1e3));
+    }
+    if let Some(states) = states(pass) {
+        ui.label(states);
+    }
+}
+
+/// The rays in each state after a pass, in words.
+pub(super) fn states(pass: &Pass) -> Option<String> {
+    let count = |tag: u32| pass.counts.get(tag as usize).copied().unwrap_or(0);
+    let states = pass.kernel.program().states.iter().filter(|state| count(state.tag) > 0);
+    let texts: Vec<String> = states.map(|state| format!("{} {}", count(state.tag), state.name)).collect();
+    (!texts.is_empty()).then(|| format!("after it {}", texts.join(", ")))
+}
