@@ -99,6 +99,8 @@ pub enum Command {
     ResetRange,
     /// Fits the picture to its panel.
     Fit,
+    /// Frames the selected ray's walk in the 3D view.
+    FrameWalk,
     /// Shows a copy of the current stream in a new tab.
     Pin,
     /// Switches between light and dark theme.
@@ -250,6 +252,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Normalise, "Normalise range", NONE N;
         C::ResetRange, "Reset range", NONE R;
         C::Fit, "Fit to panel", NONE F;
+        C::FrameWalk, "Frame walk in 3D";
         C::Pin, "Pin this stream", NONE P;
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";

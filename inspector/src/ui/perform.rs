@@ -18,12 +18,12 @@ impl Inspector {
         match command {
             C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
             C::Palette | C::Help | C::LessonRay | C::LessonGrid | C::LessonCrack => true,
-            C::Cancel => self.is_busy() || self.is_playing,
+            C::Cancel => self.is_busy() || self.is_playing || self.shared.picked.is_some(),
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
             C::NextEvent => self.event(true).is_some(),
             C::PreviousEvent => self.event(false).is_some(),
-            C::ExportRay | C::ExportWalk => model.life.is_some(),
+            C::ExportRay | C::ExportWalk | C::FrameWalk => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
             C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
             _ => has_run,
@@ -64,6 +64,7 @@ impl Inspector {
                     step(&mut self.model, Target::Start);
                 }
             }
+            C::Cancel if !self.is_busy() && !self.is_playing => self.shared.picked = None,
             C::Cancel => {
                 self.is_playing = false;
                 self.model.cancel();
@@ -108,6 +109,10 @@ impl Inspector {
             }
             C::ExportWalk => {
                 layout::show(&mut self.tree, PaneKind::Walk2d);
+                self.ask_panels(command);
+            }
+            C::FrameWalk => {
+                layout::show(&mut self.tree, PaneKind::Walk3d);
                 self.ask_panels(command);
             }
             C::ExportDataflow => {

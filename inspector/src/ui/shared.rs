@@ -1,6 +1,9 @@
 //! State shared by panels.
 
+use std::sync::Arc;
+
 use raystep_kernels::Stream;
+use raystep_kernels::scene_data::SceneData;
 use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
@@ -65,6 +68,8 @@ pub struct Shared {
     pub hovered: Option<[u32; 2]>,
     /// The cell, node or triangle that was clicked last, in any panel.
     pub picked: Option<Picked>,
+    /// The same scene with another structure, if the unfolded walk shows both.
+    pub beside: Option<Arc<SceneData>>,
     /// Places to return to, by the number of passes.
     pub bookmarks: Vec<Bookmark>,
     /// The panel that the cursor was over last: commands about a view go to it first.
@@ -105,6 +110,7 @@ impl Default for Shared {
             pixel: None,
             hovered: None,
             picked: None,
+            beside: None,
             bookmarks: Vec::new(),
             under: None,
             go_to: None,

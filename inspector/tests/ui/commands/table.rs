@@ -7,8 +7,8 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, moved_range, nothing, pixel_moved, play,
-    range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, moved_range, moved_view, nothing,
+    pixel_moved, play, range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -205,6 +205,11 @@ pub(super) fn row(command: Command) -> Row {
         C::Fit => (zoomed, |s, _| {
             s.settle();
             s.get(Role::Button, "fit");
+        }),
+        C::FrameWalk => (moved_view, |s, _| {
+            s.settle();
+            is_shown(s, PaneKind::Walk3d);
+            assert!(!s.reads("view moved by hand"), "{}", s.read_out());
         }),
         C::Pin => (nothing, |s, was| {
             s.settle();
