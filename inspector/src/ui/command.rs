@@ -101,6 +101,8 @@ pub enum Command {
     Fit,
     /// Frames the selected ray's walk in the 3D view.
     FrameWalk,
+    /// Shows the ray's walk through the other structure as well, in the unfolded walk.
+    SecondWalk,
     /// Shows a copy of the current stream in a new tab.
     Pin,
     /// Switches between light and dark theme.
@@ -253,6 +255,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::ResetRange, "Reset range", NONE R;
         C::Fit, "Fit to panel", NONE F;
         C::FrameWalk, "Frame walk in 3D";
+        C::SecondWalk, "Unfold grid and BVH walks together";
         C::Pin, "Pin this stream", NONE P;
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";

@@ -23,7 +23,7 @@ impl Inspector {
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
             C::NextEvent => self.event(true).is_some(),
             C::PreviousEvent => self.event(false).is_some(),
-            C::ExportRay | C::ExportWalk | C::FrameWalk => model.life.is_some(),
+            C::ExportRay | C::ExportWalk | C::FrameWalk | C::SecondWalk => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
             C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
             _ => has_run,
@@ -107,7 +107,7 @@ impl Inspector {
                 layout::show(&mut self.tree, PaneKind::Choices);
                 self.ask_panels(command);
             }
-            C::ExportWalk => {
+            C::ExportWalk | C::SecondWalk => {
                 layout::show(&mut self.tree, PaneKind::Walk2d);
                 self.ask_panels(command);
             }

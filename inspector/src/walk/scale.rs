@@ -29,7 +29,7 @@ impl Ticks {
         let step = step.unwrap_or(10.0 * decade);
         let first = (from / step).ceil();
         // At most one more than asked for: both ends may be round.
-        let count = (((to / step).floor() - first).max(-1.0) as usize).saturating_add(1).min(most + 1);
+        let count = (((to / step).floor() - first + 1.0).max(0.0) as usize).min(most + 1);
         // Fractions are divided by whole numbers: a tenth is no binary number, and its multiples drift.
         let whole = (1.0 / step).round();
         let value = |n: f64| if step < 1.0 && whole.is_finite() { n / whole } else { n * step };

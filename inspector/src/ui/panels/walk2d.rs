@@ -32,8 +32,8 @@ use second::{Found, Second};
 struct Look {
     /// Whether the width of a cell is its length along the ray; otherwise all cells are equally wide.
     by_t: bool,
-    /// Whether the walk through the other structure is shown as well.
-    beside: bool,
+    /// Whether the walk through the other structure is shown as well; `None` shows it while two runs are compared.
+    beside: Option<bool>,
     /// Whether t is shown in scene units, not in those of the streams.
     scene_units: bool,
 }
@@ -64,6 +64,8 @@ pub(in crate::ui) struct Walk2d {
     second: Second,
     beside: Option<Beside>,
     about: picked::About,
+    /// Whether two runs were compared in the last frame.
+    compares: bool,
 }
 
 /// The item under the cursor.
@@ -96,6 +98,10 @@ impl Panel for Walk2d {
             ui.weak("Click a pixel to see its ray's path.");
             return;
         };
+        // A new comparison shows both walks again, even if they were hidden in an earlier one.
+        if !std::mem::replace(&mut self.compares, cx.other.is_some()) && self.compares {
+            self.look.beside = self.look.beside.filter(|&is_shown| is_shown);
+        }
         self.tools(ui, cx);
         self.about.show(ui, cx);
         let found = self.second_walk(ui, life.pixel, cx);
@@ -149,6 +155,10 @@ impl Panel for Walk2d {
     }
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if command == Command::SecondWalk {
+            self.look.beside = Some(!self.is_beside(cx));
+            return true;
+        }
         if command != Command::ExportWalk {
             return false;
         }
@@ -258,9 +268,14 @@ impl Walk2d {
         }
     }
 
+    /// Whether the walk through the other structure is to be shown.
+    fn is_beside(&self, cx: &Context<'_>) -> bool {
+        self.look.beside.unwrap_or(cx.other.is_some())
+    }
+
     /// The walk through the other structure, if it is to be shown; says why there is none.
     fn second_walk(&mut self, ui: &mut egui::Ui, pixel: [u32; 2], cx: &mut Context<'_>) -> Option<Found> {
-        if !self.look.beside {
+        if !self.is_beside(cx) {
             self.beside = None;
             return None;
         }
@@ -284,9 +299,12 @@ impl Walk2d {
                  ({}), otherwise by the CPU reference kernels",
                 Command::Compare.key_text(ui.ctx())
             );
-            ui.toggle_value(&mut self.look.beside, name).on_hover_text(text);
+            let mut is_beside = self.is_beside(cx);
+            if ui.toggle_value(&mut is_beside, name).on_hover_text(text).clicked() {
+                self.look.beside = Some(is_beside);
+            }
             let is_grid = self.whole.as_ref().is_some_and(|whole| whole.walk.structure == Structure::Grid);
-            if is_grid && !self.look.beside {
+            if is_grid && !is_beside {
                 for (by_t, name, text) in [
                     (false, "equal", "all cells equally wide, so that cells that the ray barely touches are visible"),
                     (true, "by t", "width of a cell proportional to its length along the ray"),

@@ -211,6 +211,11 @@ pub(super) fn row(command: Command) -> Row {
             is_shown(s, PaneKind::Walk3d);
             assert!(!s.reads("view moved by hand"), "{}", s.read_out());
         }),
+        C::SecondWalk => (nothing, |s, _| {
+            s.settle();
+            is_shown(s, PaneKind::Walk2d);
+            assert!(s.reads("A grid: ") && s.reads("B bvh: "), "{}", s.read_out());
+        }),
         C::Pin => (nothing, |s, was| {
             s.settle();
             s.get(Role::Button, &format!("state after {}", was.place));
