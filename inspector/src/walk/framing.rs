@@ -56,3 +56,37 @@ fn bounds_of(points: &[DVec3]) -> (DVec3, DVec3) {
     let first = points.first().copied().unwrap_or_default();
     points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
 }
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::{Accelerator, Options};
+
+    use super::super::tests::{CORNELL, TEAPOT, options, scene, traced, whole};
+    use super::*;
+
+    #[test]
+    fn a_picture_of_the_walk_contains_its_cells_and_its_hit_and_little_else() {
+        for (file, pixel) in [(CORNELL, [20, 40]), (TEAPOT, [32, 32]), (TEAPOT, [0, 0])] {
+            for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+                let scene = scene(file);
+                let (trace, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, pixel);
+                let walk = whole(&trace, &data);
+                let extent = walk.extent();
+                let (low, high) = extent.iter().fold((extent[0], extent[0]), |(a, b), &p| (a.min(p), b.max(p)));
+                let has = |p: DVec3| p.cmpge(low - 1e-9).all() && p.cmple(high + 1e-9).all();
+                let corners = walk.cells.iter().flat_map(|cell| cell.bounds.corners());
+                assert!(corners.chain(walk.hit.map(|hit| hit.point)).all(has), "{file} {accelerator:?}");
+                assert!((high - low).length() > 0.0 && high.is_finite() && low.is_finite());
+                if let (Some(hit), Accelerator::Grid) = (walk.hit, accelerator) {
+                    // Not the whole grid: only what is along the ray, one cell wide on either side.
+                    let way = walk.point(walk.inside.map_or(0.0, |[enter, _]| enter));
+                    let (from, to) = (way.min(hit.point) - walk.cell_size, way.max(hit.point) + walk.cell_size);
+                    assert!(
+                        low.cmpge(from - 1e-6).all() && high.cmple(to + 1e-6).all(),
+                        "{file}: {low} {high}, {from} {to}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -35,7 +35,7 @@ pub(crate) fn traced(scene: &Scene, options: &Options, [x, y]: [u32; 2]) -> (Tra
 /// Rays of several kinds: a wall, a box, a corner, the light's surroundings.
 const PIXELS: [[u32; 2]; 5] = [[20, 40], [44, 50], [3, 3], [32, 8], [60, 33]];
 
-fn whole(trace: &Trace, data: &SceneData) -> WalkGeometry {
+pub(super) fn whole(trace: &Trace, data: &SceneData) -> WalkGeometry {
     WalkGeometry::new(trace, data, usize::MAX)
 }
 
@@ -303,7 +303,7 @@ fn the_picture_shows_the_two_axes_along_which_the_ray_moves_most() {
 }
 
 /// Keeps a drawing where `RAYSTEP_PICTURES` names a folder.
-fn keep(name: &str, svg: &str) {
+pub(super) fn keep(name: &str, svg: &str) {
     if let Ok(folder) = std::env::var("RAYSTEP_PICTURES") {
         std::fs::write(std::path::Path::new(&folder).join(format!("{name}.svg")), svg).expect("a file");
     }
@@ -345,63 +345,6 @@ fn a_drawing_names_what_it_shows_and_is_sound_xml() {
                         assert!(svg.contains(&format!("Tested, in order: {test}: ")) && svg.contains(&exit));
                     }
                 }
-            }
-        }
-    }
-}
-
-#[test]
-fn two_walks_of_a_ray_are_drawn_on_one_scale_and_what_only_one_tested_is_told() {
-    let scene = scene(TEAPOT);
-    let walks = [Accelerator::Grid, Accelerator::Bvh].map(|accelerator| {
-        let (trace, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, [32, 32]);
-        whole(&trace, &data)
-    });
-    let strips = walks.each_ref().map(Strip::new);
-    let both = Both::of([&walks[0], &walks[1]], [&strips[0], &strips[1]]);
-    for (walk, strip) in walks.iter().zip(&strips) {
-        assert!(both.t[0] <= strip.t[0] && strip.t[1] <= both.t[1], "{:?}", both.t);
-        assert_eq!(both.work[usize::from(walk.structure == Structure::Tree)], Work::of(walk));
-    }
-    // The hit is at the same place of both strips.
-    let hit = walks[0].hit.expect("a hit");
-    let aligned = strips.clone().map(|strip| strip.over(both.t).place(hit.t, Spacing::ByT));
-    assert_eq!(walks[1].hit.map(|hit| hit.triangle), Some(hit.triangle));
-    assert!(aligned[0] == aligned[1] && aligned[0] > 0.0 && aligned[0] < 1.0, "{aligned:?}");
-    let is_in = |walk: &WalkGeometry, id: u32| walk.tested.iter().any(|test| test.triangle == id);
-    assert!(both.only[0].iter().all(|&id| is_in(&walks[0], id) && !is_in(&walks[1], id)));
-    assert!(both.only[1].iter().all(|&id| !is_in(&walks[0], id) && is_in(&walks[1], id)));
-    assert!(both.shared.iter().all(|&id| is_in(&walks[0], id) && is_in(&walks[1], id)) && !both.shared.is_empty());
-    for (i, work) in both.work.iter().enumerate() {
-        assert_eq!(both.only[i].len() + both.shared.len(), work.triangles);
-        assert!(work.tests >= work.triangles);
-    }
-    let svg = walk_svg(&walks[0], "both", Some(("bvh", &walks[1])), &SvgOptions::default());
-    keep("teapot-both", &svg);
-    assert!(svg.contains("The same ray through the bvh") && svg.contains("Tested only in the first"));
-}
-
-#[test]
-fn a_picture_of_the_walk_contains_its_cells_and_its_hit_and_little_else() {
-    for (file, pixel) in [(CORNELL, [20, 40]), (TEAPOT, [32, 32]), (TEAPOT, [0, 0])] {
-        for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
-            let scene = scene(file);
-            let (trace, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, pixel);
-            let walk = whole(&trace, &data);
-            let extent = walk.extent();
-            let (low, high) = extent.iter().fold((extent[0], extent[0]), |(a, b), &p| (a.min(p), b.max(p)));
-            let has = |p: DVec3| p.cmpge(low - 1e-9).all() && p.cmple(high + 1e-9).all();
-            let corners = walk.cells.iter().flat_map(|cell| cell.bounds.corners());
-            assert!(corners.chain(walk.hit.map(|hit| hit.point)).all(has), "{file} {accelerator:?}");
-            assert!((high - low).length() > 0.0 && high.is_finite() && low.is_finite());
-            if let (Some(hit), Accelerator::Grid) = (walk.hit, accelerator) {
-                // Not the whole grid: only what is along the ray, one cell wide on either side.
-                let way = walk.point(walk.inside.map_or(0.0, |[enter, _]| enter));
-                let (from, to) = (way.min(hit.point) - walk.cell_size, way.max(hit.point) + walk.cell_size);
-                assert!(
-                    low.cmpge(from - 1e-6).all() && high.cmple(to + 1e-6).all(),
-                    "{file}: {low} {high}, {from} {to}"
-                );
             }
         }
     }

@@ -112,8 +112,8 @@ impl Panel for Walk2d {
         }
         let beside = self.beside.as_ref().zip(found.as_ref());
         let first = cx.model.opened.as_ref().map_or(String::new(), |opened| opened.plan.accelerator.to_string());
-        if let Some((beside, found)) = beside {
-            beside.summary(ui, [&first, &found.name], cx);
+        if let Some((beside, _)) = beside {
+            beside.differences(ui, cx);
         }
         let size = ui.available_size().max(vec2(32.0, 32.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -136,8 +136,9 @@ impl Panel for Walk2d {
             under = found.map(|found| (0, found)).or(under);
         }
         let mut what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
-        if let Some((_, found)) = beside {
-            what += &format!("; beside it the walk through the {}", found.name);
+        if let Some((beside, found)) = beside {
+            let [a, b] = beside.headings([&first, &found.name]);
+            what += &format!("; {a}; {b}");
         }
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
         let found = found.as_ref();

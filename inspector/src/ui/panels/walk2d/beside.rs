@@ -14,6 +14,7 @@ use crate::ui::pane::Context;
 use crate::ui::shared::Picked;
 use crate::walk::{Both, Outcome, Spacing, Strip, Structure, WalkGeometry};
 
+const SIDES: [&str; 2] = ["A", "B"];
 /// Most triangles listed by id.
 const MOST_IDS: usize = 12;
 /// Height of a strip's heading.
@@ -51,15 +52,17 @@ impl Beside {
         }
     }
 
-    /// What each did, in words, and the triangles that only one tested: a click picks one.
-    pub(super) fn summary(&self, ui: &mut egui::Ui, names: [&str; 2], cx: &mut Context<'_>) {
-        let line = |i: usize| format!("{} {}: {}", ["A", "B"][i], names[i], self.both.work[i].text(self.structures[i]));
-        let text = format!("{}   {}", line(0), line(1));
-        ui.add(egui::Label::new(&text).truncate()).on_hover_text(format!("{}\n{}", line(0), line(1)));
+    /// What each walk did, in words.
+    pub(super) fn headings(&self, names: [&str; 2]) -> [String; 2] {
+        [0, 1].map(|i| format!("{} {}: {}", SIDES[i], names[i], self.both.work[i].text(self.structures[i])))
+    }
+
+    /// The triangles that only one of them tested: a click picks one.
+    pub(super) fn differences(&self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             for (i, only) in self.both.only.iter().enumerate() {
-                let side = ["A", "B"][i];
+                let side = SIDES[i];
                 ui.weak(match only.len() {
                     0 => format!("only {side} tested: none"),
                     count => format!("only {side} tested {count}:"),
@@ -108,25 +111,6 @@ impl Beside {
             progress: now.map_or(&progress, |(.., progress)| progress),
             ..*first
         };
-        let mut under = None;
-        for (i, (rect, scene)) in [(upper, first), (lower, &second)].into_iter().enumerate() {
-            let heading = rect.intersect(Rect::from_min_size(rect.min, egui::vec2(rect.width(), HEADING)));
-            let lanes = Rect::from_min_max(heading.left_bottom(), rect.max);
-            let painter = painter.with_clip_rect(rect.expand2(egui::vec2(4.0, 0.0)).intersect(painter.clip_rect()));
-            let ink = first.visuals.weak_text_color();
-            painter.line_segment([rect.left_top(), rect.right_top()], Stroke::new(1.0, ink.gamma_multiply(0.3)));
-            let name = format!("{} {}", ["A", "B"][i], names[i]);
-            painter.text(
-                heading.left_top(),
-                Align2::LEFT_TOP,
-                name,
-                FontId::proportional(11.0),
-                first.visuals.strong_text_color(),
-            );
-            let found = strip::lanes(&painter, lanes, &self.strips[i], Spacing::ByT, scene, cursor);
-            under = found.map(|found| (i, found)).or(under);
-        }
-        strip::axis(painter, body, scale, &self.strips[0], Spacing::ByT, first);
         // The same t in both.
         let x_of = |t: f64| body.left() + self.strips[0].place(t, Spacing::ByT) as f32 * body.width();
         let lines = [
@@ -138,6 +122,24 @@ impl Beside {
             let stroke = Stroke::new(1.0, color.gamma_multiply(0.8));
             painter.extend(egui::Shape::dashed_line(&line, stroke, 2.0, 3.0));
         }
+        let (mut under, headings) = (None, self.headings(names));
+        for (i, (rect, scene)) in [(upper, first), (lower, &second)].into_iter().enumerate() {
+            let heading = rect.intersect(Rect::from_min_size(rect.min, egui::vec2(rect.width(), HEADING)));
+            let lanes = Rect::from_min_max(heading.left_bottom(), rect.max);
+            let painter = painter.with_clip_rect(rect.expand2(egui::vec2(4.0, 0.0)).intersect(painter.clip_rect()));
+            let ink = first.visuals.weak_text_color();
+            painter.line_segment([rect.left_top(), rect.right_top()], Stroke::new(1.0, ink.gamma_multiply(0.3)));
+            painter.text(
+                heading.left_top(),
+                Align2::LEFT_TOP,
+                &headings[i],
+                FontId::proportional(11.0),
+                first.visuals.strong_text_color(),
+            );
+            let found = strip::lanes(&painter, lanes, &self.strips[i], Spacing::ByT, scene, cursor);
+            under = found.map(|found| (i, found)).or(under);
+        }
+        strip::axis(painter, body, scale, &self.strips[0], Spacing::ByT, first);
         under
     }
 }
