@@ -4,6 +4,7 @@
 //! or down is an ordinary view, and the camera never tips over. Up is +Y, as in the scene. Lengths are in the caller's
 //! units; [`Orbit::scaled`] converts between units.
 
+mod fit;
 mod lens;
 mod saved;
 

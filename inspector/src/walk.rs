@@ -6,13 +6,17 @@
 //! meets the plane of a triangle that it missed.
 
 mod aabb;
+mod both;
 mod cells;
 mod events;
+mod framing;
 mod nodes;
 mod projected;
+mod scale;
 mod svg;
 mod tested;
 mod unfolded;
+mod why;
 
 use std::ops::Range;
 
@@ -23,13 +27,16 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::constants::INF;
 
 pub use aabb::Aabb;
+pub use both::{Both, Work};
 pub use cells::{CellVisit, Crossing, Entry};
 pub use events::{Event, EventKind, events, next_event, previous_event, row_after_passes};
 pub use nodes::NodeVisit;
 pub use projected::{Projected, ProjectedTriangle, Square};
+pub use scale::Ticks;
 pub use svg::{SvgOptions, walk_svg};
 pub use tested::{Outcome, TestedTriangle};
 pub use unfolded::{Spacing, Strip, StripCell, StripNode, StripTest, letters};
+pub use why::Why;
 
 /// The structure that the ray traverses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +83,8 @@ pub struct WalkGeometry {
     pub cell_size: DVec3,
     /// Cells along each axis; zero without a grid.
     pub grid_cells: [i32; 3],
+    /// Whether a pass may take several steps: then a leap need not be over empty cells.
+    pub has_many_steps: bool,
     /// The cells visited, in order. The last is the current one, unless the ray has left the grid.
     pub cells: Vec<CellVisit>,
     /// The planes crossed between them, in order.
@@ -183,6 +192,7 @@ impl WalkGeometry {
             inside: bounds.interval(origin, direction),
             cell_size: if has_grid { to_f64(data.grid.width) } else { DVec3::ZERO },
             grid_cells: if has_grid { data.grid.cells } else { [0; 3] },
+            has_many_steps: features.many_steps,
             cells: Vec::new(),
             crossings: Vec::new(),
             nodes: Vec::new(),
@@ -241,7 +251,7 @@ fn list(data: &SceneData, cell_or_node: u32) -> Range<u32> {
 }
 
 /// The vertices of a triangle; `None` for a nonexistent one.
-fn corners(data: &SceneData, triangle: u32) -> Option<[DVec3; 3]> {
+pub fn corners(data: &SceneData, triangle: u32) -> Option<[DVec3; 3]> {
     let first = (triangle as usize).checked_mul(9)?;
     let v = data.vertices.get(first..first.checked_add(9)?)?;
     Some([0, 3, 6].map(|c| to_f64([v[c], v[c + 1], v[c + 2]])))

@@ -19,3 +19,4 @@ mod snapshots;
 mod stage;
 mod timeline;
 mod views;
+mod walks;

@@ -101,15 +101,19 @@ impl Scene3d {
         size: [u32; 2],
         camera: &Orbit,
         walk: Option<&WalkGeometry>,
+        around: &Around,
         settings: &Settings,
     ) {
         if size.contains(&0) {
             return;
         }
         let center = self.bounds.center().as_vec3();
-        let view = view(camera, settings, center, size);
+        let view = view(camera, settings, around.cut.filter(|_| settings.cut), center, size);
         self.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        let overlay = Overlay::new(walk, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
+        let mut overlay = Overlay::new(walk, &self.bounds, self.frustum.as_ref(), settings, center.as_dvec3());
+        if let Some(marked) = &around.marked {
+            overlay.mark(marked, settings);
+        }
         let lines = self.buffer("lines", bytemuck::cast_slice::<LineInstance, u8>(&overlay.lines));
         let fills = self.buffer("fills", bytemuck::cast_slice::<FillVertex, u8>(&overlay.fills));
 
@@ -171,7 +175,25 @@ impl Scene3d {
     }
 }
 
-fn view(camera: &Orbit, settings: &Settings, center: Vec3, size: [u32; 2]) -> View {
+/// What a picture shows beside the scene and the walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Around {
+    /// What was picked.
+    pub marked: Option<Marked>,
+    /// Triangles nearer than this are cut away, as a distance from the origin along the view's direction.
+    pub cut: Option<f64>,
+}
+
+/// A part of the scene or of its structure, outlined in the colour of a selection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Marked {
+    /// A cell or a node.
+    Box(Aabb),
+    /// A triangle.
+    Triangle([DVec3; 3]),
+}
+
+fn view(camera: &Orbit, settings: &Settings, cut: Option<f64>, center: Vec3, size: [u32; 2]) -> View {
     let [width, height] = size.map(f64::from);
     let [right, up, forward] = camera.pose.axes();
     let clip = camera.clip_from_world(center.as_dvec3(), width / height);
@@ -188,7 +210,8 @@ fn view(camera: &Orbit, settings: &Settings, center: Vec3, size: [u32; 2]) -> Vi
         hidden: 0.28,
         nearer: if is_perspective { [1.004, 0.0] } else { [1.0, 0.0015] },
         wire_px: settings.line_width_px,
-        padding: 0.0,
+        in_front: if cut.is_some() { settings.in_front() } else { 1.0 },
+        front: forward.extend(cut.map_or(0.0, |cut| cut - forward.dot(center.as_dvec3()))).as_vec4().to_array(),
     }
 }
 

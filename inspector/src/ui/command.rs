@@ -115,6 +115,10 @@ pub enum Command {
     ResetRange,
     /// Fits the picture to its panel.
     Fit,
+    /// Frames the selected ray's walk in the 3D view.
+    FrameWalk,
+    /// Shows the ray's walk through the other structure as well, in the unfolded walk.
+    SecondWalk,
     /// Shows a copy of the current stream in a new tab.
     Pin,
     /// Switches between light and dark theme.
@@ -289,6 +293,8 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Normalise, "Normalise range", NONE N;
         C::ResetRange, "Reset range", NONE R;
         C::Fit, "Fit to panel", NONE F;
+        C::FrameWalk, "Frame walk in 3D";
+        C::SecondWalk, "Unfold grid and BVH walks together";
         C::Pin, "Pin this stream", NONE P;
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";

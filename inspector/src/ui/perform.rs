@@ -25,14 +25,14 @@ impl Inspector {
             C::Palette | C::Help | C::Lesson(_) => true,
             C::NextStep | C::PreviousStep => self.lesson.as_ref().is_some_and(|l| l.has(command == C::NextStep)),
             C::RepeatStep | C::CloseLesson => self.lesson.is_some(),
-            C::Cancel => self.is_busy() || self.is_playing,
+            C::Cancel => self.is_busy() || self.is_playing || self.shared.picked.is_some(),
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
             C::NextEvent => self.event(true).is_some(),
             C::PreviousEvent => self.event(false).is_some(),
             C::NextBookmark => has_run && self.shared.bookmark_from(model.place, true).is_some(),
             C::PreviousBookmark => has_run && self.shared.bookmark_from(model.place, false).is_some(),
-            C::ExportRay | C::ExportWalk => model.life.is_some(),
+            C::ExportRay | C::ExportWalk | C::FrameWalk | C::SecondWalk => model.life.is_some(),
             C::NextBranch | C::PreviousBranch | C::MaskBranch => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
             C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
@@ -76,6 +76,7 @@ impl Inspector {
                     step(&mut self.model, Target::Start);
                 }
             }
+            C::Cancel if !self.is_busy() && !self.is_playing => self.shared.picked = None,
             C::Cancel => {
                 self.is_playing = false;
                 self.shared.scrub.stop();
@@ -129,8 +130,12 @@ impl Inspector {
             C::RunKept => self.shared.runs.asked.push(Asked::AllAgain),
             C::NextRun | C::PreviousRun => self.flip(command == C::NextRun),
             C::NextDifferingRay => self.next_differing(),
-            C::ExportWalk => {
+            C::ExportWalk | C::SecondWalk => {
                 layout::show(&mut self.tree, PaneKind::Walk2d);
+                self.ask_panels(command);
+            }
+            C::FrameWalk => {
+                layout::show(&mut self.tree, PaneKind::Walk3d);
                 self.ask_panels(command);
             }
             C::ExportDataflow => {

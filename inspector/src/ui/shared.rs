@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use raystep_kernels::Stream;
+use raystep_kernels::scene_data::SceneData;
 use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
@@ -73,6 +74,8 @@ pub struct Shared {
     pub picked: Option<Picked>,
     /// Which rays of a pass took a branch, drawn over streams.
     pub mask: Option<Arc<Mask>>,
+    /// The same scene with another structure, if the unfolded walk shows both.
+    pub beside: Option<Arc<SceneData>>,
     /// Places to return to, by the number of passes.
     pub bookmarks: Vec<Bookmark>,
     /// The scene that they belong to.
@@ -122,6 +125,7 @@ impl Default for Shared {
             hovered: None,
             picked: None,
             mask: None,
+            beside: None,
             bookmarks: Vec::new(),
             bookmarked: None,
             scrub: Scrub::default(),

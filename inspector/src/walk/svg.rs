@@ -1,4 +1,4 @@
-//! The walk as an SVG drawing: seen along one axis, and below it unfolded along t.
+//! The walk as an SVG drawing: seen along one axis, and below it unfolded along t, if wanted with a second walk.
 
 mod picture;
 mod sheet;
@@ -6,8 +6,10 @@ mod strip;
 
 use raystep_lab::text::counted;
 
-use super::{Projected, Spacing, Strip, Structure, WalkGeometry};
+use super::{Both, Projected, Spacing, Strip, Structure, WalkGeometry};
 use sheet::Sheet;
+#[cfg(test)]
+pub(super) use sheet::short;
 
 /// The style of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,16 +28,40 @@ impl Default for SvgOptions {
     }
 }
 
-/// The drawing as an SVG file, with a title.
+/// The drawing as an SVG file, with a title. A second walk of the same ray, with its name, is drawn below the first, on
+/// the same scale of t.
 #[must_use]
-pub fn walk_svg(walk: &WalkGeometry, title: &str, options: &SvgOptions) -> String {
+pub fn walk_svg(
+    walk: &WalkGeometry,
+    title: &str,
+    second: Option<(&str, &WalkGeometry)>,
+    options: &SvgOptions,
+) -> String {
     let width = if options.width.is_finite() { options.width.clamp(320.0, 8000.0) } else { 900.0 };
     let mut sheet = Sheet::new(width, options.is_dark);
     sheet.text(sheet.left, sheet.y + 18.0, "title", title);
     sheet.text(sheet.left, sheet.y + 36.0, "note", &summary(walk));
     sheet.y += 48.0;
     picture::draw(&mut sheet, walk, &Projected::new(walk));
-    strip::draw(&mut sheet, &Strip::new(walk), options.spacing);
+    let strip = Strip::new(walk);
+    let Some((name, second)) = second else {
+        strip::draw(&mut sheet, walk, &strip, options.spacing);
+        return sheet.finish();
+    };
+    let other = Strip::new(second);
+    let both = Both::of([walk, second], [&strip, &other]);
+    strip::draw(&mut sheet, walk, &strip.over(both.t), Spacing::ByT);
+    sheet.text(sheet.left, sheet.y + 18.0, "title", &format!("The same ray through the {name}"));
+    sheet.text(sheet.left, sheet.y + 36.0, "note", &summary(second));
+    sheet.y += 52.0;
+    strip::draw(&mut sheet, second, &other.over(both.t), Spacing::ByT);
+    for (only, which) in both.only.iter().zip(["first", "second"]) {
+        let ids: Vec<String> = only.iter().take(24).map(u32::to_string).collect();
+        let more = if only.len() > ids.len() { ", …" } else { "" };
+        let text = format!("Tested only in the {which}: {}: {}{more}", counted(only.len(), "triangle"), ids.join(", "));
+        sheet.text(sheet.left, sheet.y + 8.0, "note", text.trim_end_matches([':', ' ']));
+        sheet.y += 15.0;
+    }
     sheet.finish()
 }
 

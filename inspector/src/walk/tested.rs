@@ -8,6 +8,7 @@ use raystep_kernels::numbers::real::Vec3;
 use raystep_kernels::scene_data::SceneData;
 use raystep_kernels::shared::triangle::{Shear, hit_triangle, plane_hit};
 
+use super::why::Why;
 use super::{Structure, WalkGeometry, corners};
 
 /// The outcome of a test, the best last.
@@ -52,6 +53,8 @@ pub struct TestedTriangle {
     pub visit: Option<usize>,
     /// The outcome.
     pub outcome: Outcome,
+    /// Why it was accepted or not.
+    pub why: Why,
     /// Where the ray meets the triangle's plane; `None` if it does not.
     pub t: Option<f64>,
     /// Weights of vertices 1 and 2 there.
@@ -93,6 +96,11 @@ impl WalkGeometry {
             (false, true) => Outcome::NotNearest,
             (false, false) => Outcome::Missed,
         };
+        let why = match outcome {
+            Outcome::Nearest => Why::Accepted,
+            Outcome::NotNearest => Why::refused(data, before, triangle, candidate.t),
+            Outcome::Missed => Why::missed([candidate.u, candidate.v], candidate.t),
+        };
         // The device's own values if it stored them.
         let (t, barycentric) = match (outcome, after.t, after.barycentric) {
             (Outcome::Nearest, Some(t), Some(barycentric)) => (t, barycentric),
@@ -109,6 +117,7 @@ impl WalkGeometry {
             corners: at,
             visit,
             outcome,
+            why,
             t: t.is_finite().then_some(f64::from(t)),
             barycentric: barycentric.iter().all(|w| w.is_finite()).then(|| barycentric.map(f64::from)),
         });

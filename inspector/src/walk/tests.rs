@@ -35,7 +35,7 @@ pub(crate) fn traced(scene: &Scene, options: &Options, [x, y]: [u32; 2]) -> (Tra
 /// Rays of several kinds: a wall, a box, a corner, the light's surroundings.
 const PIXELS: [[u32; 2]; 5] = [[20, 40], [44, 50], [3, 3], [32, 8], [60, 33]];
 
-fn whole(trace: &Trace, data: &SceneData) -> WalkGeometry {
+pub(super) fn whole(trace: &Trace, data: &SceneData) -> WalkGeometry {
     WalkGeometry::new(trace, data, usize::MAX)
 }
 
@@ -303,7 +303,7 @@ fn the_picture_shows_the_two_axes_along_which_the_ray_moves_most() {
 }
 
 /// Keeps a drawing where `RAYSTEP_PICTURES` names a folder.
-fn keep(name: &str, svg: &str) {
+pub(super) fn keep(name: &str, svg: &str) {
     if let Ok(folder) = std::env::var("RAYSTEP_PICTURES") {
         std::fs::write(std::path::Path::new(&folder).join(format!("{name}.svg")), svg).expect("a file");
     }
@@ -323,7 +323,7 @@ fn a_drawing_names_what_it_shows_and_is_sound_xml() {
                 let walk = WalkGeometry::new(&trace, &data, row);
                 for (spacing, is_dark) in [(Spacing::Equal, false), (Spacing::ByT, true)] {
                     let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
-                    let svg = walk_svg(&walk, "pixel 20,34 of <\"scene\" & more>\u{1}", &options);
+                    let svg = walk_svg(&walk, "pixel 20,34 of <\"scene\" & more>\u{1}", None, &options);
                     keep(&format!("{file}-{name}-{part}-{spacing:?}"), &svg);
                     let svg = svg.replace(">\n", ">").replace("\n<", "<");
                     assert!(svg.contains("of &lt;\"scene\" &amp; more&gt; </text>"));
@@ -341,6 +341,8 @@ fn a_drawing_names_what_it_shows_and_is_sound_xml() {
                     if name == "grid" && part == "end" && file == "cornell" && spacing == Spacing::Equal {
                         assert!(svg.contains(">a</text>") && svg.contains("Seen along"));
                         assert!(svg.contains(&format!("{} cells visited", walk.cells.len())));
+                        let [test, exit] = [walk.tested[0].triangle.to_string(), svg::short(walk.cells[3].t_out)];
+                        assert!(svg.contains(&format!("Tested, in order: {test}: ")) && svg.contains(&exit));
                     }
                 }
             }

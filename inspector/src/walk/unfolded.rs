@@ -88,7 +88,12 @@ pub struct Strip {
     pub tests: Vec<StripTest>,
     /// t of the nearest hit so far.
     pub hit: Option<f64>,
+    /// Where cells of equal width begin, in widths of a cell: between two that are not neighbours there is a gap.
+    starts: Vec<f64>,
 }
+
+/// Width of the gap for a leap between cells of equal width, in widths of a cell.
+const GAP: f64 = 0.7;
 
 impl Strip {
     /// Arranges a walk.
@@ -138,20 +143,38 @@ impl Strip {
             Structure::Grid => cells.last().map_or(first, |cell| cell.t[1]).max(walk.hit.map_or(first, |hit| hit.t)),
             _ => walk.inside.map_or_else(|| walk.last_t(), |[_, leave]| leave),
         };
-        Self { t: [first, last.max(first)], at: walk.t, cells, nodes, tests: loose, hit: walk.hit.map(|hit| hit.t) }
+        let gap = |cell: &StripCell| if cell.is_left_by_a_leap() { 1.0 + GAP } else { 1.0 };
+        let starts = std::iter::once(0.0).chain(cells.iter().scan(0.0, |end, cell| {
+            *end += gap(cell);
+            Some(*end)
+        }));
+        let starts = starts.collect();
+        let hit = walk.hit.map(|hit| hit.t);
+        Self { t: [first, last.max(first)], at: walk.t, cells, nodes, tests: loose, hit, starts }
+    }
+
+    /// The same over another range of t, to which positions by t refer.
+    #[must_use]
+    pub fn over(self, t: [f64; 2]) -> Self {
+        Self { t, ..self }
     }
 
     /// The position of each cell, from 0 at the strip's left end to 1 at its right.
     #[must_use]
     pub fn columns(&self, spacing: Spacing) -> Vec<[f64; 2]> {
-        let count = self.cells.len() as f64;
-        let equal = |i: usize| [i as f64 / count, (i + 1) as f64 / count];
-        (self.cells.iter().enumerate())
-            .map(|(i, cell)| match spacing {
-                Spacing::ByT => cell.t.map(|t| self.share(t)),
-                Spacing::Equal => equal(i),
-            })
-            .collect()
+        (0..self.cells.len()).map(|i| self.column(i, spacing)).collect()
+    }
+
+    fn column(&self, i: usize, spacing: Spacing) -> [f64; 2] {
+        match (spacing, self.cells.get(i)) {
+            (Spacing::ByT, Some(cell)) => cell.t.map(|t| self.share(t)),
+            _ => {
+                // The last entry is the end of the last cell.
+                let whole = self.starts.last().copied().unwrap_or(1.0).max(1.0);
+                let start = self.starts.get(i).copied().unwrap_or(whole);
+                [start / whole, (start + 1.0) / whole]
+            }
+        }
     }
 
     /// The position of a t on the strip, from 0 to 1.
@@ -160,10 +183,15 @@ impl Strip {
         if spacing == Spacing::ByT || self.cells.is_empty() {
             return self.share(t);
         }
-        let cell = self.cells.partition_point(|cell| cell.t[1] < t).min(self.cells.len() - 1);
-        let [from, to] = self.cells[cell].t;
-        let within = if to > from { ((t - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-        (cell as f64 + within) / self.cells.len() as f64
+        let i = self.cells.partition_point(|cell| cell.t[1] < t).min(self.cells.len() - 1);
+        let [left, right] = self.column(i, spacing);
+        let [from, to] = self.cells[i].t;
+        if let Some(before) = i.checked_sub(1).filter(|_| t < from) {
+            // In a gap.
+            let start = self.column(before, spacing)[1];
+            return between(t, [self.cells[before].t[1], from], [start, left]);
+        }
+        between(t, [from, to], [left, right])
     }
 
     /// The height of a tmax bar: 0 at the strip's first t, 1 at one and a half times its range. Above 1, the bar is
@@ -184,6 +212,19 @@ impl Strip {
         let range = self.t[1] - self.t[0];
         if range > 0.0 { ((t - self.t[0]) / range).clamp(0.0, 1.0) } else { 0.0 }
     }
+}
+
+impl StripCell {
+    /// Whether the next cell is not a neighbour.
+    #[must_use]
+    pub fn is_left_by_a_leap(&self) -> bool {
+        matches!(self.next, Some(Entry::Leap { .. } | Entry::Wrap))
+    }
+}
+
+fn between(t: f64, [from, to]: [f64; 2], [left, right]: [f64; 2]) -> f64 {
+    let share = if to > from { ((t - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    left + share * (right - left)
 }
 
 /// Level by level, each bar in the first row of its level where it does not overlap an earlier one.

@@ -6,6 +6,7 @@ mod walk;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
+use super::Marked;
 use super::settings::Settings;
 use crate::walk::{Aabb, WalkGeometry};
 pub(super) use frustum::Frustum;
@@ -62,6 +63,7 @@ struct Palette {
     current: Color,
     missed: Color,
     hit: Color,
+    picked: Color,
     /// x, y and z.
     axes: [Color; 3],
     is_dark: bool,
@@ -78,6 +80,7 @@ impl Palette {
             current: pick([255, 214, 90, 255], [190, 130, 0, 255]),
             missed: pick([255, 150, 60, 255], [205, 95, 0, 255]),
             hit: pick([80, 225, 130, 255], [10, 140, 60, 255]),
+            picked: pick([255, 80, 200, 255], [190, 0, 130, 255]),
             axes: [[240, 92, 92, 255], [110, 205, 90, 255], [95, 150, 255, 255]],
             is_dark,
         }
@@ -131,6 +134,21 @@ impl Overlay {
             overlay.walk(walk, settings, &palette);
         }
         overlay
+    }
+
+    /// Outlines what was picked.
+    pub(super) fn mark(&mut self, marked: &Marked, settings: &Settings) {
+        let color = Palette::of(settings).picked;
+        match *marked {
+            Marked::Box(bounds) => {
+                bounds.faces().into_iter().for_each(|face| self.triangle(face, faded(color, 0.10)));
+                self.edges(&bounds, 2.4, color);
+            }
+            Marked::Triangle([a, b, c]) => {
+                self.triangle([a, b, c], faded(color, 0.35));
+                [[a, b], [b, c], [c, a]].into_iter().for_each(|[from, to]| self.line(from, to, 2.4, color));
+            }
+        }
     }
 
     fn axes(&mut self, scene: &Aabb, palette: &Palette) {

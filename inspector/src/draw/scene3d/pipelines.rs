@@ -25,7 +25,8 @@ pub(super) struct View {
     pub(super) hidden: f32,
     pub(super) nearer: [f32; 2],
     pub(super) wire_px: f32,
-    pub(super) padding: f32,
+    pub(super) in_front: f32,
+    pub(super) front: [f32; 4],
 }
 
 pub(super) struct Pipelines {
@@ -171,7 +172,8 @@ mod tests {
         macro_rules! members {
             ($($name:ident)*) => { [$((stringify!($name), offset_of!(View, $name))),*] };
         }
-        let members = members!(clip_from_world light opacity center edges size_px near hidden nearer wire_px padding);
+        let members =
+            members!(clip_from_world light opacity center edges size_px near hidden nearer wire_px in_front front);
         crate::draw::uniforms::assert_lies_as(include_str!("view.wgsl"), "View", &members, size_of::<View>());
     }
 }

@@ -40,6 +40,8 @@ pub struct Settings {
     pub camera: bool,
     /// The directions of x, y and z, beside a lower corner of the scene.
     pub axes: bool,
+    /// Whether triangles between the eye and the walk are cut away.
+    pub cut: bool,
     /// Width of the thinnest lines.
     pub line_width_px: f32,
     /// Light on dark.
@@ -59,6 +61,7 @@ impl Default for Settings {
             ray: true,
             camera: true,
             axes: true,
+            cut: true,
             line_width_px: 1.25,
             is_dark: true,
         }
@@ -72,6 +75,15 @@ impl Settings {
             TriangleStyle::Wireframe => 0.5,
             TriangleStyle::Translucent => 0.22,
             TriangleStyle::Opaque => 1.0,
+        }
+    }
+
+    /// Opacity of triangles in front of the walk, relative to the others.
+    pub(super) fn in_front(&self) -> f32 {
+        match self.triangles {
+            // Opaque triangles write depth: faint ones would hide what they are to show.
+            TriangleStyle::Opaque => 0.0,
+            _ => 0.2,
         }
     }
 

@@ -39,7 +39,14 @@ fn drawn(
 ) -> Picture {
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let texture = picture(&gpu.device, SIZE);
-    view.draw(&texture.create_view(&wgpu::TextureViewDescriptor::default()), SIZE, camera, walk, settings);
+    view.draw(
+        &texture.create_view(&wgpu::TextureViewDescriptor::default()),
+        SIZE,
+        camera,
+        walk,
+        &Around::default(),
+        settings,
+    );
     let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("pixels"),

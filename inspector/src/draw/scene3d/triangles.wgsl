@@ -8,6 +8,8 @@ struct Varying {
     @location(0) @interpolate(flat) color: vec3f,
     // Weights of the corners.
     @location(1) weights: vec3f,
+    // Distance behind the plane where the walk begins.
+    @location(2) behind: f32,
 }
 
 fn corner(triangle: u32, i: u32) -> vec3f {
@@ -26,7 +28,9 @@ fn vs_triangle(@builtin(vertex_index) index: u32) -> Varying {
     let base = unpack4x8unorm(colors[triangle]).rgb;
     var weights = vec3f();
     weights[i] = 1.0;
-    return Varying(view.clip_from_world * vec4f(corner(triangle, i), 1.0), base * (0.3 + 0.7 * facing), weights);
+    let position = corner(triangle, i);
+    let behind = dot(position, view.front.xyz) - view.front.w;
+    return Varying(view.clip_from_world * vec4f(position, 1.0), base * (0.3 + 0.7 * facing), weights, behind);
 }
 
 // How much of the pixel an edge of the triangle covers; nothing where the triangles are about as small as pixels.
@@ -38,11 +42,19 @@ fn edge(weights: vec3f, width_px: f32) -> f32 {
     return covered * clamp(1.5 - 4.0 * crowded, 0.0, 1.0);
 }
 
+// Opacity in relation to that of the scene: what is in front of the walk would hide it.
+fn kept(behind: f32) -> f32 {
+    return select(view.in_front, 1.0, behind >= 0.0);
+}
+
 @fragment
 fn fs_solid(in: Varying) -> @location(0) vec4f {
     let covered = edge(in.weights, 1.0) * view.edges;
     let color = in.color * (1.0 - 0.3 * covered);
-    let opacity = mix(view.opacity, 1.0, 0.35 * covered);
+    let opacity = mix(view.opacity, 1.0, 0.35 * covered) * kept(in.behind);
+    if (opacity == 0.0) {
+        discard;
+    }
     return vec4f(color * opacity, opacity);
 }
 
@@ -51,6 +63,6 @@ fn fs_wire(in: Varying) -> @location(0) vec4f {
     let change = max(fwidth(in.weights), vec3f(1e-12));
     let distance_px = in.weights / change;
     let nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
-    let opacity = clamp(view.wire_px * 0.5 + 0.5 - nearest, 0.0, 1.0) * view.opacity;
+    let opacity = clamp(view.wire_px * 0.5 + 0.5 - nearest, 0.0, 1.0) * view.opacity * kept(in.behind);
     return vec4f(in.color * opacity, opacity);
 }

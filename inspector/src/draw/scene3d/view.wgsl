@@ -20,7 +20,10 @@ struct View {
     nearer: vec2f,
     // Width of the wireframe's lines.
     wire_px: f32,
-    padding: f32,
+    // Opacity of the triangles in front of the walk, relative to the others.
+    in_front: f32,
+    // The plane where the walk begins, seen from the eye: the view's direction, and the distance along it.
+    front: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

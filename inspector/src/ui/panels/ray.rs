@@ -6,6 +6,7 @@ use raystep_kernels::export::trace::{Trace, TraceRow};
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
 
+use super::picked::{of_row, touches};
 use super::scroll::Scroll;
 use crate::draw::stream::state_color;
 use crate::session::{Model, Told};
@@ -170,6 +171,7 @@ impl RayView {
                     let row = &life.rows[index];
                     let before = index.checked_sub(1).map(|i| &life.rows[i]);
                     table_row.set_selected(Some(index) == current);
+                    table_row.set_hovered(cx.shared.picked.is_some_and(|picked| touches(row, picked)));
                     let is_ahead = current.is_none_or(|c| index > c);
                     let mark = mark(cx.model, index, row);
                     let (mut now, then) = (cells(row, is_grid), before.map(|row| cells(row, is_grid)));
@@ -206,6 +208,7 @@ impl RayView {
                     });
                     if table_row.response().clicked() {
                         chosen = row.place();
+                        cx.shared.picked = of_row(row);
                     }
                 });
             });

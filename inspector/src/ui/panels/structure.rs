@@ -12,8 +12,10 @@ use raystep_lab::text::counted;
 use slice::SliceView;
 
 use super::chart::Histogram;
+use super::picked;
 use crate::session::request::{JobContext, JobFuture, Request};
 use crate::ui::pane::{Context, Panel};
+use crate::ui::shared::{Picked, Shared};
 
 /// The engine's job, named while it runs.
 const MEASURING: &str = "measuring the structure";
@@ -36,6 +38,7 @@ pub(in crate::ui) struct Structure {
     asked: u64,
     measured: Option<(u64, Measured)>,
     slice: SliceView,
+    about: picked::About,
 }
 
 impl Panel for Structure {
@@ -50,6 +53,8 @@ impl Panel for Structure {
         };
         let data = opened.data.clone();
         self.measure(&data, cx);
+        self.slice.mark(&data, cx.shared.picked);
+        self.about.show(ui, cx);
         match self.measured.clone() {
             Some((_, Measured::Grid(stats))) => self.grid(ui, cx, &data, &stats),
             Some((_, Measured::Tree(stats))) => drop(ScrollArea::vertical().show(ui, |ui| tree(ui, &stats))),
@@ -107,20 +112,20 @@ impl Structure {
                     ScrollArea::vertical()
                         .id_salt("numbers")
                         .auto_shrink(false)
-                        .show(ui, |ui| self.numbers(ui, data, stats));
+                        .show(ui, |ui| self.numbers(ui, cx.shared, data, stats));
                 });
             });
         } else {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 // Part of what follows stays visible, so that it is clear that there is more.
                 self.slice.show(ui, cx, data, stats.longest, (size.y * 0.6).max(140.0));
-                self.numbers(ui, data, stats);
+                self.numbers(ui, cx.shared, data, stats);
             });
         }
     }
 
-    fn numbers(&mut self, ui: &mut Ui, data: &SceneData, stats: &GridStats) {
-        self.list(ui, data);
+    fn numbers(&mut self, ui: &mut Ui, shared: &mut Shared, data: &SceneData, stats: &GridStats) {
+        self.list(ui, shared, data);
         let [x, y, z] = stats.cells;
         ui.horizontal_wrapped(|ui| {
             ui.strong(format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in total", stats.cells_in_all()));
@@ -132,7 +137,7 @@ impl Structure {
                 .on_hover_text(format!("{} references in all lists", stats.references));
             let text = format!("longest list: {}", stats.longest);
             if ui.link(text).on_hover_text("select the first cell with such a list").clicked() && stats.longest > 0 {
-                self.slice.select(data, data.grid.cell_of_index(stats.longest_cell));
+                shared.picked = picked::cell(data.grid.cell_of_index(stats.longest_cell));
             }
             if let Some(triangle) = stats.most_listed_triangle {
                 let text = format!("triangle {triangle} is in {}", counted(stats.most_listed, "list"));
@@ -141,7 +146,7 @@ impl Structure {
                     .on_hover_text("the most of any triangle; click to mark its cells in the slice")
                     .clicked()
                 {
-                    self.slice.triangle = Some(triangle);
+                    shared.picked = Some(Picked::Triangle(triangle));
                 }
             }
         });
@@ -163,7 +168,7 @@ impl Structure {
     }
 
     /// The triangles of the selected cell.
-    fn list(&mut self, ui: &mut Ui, data: &SceneData) {
+    fn list(&mut self, ui: &mut Ui, shared: &mut Shared, data: &SceneData) {
         let Some(cell) = self.slice.cell().filter(|&cell| data.grid.is_in_grid(cell)) else {
             ui.weak("Click a cell to see its list.");
             return;
@@ -177,11 +182,11 @@ impl Structure {
                 n => counted(n, "triangle"),
             });
             for &triangle in triangles.iter().take(MOST_CHIPS) {
-                let is_marked = self.slice.triangle == Some(triangle);
+                let is_marked = self.slice.triangle() == Some(triangle);
                 let chip = egui::Button::selectable(is_marked, RichText::new(triangle.to_string()).monospace());
                 let chip = ui.add(chip.stroke(ui.visuals().widgets.noninteractive.bg_stroke));
                 if chip.on_hover_ui(|ui| corners(ui, data, triangle)).clicked() {
-                    self.slice.triangle = (!is_marked).then_some(triangle);
+                    picked::toggle(shared, Picked::Triangle(triangle));
                 }
             }
             if triangles.len() > MOST_CHIPS {

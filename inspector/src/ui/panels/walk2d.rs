@@ -1,21 +1,30 @@
 //! The walk of the selected ray, seen along one axis and unfolded along t, synchronised with the timeline: later steps
 //! are dimmed. A click goes to the pass.
 
+mod beside;
 mod picture;
 mod progress;
+mod second;
 mod strip;
 
 use egui::{Rect, Sense, vec2};
+use raystep_kernels::Accelerator;
 use raystep_kernels::export::trace::{Trace, TraceRow};
+use raystep_kernels::scene_data::SceneData;
 use serde::{Deserialize, Serialize};
 
-use super::walked::{Walked, describe, event_buttons};
-use crate::session::Model;
+use super::picked;
+use super::walked::{Walked, describe, event_buttons, go_on, number};
+use crate::session::request::Request;
+use crate::session::{Model, Target};
 use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::shared::Picked;
 use crate::walk::{Projected, Spacing, Strip, Structure, SvgOptions, WalkGeometry, walk_svg};
+use beside::Beside;
 use progress::Progress;
+use second::{Found, Second};
 
 /// The saved part of the view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,6 +32,10 @@ use progress::Progress;
 struct Look {
     /// Whether the width of a cell is its length along the ray; otherwise all cells are equally wide.
     by_t: bool,
+    /// Whether the walk through the other structure is shown as well; `None` shows it while two runs are compared.
+    beside: Option<bool>,
+    /// Whether t is shown in scene units, not in those of the streams.
+    scene_units: bool,
 }
 
 /// The ray's whole history: the drawing does not change while stepping.
@@ -30,6 +43,13 @@ struct Whole {
     walk: WalkGeometry,
     picture: Projected,
     strip: Strip,
+}
+
+impl Whole {
+    fn of(life: &Trace, data: &SceneData) -> Self {
+        let walk = WalkGeometry::new(life, data, usize::MAX);
+        Self { picture: Projected::new(&walk), strip: Strip::new(&walk), walk }
+    }
 }
 
 /// The 2D views.
@@ -41,6 +61,11 @@ pub(in crate::ui) struct Walk2d {
     /// The part of the walk reached so far, as of the walk's version.
     progress: Option<(u64, Progress)>,
     is_dark: bool,
+    second: Second,
+    beside: Option<Beside>,
+    about: picked::About,
+    /// Whether two runs were compared in the last frame.
+    compares: bool,
 }
 
 /// The item under the cursor.
@@ -49,6 +74,8 @@ struct Under {
     text: String,
     /// The row that a click goes to.
     row: usize,
+    /// What a click picks.
+    what: Option<Picked>,
 }
 
 impl Panel for Walk2d {
@@ -71,29 +98,51 @@ impl Panel for Walk2d {
             ui.weak("Click a pixel to see its ray's path.");
             return;
         };
+        // A new comparison shows both walks again, even if they were hidden in an earlier one.
+        if !std::mem::replace(&mut self.compares, cx.other.is_some()) && self.compares {
+            self.look.beside = self.look.beside.filter(|&is_shown| is_shown);
+        }
         self.tools(ui, cx);
+        self.about.show(ui, cx);
+        let found = self.second_walk(ui, life.pixel, cx);
+        cx.shared.beside = found.as_ref().map(|found| found.data.clone());
         let (Some(whole), Some((_, progress))) = (&self.whole, &self.progress) else { return };
+        if let Some(found) = &found {
+            Beside::update(&mut self.beside, &life, whole, found);
+        }
+        let beside = self.beside.as_ref().zip(found.as_ref());
+        let first = cx.model.opened.as_ref().map_or(String::new(), |opened| opened.plan.accelerator.to_string());
+        if let Some((beside, _)) = beside {
+            beside.differences(ui, cx);
+        }
         let size = ui.available_size().max(vec2(32.0, 32.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-        let (upper, lower) = split(rect, whole);
-        let scene = Scene { walk: &whole.walk, now: self.walked.walk.as_ref(), progress, visuals: ui.visuals() };
+        let unit = if self.look.scene_units { life.t_scale } else { 1.0 };
+        let (now, picked) = (self.walked.walk.as_ref(), cx.shared.picked);
+        let scene = Scene { walk: &whole.walk, now, progress, visuals: ui.visuals(), unit, picked };
         let cursor = response.hover_pos();
         let mut under = None;
-        if let Some(upper) = upper {
-            under = picture::draw(&ui.painter().with_clip_rect(upper), upper, &whole.picture, &scene, cursor);
-        }
-        let painter = ui.painter().with_clip_rect(lower);
-        under = strip::draw(&painter, lower, &whole.strip, self.spacing(), &scene, cursor).or(under);
-        let what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
-        if let Some(Under { text, row }) = under {
-            let pass = life.rows.get(row).and_then(|row| row.pass);
-            if response.clicked() {
-                cx.shared.go_to = pass.map(|pass| pass + 1);
+        if let Some((beside, found)) = beside {
+            let painter = ui.painter().with_clip_rect(rect);
+            under = beside.draw(&painter, rect, [&first, &found.name], &scene, cursor);
+        } else {
+            let (upper, lower) = split(rect, whole);
+            if let Some(upper) = upper {
+                under = picture::draw(&ui.painter().with_clip_rect(upper), upper, &whole.picture, &scene, cursor)
+                    .map(|under| (0, under));
             }
-            let text = pass.map_or_else(|| text.clone(), |pass| format!("{text}\nclick: pass {pass}"));
-            response.on_hover_cursor(egui::CursorIcon::PointingHand).on_hover_text_at_pointer(text);
+            let painter = ui.painter().with_clip_rect(lower);
+            let found = strip::draw(&painter, lower, &whole.strip, self.spacing(), &scene, cursor);
+            under = found.map(|found| (0, found)).or(under);
         }
+        let mut what = self.walked.walk.as_ref().map_or_else(|| "No pass has processed this ray yet.".into(), describe);
+        if let Some((beside, found)) = beside {
+            let [a, b] = beside.headings([&first, &found.name]);
+            what += &format!("; {a}; {b}");
+        }
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
+        let found = found.as_ref();
+        point_at(&response, under, &life, found, cx);
     }
 
     fn save(&self) -> String {
@@ -107,6 +156,10 @@ impl Panel for Walk2d {
     }
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if command == Command::SecondWalk {
+            self.look.beside = Some(!self.is_beside(cx));
+            return true;
+        }
         if command != Command::ExportWalk {
             return false;
         }
@@ -114,24 +167,68 @@ impl Panel for Walk2d {
         let Some(life) = &self.walked.life else { return false };
         let walk = self.walked.walk.as_ref().or(self.whole.as_ref().map(|whole| &whole.walk));
         if let Some(walk) = walk {
-            let file = export(life, walk, self.spacing(), self.is_dark);
+            let second = self.beside.as_ref().map(|beside| (beside.name.as_str(), &beside.whole.walk));
+            let file = export(life, walk, second, self.spacing(), self.is_dark);
             cx.shared.files.push(file);
         }
         walk.is_some()
     }
 }
 
+/// Hovering describes an item of the first or second walk; a click picks it and goes to its pass.
+fn point_at(
+    response: &egui::Response,
+    under: Option<(usize, Under)>,
+    life: &Trace,
+    found: Option<&Found>,
+    cx: &mut Context<'_>,
+) {
+    let Some((which, Under { text, row, what })) = under else { return };
+    let second = found.filter(|_| which == 1);
+    let rows = second.map_or(life, |found| &found.life);
+    let place = rows.rows.get(row).and_then(TraceRow::place);
+    if response.clicked() {
+        let was_picked = what.is_some() && cx.shared.picked == what;
+        if let Some(what) = what {
+            picked::toggle(cx.shared, what);
+        }
+        // Without a second run, there is no pass to go to.
+        match (second.map(|found| found.is_run), place.filter(|_| !was_picked)) {
+            (None, Some(place)) => cx.shared.go_to = Some(place),
+            (Some(true), Some(place)) => {
+                if let Some(other) = cx.other.as_deref_mut().filter(|other| other.place != place) {
+                    other.ask(Request::Step(Target::Pass(place)));
+                }
+            }
+            _ => {}
+        }
+    }
+    let on = match second {
+        Some(found) if !found.is_run => format!("\nrow {} of {} in B", row + 1, rows.rows.len()),
+        _ => go_on(rows, row),
+    };
+    let response = response.clone().on_hover_cursor(egui::CursorIcon::PointingHand);
+    response.on_hover_text_at_pointer(text + &on);
+}
+
 /// The walk as a drawing.
-fn export(life: &Trace, walk: &WalkGeometry, spacing: Spacing, is_dark: bool) -> FileToSave {
+fn export(
+    life: &Trace,
+    walk: &WalkGeometry,
+    second: Option<(&str, &WalkGeometry)>,
+    spacing: Spacing,
+    is_dark: bool,
+) -> FileToSave {
     let [x, y] = life.pixel;
     let last = walk.row.and_then(|row| life.rows.get(row)).map(TraceRow::number);
     let until = last.map_or_else(String::new, |pass| format!(", up to pass {pass}"));
     let options = SvgOptions { spacing, is_dark, ..SvgOptions::default() };
-    let svg = walk_svg(walk, &format!("Ray of pixel {x},{y}{until}"), &options);
+    let svg = walk_svg(walk, &format!("Ray of pixel {x},{y}{until}"), second, &options);
     FileToSave { name: format!("ray-{x}-{y}.svg"), bytes: svg.into_bytes(), holds: "a drawing".into() }
 }
 
 /// The inputs of the drawing.
+#[derive(Clone, Copy)]
 struct Scene<'a> {
     /// The ray's whole walk.
     walk: &'a WalkGeometry,
@@ -139,6 +236,16 @@ struct Scene<'a> {
     now: Option<&'a WalkGeometry>,
     progress: &'a Progress,
     visuals: &'a egui::Visuals,
+    /// t in the units shown, per t of the streams.
+    unit: f64,
+    picked: Option<Picked>,
+}
+
+impl Scene<'_> {
+    /// A t in the units shown.
+    fn t(&self, t: f64) -> String {
+        number(t * self.unit)
+    }
 }
 
 impl Walk2d {
@@ -153,8 +260,7 @@ impl Walk2d {
             return;
         };
         if is_other || self.whole.is_none() {
-            let walk = WalkGeometry::new(life, &opened.data, usize::MAX);
-            self.whole = Some(Whole { picture: Projected::new(&walk), strip: Strip::new(&walk), walk });
+            self.whole = Some(Whole::of(life, &opened.data));
             self.progress = None;
         }
         let version = self.walked.version;
@@ -163,10 +269,43 @@ impl Walk2d {
         }
     }
 
+    /// Whether the walk through the other structure is to be shown.
+    fn is_beside(&self, cx: &Context<'_>) -> bool {
+        self.look.beside.unwrap_or(cx.other.is_some())
+    }
+
+    /// The walk through the other structure, if it is to be shown; says why there is none.
+    fn second_walk(&mut self, ui: &mut egui::Ui, pixel: [u32; 2], cx: &mut Context<'_>) -> Option<Found> {
+        if !self.is_beside(cx) {
+            self.beside = None;
+            return None;
+        }
+        match self.second.find(pixel, cx) {
+            Ok(found) => Some(found),
+            Err(why) => {
+                self.beside = None;
+                ui.weak(why);
+                None
+            }
+        }
+    }
+
     fn tools(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
             event_buttons(ui, cx);
-            if self.whole.as_ref().is_some_and(|whole| whole.walk.structure == Structure::Grid) {
+            let other = cx.model.opened.as_ref().map_or(Accelerator::Bvh, second::other_of);
+            let name = if other == Accelerator::Bvh { "Show BVH walk" } else { "Show grid walk" };
+            let text = format!(
+                "the same ray through the {other} below it, on one scale of t: in the run that this one is compared with \
+                 ({}), otherwise by the CPU reference kernels",
+                Command::Compare.key_text(ui.ctx())
+            );
+            let mut is_beside = self.is_beside(cx);
+            if ui.toggle_value(&mut is_beside, name).on_hover_text(text).clicked() {
+                self.look.beside = Some(is_beside);
+            }
+            let is_grid = self.whole.as_ref().is_some_and(|whole| whole.walk.structure == Structure::Grid);
+            if is_grid && !is_beside {
                 for (by_t, name, text) in [
                     (false, "equal", "all cells equally wide, so that cells that the ray barely touches are visible"),
                     (true, "by t", "width of a cell proportional to its length along the ray"),
@@ -174,10 +313,15 @@ impl Walk2d {
                     ui.selectable_value(&mut self.look.by_t, by_t, name).on_hover_text(text);
                 }
             }
+            let scale = self.walked.life.as_ref().map_or(1.0, |life| life.t_scale);
+            if scale != 1.0 {
+                let text = format!("t in scene units; otherwise in traced units, as in the streams (1 = {scale} scene units)");
+                ui.toggle_value(&mut self.look.scene_units, "scene units").on_hover_text(text);
+            }
             if ui.button("Export SVG").on_hover_text("save both pictures as SVG, up to this pass").clicked() {
                 cx.todo.push(Command::ExportWalk);
             }
-            if let Some(walk) = self.walked.walk.as_ref().filter(|_| ui.available_size_before_wrap().x > 280.0) {
+            if let Some(walk) = self.walked.walk.as_ref().filter(|_| ui.available_size_before_wrap().x > 280.0 && cx.shared.picked.is_none()) {
                 ui.weak(describe(walk));
             }
         });
@@ -187,7 +331,7 @@ impl Walk2d {
 /// Space for the picture, if there is enough, and for the strip.
 fn split(rect: Rect, whole: &Whole) -> (Option<Rect>, Rect) {
     let wanted = match whole.walk.structure {
-        Structure::Grid => 190.0,
+        Structure::Grid => 220.0,
         Structure::Tree => strip::TREE_EDGES + 16.0 * whole.strip.lines() as f32,
         Structure::Nothing => 70.0,
     };
@@ -208,7 +352,7 @@ mod tests {
         let (life, data) = life(Accelerator::Grid);
         let [x, y] = life.pixel;
         let row = life.rows.len() / 2;
-        let file = export(&life, &WalkGeometry::new(&life, &data, row), Spacing::Equal, false);
+        let file = export(&life, &WalkGeometry::new(&life, &data, row), None, Spacing::Equal, false);
         assert_eq!(file.name, format!("ray-{x}-{y}.svg"));
         let text = String::from_utf8(file.bytes).expect("text");
         assert!(text.contains(&format!("pixel {x},{y}, up to pass {}", life.rows[row].number())), "{text}");

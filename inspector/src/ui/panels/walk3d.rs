@@ -1,24 +1,32 @@
 //! The walk of the selected ray in 3D, synchronised with the timeline.
 
+mod camera;
 mod control;
 mod glance;
 mod labels;
+mod pick;
 mod tools;
 
-use std::sync::{Arc, Weak};
+use std::sync::Weak;
 
 use egui::{Color32, Rect, Sense, pos2, vec2};
+use glam::DVec2;
 use raystep_scenes::Scene;
 use serde::{Deserialize, Serialize};
 
-use super::walked::{Walked, describe, event_buttons};
-use crate::draw::scene3d::{Scene3d, Settings, TriangleStyle};
+use super::picked;
+use super::walked::{Walked, describe, event_buttons, go_on};
+use crate::draw::scene3d::{Around, Marked, Scene3d, Settings, TriangleStyle};
 use crate::orbit::Orbit;
 use crate::session::request::{Opened, Request};
 use crate::settings::View;
 use crate::ui::canvas::Picture;
+use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, Panel};
-use crate::walk::{Aabb, Structure};
+use crate::ui::shared::Picked;
+use crate::walk::Aabb;
+use camera::Framed;
+use labels::Ready;
 
 /// The saved part of the view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,13 +38,16 @@ struct Look {
     scene: String,
     /// Scene units.
     camera: Option<Orbit>,
+    /// Whether the camera was moved by hand: then it does not follow the selected ray.
+    is_moved: bool,
     /// Trace the scene from this camera whenever it moves.
     traces: bool,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { settings: Settings::default(), labels: true, scene: String::new(), camera: None, traces: false }
+        let settings = Settings::default();
+        Self { settings, labels: true, scene: String::new(), camera: None, is_moved: false, traces: false }
     }
 }
 
@@ -47,6 +58,7 @@ struct Drawn {
     walk: u64,
     camera: Orbit,
     settings: Settings,
+    around: Around,
     size: [u32; 2],
 }
 
@@ -66,6 +78,13 @@ pub(in crate::ui) struct Walk3d {
     traced: Option<Orbit>,
     /// The camera of the last frame.
     seen: Option<Orbit>,
+    /// What the camera frames.
+    framed: Framed,
+    /// What a command asked of the camera.
+    wish: Option<Wish>,
+    /// The labels of the picture drawn last, and where it was.
+    labels: Option<(Drawn, Rect, Vec<Ready>)>,
+    about: picked::About,
 }
 
 impl Panel for Walk3d {
@@ -80,20 +99,31 @@ impl Panel for Walk3d {
         };
         self.walked.update(cx.model);
         let traced_bounds = self.bounds(&opened, cx);
+        self.framed.update(cx.model.life.as_ref(), cx.model.generation, &opened);
         let scale = opened.data.units.scale();
         let aspect = f64::from(ui.available_rect_before_wrap().aspect_ratio());
         let mut camera = self.camera(&opened, &traced_bounds, scale, aspect);
-        let wish = self.tools(ui, cx);
+        let wish = self.tools(ui, cx).or(self.wish.take());
+        self.about.show(ui, cx);
         let size = ui.available_size().max(vec2(16.0, 16.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        self.frame_new(&mut camera, size, 1.0 / scale);
+        let before = camera.pose;
         let wish = wish.or(control::control(ui, &response, &mut camera));
+        self.look.is_moved |= camera.pose != before;
         if let Some(wish) = wish {
             self.fulfil(wish, &mut camera, &opened, &traced_bounds, rect.aspect_ratio().into(), cx);
         }
         self.look.camera = Some(camera);
         let traced = camera.scaled(scale);
-        self.paint(ui, cx, rect, traced);
-        self.annotate(ui, rect, &traced, cx.has_rays());
+        let other = cx.shared.beside.as_ref().filter(|_| cx.shared.picked.is_some());
+        let marked = cx.shared.picked.and_then(|picked| {
+            let of = |data| Some((picked, picked::marked(picked, data)?));
+            of(&opened.data).or_else(|| other.and_then(|data| of(data)))
+        });
+        let around = Around { marked: marked.map(|(_, marked)| marked), cut: self.framed.front(&traced) };
+        self.paint(ui, cx, rect, traced, around);
+        self.annotate(ui, rect, &traced, marked, cx.has_rays());
         if let Some(glanced) = cx.model.glanced() {
             glance::draw(&ui.painter().with_clip_rect(rect), ui.visuals(), rect, glanced, &traced, &traced_bounds);
         }
@@ -101,9 +131,15 @@ impl Panel for Walk3d {
             cx.todo.extend(ui.input(control::commands));
             let stroke = ui.visuals().selection.stroke;
             ui.painter().rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
+        } else if response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+            cx.shared.picked = None;
         }
-        let what = self.walked.walk.as_ref().map_or_else(|| "scene without a ray".into(), describe);
+        let mut what = self.walked.walk.as_ref().map_or_else(|| "scene without a ray".into(), describe);
+        if self.look.is_moved {
+            what += "; view moved by hand";
+        }
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
+        self.pick(&response, &traced, around, cx);
         self.follow_camera(ui, &camera, &opened, cx);
     }
 
@@ -116,13 +152,22 @@ impl Panel for Walk3d {
             self.look = look;
         }
     }
+
+    fn command(&mut self, command: Command, _: &mut Context<'_>) -> bool {
+        if command == Command::FrameWalk {
+            self.wish = Some(Wish::FrameWalk);
+        }
+        command == Command::FrameWalk
+    }
 }
 
 /// A request to the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wish {
-    /// Reset.
+    /// Frame the walk; without one, the whole scene.
     Reset,
+    /// The same, from a button or a command.
+    FrameWalk,
     /// Frame the whole scene.
     FrameScene,
     /// Frame the ray's current cell or node.
@@ -145,52 +190,6 @@ impl Walk3d {
             scene.set_scene(&opened.data);
         }
         scene.bounds()
-    }
-
-    /// The camera, in scene units; reset for a new scene.
-    fn camera(&mut self, opened: &Opened, bounds: &Aabb, scale: f64, aspect: f64) -> Orbit {
-        let is_same =
-            std::ptr::eq(self.inside.as_ptr(), Arc::as_ptr(&opened.scene)) || self.look.scene == opened.scene.name;
-        self.inside = Arc::downgrade(&opened.scene);
-        self.look.scene.clone_from(&opened.scene.name);
-        let kept = self.look.camera.filter(|_| is_same);
-        kept.unwrap_or_else(|| Orbit::framing(bounds, aspect).scaled(1.0 / scale))
-    }
-
-    fn fulfil(
-        &mut self,
-        wish: Wish,
-        camera: &mut Orbit,
-        opened: &Opened,
-        bounds: &Aabb,
-        aspect: f64,
-        cx: &mut Context<'_>,
-    ) {
-        let unit = 1.0 / opened.data.units.scale();
-        let in_scene = |b: &Aabb| Aabb { min: b.min * unit, max: b.max * unit };
-        let walk = self.walked.walk.as_ref();
-        let place = walk.and_then(|walk| match walk.structure {
-            Structure::Grid => walk.cells.last().map(|cell| cell.bounds),
-            Structure::Tree => walk.current_box,
-            Structure::Nothing => None,
-        });
-        match wish {
-            Wish::Reset => camera.reset(),
-            Wish::FrameScene => camera.frame(&in_scene(bounds), aspect),
-            Wish::FrameCell => camera.frame(&in_scene(place.as_ref().unwrap_or(bounds)), aspect),
-            Wish::AlongRay => {
-                if let Some(walk) = walk {
-                    let size = place.map_or(bounds.radius() * 0.25, |b| b.radius());
-                    let at = walk.current_point() * unit;
-                    control::look_along(camera, at, walk.direction, size * unit * 4.0);
-                }
-            }
-            Wish::TracedView => {
-                let traced = opened.settings.view.camera(&opened.scene);
-                camera.pose = Orbit::from_camera(&traced, &in_scene(bounds)).pose;
-            }
-            Wish::Trace => self.trace(camera, opened, cx),
-        }
     }
 
     /// Traces as the camera moves: at a lower resolution until it rests.
@@ -219,15 +218,15 @@ impl Walk3d {
         cx.model.ask(Request::Plan(Box::new(settings)));
     }
 
-    fn paint(&mut self, ui: &egui::Ui, cx: &Context<'_>, rect: Rect, camera: Orbit) {
+    fn paint(&mut self, ui: &egui::Ui, cx: &Context<'_>, rect: Rect, camera: Orbit, around: Around) {
         let points = ui.ctx().pixels_per_point();
         let most = cx.canvas.most_side();
         let size = [rect.width(), rect.height()].map(|side| ((side * points).round() as u32).clamp(1, most));
         let settings = Settings { is_dark: ui.visuals().dark_mode, line_width_px: 1.25 * points, ..self.look.settings };
-        let drawn = Drawn { generation: self.generation, walk: self.walked.version, camera, settings, size };
+        let drawn = Drawn { generation: self.generation, walk: self.walked.version, camera, settings, around, size };
         let (target, is_new) = self.picture.target(cx.canvas, size);
         if let Some(scene) = self.scene.as_mut().filter(|_| is_new || self.drawn != Some(drawn)) {
-            scene.draw(target, size, &camera, self.walked.walk.as_ref(), &settings);
+            scene.draw(target, size, &camera, self.walked.walk.as_ref(), &around, &settings);
             self.drawn = Some(drawn);
         }
         if let Some(id) = self.picture.id() {
@@ -236,13 +235,53 @@ impl Walk3d {
         }
     }
 
+    /// Hovering tells what is under the cursor, and a click picks it and goes to its pass.
+    fn pick(&self, response: &egui::Response, camera: &Orbit, around: Around, cx: &mut Context<'_>) {
+        let (Some(at), Some(life)) = (response.hover_pos().filter(|_| !response.dragged()), &self.walked.life) else {
+            return;
+        };
+        let (Some(walk), at) = (&self.walked.walk, at - response.rect.min) else { return };
+        let size = response.rect.size();
+        let [at, size] = [at, size].map(|v| DVec2::new(v.x.into(), v.y.into()));
+        let cut = around.cut.filter(|_| self.look.settings.cut);
+        let found = pick::under(walk, camera, at, size, cut);
+        if response.clicked() && !found.is_empty() {
+            let chosen = pick::chosen(&found, cx.shared.picked);
+            cx.shared.picked = chosen.map(|found| found.what);
+            cx.shared.go_to = chosen.and_then(|found| life.rows.get(found.row)?.place());
+        }
+        if let Some(first) = found.first() {
+            let mut text = picked::name(first.what);
+            if found.len() > 1 {
+                text += &format!(", and {} behind or around it", found.len() - 1);
+            }
+            response.clone().on_hover_text_at_pointer(text + &go_on(life, first.row));
+        }
+    }
+
     /// Labels over the picture.
-    fn annotate(&self, ui: &egui::Ui, rect: Rect, camera: &Orbit, has_rays: bool) {
+    fn annotate(
+        &mut self,
+        ui: &egui::Ui,
+        rect: Rect,
+        camera: &Orbit,
+        marked: Option<(Picked, Marked)>,
+        has_rays: bool,
+    ) {
         let painter = ui.painter().with_clip_rect(rect);
-        match &self.walked.walk {
-            Some(walk) if self.look.labels => labels::draw(&painter, ui.visuals(), rect, walk, camera),
-            Some(_) => {}
-            None => {
+        let drawn = self.drawn.filter(|_| self.look.labels);
+        match (&self.walked.walk, drawn) {
+            (Some(walk), Some(drawn)) => {
+                let is_known = self.labels.as_ref().is_some_and(|(of, at, _)| (*of, *at) == (drawn, rect));
+                if !is_known {
+                    let ready = labels::arrange(&painter, ui.visuals(), rect, walk, marked, camera);
+                    self.labels = Some((drawn, rect, ready));
+                }
+                let ready = self.labels.as_ref().map_or(&[][..], |(.., ready)| ready);
+                labels::draw(&painter, ui.visuals(), ready);
+            }
+            (Some(_), None) => {}
+            (None, _) => {
                 let text = if !has_rays {
                     NO_RAYS
                 } else if self.walked.life.is_some() {

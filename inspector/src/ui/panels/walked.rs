@@ -57,6 +57,16 @@ pub(super) fn event_buttons(ui: &mut egui::Ui, cx: &mut Context<'_>) {
     }
 }
 
+/// The row of a ray's history, for what is under the cursor, and where a click goes.
+pub(super) fn go_on(life: &Trace, row: usize) -> String {
+    let Some(at) = life.rows.get(row) else { return String::new() };
+    let rows = life.rows.len();
+    match at.place() {
+        Some(_) => format!("\nrow {} of {rows}; click: go to pass {}", row + 1, at.number()),
+        None => format!("\nrow {} of {rows}", row + 1),
+    }
+}
+
 /// A walk in one line: current position, progress, and what it tested or hit.
 pub(super) fn describe(walk: &WalkGeometry) -> String {
     let mut parts = Vec::new();

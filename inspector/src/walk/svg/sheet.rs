@@ -48,7 +48,8 @@ impl Sheet {
              .hit{{stroke:{hit};fill:{hit};fill-opacity:.18}}.farther{{stroke:{hit};fill:none;stroke-dasharray:2 2}}\
              .missed{{stroke:{missed};fill:{missed};fill-opacity:.08;stroke-opacity:.75}}\
              .dot-hit{{fill:{hit}}}.dot-farther{{fill:{paper};stroke:{hit};stroke-width:1.5}}.dot-missed{{fill:{missed}}}\
-             .bar{{fill:{bar}}}.bar-exit{{fill:{ray}}}"
+             .bar{{fill:{bar}}}.bar-exit,.least{{fill:{ray}}}\
+             .leap{{stroke:{faint};stroke-dasharray:3 3;fill:none}}.wrap{{stroke:{missed};stroke-dasharray:1 3;fill:none}}"
         );
         Self { body: Group::new(), groups: Vec::new(), style, width, left: 24.0, y: 16.0, clips: 0 }
     }
@@ -132,7 +133,7 @@ fn printable(text: &str) -> String {
 }
 
 /// Four significant digits.
-pub(super) fn short(t: f64) -> String {
+pub(in crate::walk) fn short(t: f64) -> String {
     // No minus before a zero.
     let t = t + 0.0;
     let size = t.abs();

@@ -131,6 +131,18 @@ pub(super) fn zoomed(stage: &mut Stage) -> f64 {
     0.0
 }
 
+/// The 3D view, zoomed by hand.
+pub(super) fn moved_view(stage: &mut Stage) -> f64 {
+    stage.perform(Command::Show(PaneKind::Walk3d));
+    let view = stage.find(Role::Image, |name| name.contains("visited")).expect("the 3D view");
+    let pos = view.rect().center();
+    stage.event(egui::Event::PointerMoved(pos));
+    stage.event(egui::Event::Zoom(1.5));
+    stage.event(egui::Event::PointerGone);
+    assert!(stage.reads("view moved by hand"), "{}", stage.read_out());
+    0.0
+}
+
 pub(super) fn is_ray_watched(stage: &Stage) -> bool {
     let node = stage.get(Role::CheckBox, "selected ray: its state changes");
     node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)

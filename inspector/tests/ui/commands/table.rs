@@ -9,8 +9,8 @@ use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
     assert_all, begin_lesson, bookmarks_around, choose_cornell, choose_session, event, exposure, is_ray_watched,
-    is_shown, keep, leave_lesson, moved_range, nothing, open_session, pixel_moved, play, range, remove_bookmarks,
-    same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    is_shown, keep, leave_lesson, moved_range, moved_view, nothing, open_session, pixel_moved, play, range,
+    remove_bookmarks, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -224,6 +224,16 @@ pub(super) fn row(command: Command) -> Row {
         C::Fit => (zoomed, |s, _| {
             s.settle();
             s.get(Role::Button, "fit");
+        }),
+        C::FrameWalk => (moved_view, |s, _| {
+            s.settle();
+            is_shown(s, PaneKind::Walk3d);
+            assert!(!s.reads("view moved by hand"), "{}", s.read_out());
+        }),
+        C::SecondWalk => (nothing, |s, _| {
+            s.settle();
+            is_shown(s, PaneKind::Walk2d);
+            assert!(s.reads("A grid: ") && s.reads("B bvh: "), "{}", s.read_out());
         }),
         C::Pin => (nothing, |s, was| {
             s.settle();

@@ -10,7 +10,9 @@ use raystep_lab::text::counted;
 
 use super::picture::{legend, picture};
 use crate::ui::pane::Context;
+use crate::ui::panels::picked;
 use crate::ui::panels::ray::current_row;
+use crate::ui::shared::Picked;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Points around a layer, for the axis labels.
@@ -28,7 +30,9 @@ pub(super) struct SliceView {
     /// The selected ray's cell.
     current: Option<[i32; 3]>,
     /// The triangle whose cells are marked.
-    pub(super) triangle: Option<u32>,
+    triangle: Option<u32>,
+    /// What was picked, in any panel, as of the last frame.
+    picked: Option<Picked>,
     drawn: Option<(Slice, TextureHandle)>,
     /// Cells of the layer that list the marked triangle, and the key of that result.
     listing: Option<(Listed, Vec<[i32; 2]>)>,
@@ -48,6 +52,29 @@ impl SliceView {
     pub(super) fn select(&mut self, data: &SceneData, cell: [i32; 3]) {
         if data.grid.is_in_grid(cell) {
             (self.cell, self.index) = (Some(cell), Some(cell[self.axis()]));
+        }
+    }
+
+    /// The triangle whose cells are marked.
+    pub(super) fn triangle(&self) -> Option<u32> {
+        self.triangle
+    }
+
+    /// Marks what was picked, here or in another panel: a cell in its layer, or a triangle's cells.
+    pub(super) fn mark(&mut self, data: &SceneData, picked: Option<Picked>) {
+        if std::mem::replace(&mut self.picked, picked) == picked {
+            return;
+        }
+        match picked {
+            Some(Picked::Cell(cell)) => {
+                self.triangle = None;
+                // A cell of the layer in view, or of another one.
+                if let [Ok(x), Ok(y), Ok(z)] = cell.map(i32::try_from) {
+                    self.select(data, [x, y, z]);
+                }
+            }
+            Some(Picked::Triangle(triangle)) => self.triangle = Some(triangle),
+            Some(Picked::Node(_)) | None => (self.cell, self.triangle) = (None, None),
         }
     }
 
@@ -101,7 +128,7 @@ impl SliceView {
             mark(at, Color32::from_rgb(255, 220, 60), 2.5);
         }
         if let Some(at) = self.cell.and_then(|cell| place_in(slice, cell)) {
-            mark(at, Color32::from_rgb(255, 80, 200), 2.5);
+            mark(at, picked::color(ui.visuals()), 2.5);
         }
         let [across, up] = others(axis);
         let font = FontId::proportional(11.0);
@@ -126,8 +153,10 @@ impl SliceView {
         if let Some([column, row]) =
             response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| place.at(at))
         {
-            self.cell = Some(slice.cell(column, row));
             self.index = Some(index);
+            if let Some(picked) = picked::cell(slice.cell(column, row)) {
+                picked::toggle(cx.shared, picked);
+            }
         }
     }
 

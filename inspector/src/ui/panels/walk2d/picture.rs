@@ -4,10 +4,11 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, vec2}
 use glam::{DVec2, Vec2Swizzles as _};
 use raystep_lab::text::counted;
 
-use super::super::walked::number;
+use super::super::picked;
 use super::progress::{chosen, row_of};
 use super::{Scene, Under};
 use crate::draw::stream::Colors;
+use crate::ui::shared::Picked;
 use crate::walk::{Outcome, Projected, Square, Structure};
 
 /// Most squares and triangles painted, the first ones: a ray that tests all triangles of a large scene would become a
@@ -97,7 +98,14 @@ pub(super) fn draw(
     let visit = chosen(&square.visits, scene.progress.visit)?;
     let outline = map.rect(square.min, square.max);
     painter.rect_stroke(outline, 0.0, Stroke::new(1.0, visuals.strong_text_color()), StrokeKind::Inside);
-    Some(Under { text: words(scene, square, visit), row: row_of(scene.walk, visit)? })
+    let what = what_of(scene, visit);
+    Some(Under { text: words(scene, square, visit), row: row_of(scene.walk, visit)?, what })
+}
+
+/// What a visit is of.
+fn what_of(scene: &Scene<'_>, visit: usize) -> Option<Picked> {
+    let node = scene.walk.nodes.get(visit).map(|node| Picked::Node(node.node));
+    scene.walk.cells.get(visit).and_then(|cell| picked::cell(cell.cell)).or(node)
 }
 
 /// Describes a visit.
@@ -106,11 +114,11 @@ fn words(scene: &Scene<'_>, square: &Square, visit: usize) -> String {
     let mut text = match (walk.cells.get(visit), walk.nodes.get(visit)) {
         (Some(cell), _) => {
             let [x, y, z] = cell.cell;
-            let t = [cell.t_in, cell.t_out].map(number);
+            let t = [cell.t_in, cell.t_out].map(|t| scene.t(t));
             format!("cell {x},{y},{z}: t {} to {}, {} in its list", t[0], t[1], counted(cell.listed, "triangle"))
         }
         (None, Some(node)) => {
-            let t = node.inside.map_or_else(String::new, |t| format!(": t {} to {}", number(t[0]), number(t[1])));
+            let t = node.inside.map_or_else(String::new, |t| format!(": t {} to {}", scene.t(t[0]), scene.t(t[1])));
             format!("node {}, level {}{t}", node.node, node.depth)
         }
         _ => String::new(),
@@ -135,7 +143,7 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
     let walk = scene.walk;
     let is_tree = walk.structure == Structure::Tree;
     let count = walk.cells.len().max(walk.nodes.len());
-    let mut current = None;
+    let (mut current, mut marked) = (None, None);
     for square in picture.squares.iter().take(MOST) {
         let Some(&first) = square.visits.first() else { continue };
         let has_come = row_of(walk, first).is_some_and(|row| scene.progress.has(row));
@@ -151,6 +159,10 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
         painter.rect_stroke(outline, 0.0, Stroke::new(1.0, color.gamma_multiply(line)), StrokeKind::Inside);
         if scene.progress.visit.is_some_and(|visit| square.visits.contains(&visit)) {
             current = Some(outline);
+        }
+        let is_picked = |&visit: &usize| scene.picked.is_some() && what_of(scene, visit) == scene.picked;
+        if square.visits.iter().any(is_picked) {
+            marked = Some(outline);
         }
         if !is_tree && outline.size().min_elem() >= ROOM_FOR_LETTER {
             let more = if square.visits.len() > 1 { "…" } else { "" };
@@ -172,6 +184,9 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
     if let Some(outline) = current {
         painter.rect_stroke(outline, 0.0, Stroke::new(2.0, current_color(scene.visuals)), StrokeKind::Inside);
     }
+    if let Some(outline) = marked {
+        painter.rect_stroke(outline, 0.0, Stroke::new(2.0, picked::color(scene.visuals)), StrokeKind::Outside);
+    }
 }
 
 fn triangles(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scene<'_>) {
@@ -188,6 +203,15 @@ fn triangles(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Sc
             color.gamma_multiply(fill),
             Stroke::new(1.0, color.gamma_multiply(line)),
         ));
+    }
+    if let Some(Picked::Triangle(wanted)) = scene.picked {
+        let is_wanted = |shown: &&crate::walk::ProjectedTriangle| {
+            scene.walk.tested.get(shown.test).is_some_and(|tested| tested.triangle == wanted)
+        };
+        if let Some(shown) = picture.triangles.iter().find(is_wanted) {
+            let corners = shown.corners.map(|c| map.place(c)).to_vec();
+            painter.add(Shape::closed_line(corners, Stroke::new(2.0, picked::color(scene.visuals))));
+        }
     }
 }
 

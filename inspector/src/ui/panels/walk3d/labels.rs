@@ -1,15 +1,23 @@
-//! Labels in the 3D view: the cell, its tmax, the tested triangle.
+//! Labels in the 3D view: the cell, its tmax, the tested triangles, what was picked.
 
-use egui::{Color32, FontId, Pos2, Rect, Vec2, vec2};
+use std::sync::Arc;
+
+use egui::{Color32, FontId, Galley, Pos2, Rect, Vec2, vec2};
 use glam::{DVec2, DVec3};
 
+use super::super::labels::{Avoid, Place, Wanted, places};
+use super::super::picked;
 use super::super::walked::number;
+use crate::draw::scene3d::Marked;
 use crate::orbit::Orbit;
-use crate::walk::{Outcome, Structure, WalkGeometry};
+use crate::ui::shared::Picked;
+use crate::walk::{Crossing, Outcome, Structure, TestedTriangle, WalkGeometry};
 
 /// The subject of a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum About {
+    /// What was picked.
+    Picked,
     /// The ray's current cell or node.
     Place,
     /// A plane that the ray may cross next, of this axis.
@@ -26,18 +34,17 @@ struct Label {
     about: About,
 }
 
-/// The labels of a walk, the most important first.
-fn labels(walk: &WalkGeometry) -> Vec<Label> {
+/// Most earlier tests in the current cell that have labels.
+const MOST_TESTS: usize = 8;
+
+/// The labels of a walk, the most important first: what is tested now or hit, the cell, the tmax of the next step, what
+/// was picked, the other tmax, and earlier tests in this cell.
+fn labels(walk: &WalkGeometry, picked: Option<(Picked, Marked)>) -> Vec<Label> {
     let mut labels = Vec::new();
     let mut add = |at, text, about| labels.push(Label { at, text, about });
     let tested = walk.tested.last().filter(|tested| Some(tested.row) == walk.row);
     if let Some(tested) = tested {
-        let [a, b, c] = tested.corners;
-        let on_ray = tested.t.filter(|_| tested.outcome.is_hit()).map(|t| walk.point(t));
-        let at = on_ray.unwrap_or((a + b + c) / 3.0);
-        let t = tested.t.filter(|_| tested.outcome.is_hit()).map_or_else(String::new, |t| format!(", t {}", number(t)));
-        let text = format!("triangle {}: {}{t}", tested.triangle, tested.outcome.name());
-        add(at, text, About::Triangle(tested.outcome));
+        add(middle_of(walk, tested), words(tested, true), About::Triangle(tested.outcome));
     } else if let Some(hit) = &walk.hit {
         let text = format!("triangle {}: hit, t {}", hit.triangle, number(hit.t));
         add(hit.point, text, About::Triangle(Outcome::Nearest));
@@ -56,46 +63,125 @@ fn labels(walk: &WalkGeometry) -> Vec<Label> {
         }
         Structure::Nothing => {}
     }
-    if !walk.is_over {
-        for crossing in walk.next_crossings() {
-            let name = ["x", "y", "z"][crossing.axis];
-            add(crossing.point, format!("tmax {name} {}", number(crossing.t)), About::Axis(crossing.axis));
-        }
+    let next = if walk.is_over { Vec::new() } else { walk.next_crossings() };
+    let leaves = walk.current_cell().map(|cell| cell.exit_axis);
+    let tmax = |crossing: &Crossing| {
+        let name = ["x", "y", "z"][crossing.axis];
+        (crossing.point, format!("tmax {name} {}", number(crossing.t)), About::Axis(crossing.axis))
+    };
+    for (at, text, about) in next.iter().filter(|crossing| leaves == Some(crossing.axis)).map(tmax) {
+        add(at, text + ": next", about);
+    }
+    if let Some((picked, marked)) = picked {
+        let (name, at) = match (picked, marked) {
+            (Picked::Cell([x, y, z]), Marked::Box(bounds)) => (format!("cell {x},{y},{z}"), bounds.center()),
+            (Picked::Node(node), Marked::Box(bounds)) => (format!("node {node}"), bounds.center()),
+            (Picked::Triangle(triangle), Marked::Triangle([a, b, c])) => {
+                (format!("triangle {triangle}"), (a + b + c) / 3.0)
+            }
+            _ => (String::new(), DVec3::NAN),
+        };
+        add(at, name, About::Picked);
+    }
+    for (at, text, about) in next.iter().filter(|crossing| leaves != Some(crossing.axis)).map(tmax) {
+        add(at, text, about);
+    }
+    let here = walk.tested.last().filter(|last| !walk.is_over || last.outcome.is_hit()).and_then(|last| last.visit);
+    let shown = tested.map(|tested| tested.triangle).or(walk.hit.map(|hit| hit.triangle));
+    let current = match walk.structure {
+        Structure::Grid => walk.cells.len().checked_sub(1),
+        _ => here,
+    };
+    let earlier = walk.tested.iter().rev().filter(|test| test.visit == current && Some(test.triangle) != shown);
+    for test in earlier.filter(|_| walk.structure != Structure::Nothing).take(MOST_TESTS) {
+        add(middle_of(walk, test), words(test, false), About::Triangle(test.outcome));
     }
     labels
 }
 
-/// Draws the labels of a walk over its picture. The camera is in traced units.
-pub(super) fn draw(painter: &egui::Painter, visuals: &egui::Visuals, rect: Rect, walk: &WalkGeometry, camera: &Orbit) {
+/// Where the label of a test points: to the hit, or to the middle of the triangle that was missed.
+fn middle_of(walk: &WalkGeometry, test: &TestedTriangle) -> DVec3 {
+    let [a, b, c] = test.corners;
+    test.t.filter(|_| test.outcome.is_hit()).map_or((a + b + c) / 3.0, |t| walk.point(t))
+}
+
+/// A test in words: with its reason, or as short as possible.
+fn words(test: &TestedTriangle, is_long: bool) -> String {
+    let t = test.t.filter(|_| test.outcome.is_hit()).map_or_else(String::new, |t| format!(", t {}", number(t)));
+    match (is_long, test.outcome) {
+        (true, Outcome::Nearest) => format!("triangle {}: hit{t}", test.triangle),
+        (true, Outcome::NotNearest) => format!("triangle {}: hit{t}, {}", test.triangle, test.why),
+        (true, Outcome::Missed) => format!("triangle {}: missed, {}", test.triangle, test.why),
+        (false, outcome) => format!("{}: {}", test.triangle, if outcome.is_hit() { "hit" } else { "missed" }),
+    }
+}
+
+/// A label that is ready to be painted.
+#[derive(Clone)]
+pub(super) struct Ready {
+    at: Pos2,
+    place: Place,
+    galley: Arc<Galley>,
+    color: Color32,
+}
+
+const MARGIN: Vec2 = vec2(4.0, 1.0);
+
+/// Arranges the labels of a walk within its picture. The camera is in traced units.
+pub(super) fn arrange(
+    painter: &egui::Painter,
+    visuals: &egui::Visuals,
+    rect: Rect,
+    walk: &WalkGeometry,
+    picked: Option<(Picked, Marked)>,
+    camera: &Orbit,
+) -> Vec<Ready> {
     let size = DVec2::new(rect.width().into(), rect.height().into());
+    let seen_at = |point: DVec3| {
+        let (pixel, _) = camera.pixel(point, size)?;
+        Some(rect.min + vec2(pixel.x as f32, pixel.y as f32))
+    };
     let font = FontId::proportional(11.5);
-    let seen: Vec<(Pos2, Label)> = labels(walk)
+    let seen: Vec<(Pos2, Arc<Galley>, Color32)> = labels(walk, picked)
         .into_iter()
         .filter_map(|label| {
-            let (pixel, _) = camera.pixel(label.at, size)?;
-            let at = rect.min + vec2(pixel.x as f32, pixel.y as f32);
             // A tmax along an axis on which the ray hardly moves lies far outside.
-            rect.contains(at).then_some((at, label))
+            let at = seen_at(label.at).filter(|at| rect.contains(*at))?;
+            let color = color(visuals, label.about);
+            Some((at, painter.layout_no_wrap(label.text, font.clone(), color), color))
         })
         .collect();
-    let galleys: Vec<_> = seen
-        .iter()
-        .map(|(_, label)| painter.layout_no_wrap(label.text.clone(), font.clone(), color(visuals, label.about)))
-        .collect();
-    let margin = vec2(4.0, 2.0);
-    let wanted: Vec<(Pos2, Vec2)> =
-        seen.iter().zip(&galleys).map(|((at, _), galley)| (*at, galley.size() + 2.0 * margin)).collect();
-    let background = visuals.extreme_bg_color.gamma_multiply(0.82);
-    let places = arrange(&wanted, rect);
+    let wanted: Vec<Wanted> =
+        seen.iter().map(|(at, galley, _)| Wanted { at: *at, size: galley.size() + 2.0 * MARGIN }).collect();
+    let ray = seen_at(walk.current_point()).zip(seen_at(walk.point(walk.last_t())));
+    let way =
+        seen_at(walk.inside.map_or(walk.origin, |[enter, _]| walk.point(enter))).zip(seen_at(walk.current_point()));
+    let lines = [ray, way].into_iter().flatten().map(|(a, b)| [a, b]).collect();
+    let current = walk.current_cell().map(|cell| cell.bounds).or(walk.current_box);
+    let area = current.and_then(|bounds| {
+        let corners: Option<Vec<Pos2>> = bounds.corners().into_iter().map(seen_at).collect();
+        corners.map(|corners| Rect::from_points(&corners))
+    });
+    let avoid = Avoid { areas: area.into_iter().collect(), lines };
+    let places = places(rect.shrink(1.0), &wanted, &avoid);
+    let ready = |((at, galley, color), place): (_, Option<Place>)| Some(Ready { at, place: place?, galley, color });
+    seen.into_iter().zip(places).filter_map(ready).collect()
+}
+
+/// Paints them.
+pub(super) fn draw(painter: &egui::Painter, visuals: &egui::Visuals, ready: &[Ready]) {
     // All lines first, so that none crosses a text.
-    for ((at, label), place) in seen.iter().zip(&places) {
-        let stroke = egui::Stroke::new(1.0, color(visuals, label.about).gamma_multiply(0.7));
-        painter.line_segment([*at, place.clamp(*at)], stroke);
+    for label in ready {
+        let stroke = egui::Stroke::new(1.0, label.color.gamma_multiply(0.75));
+        if let Some(line) = label.place.leader {
+            painter.line_segment(line, stroke);
+        }
+        painter.circle_stroke(label.at, 2.0, stroke);
     }
-    for (((_, label), galley), place) in seen.iter().zip(galleys).zip(places) {
-        let color = color(visuals, label.about);
-        painter.rect_filled(place, 3.0, background);
-        painter.galley(place.min + margin, galley, color);
+    let background = visuals.extreme_bg_color.gamma_multiply(0.88);
+    for label in ready {
+        painter.rect_filled(label.place.rect, 3.0, background);
+        painter.galley(label.place.rect.min + MARGIN, label.galley.clone(), label.color);
     }
 }
 
@@ -106,6 +192,7 @@ fn color(visuals: &egui::Visuals, about: About) -> Color32 {
         Color32::from_rgb(r, g, b)
     };
     match about {
+        About::Picked => picked::color(visuals),
         About::Place => pick([255, 214, 90], [140, 95, 0]),
         About::Axis(0) => pick([255, 130, 130], [190, 40, 40]),
         About::Axis(1) => pick([130, 220, 110], [40, 125, 30]),
@@ -115,68 +202,5 @@ fn color(visuals: &egui::Visuals, about: About) -> Color32 {
     }
 }
 
-/// Places boxes beside their points without overlap, as long as there is room.
-fn arrange(wanted: &[(Pos2, Vec2)], within: Rect) -> Vec<Rect> {
-    const AWAY: f32 = 12.0;
-    let mut placed: Vec<Rect> = Vec::new();
-    for &(at, size) in wanted {
-        let inside = |min: Pos2| {
-            let most = (within.max - size).max(within.min);
-            Rect::from_min_size(min.clamp(within.min, most), size)
-        };
-        let sides = |rise: f32| {
-            let right = at.x + AWAY;
-            let left = at.x - AWAY - size.x;
-            [(right, at.y - rise - size.y), (right, at.y + rise), (left, at.y - rise - size.y), (left, at.y + rise)]
-        };
-        let mut places =
-            (0..12).flat_map(|i| sides(AWAY * 0.5 + i as f32 * (size.y + 2.0))).map(|(x, y)| inside(Pos2::new(x, y)));
-        let is_free = |place: &Rect| placed.iter().all(|other| !other.intersects(*place));
-        let first = places.clone().next();
-        let place = places.find(is_free).or(first).unwrap_or(Rect::from_min_size(at, size));
-        placed.push(place);
-    }
-    placed
-}
-
 #[cfg(test)]
-mod tests {
-    use raystep_kernels::Accelerator;
-
-    use super::super::super::walked::tests::life;
-    use super::*;
-
-    #[test]
-    fn labels_do_not_cover_each_other() {
-        let within = Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0));
-        for at in [Pos2::new(150.0, 100.0), Pos2::ZERO, Pos2::new(300.0, 200.0), Pos2::new(0.0, 200.0)] {
-            let places = arrange(&[(at, vec2(90.0, 18.0)); 5], within);
-            for (i, place) in places.iter().enumerate() {
-                assert!(within.contains_rect(*place), "{place}");
-                assert!(places[..i].iter().all(|other| !other.intersects(*place)), "{at}: {places:?}");
-            }
-        }
-        // Labels without room are still drawn.
-        assert_eq!(
-            arrange(&[(Pos2::ZERO, vec2(90.0, 18.0)); 3], Rect::from_min_size(Pos2::ZERO, vec2(9.0, 9.0))).len(),
-            3
-        );
-    }
-
-    #[test]
-    fn labels_tell_cell_and_test() {
-        let (life, data) = life(Accelerator::Grid);
-        let whole = WalkGeometry::new(&life, &data, usize::MAX);
-        let test = whole.tested.iter().find(|test| !test.outcome.is_hit()).expect("a miss");
-        let texts: Vec<String> =
-            labels(&WalkGeometry::new(&life, &data, test.row)).into_iter().map(|label| label.text).collect();
-        let [x, y, z] = whole.cells[test.visit.expect("a cell")].cell;
-        assert!(texts.contains(&format!("triangle {}: missed", test.triangle)), "{texts:?}");
-        assert!(texts.contains(&format!("cell {x},{y},{z}")), "{texts:?}");
-        assert!(texts.iter().any(|text| text.starts_with("tmax ")), "{texts:?}");
-        // At the end, there is no next cell.
-        let end = labels(&whole);
-        assert!(end.iter().all(|label| !matches!(label.about, About::Axis(_))), "{end:?}");
-        assert_eq!(end[0].about, About::Triangle(Outcome::Nearest));
-    }
-}
+mod tests;

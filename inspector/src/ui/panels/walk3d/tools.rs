@@ -18,6 +18,9 @@ impl Walk3d {
         ui.horizontal_wrapped(|ui| {
             event_buttons(ui, cx);
             self.style(ui);
+            if self.look.is_moved && self.framed.has_walk() && !is_wide {
+                self.frame_button(ui, &mut wish);
+            }
             if is_wide {
                 self.camera_buttons(ui, &mut wish);
             } else {
@@ -44,8 +47,18 @@ impl Walk3d {
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "scene"));
     }
 
+    fn frame_button(&self, ui: &mut egui::Ui, wish: &mut Option<Wish>) {
+        let text =
+            "see the whole walk from its side again; until the view is moved by hand, it follows the selected ray";
+        let button = ui.add_enabled(self.framed.has_walk(), egui::Button::new("Frame walk"));
+        if button.on_hover_text(text).clicked() {
+            *wish = Some(Wish::FrameWalk);
+        }
+    }
+
     fn camera_buttons(&mut self, ui: &mut egui::Ui, wish: &mut Option<Wish>) {
         let has_walk = self.walked.walk.is_some();
+        self.frame_button(ui, wish);
         let buttons = [
             (Wish::AlongRay, has_walk, "Along the ray", "look along the ray, from a little behind its position"),
             (Wish::TracedView, true, "Traced view", "the view of the traced camera"),
@@ -77,13 +90,19 @@ impl Walk3d {
             (&mut s.camera, "traced camera", "the origin of the rays"),
             (&mut s.axes, "axes", "red: x, green: y, blue: z"),
             (&mut s.edges, "edges of triangles", "drawn darker"),
+            (
+                &mut s.cut,
+                "cut away what hides the walk",
+                "triangles between the eye and the walk are faint, opaque ones are left out",
+            ),
         ] {
             ui.checkbox(is_on, name).on_hover_text(text);
         }
         ui.separator();
         ui.weak(
-            "drag: orbit; right drag: pan; wheel: zoom\nclick, then W A S D: fly, with right drag: look \
-                 around\nF: frame cell; Shift+F: frame scene; double click: reset",
+            "drag: orbit; right drag: pan; wheel: zoom\nclick: select a cell, node or triangle; again: the next one \
+                 behind it\nthen W A S D: fly, with right drag: look around\nF: frame cell; Shift+F: frame scene; \
+                 double click: frame the walk",
         );
     }
 }

@@ -1,0 +1,270 @@
+//! The cell, node or triangle that was clicked: what it is, and where it occurs in a ray's history.
+
+use std::sync::Arc;
+
+use egui::Color32;
+use raystep_kernels::export::trace::{Trace, TraceRow};
+use raystep_kernels::scene_data::SceneData;
+use raystep_lab::text::counted;
+
+use super::walked::number;
+use crate::draw::scene3d::Marked;
+use crate::ui::pane::Context;
+use crate::ui::shared::{Picked, Shared};
+use crate::walk::{Aabb, WalkGeometry, corners, listed};
+
+/// A cell by the coordinates of a walk.
+pub(super) fn cell([x, y, z]: [i32; 3]) -> Option<Picked> {
+    Some(Picked::Cell([u32::try_from(x).ok()?, u32::try_from(y).ok()?, u32::try_from(z).ok()?]))
+}
+
+/// Whether a row of a ray's history is about what was picked.
+pub(in crate::ui) fn touches(row: &TraceRow, picked: Picked) -> bool {
+    match picked {
+        Picked::Cell([x, y, z]) => row.cell.is_some_and(|at| at.map(i64::from) == [x, y, z].map(i64::from)),
+        // Only with a BVH is there a previous node, and are indices those of nodes.
+        Picked::Node(node) => {
+            row.after.previous.is_some_and(|previous| previous == node || row.after.cell_index == node)
+        }
+        Picked::Triangle(triangle) => row.tested == Some(triangle),
+    }
+}
+
+/// What a row of a ray's history is about, if it is about one thing.
+pub(in crate::ui) fn of_row(row: &TraceRow) -> Option<Picked> {
+    let node = row.after.previous.map(|_| Picked::Node(row.after.cell_index));
+    row.tested.map(Picked::Triangle).or(row.cell.and_then(cell)).or(node)
+}
+
+/// Its name.
+pub(super) fn name(picked: Picked) -> String {
+    match picked {
+        Picked::Cell([x, y, z]) => format!("cell {x},{y},{z}"),
+        Picked::Node(node) => format!("node {node}"),
+        Picked::Triangle(triangle) => format!("triangle {triangle}"),
+    }
+}
+
+/// Picks; what is picked already is picked no longer.
+pub(super) fn toggle(shared: &mut Shared, picked: Picked) {
+    shared.picked = if shared.picked == Some(picked) { None } else { Some(picked) };
+}
+
+/// The colour of a selection, as in the 3D view.
+pub(super) fn color(visuals: &egui::Visuals) -> Color32 {
+    if visuals.dark_mode { Color32::from_rgb(255, 80, 200) } else { Color32::from_rgb(190, 0, 130) }
+}
+
+/// What was picked, in a picture; `None` if this scene data has no such thing.
+pub(super) fn marked(picked: Picked, data: &SceneData) -> Option<Marked> {
+    match picked {
+        Picked::Cell(at) => {
+            let cell = in_grid(at, data)?;
+            Some(Marked::Box(Aabb::of_cells(&data.grid, cell, [1; 3])))
+        }
+        Picked::Node(node) if data.features.bvh => {
+            let node = data.bvh_nodes.get(node as usize)?;
+            Some(Marked::Box(Aabb::of_f32(node.min, node.max)))
+        }
+        Picked::Node(_) => None,
+        Picked::Triangle(triangle) => corners(data, triangle).map(Marked::Triangle),
+    }
+}
+
+fn in_grid(at: [u32; 3], data: &SceneData) -> Option<[i32; 3]> {
+    let [x, y, z] = at.map(i32::try_from);
+    let cell = [x.ok()?, y.ok()?, z.ok()?];
+    (data.features.grid && data.grid.is_in_grid(cell)).then_some(cell)
+}
+
+/// A sentence about what was picked, for a ray with this walk.
+pub(super) fn describe(picked: Picked, data: &SceneData, walk: Option<&WalkGeometry>) -> String {
+    let mut parts = Vec::new();
+    let times = |n: usize| match n {
+        1 => "once".to_owned(),
+        2 => "twice".to_owned(),
+        n => format!("{n} times"),
+    };
+    match picked {
+        Picked::Cell([x, y, z]) => {
+            if let Some(cell) = in_grid([x, y, z], data) {
+                parts.push(counted(listed(data, data.grid.cell_index(cell)).count(), "triangle") + " in its list");
+            }
+            if let Some(walk) = walk.filter(|_| in_grid([x, y, z], data).is_some()) {
+                let visit = walk.cells.iter().find(|visit| cell(visit.cell) == Some(picked));
+                parts.push(visit.map_or_else(
+                    || "not visited by this ray".into(),
+                    |visit| format!("visited by this ray, t {} to {}", number(visit.t_in), number(visit.t_out)),
+                ));
+            }
+        }
+        Picked::Node(index) => {
+            let node = data.bvh_nodes.get(index as usize).filter(|_| data.features.bvh);
+            if let Some(node) = node {
+                parts.push(match node.count() {
+                    0 => "inner node".into(),
+                    count => "leaf with ".to_owned() + &counted(count, "triangle"),
+                });
+            }
+            if let Some(walk) = walk.filter(|_| node.is_some()) {
+                let visit = walk.nodes.iter().find(|visit| visit.node == index);
+                parts.push(match visit.map(|visit| (visit.is_met, visit.inside)) {
+                    None => "not tested by this ray".into(),
+                    Some((true, Some([near, far]))) => {
+                        format!("entered by this ray, t {} to {}", number(near), number(far))
+                    }
+                    Some((true, None)) => "entered by this ray".into(),
+                    Some((false, Some(_))) => "tested by this ray, not entered: beyond the nearest hit".into(),
+                    Some((false, None)) => "tested and missed by this ray".into(),
+                });
+            }
+        }
+        Picked::Triangle(triangle) => {
+            let lists = |items: &[u32]| items.iter().filter(|&&item| item == triangle).count();
+            if data.features.grid {
+                parts.push("in ".to_owned() + &counted(lists(&data.grid_items), "cell"));
+            } else if data.features.bvh {
+                parts.push("in ".to_owned() + &counted(lists(&data.bvh_items), "leaf"));
+            }
+            if let Some(walk) = walk {
+                let tests: Vec<_> = walk.tested.iter().filter(|test| test.triangle == triangle).collect();
+                parts.push(match tests.as_slice() {
+                    [] => "not tested by this ray".into(),
+                    tests => format!("tested {} by this ray", times(tests.len())),
+                });
+                if let Some(best) = tests.into_iter().max_by_key(|test| test.outcome) {
+                    let t = best.t.filter(|_| best.outcome.is_hit()).map(|t| format!(", t {}", number(t)));
+                    let why = if best.outcome.is_hit() && best.why == crate::walk::Why::Accepted {
+                        String::new()
+                    } else {
+                        format!(" ({})", best.why)
+                    };
+                    parts.push(format!("{}{}{why}", best.outcome.name(), t.unwrap_or_default()));
+                }
+            }
+        }
+    }
+    let name = name(picked);
+    if parts.is_empty() { name } else { format!("{name}: {}", parts.join(", ")) }
+}
+
+/// The sentence, made again only where it may have changed.
+#[derive(Default)]
+pub(super) struct About {
+    known: Option<(Key, String)>,
+}
+
+/// What was picked, the run, the history, and whether the structure beside it is known.
+type Key = (Picked, u64, usize, usize);
+
+impl About {
+    /// Shows what is picked, with a button that clears it. Nothing is shown if nothing is picked.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        let Some(picked) = cx.shared.picked else { return };
+        let text = self.text(picked, cx);
+        ui.horizontal(|ui| {
+            let clear = ui.small_button("×").on_hover_text("clear this selection (Escape)");
+            clear.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "clear selection"));
+            if clear.clicked() {
+                cx.shared.picked = None;
+            }
+            let text = egui::RichText::new(text).color(color(ui.visuals()));
+            ui.add(egui::Label::new(text).truncate());
+        });
+    }
+
+    fn text(&mut self, picked: Picked, cx: &Context<'_>) -> String {
+        let at = |life: Option<&Arc<Trace>>| life.map_or(0, |life| Arc::as_ptr(life) as usize);
+        let beside = cx.shared.beside.as_ref().map_or(0, |data| Arc::as_ptr(data) as usize);
+        let key = (picked, cx.model.generation, at(cx.model.life.as_ref()), beside);
+        if let Some((known, text)) = &self.known
+            && *known == key
+        {
+            return text.clone();
+        }
+        let text = cx.model.opened.as_ref().map_or_else(String::new, |opened| {
+            let walk = cx.model.life.as_ref().map(|life| WalkGeometry::new(life, &opened.data, usize::MAX));
+            // A node of the other structure, while this run has the grid.
+            let is_here = marked(picked, &opened.data).is_some();
+            match cx.shared.beside.as_ref().filter(|_| !is_here) {
+                Some(other) => describe(picked, other, None),
+                None => describe(picked, &opened.data, walk.as_ref()),
+            }
+        });
+        self.known = Some((key, text.clone()));
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raystep_kernels::Accelerator;
+
+    use super::super::walked::tests::life;
+    use super::*;
+
+    #[test]
+    fn rows_are_found_by_what_they_are_about() {
+        for accelerator in [Accelerator::Grid, Accelerator::Bvh, Accelerator::None] {
+            let (life, data) = life(accelerator);
+            let walk = WalkGeometry::new(&life, &data, usize::MAX);
+            let rows = |picked| life.rows.iter().filter(|row| touches(row, picked)).count();
+            for test in &walk.tested {
+                let picked = Picked::Triangle(test.triangle);
+                assert!(touches(&life.rows[test.row], picked) && of_row(&life.rows[test.row]) == Some(picked));
+                assert_eq!(rows(picked), walk.tested.iter().filter(|t| t.triangle == test.triangle).count());
+                assert!(marked(picked, &data).is_some());
+                let text = describe(picked, &data, Some(&walk));
+                assert!(text.contains("tested ") && text.contains("by this ray"), "{text}");
+            }
+            for visit in &walk.cells {
+                let picked = cell(visit.cell).expect("in the grid");
+                assert!(rows(picked) > 0, "{picked:?}");
+                assert_eq!(marked(picked, &data), Some(Marked::Box(visit.bounds)));
+                let text = describe(picked, &data, Some(&walk));
+                assert!(
+                    text.contains(&format!(
+                        "{}, visited by this ray",
+                        counted(visit.listed, "triangle") + " in its list"
+                    )),
+                    "{text}"
+                );
+            }
+            for visit in &walk.nodes {
+                let picked = Picked::Node(visit.node);
+                // A node that is missed is left for its neighbour at once: the row that brings the ray to it is marked.
+                assert!(
+                    touches(&life.rows[visit.row], picked) || touches(&life.rows[visit.row - 1], picked),
+                    "{picked:?}"
+                );
+                assert_eq!(marked(picked, &data), Some(Marked::Box(visit.bounds)));
+            }
+            // A grid has no nodes, although cells have indices; a BVH has no cells.
+            let others = if accelerator == Accelerator::Bvh { Picked::Cell([0; 3]) } else { Picked::Node(0) };
+            assert_eq!((rows(others), marked(others, &data)), (0, None), "{accelerator:?}");
+        }
+    }
+
+    #[test]
+    fn a_triangle_is_counted_in_lists_and_tests() {
+        let (life, data) = life(Accelerator::Grid);
+        let walk = WalkGeometry::new(&life, &data, usize::MAX);
+        let hit = walk.hit.expect("a hit").triangle;
+        let lists = data.grid_items.iter().filter(|&&item| item == hit).count();
+        let text = describe(Picked::Triangle(hit), &data, Some(&walk));
+        assert!(text.starts_with(&format!("triangle {hit}: in {}, tested ", counted(lists, "cell"))), "{text}");
+        assert!(text.contains("hit, t "), "{text}");
+        let none = describe(Picked::Triangle(u32::MAX), &data, Some(&walk));
+        assert!(none.contains("in 0 cells, not tested by this ray"), "{none}");
+    }
+
+    #[test]
+    fn picking_twice_picks_nothing() {
+        let mut shared = Shared::default();
+        toggle(&mut shared, Picked::Node(3));
+        toggle(&mut shared, Picked::Triangle(3));
+        assert_eq!(shared.picked, Some(Picked::Triangle(3)));
+        toggle(&mut shared, Picked::Triangle(3));
+        assert_eq!(shared.picked, None);
+    }
+}
