@@ -33,6 +33,8 @@ pub(crate) struct Desk {
     pub(crate) dialogs: Dialogs,
     /// Names of existing files, if there are no dialogs.
     pub(crate) there: Vec<String>,
+    /// The saved state.
+    pub(crate) remembered: String,
     events: Vec<HostEvent>,
 }
 
@@ -135,7 +137,9 @@ impl Host for TestHost {
         std::mem::take(&mut self.desk().events)
     }
 
-    fn remember(&mut self, _saved: &str) {}
+    fn remember(&mut self, saved: &str) {
+        self.desk().remembered = saved.into();
+    }
 }
 
 /// A triangle of side 1 in the plane z = 0: three vertices, no indices, in a data URI.

@@ -253,7 +253,7 @@ impl Cost {
                 let (rank, cost) = (order.rank(ray).unwrap_or(0), order.cost(ray).unwrap_or(0));
                 ui.label(format!("pixel {x},{y}: cost {cost}, {} of {rays}", rank + 1));
             }
-            for (name, command) in [("dearer", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
+            for (name, command) in [("costlier", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
                 let key = command.key_text(ui.ctx());
                 if ui.button(name).on_hover_text(format!("the neighbouring ray in the order  {key}")).clicked() {
                     cx.todo.push(command);

@@ -171,7 +171,11 @@ impl Walk2d {
                     (false, "equal", "all cells equally wide, so that cells that the ray barely touches are visible"),
                     (true, "by t", "width of a cell proportional to its length along the ray"),
                 ] {
-                    ui.selectable_value(&mut self.look.by_t, by_t, name).on_hover_text(text);
+                    // In the next line rather than cut off.
+                    let button = egui::Button::selectable(self.look.by_t == by_t, name);
+                    if ui.add(button.wrap_mode(egui::TextWrapMode::Extend)).on_hover_text(text).clicked() {
+                        self.look.by_t = by_t;
+                    }
                 }
             }
             if ui.button("Export SVG").on_hover_text("save both pictures as SVG, up to this pass").clicked() {

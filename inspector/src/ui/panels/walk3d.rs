@@ -93,9 +93,8 @@ impl Panel for Walk3d {
         self.paint(ui, cx, rect, traced);
         self.annotate(ui, rect, &traced, cx.has_rays());
         if response.has_focus() {
+            cx.shared.keeps_keys = true;
             cx.todo.extend(ui.input(control::commands));
-            let stroke = ui.visuals().selection.stroke;
-            ui.painter().rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
         }
         let what = self.walked.walk.as_ref().map_or_else(|| "scene without a ray".into(), describe);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));

@@ -5,9 +5,10 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Program, Stream};
 
 use crate::ui::pane::Context;
+use crate::ui::style::SMALLEST;
 
-/// Points per texel at which values fit.
-const FROM: f32 = 46.0;
+/// Characters that a value takes at most.
+const CHARACTERS: f32 = 7.0;
 
 /// Draws the values of visible texels.
 pub(super) fn draw(
@@ -19,7 +20,9 @@ pub(super) fn draw(
     stream: Stream,
     is_pinned: bool,
 ) {
-    if scale < FROM || is_pinned {
+    let layers = stream.layers();
+    let size = (scale / (layers as f32 + 1.0)).min(scale / CHARACTERS).min(13.0);
+    if size < SMALLEST || is_pinned {
         return;
     }
     let Some(opened) = &cx.model.opened else { return };
@@ -29,8 +32,6 @@ pub(super) fn draw(
     let last = (rect.max - origin) / scale;
     let columns = first.x.max(0.0) as u32..(last.x.max(0.0).ceil() as u32).min(width);
     let rows = first.y.max(0.0) as u32..(last.y.max(0.0).ceil() as u32).min(height);
-    let layers = stream.layers();
-    let size = (scale / (layers as f32 + 1.0)).min(scale / 7.0).clamp(6.0, 13.0);
     let painter = ui.painter().with_clip_rect(rect);
     for y in rows {
         for x in columns.clone() {

@@ -68,7 +68,8 @@ impl Pen<'_> {
         let names = if has_names { 13.0 } else { 0.0 };
         let cells_bottom = self.body.bottom() - names;
         let cells_top = cells_bottom - height;
-        let bars_bottom = cells_top - 12.0;
+        // Between them, the names of the axes.
+        let bars_bottom = cells_top - 16.0;
         let mut under = None;
         for (cell, [left, right]) in self.strip.cells.iter().zip(self.strip.columns(self.spacing)) {
             let (left, right) = (self.x(left), self.x(right).max(self.x(left) + 0.5));
@@ -267,7 +268,7 @@ impl Pen<'_> {
 
     fn text_color(&self, has_come: bool) -> Color32 {
         let visuals = self.scene.visuals;
-        if has_come { visuals.strong_text_color() } else { visuals.weak_text_color().gamma_multiply(0.7) }
+        if has_come { visuals.strong_text_color() } else { visuals.weak_text_color() }
     }
 }
 
