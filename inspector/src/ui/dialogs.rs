@@ -144,10 +144,10 @@ impl Inspector {
 fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<String> {
     let name = ui.label(label).id;
     let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(name);
+    let enter = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     if ui.memory(|memory| memory.focused().is_none()) {
         field.request_focus();
     }
-    let enter = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     (ui.button("Go").clicked() || enter).then(|| text.clone())
 }
 

@@ -124,8 +124,11 @@ impl Inspector {
     pub(super) fn pane_with_focus(&self, ctx: &egui::Context) -> Option<TileId> {
         let id = ctx.memory(|memory| memory.focused())?;
         let own = self.focus.rects.iter().find(|(pane, _)| id_of(*pane) == id);
-        let at = ctx.read_response(id)?.rect.center();
-        own.or_else(|| self.focus.rects.iter().find(|(_, rect)| rect.contains(at))).map(|(pane, _)| *pane)
+        let response = ctx.read_response(id)?;
+        let at = response.rect.center();
+        // Not a dialog over it.
+        let is_in = |rect: &Rect| response.layer_id == egui::LayerId::background() && rect.contains(at);
+        own.or_else(|| self.focus.rects.iter().find(|(_, rect)| is_in(rect))).map(|(pane, _)| *pane)
     }
 
     /// The panel with keyboard focus, otherwise the one that the cursor was over last.

@@ -140,7 +140,8 @@ impl Behavior<Pane> for Panes<'_> {
                     pane.panel.show(ui, &mut self.cx);
                     return;
                 }
-                egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+                let area = egui::ScrollArea::both().auto_shrink(false).min_scrolled_width(0.0).min_scrolled_height(0.0);
+                area.show(ui, |ui| {
                     let room = egui::Rect::from_min_size(ui.cursor().min, wanted);
                     ui.scope_builder(egui::UiBuilder::new().max_rect(room), |ui| pane.panel.show(ui, &mut self.cx));
                     ui.advance_cursor_after_rect(room);

@@ -19,6 +19,8 @@ const BUTTONS: [(Command, &str); 8] = [
 
 /// Size of a button without a word.
 const SIZE: Vec2 = vec2(28.0, 22.0);
+/// Width of the progress of work, with its button.
+const PROGRESS: f32 = 290.0;
 /// Width of an icon.
 const ICON: f32 = 14.0;
 
@@ -34,8 +36,8 @@ fn width(ui: &Ui) -> f32 {
 
 impl Inspector {
     pub(super) fn toolbar(&mut self, ui: &mut Ui) {
-        // Words are dropped where they do not fit into one line.
-        let has_words = self.saved.toolbar_words && width(ui) <= ui.available_width();
+        // Words are dropped where they and the progress of work do not fit into one line.
+        let has_words = self.saved.toolbar_words && width(ui) + PROGRESS <= ui.available_width();
         for (command, word) in BUTTONS {
             self.tool(ui, command, has_words.then_some(word));
         }

@@ -64,6 +64,13 @@ fn everywhere(stage: &mut Stage, mut look: impl FnMut(&mut Stage, &str)) {
     look(stage, "welcome");
     open(stage);
     look(stage, "simple layout");
+    let picture = stage.find(Role::Image, |name| name.starts_with("state after")).expect("the stream");
+    let at = picture.rect().center();
+    stage.event(egui::Event::PointerMoved(at));
+    stage.event(egui::Event::Zoom(15.0));
+    stage.event(egui::Event::PointerGone);
+    stage.settle();
+    look(stage, "values in texels");
     for &kind in PaneKind::ALL {
         stage.perform(Command::SimpleLayout);
         show(stage, kind);

@@ -194,7 +194,7 @@ impl Cost {
     /// Summary of the whole order.
     fn order(&mut self, ui: &mut Ui, cx: &mut Context<'_>, of: Option<&Of>, height: f32) {
         ui.horizontal_wrapped(|ui| {
-            let label = ui.strong("cost").on_hover_text("definition of cost").id;
+            let label = ui.strong("cost").on_hover_text("what is counted as cost").id;
             for (shown, name, about) in [
                 (
                     Shown::Sum,

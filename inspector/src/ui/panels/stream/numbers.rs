@@ -7,6 +7,8 @@ use raystep_kernels::{Program, Stream};
 use crate::ui::pane::Context;
 use crate::ui::style::SMALLEST;
 
+/// Width of a character, as a part of the font's size.
+const CHARACTER: f32 = 0.61;
 /// Characters that a value takes at most.
 const CHARACTERS: f32 = 7.0;
 
@@ -41,6 +43,11 @@ pub(super) fn draw(
                 let text = text(opened.plan.program, stream, layer, bits);
                 let down = (layer as f32 - 0.5 * (layers as f32 - 1.0)) * size * 1.1;
                 let at = middle + vec2(0.0, down);
+                // Cut off at the edge, it would be a wrong number.
+                let room = vec2(CHARACTER * text.chars().count() as f32, 1.2) * size;
+                if !rect.contains_rect(Rect::from_center_size(at, room)) {
+                    continue;
+                }
                 let font = FontId::monospace(size);
                 for (dx, dy) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
                     painter.text(

@@ -153,7 +153,9 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
             current = Some(outline);
         }
         if !is_tree && outline.size().min_elem() >= ROOM_FOR_LETTER {
-            let more = if square.visits.len() > 1 { "…" } else { "" };
+            // Two more characters of the font's 11 points.
+            let has_room = outline.width() >= 2.0 * ROOM_FOR_LETTER;
+            let more = if square.visits.len() > 1 && has_room { "…" } else { "" };
             let color = if has_come { scene.visuals.strong_text_color() } else { scene.visuals.weak_text_color() };
             let text = format!("{}{more}", square.letters);
             painter.text(
