@@ -19,6 +19,8 @@ use raystep_kernels::shader::{Binding, Resource};
 use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::{Kernel, Plan, Program, Stream};
 
+pub(crate) use layout::{CHARACTER, HEIGHT};
+
 /// The graph and its layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataFlow {

@@ -10,8 +10,30 @@ use crate::link::Link;
 pub const VERSION: u32 = 1;
 /// Most recent files stored.
 pub const MOST_RECENT: usize = 10;
+/// The smallest and the largest factor for the size of text.
+pub const TEXT_SIZES: [f32; 2] = [0.5, 3.0];
 /// Largest file that is read or written, bytes.
 pub const MOST_BYTES: usize = 1 << 20;
+
+/// What the user has done, and whether the line that explains it was dismissed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FirstSteps {
+    /// A pixel was clicked.
+    pub has_clicked: bool,
+    /// A pass was run.
+    pub has_stepped: bool,
+    /// The line was dismissed.
+    pub is_dismissed: bool,
+}
+
+impl FirstSteps {
+    /// Whether the line is still of use.
+    #[must_use]
+    pub fn is_needed(self) -> bool {
+        !(self.is_dismissed || self.has_clicked && self.has_stepped)
+    }
+}
 
 /// The saved state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +51,13 @@ pub struct Saved {
     pub watches: Option<String>,
     /// The bookmarks, and their scene.
     pub bookmarks: Option<String>,
+    /// The size of all text, as a factor.
+    #[serde(deserialize_with = "read_text_size")]
+    pub text_size: f32,
+    /// Whether the toolbar has words.
+    pub toolbar_words: bool,
+    /// What a new user has done.
+    pub first_steps: FirstSteps,
     /// Recent files, the latest first.
     recent: Vec<String>,
 }
@@ -69,6 +98,9 @@ impl Default for Saved {
             link: None,
             watches: None,
             bookmarks: None,
+            text_size: 1.0,
+            toolbar_words: true,
+            first_steps: FirstSteps::default(),
             recent: Vec::new(),
         }
     }
@@ -154,6 +186,13 @@ fn read_link<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Link>,
     text.map(|text| text.parse().map_err(serde::de::Error::custom)).transpose()
 }
 
+/// The nearest factor that is allowed; 1 for what is not a number.
+fn read_text_size<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f32, D::Error> {
+    let value = serde_json::Value::deserialize(deserializer)?;
+    let [least, most] = TEXT_SIZES.map(f64::from);
+    Ok(value.as_f64().map_or(1.0, |factor| factor.clamp(least, most) as f32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,6 +205,9 @@ mod tests {
             link: Some(Link { scene: Some("a b.glb".into()), ray: Some(LinkRay::Pixel([1, 2])), ..Link::default() }),
             watches: Some(String::new()),
             bookmarks: Some("[\"start\"]".into()),
+            text_size: 1.25,
+            toolbar_words: false,
+            first_steps: FirstSteps { has_clicked: true, ..FirstSteps::default() },
             ..Saved::default()
         };
         saved.opened("a b.glb");
@@ -223,5 +265,23 @@ mod tests {
         }
         let too_large = Saved { layout: Some("x".repeat(MOST_BYTES)), ..Saved::default() };
         assert!(matches!(too_large.to_text(), Err(SavedError::TooLarge(_))));
+    }
+    #[test]
+    fn text_sizes_outside_the_range_are_clamped() {
+        let read = |text: &str| {
+            let file = format!("{{\"version\": 1, \"text_size\": {text}}}");
+            Saved::from_bytes(file.as_bytes()).expect("JSON").text_size
+        };
+        let texts = ["1.5", "0", "-1e300", "1e300", "7", "null", "\"large\"", "[2]"];
+        assert_eq!(texts.map(read), [1.5, 0.5, 0.5, 3.0, 3.0, 1.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn the_line_stays_until_both_are_known_or_it_is_dismissed() {
+        let with = |has_clicked, has_stepped, is_dismissed| FirstSteps { has_clicked, has_stepped, is_dismissed };
+        let needed = [with(false, false, false), with(true, false, false), with(false, true, false)];
+        assert!(needed.iter().all(|steps| steps.is_needed()));
+        let known = [with(true, true, false), with(false, false, true)];
+        assert!(!known.iter().any(|steps| steps.is_needed()));
     }
 }

@@ -5,12 +5,15 @@ mod bookmarks;
 pub mod canvas;
 pub mod command;
 mod dialogs;
+mod first_steps;
+mod focus;
 pub mod host;
 mod keep;
 pub mod latency;
 mod layout;
 mod lessons;
 pub mod mask;
+mod maximise;
 mod menu;
 pub mod offscreen;
 mod palette;
@@ -25,8 +28,10 @@ mod selected;
 mod shared;
 mod style;
 mod take;
+mod text_size;
 mod thumbs;
 mod toast;
+mod toolbar;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -78,8 +83,10 @@ pub struct Inspector {
     /// What to do once the scene being opened is ready.
     arrival: Option<Arrival>,
     lesson: Option<Lesson>,
-    /// Whether something had keyboard focus at the end of the last frame.
+    /// Whether something that Escape leaves had keyboard focus at the end of the last frame.
     had_focus: bool,
+    focus: focus::Focus,
+    maximised: Option<maximise::Maximised>,
     saved: Saved,
 }
 
@@ -114,13 +121,14 @@ impl Inspector {
         let for_engine = devices.clone();
         let (model, task) = Model::new(|engine| engine.serve(for_engine));
         host.spawn(task);
+        let (clock, began_ns) = (devices.clock, devices.clock.map_or(0, |now| now()));
         Self {
             model,
             other: None,
             devices,
             canvas,
             host,
-            shared: Shared::default(),
+            shared: Shared { clock, began_ns, ..Shared::default() },
             tree: Layout::Simple.tree(),
             dialog: None,
             asked: VecDeque::new(),
@@ -133,6 +141,8 @@ impl Inspector {
             arrival: None,
             lesson: None,
             had_focus: false,
+            focus: focus::Focus::default(),
+            maximised: None,
             saved: Saved::default(),
         }
     }
@@ -197,8 +207,8 @@ impl Inspector {
     /// The visible panels, excluding those behind other tabs.
     #[must_use]
     pub fn panes_in_view(&self) -> Vec<PaneKind> {
-        let active = self.tree.active_tiles().into_iter();
-        active.filter_map(|id| self.tree.tiles.get_pane(&id)).map(|pane| pane.kind).collect()
+        let panes = self.maximised().map_or_else(|| self.active_panes(), |pane| vec![pane]);
+        panes.into_iter().filter_map(|id| self.tree.tiles.get_pane(&id)).map(|pane| pane.kind).collect()
     }
 
     /// The place of the first visible panel of a kind, in points.
@@ -227,20 +237,23 @@ impl Inspector {
         let ctx = ui.ctx().clone();
         if !std::mem::replace(&mut self.is_styled, true) {
             style::set(&ctx);
+            text_size::set_up(&ctx, self.saved.text_size);
             ctx.request_discard("the style was set");
         }
         let before = self.selection();
         self.listen(&ctx);
         self.model.glance(self.shared.hovered.filter(|&pixel| self.shared.pixel != Some(pixel)));
+        focus::reveal(&ctx, &mut self.focus);
         if self.dialog.is_none() {
-            self.todo.extend(command::pressed(&ctx, self.had_focus));
+            self.todo.extend(command::pressed(&ctx, self.keys_held(&ctx), self.had_focus));
         }
         self.menu_bar(ui);
+        self.first_steps(ui);
         self.status_bar(ui);
         self.show_lesson(ui);
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.panes(ui));
         self.show_dialog(&ctx);
-        self.had_focus = ctx.egui_wants_keyboard_input();
+        self.had_focus = self.has_focus(&ctx);
         self.toasts.show(&ctx);
         if !ctx.input(|input| input.pointer.any_down()) {
             self.shared.scrub.release();
@@ -248,6 +261,7 @@ impl Inspector {
         if self.shared.thumbs.draw_sketches(&self.canvas, &mut self.model) {
             ctx.request_repaint();
         }
+        focus::outline(&ctx, &mut self.focus);
         self.follow_up();
         self.serve_runs();
         self.hand_over();
@@ -373,6 +387,16 @@ impl Inspector {
     }
 
     fn panes(&mut self, ui: &mut egui::Ui) {
+        (self.shared.keeps_keys, self.shared.place) = (false, self.model.place);
+        let before = self.shared.select;
+        self.focus.begin();
+        if !self.show_maximised(ui) {
+            self.with_panes(|panes, tree| tree.ui(panes, ui));
+        }
+        self.note_click(before);
+    }
+
+    fn with_panes(&mut self, show: impl FnOnce(&mut layout::Panes<'_>, &mut Tree<Pane>)) {
         let mut todo = Vec::new();
         let cx = Context {
             model: &mut self.model,
@@ -381,8 +405,13 @@ impl Inspector {
             shared: &mut self.shared,
             todo: &mut todo,
         };
-        self.tree.ui(&mut layout::Panes { cx }, ui);
+        let mut panes = layout::Panes { cx, focus: &mut self.focus, maximise: None };
+        show(&mut panes, &mut self.tree);
+        let maximise = panes.maximise;
         self.todo.extend(todo);
+        if let Some(pane) = maximise {
+            self.maximise(pane);
+        }
     }
 
     /// Reports success, also to screen readers and the log.

@@ -4,13 +4,13 @@
 use super::{DataFlow, Edge, Node, NodeKind};
 
 /// Points per character of a label, at most.
-const CHARACTER: f32 = 7.5;
+pub(crate) const CHARACTER: f32 = 7.5;
 /// Points inside a node beside its label.
 const PADDING: f32 = 12.0;
 /// Minimum distance between two nodes of a row, points.
 const GAP: f32 = 18.0;
 /// Height of a node, points: two lines.
-const HEIGHT: f32 = 40.0;
+pub(crate) const HEIGHT: f32 = 40.0;
 /// Points between two rows.
 const BETWEEN_ROWS: f32 = 130.0;
 /// Margin, points.

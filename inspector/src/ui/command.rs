@@ -127,6 +127,24 @@ pub enum Command {
     SimpleLayout,
     /// The layout with all panels for daily use.
     FullLayout,
+    /// Makes all text larger.
+    LargerText,
+    /// Makes all text smaller.
+    SmallerText,
+    /// Text at its normal size.
+    NormalText,
+    /// Shows or hides the words beside the toolbar's icons.
+    ToolbarWords,
+    /// Gives a panel the whole window, or restores the layout.
+    Maximise,
+    /// Moves keyboard focus to the next panel.
+    NextPanel,
+    /// Moves keyboard focus to the previous panel.
+    PreviousPanel,
+    /// Shows the next tab beside the panel with keyboard focus.
+    NextTab,
+    /// Shows the previous tab beside the panel with keyboard focus.
+    PreviousTab,
     /// Toggles a panel.
     Show(PaneKind),
 
@@ -299,6 +317,15 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";
         C::FullLayout, "Full layout", CTRL L;
+        C::LargerText, "Larger text", CTRL Plus, CTRL Equals;
+        C::SmallerText, "Smaller text", CTRL Minus;
+        C::NormalText, "Normal text size", CTRL Num0;
+        C::ToolbarWords, "Toolbar words";
+        C::Maximise, "Maximise panel", NONE F12;
+        C::NextPanel, "Next panel", NONE F6;
+        C::PreviousPanel, "Previous panel", SHIFT F6;
+        C::NextTab, "Next tab", CTRL PageDown;
+        C::PreviousTab, "Previous tab", CTRL PageUp;
         C::Show(PaneKind::Passes), "Passes", CTRL Num1;
         C::Show(PaneKind::Stream), "Stream", CTRL Num2;
         C::Show(PaneKind::Ray), "Ray", CTRL Num3;
@@ -340,8 +367,8 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::Lesson(2), "Lesson: a crack at a voxel face";
         C::Lesson(3), "Lesson: what empty-space skipping leaps over";
         C::Lesson(4), "Lesson: a tie that f32 cannot decide";
-        C::NextStep, "Next step of the lesson", CTRL PageDown;
-        C::PreviousStep, "Previous step of the lesson", CTRL PageUp;
+        C::NextStep, "Next step of the lesson", NONE F8;
+        C::PreviousStep, "Previous step of the lesson", SHIFT F8;
         C::RepeatStep, "Set up this step again";
         C::CloseLesson, "Close lesson";
     }
@@ -374,14 +401,30 @@ impl Command {
     }
 }
 
+/// Which keys the item with keyboard focus keeps for itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Holds {
+    /// None: nothing has focus, or a panel as a whole.
+    #[default]
+    Nothing,
+    /// Those that press a button, choose an item or move on: Space, Enter, arrows.
+    Buttons,
+    /// All that may be text.
+    Text,
+}
+
 /// The commands whose keys were pressed. Open text fields, menus and lists keep their own keys; `had_focus`: something
-/// had keyboard focus at the end of the last frame.
-pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
-    let is_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
+/// that Escape leaves had keyboard focus at the end of the last frame.
+pub(super) fn pressed(ctx: &egui::Context, holds: Holds, had_focus: bool) -> Vec<Command> {
+    let holds = if egui::Popup::is_any_open(ctx) { Holds::Text } else { holds };
     let mut keys: Vec<(&CommandInfo, KeyboardShortcut)> = COMMANDS
         .iter()
         .flat_map(|info| info.keys.iter().map(move |&(modifiers, key)| (info, KeyboardShortcut::new(modifiers, key))))
-        .filter(|(_, shortcut)| !is_taken || is_global(shortcut))
+        .filter(|(_, shortcut)| match holds {
+            Holds::Nothing => true,
+            Holds::Buttons => !is_of_buttons(shortcut),
+            Holds::Text => is_global(shortcut),
+        })
         .collect();
     // Most modifiers first: otherwise Ctrl+Shift+F10 would match Ctrl+F10.
     keys.sort_by_key(|(_, s)| {
@@ -389,7 +432,7 @@ pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
         std::cmp::Reverse([m.alt, m.shift, m.ctrl, m.command].iter().filter(|&&on| on).count())
     });
     // Escape first closes what is open and leaves a text field, and only then cancels work.
-    let is_escape_taken = had_focus || is_taken;
+    let is_escape_taken = had_focus || holds != Holds::Nothing;
     // A key that was pressed twice since the last frame counts twice.
     let times = |input: &mut egui::InputState, shortcut: &KeyboardShortcut| match shortcut.logical_key {
         Key::Escape => usize::from(!is_escape_taken && input.key_pressed(Key::Escape)),
@@ -398,12 +441,32 @@ pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
     ctx.input_mut(|input| keys.iter().flat_map(|(info, shortcut)| vec![info.command; times(input, shortcut)]).collect())
 }
 
+/// Whether a key presses a button or moves to another one.
+fn is_of_buttons(shortcut: &KeyboardShortcut) -> bool {
+    let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
+    let is_plain = shortcut.modifiers.is_none();
+    is_plain && (shortcut.logical_key == Key::Space || arrows.contains(&shortcut.logical_key))
+}
+
 /// Whether a key also works while text is being entered.
 fn is_global(shortcut: &KeyboardShortcut) -> bool {
     let function_keys = Key::F1..=Key::F12;
+    let with_command = [
+        Key::P,
+        Key::O,
+        Key::G,
+        Key::E,
+        Key::Q,
+        Key::Plus,
+        Key::Equals,
+        Key::Minus,
+        Key::Num0,
+        Key::PageUp,
+        Key::PageDown,
+        Key::M,
+    ];
     function_keys.contains(&shortcut.logical_key)
-        || shortcut.modifiers.command
-            && matches!(shortcut.logical_key, Key::P | Key::O | Key::G | Key::E | Key::Q | Key::M)
+        || shortcut.modifiers.command && with_command.contains(&shortcut.logical_key)
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ impl Inspector {
         let mut stays = true;
         let response = Modal::new(Id::unique("dialog")).show(ctx, |ui| match &mut dialog {
             Dialog::Palette(palette) => {
-                if let Some(command) = palette.show(ui) {
+                if let Some(command) = palette.show(ui, &|command| self.can(command)) {
                     self.perform(command);
                     stays = false;
                 }
@@ -144,8 +144,10 @@ impl Inspector {
 fn ask(ui: &mut egui::Ui, label: &'static str, text: &mut String) -> Option<String> {
     let name = ui.label(label).id;
     let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(name);
-    field.request_focus();
-    let enter = ui.input(|input| input.key_pressed(Key::Enter));
+    let enter = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if ui.memory(|memory| memory.focused().is_none()) {
+        field.request_focus();
+    }
     (ui.button("Go").clicked() || enter).then(|| text.clone())
 }
 

@@ -26,6 +26,8 @@ impl Inspector {
         self.shared.recent = saved.recent().to_vec();
         self.shared.last_place = saved.link.as_ref().map(ToString::to_string);
         self.saved = saved;
+        // The text size is set together with the style.
+        self.is_styled = false;
     }
 
     /// Hands the settings to the host for saving.

@@ -1,8 +1,13 @@
 //! The arrangement of panels.
 
+use egui::{Vec2, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
 
+use super::focus::{self, Focus};
 use super::pane::{Context, Pane, PaneKind};
+
+/// Room that a panel needs for its tools and some of its contents. A smaller tile scrolls.
+const LEAST: Vec2 = vec2(240.0, 120.0);
 
 /// Predefined layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,18 +118,34 @@ pub(super) fn add(tree: &mut Tree<Pane>, pane: Pane) {
 /// Shows panels in their tiles.
 pub(super) struct Panes<'a> {
     pub(super) cx: Context<'a>,
+    pub(super) focus: &'a mut Focus,
+    /// The panel whose tab was double-clicked.
+    pub(super) maximise: Option<TileId>,
 }
 
 impl Behavior<Pane> for Panes<'_> {
     fn pane_ui(&mut self, ui: &mut egui::Ui, id: TileId, pane: &mut Pane) -> UiResponse {
-        if ui.rect_contains_pointer(ui.max_rect()) {
+        focus::stop(ui, id, &pane.panel.title(), self.focus);
+        // A panel that got keyboard focus keeps such commands until the cursor moves.
+        let is_moving = ui.input(|input| input.pointer.delta() != Vec2::ZERO || input.pointer.any_down());
+        if ui.rect_contains_pointer(ui.max_rect()) && (is_moving || self.cx.shared.under.is_none()) {
             self.cx.shared.under = Some(id);
         }
         // Ids restart with every layout: a list would otherwise inherit another panel's scroll position.
         ui.push_id((id, pane.kind), |ui| {
             egui::Frame::NONE.inner_margin(6.0).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());
-                pane.panel.show(ui, &mut self.cx);
+                let (size, wanted) = (ui.available_size(), ui.available_size().max(LEAST));
+                if size == wanted {
+                    pane.panel.show(ui, &mut self.cx);
+                    return;
+                }
+                let area = egui::ScrollArea::both().auto_shrink(false).min_scrolled_width(0.0).min_scrolled_height(0.0);
+                area.show(ui, |ui| {
+                    let room = egui::Rect::from_min_size(ui.cursor().min, wanted);
+                    ui.scope_builder(egui::UiBuilder::new().max_rect(room), |ui| pane.panel.show(ui, &mut self.cx));
+                    ui.advance_cursor_after_rect(room);
+                });
             });
         });
         UiResponse::None
@@ -132,6 +153,13 @@ impl Behavior<Pane> for Panes<'_> {
 
     fn tab_title_for_pane(&mut self, pane: &Pane) -> egui::WidgetText {
         pane.panel.title().into()
+    }
+
+    fn on_tab_button(&mut self, tiles: &mut Tiles<Pane>, id: TileId, tab: egui::Response) -> egui::Response {
+        if tab.double_clicked() && tiles.get_pane(&id).is_some() {
+            self.maximise = Some(id);
+        }
+        tab.on_hover_text("double-click or F12: maximise")
     }
 
     fn is_tab_closable(&self, _tiles: &Tiles<Pane>, _id: TileId) -> bool {

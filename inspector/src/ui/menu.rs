@@ -1,25 +1,13 @@
-//! Menus, the toolbar and the status bar.
+//! Menus, progress and the status bar.
 
+use egui::Button;
 use egui::containers::menu::MenuBar;
-use egui::{Button, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
-
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::plan::Bytes;
 use raystep_lab::text::counted;
 
 use super::Inspector;
 use super::command::{COMMANDS, Command, Menu};
-
-/// The buttons of the toolbar.
-const BUTTONS: [Command; 7] = [
-    Command::Start,
-    Command::PreviousPass,
-    Command::NextPass,
-    Command::End,
-    Command::Play,
-    Command::PreviousEvent,
-    Command::NextEvent,
-];
 
 /// The window's background is behind it.
 fn frame(ui: &egui::Ui) -> egui::Frame {
@@ -35,7 +23,7 @@ impl Inspector {
                 }
             });
             ui.horizontal_wrapped(|ui| {
-                BUTTONS.into_iter().for_each(|command| self.tool(ui, command));
+                self.toolbar(ui);
                 if let Some(work) = self.model.work.or(self.other.as_ref().and_then(|other| other.work)) {
                     ui.separator();
                     let part = if work.of == 0 { 0.0 } else { work.done as f32 / work.of as f32 };
@@ -51,6 +39,11 @@ impl Inspector {
 
     fn menu(&mut self, ui: &mut egui::Ui, menu: Menu) {
         ui.set_min_width(240.0);
+        let height = ui.ctx().content_rect().bottom() - ui.cursor().top() - 16.0;
+        egui::ScrollArea::vertical().max_height(height.max(60.0)).show(ui, |ui| self.items(ui, menu));
+    }
+
+    fn items(&mut self, ui: &mut egui::Ui, menu: Menu) {
         for info in COMMANDS.iter().filter(|info| info.menu == menu) {
             let button = Button::new(info.name).shortcut_text(info.command.key_text(ui.ctx()));
             if ui.add_enabled(self.can(info.command), button).clicked() {
@@ -70,24 +63,9 @@ impl Inspector {
         }
     }
 
-    fn tool(&mut self, ui: &mut egui::Ui, command: Command) {
-        let is_on = command == Command::Play && self.is_playing;
-        let button = Button::new("").selected(is_on).min_size(vec2(28.0, 20.0));
-        let response = ui.add_enabled(self.can(command), button);
-        let color = if self.can(command) { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
-        sign(ui.painter(), response.rect.center(), command, is_on, color);
-        let key = command.key_text(ui.ctx());
-        let name = command.name();
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-        let text = if key.is_empty() { name.to_owned() } else { format!("{name} ({key})") };
-        if response.on_hover_text(text).clicked() {
-            self.perform(command);
-        }
-    }
-
     pub(super) fn status_bar(&mut self, ui: &mut egui::Ui) {
         egui::Panel::bottom("status").frame(frame(ui)).show(ui, |ui| {
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 let Some(opened) = &self.model.opened else {
                     ui.weak("no scene: drop a glTF file here, or open one");
                     return;
@@ -130,45 +108,5 @@ fn outcome(trace: &Trace) -> String {
         }
         Some(_) => format!(": hits nothing, {passes}"),
         None => String::new(),
-    }
-}
-
-/// A button's icon, as on tape recorders; event buttons have a dot.
-fn sign(painter: &Painter, middle: Pos2, command: Command, is_on: bool, color: Color32) {
-    let triangle = |x: f32, width: f32| {
-        let [base, tip] = [middle + vec2(x, 0.0), middle + vec2(x + width, 0.0)];
-        let corners = vec![base + vec2(0.0, -5.0), base + vec2(0.0, 5.0), tip];
-        painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
-    };
-    let bar = |x: f32| {
-        painter.rect_filled(Rect::from_center_size(middle + vec2(x, 0.0), vec2(2.0, 10.0)), 0.0, color);
-    };
-    match command {
-        Command::Start => {
-            bar(-5.0);
-            triangle(5.0, -8.0);
-        }
-        Command::PreviousPass => triangle(4.0, -8.0),
-        Command::NextPass => triangle(-4.0, 8.0),
-        Command::End => {
-            triangle(-5.0, 8.0);
-            bar(5.0);
-        }
-        Command::Play if is_on => {
-            bar(-2.5);
-            bar(2.5);
-        }
-        Command::Play => {
-            triangle(-7.0, 7.0);
-            triangle(0.0, 7.0);
-        }
-        Command::PreviousEvent => {
-            triangle(1.0, -7.0);
-            painter.circle_filled(middle + vec2(5.0, 0.0), 2.0, color);
-        }
-        _ => {
-            triangle(-1.0, 7.0);
-            painter.circle_filled(middle + vec2(-5.0, 0.0), 2.0, color);
-        }
     }
 }

@@ -18,6 +18,8 @@ impl Inspector {
         let (model, has_run) = (&self.model, self.model.opened.is_some());
         match command {
             C::OpenScene | C::PasteLink | C::Quit | C::Theme | C::SimpleLayout | C::FullLayout | C::Show(_) => true,
+            C::ToolbarWords | C::Maximise | C::NextPanel | C::PreviousPanel | C::NextTab | C::PreviousTab => true,
+            C::LargerText | C::SmallerText | C::NormalText => self.can_resize(command),
             C::OpenSession => true,
             C::NextRun | C::PreviousRun => has_run && !self.shared.runs.runs.list().is_empty(),
             C::RunKept => has_run && self.shared.runs.runs.list().iter().any(|kept| kept.outcome.is_none()),
@@ -25,7 +27,9 @@ impl Inspector {
             C::Palette | C::Help | C::Lesson(_) => true,
             C::NextStep | C::PreviousStep => self.lesson.as_ref().is_some_and(|l| l.has(command == C::NextStep)),
             C::RepeatStep | C::CloseLesson => self.lesson.is_some(),
-            C::Cancel => self.is_busy() || self.is_playing || self.shared.picked.is_some(),
+            C::Cancel => {
+                self.is_busy() || self.is_playing || self.shared.picked.is_some() || self.maximised().is_some()
+            }
             C::NextPass | C::NextOfKernel | C::IterationEnd | C::End => model.next.is_some(),
             C::PreviousPass | C::PreviousOfKernel | C::IterationStart | C::Start => model.place > 0,
             C::NextEvent => self.event(true).is_some(),
@@ -49,9 +53,10 @@ impl Inspector {
 
     pub(super) fn execute(&mut self, ctx: &egui::Context, command: Command) {
         use Command as C;
-        if !self.can(command) {
+        if !self.can(command) || self.adapt_maximised(command) {
             return;
         }
+        self.note_step(command);
         let last = self.model.last_pass().map(|pass| pass.kernel);
         let step = |model: &mut Model, target| {
             model.ask(Request::Step(target));
@@ -162,6 +167,11 @@ impl Inspector {
                 let is_dark = ctx.global_style().visuals.dark_mode;
                 ctx.set_theme(if is_dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
+            C::LargerText | C::SmallerText | C::NormalText => self.resize_text(ctx, command),
+            C::ToolbarWords => self.saved.toolbar_words = !self.saved.toolbar_words,
+            C::Maximise => self.toggle_maximised(ctx),
+            C::NextPanel | C::PreviousPanel => self.cycle_panels(ctx, command == C::NextPanel),
+            C::NextTab | C::PreviousTab => self.cycle_tabs(ctx, command == C::NextTab),
             C::SimpleLayout => self.tree = Layout::Simple.tree(),
             C::FullLayout => self.tree = Layout::Full.tree(),
             C::Show(kind) => layout::toggle(&mut self.tree, kind),

@@ -24,7 +24,8 @@ pub(super) fn show(ui: &mut Ui, picture: &Picture, name: &str) {
     if ui.is_rect_visible(rect) {
         let paint = Paint { ui, rect, scale };
         let shapes: Vec<Shape> = picture.elements.iter().map(|element| paint.shape(element)).collect();
-        ui.painter_at(rect).extend(shapes);
+        // In a small picture, texts at the edge are larger than their room.
+        ui.painter_at(rect.expand(SMALLEST)).extend(shapes);
     }
 }
 

@@ -21,6 +21,10 @@ pub struct LogLine {
     pub is_error: bool,
     /// A message.
     pub text: String,
+    /// Nanoseconds since the start; `None` without a clock.
+    pub at_ns: Option<u64>,
+    /// The number of passes that had run.
+    pub place: usize,
 }
 
 /// The contents of a stream view, as in links.
@@ -114,6 +118,14 @@ pub struct Shared {
     pub last_place: Option<String>,
     /// Kept runs.
     pub(super) runs: KeptRuns,
+    /// Whether the item with keyboard focus uses keys that are commands elsewhere.
+    pub keeps_keys: bool,
+    /// The number of passes that have run, for the log.
+    pub place: usize,
+    /// A clock, nanoseconds.
+    pub clock: Option<fn() -> u64>,
+    /// The clock at the start.
+    pub began_ns: u64,
     /// Messages, oldest first.
     pub log: Vec<LogLine>,
 }
@@ -145,6 +157,10 @@ impl Default for Shared {
             visit: None,
             last_place: None,
             runs: KeptRuns::default(),
+            keeps_keys: false,
+            place: 0,
+            clock: None,
+            began_ns: 0,
             log: Vec::new(),
         }
     }
@@ -157,6 +173,7 @@ impl Shared {
         if self.log.len() == MOST {
             self.log.remove(0);
         }
-        self.log.push(LogLine { is_error, text: text.into() });
+        let at_ns = self.clock.map(|now| now().saturating_sub(self.began_ns));
+        self.log.push(LogLine { is_error, text: text.into(), at_ns, place: self.place });
     }
 }

@@ -339,7 +339,7 @@ fn a_drawing_names_what_it_shows_and_is_sound_xml() {
                         assert_eq!(begun, svg.matches(&format!("</{element}>")).count(), "{file} {name}: {element}");
                     }
                     if name == "grid" && part == "end" && file == "cornell" && spacing == Spacing::Equal {
-                        assert!(svg.contains(">a</text>") && svg.contains("Seen along"));
+                        assert!(svg.contains(">a</text>") && svg.contains("View along"));
                         assert!(svg.contains(&format!("{} cells visited", walk.cells.len())));
                         let [test, exit] = [walk.tested[0].triangle.to_string(), svg::short(walk.cells[3].t_out)];
                         assert!(svg.contains(&format!("Tested, in order: {test}: ")) && svg.contains(&exit));

@@ -30,6 +30,7 @@ struct Before {
     generation: u64,
     panes: Vec<PaneKind>,
     is_dark: bool,
+    zoom: f32,
     /// A number shown in the view that the command changes, if it changes one.
     number: f64,
 }
@@ -45,6 +46,7 @@ fn look(stage: &Stage, command: Command, number: f64) -> Before {
         generation: model.generation,
         panes: inspector.panes_in_view(),
         is_dark: stage.harness.ctx.global_style().visuals.dark_mode,
+        zoom: stage.harness.ctx.zoom_factor(),
         number,
     }
 }

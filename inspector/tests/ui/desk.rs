@@ -37,8 +37,8 @@ pub(crate) struct Desk {
     pub(crate) sessions: Vec<(String, Vec<u8>)>,
     /// Names of existing files, if there are no dialogs.
     pub(crate) there: Vec<String>,
-    /// The saved settings.
-    pub(crate) remembered: Option<String>,
+    /// The saved state.
+    pub(crate) remembered: String,
     events: Vec<HostEvent>,
 }
 
@@ -165,7 +165,7 @@ impl Host for TestHost {
     }
 
     fn remember(&mut self, saved: &str) {
-        self.desk().remembered = Some(saved.into());
+        self.desk().remembered = saved.into();
     }
 }
 

@@ -36,6 +36,8 @@ pub(crate) struct Stage {
     pub(crate) harness: Harness<'static, Inspector>,
     pub(crate) desk: Arc<Mutex<Desk>>,
     pub(crate) heard: Heard,
+    gpu: Arc<Gpu>,
+    renderer: Arc<RwLock<Renderer>>,
 }
 
 /// How to build a stage.
@@ -82,9 +84,9 @@ impl Stage {
             .with_theme(plan.theme)
             .with_render_cursor(false)
             .with_options(snapshot_options())
-            .renderer(Painter { gpu: plan.gpu, renderer })
+            .renderer(Painter { gpu: plan.gpu.clone(), renderer: renderer.clone() })
             .build_ui_state(|ui, inspector: &mut Inspector| inspector.ui(ui), inspector);
-        Self { harness, desk, heard: Heard::default() }
+        Self { harness, desk, heard: Heard::default(), gpu: plan.gpu, renderer }
     }
 
     /// A stage of the default size with a scene open, after some passes.
@@ -285,6 +287,21 @@ impl Stage {
         self.painted().iter().any(|text| text.contains(part))
     }
 
+    /// The window without its texts, as an image.
+    pub(crate) fn draw_without_text(&self) -> image::RgbaImage {
+        fn without(shape: &egui::Shape) -> egui::Shape {
+            match shape {
+                egui::Shape::Text(_) => egui::Shape::Noop,
+                egui::Shape::Vec(shapes) => egui::Shape::Vec(shapes.iter().map(without).collect()),
+                other => other.clone(),
+            }
+        }
+        let shapes = self.harness.output().shapes.iter();
+        let shapes = shapes.map(|clipped| egui::epaint::ClippedShape { shape: without(&clipped.shape), ..*clipped });
+        let shapes = shapes.collect();
+        draw(&self.gpu, &self.renderer, &self.harness.ctx, shapes).expect("it can be drawn")
+    }
+
     /// Compares the window with the image and the text of this name.
     #[track_caller]
     pub(crate) fn snapshot(&mut self, name: &str) {
@@ -347,12 +364,20 @@ impl TestRenderer for Painter {
     }
 
     fn render(&mut self, ctx: &egui::Context, output: &egui::FullOutput) -> Result<image::RgbaImage, String> {
-        let points = ctx.pixels_per_point();
-        let size = ctx.content_rect().size() * points;
-        let [width, height] = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
-        let jobs = ctx.tessellate(output.shapes.clone(), points);
-        let background = background(ctx);
-        let drawn = offscreen::draw(&self.gpu, &self.renderer, &jobs, background, [width, height], points);
-        block_on(&self.gpu, drawn).map_err(|e| e.to_string())
+        draw(&self.gpu, &self.renderer, ctx, output.shapes.clone())
     }
+}
+
+fn draw(
+    gpu: &Arc<Gpu>,
+    renderer: &RwLock<Renderer>,
+    ctx: &egui::Context,
+    shapes: Vec<egui::epaint::ClippedShape>,
+) -> Result<image::RgbaImage, String> {
+    let points = ctx.pixels_per_point();
+    let size = ctx.content_rect().size() * points;
+    let [width, height] = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
+    let jobs = ctx.tessellate(shapes, points);
+    let drawn = offscreen::draw(gpu, renderer, &jobs, background(ctx), [width, height], points);
+    block_on(gpu, drawn).map_err(|e| e.to_string())
 }

@@ -165,7 +165,7 @@ fn scales_change_what_is_under_the_cursor_and_are_saved() {
     s.settle();
     assert!(name(&s).contains("by device time"), "{}", name(&s));
     s.inspector().keep();
-    let saved = s.desk.lock().expect("not poisoned").remembered.clone().expect("settings");
+    let saved = s.desk.lock().expect("not poisoned").remembered.clone();
     let mut other = Stage::new(Plan::default());
     other.inspector().restore(saved.as_bytes());
     other.open(CORNELL, settings(DeviceKind::Cpu), Arrival::picture());
@@ -229,7 +229,7 @@ fn a_bookmark_is_a_flag_that_returns_is_renamed_kept_and_deleted() {
 
     // It is there after the next start, and not in another scene.
     s.inspector().keep();
-    let saved = s.desk.lock().expect("not poisoned").remembered.clone().expect("settings");
+    let saved = s.desk.lock().expect("not poisoned").remembered.clone();
     let mut other = Stage::new(Plan::default());
     other.inspector().restore(saved.as_bytes());
     other.open(CORNELL, settings(DeviceKind::Gpu), Arrival::picture());

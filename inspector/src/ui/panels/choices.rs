@@ -127,7 +127,7 @@ impl Panel for Choices {
         if !is_scene {
             self.answer = None;
         }
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             self.tools(ui, cx, is_same);
             match &self.answer {
                 Some((_, answer)) => show(ui, answer),

@@ -194,7 +194,7 @@ impl Cost {
     /// Summary of the whole order.
     fn order(&mut self, ui: &mut Ui, cx: &mut Context<'_>, of: Option<&Of>, height: f32) {
         ui.horizontal_wrapped(|ui| {
-            let label = ui.strong("cost").on_hover_text("definition of cost").id;
+            let label = ui.strong("cost").on_hover_text("what is counted as cost").id;
             for (shown, name, about) in [
                 (
                     Shown::Sum,
@@ -253,7 +253,7 @@ impl Cost {
                 let (rank, cost) = (order.rank(ray).unwrap_or(0), order.cost(ray).unwrap_or(0));
                 ui.label(format!("pixel {x},{y}: cost {cost}, {} of {rays}", rank + 1));
             }
-            for (name, command) in [("dearer", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
+            for (name, command) in [("costlier", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
                 let key = command.key_text(ui.ctx());
                 if ui.button(name).on_hover_text(format!("the neighbouring ray in the order  {key}")).clicked() {
                     cx.todo.push(command);

@@ -11,7 +11,7 @@ use crate::session::Model;
 use crate::ui::command::Command;
 use crate::ui::host::FileToSave;
 use crate::ui::pane::{Context, Panel};
-use paint::{Paint, access_color};
+use paint::{LEAST, Paint, access_color};
 
 /// Distance in points within which the cursor selects an edge.
 const TOUCH: f32 = 5.0;
@@ -24,6 +24,10 @@ pub(in crate::ui) struct Dataflow {
     scale: Option<Vec2>,
     /// The graph's point in the middle of the panel.
     center: Vec2,
+    /// What is to be in view if the whole graph does not fit, in fractions of its size.
+    middle: [f32; 2],
+    /// Whether a part of the graph is out of view.
+    is_cropped: bool,
 }
 
 /// The item under the cursor.
@@ -56,9 +60,13 @@ impl Panel for Dataflow {
         let size = Vec2::from(flow.size);
         let (last, next) = (cx.model.last_pass().map(|pass| pass.kernel), cx.model.next);
         let rays = waiting(&plan, cx.model);
-        let (scale, origin) = placement(rect, size, self.scale, self.center);
+        self.middle = last
+            .and_then(|last| flow.nodes.iter().find(|node| node.kind == NodeKind::Kernel(last)))
+            .map_or([0.5; 2], |node| [0, 1].map(|axis| 0.5 * (node.min[axis] + node.max[axis])));
+        let (scale, origin) = self.placement(rect, size);
         let place = |[x, y]: [f32; 2]| origin + vec2(x, y) * size * scale;
         let touched = response.hover_pos().and_then(|at| touched(flow, at, &place));
+        self.is_cropped = !rect.expand(1.0).contains_rect(Rect::from_min_size(origin, size * scale));
         Paint { ui, rect, flow, place: &place, last, next, rays: &rays, touched }.all();
         let text = format!(
             "{}, {}; last {}, next {}",
@@ -100,14 +108,21 @@ impl Dataflow {
             if ui.button(zoom).on_hover_text("fit to panel (double click)").clicked() {
                 self.scale = None;
             }
+            if self.is_cropped {
+                ui.weak("drag to pan");
+            }
             if ui.button("SVG…").on_hover_text("save as SVG").clicked() {
                 cx.todo.push(Command::ExportDataflow);
             }
         });
     }
 
+    fn placement(&self, rect: Rect, size: Vec2) -> (Vec2, Pos2) {
+        placement(rect, size, self.scale, self.center, Vec2::from(self.middle) * size)
+    }
+
     fn move_view(&mut self, ui: &Ui, response: &egui::Response, rect: Rect, size: Vec2) {
-        let (scale, origin) = placement(rect, size, self.scale, self.center);
+        let (scale, origin) = self.placement(rect, size);
         let zoom = match response.hovered() {
             true => ui.input(|input| input.zoom_delta() * (input.smooth_scroll_delta().y / 200.0).exp()),
             false => 1.0,
@@ -127,15 +142,22 @@ impl Dataflow {
 }
 
 /// Screen points per graph point, and the position of its corner. Panels are often wide and low: the graph is then
-/// stretched horizontally.
-fn placement(rect: Rect, size: Vec2, scale: Option<Vec2>, center: Vec2) -> (Vec2, Pos2) {
+/// stretched horizontally. Where it is too large for names to be read, a part of it is shown, with `middle` in view.
+fn placement(rect: Rect, size: Vec2, scale: Option<Vec2>, center: Vec2, middle: Vec2) -> (Vec2, Pos2) {
     match scale {
         Some(scale) => (scale, rect.center() - center * scale),
         None => {
             let scale = (rect.size() / size).clamp(Vec2::splat(0.05), Vec2::splat(1.6));
             // Stretched by a factor of two at most.
-            let scale = scale.min(Vec2::splat(2.0 * scale.min_elem()));
-            (scale, rect.center() - 0.5 * scale * size)
+            let scale = scale.min(Vec2::splat(2.0 * scale.min_elem())).max(LEAST);
+            let inside = |axis: usize| {
+                let (whole, room) = (scale[axis] * size[axis], rect.size()[axis]);
+                if whole <= room {
+                    return 0.5 * (room - whole);
+                }
+                (0.5 * room - middle[axis] * scale[axis]).clamp(room - whole, 0.0)
+            };
+            (scale, rect.min + vec2(inside(0), inside(1)))
         }
     }
 }
@@ -242,12 +264,20 @@ mod tests {
 
     #[test]
     fn the_drawing_fits_and_keeps_its_middle() {
-        let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 300.0));
-        let (scale, origin) = placement(rect, vec2(800.0, 300.0), None, Vec2::ZERO);
-        assert_eq!((scale, origin), (vec2(0.5, 1.0), pos2(10.0, 20.0)));
-        let (scale, origin) = placement(rect, vec2(1600.0, 300.0), None, Vec2::ZERO);
-        assert_eq!((scale, origin), (vec2(0.25, 0.5), pos2(10.0, 95.0)));
-        let (scale, origin) = placement(rect, vec2(800.0, 300.0), Some(vec2(2.0, 1.0)), vec2(50.0, 60.0));
+        let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(800.0, 300.0));
+        let place = |size, scale, center, middle| placement(rect, size, scale, center, middle);
+        let (scale, origin) = place(vec2(800.0, 300.0), None, Vec2::ZERO, Vec2::ZERO);
+        assert_eq!((scale, origin), (vec2(1.0, 1.0), rect.min));
+        // Stretched.
+        let (scale, origin) = place(vec2(500.0, 600.0), None, Vec2::ZERO, Vec2::ZERO);
+        assert_eq!((scale, origin), (vec2(1.0, 0.5), pos2(160.0, 20.0)));
+        // Too large: from one end to the other.
+        let large = vec2(1600.0, 300.0);
+        let ends = [0.0, 800.0, 1600.0].map(|x| place(large, None, Vec2::ZERO, vec2(x, 0.0)));
+        let room = rect.width() - ends[0].0.x * large.x;
+        assert!(ends.iter().all(|(scale, _)| scale.x == LEAST.x), "{ends:?}");
+        assert_eq!(ends.map(|(_, origin)| origin.x - rect.left()), [0.0, 0.5 * room, room]);
+        let (scale, origin) = place(vec2(800.0, 300.0), Some(vec2(2.0, 1.0)), vec2(50.0, 60.0), Vec2::ZERO);
         assert_eq!(origin + vec2(50.0, 60.0) * scale, rect.center());
     }
 }

@@ -47,8 +47,8 @@ impl Panel for Options {
                 "adds a stream of counters per \
                 ray",
             );
-            ui.checkbox(&mut draft.keep_all, "omit nothing")
-                .on_hover_text("--keep-all: shows what omitting unneeded parts saves");
+            ui.checkbox(&mut draft.keep_all, "keep what is not needed")
+                .on_hover_text("also run kernels and keep streams that the result does not need, as --keep-all does");
             if let Some([ox, oy, oz, dx, dy, dz]) = draft.ray {
                 ui.label(format!("one ray: {ox} {oy} {oz} towards {dx} {dy} {dz}"));
                 if ui.button("Back to the image").clicked() {

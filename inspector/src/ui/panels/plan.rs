@@ -6,6 +6,7 @@ use raystep_kernels::plan::{Because, Bytes};
 use raystep_lab::text::counted;
 
 use crate::ui::pane::{Context, Panel};
+use crate::ui::style::{SMALLEST, ink_on, towards};
 
 /// The panel.
 #[derive(Default)]
@@ -92,9 +93,11 @@ fn bar(ui: &mut Ui, parts: &[Part]) {
         // Neighbours of the same kind differ slightly.
         let shade = if i % 2 == 0 { 1.0 } else { 0.8 };
         let color = if part.is_stream { Color32::from_rgb(66, 124, 200) } else { Color32::from_rgb(90, 165, 90) };
-        painter.rect_filled(piece, 0.0, color.gamma_multiply(shade));
+        let color = towards(ui.visuals().extreme_bg_color, color, shade);
+        painter.rect_filled(piece, 0.0, color);
         if part.name.len() as f32 * 7.0 < width {
-            painter.text(piece.center(), Align2::CENTER_CENTER, part.name, FontId::proportional(11.0), Color32::WHITE);
+            let font = FontId::proportional(SMALLEST);
+            painter.text(piece.center(), Align2::CENTER_CENTER, part.name, font, ink_on(color));
         }
         if response.hover_pos().is_some_and(|at| piece.x_range().contains(at.x)) {
             hovered = Some(part);

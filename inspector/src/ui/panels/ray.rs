@@ -219,7 +219,7 @@ impl RayView {
 }
 
 fn changed_color(ui: &egui::Ui) -> Color32 {
-    if ui.visuals().dark_mode { Color32::from_rgb(255, 190, 90) } else { Color32::from_rgb(180, 80, 0) }
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 205, 125) } else { Color32::from_rgb(135, 50, 0) }
 }
 
 /// A number for a narrow column.

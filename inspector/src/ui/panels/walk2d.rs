@@ -310,7 +310,11 @@ impl Walk2d {
                     (false, "equal", "all cells equally wide, so that cells that the ray barely touches are visible"),
                     (true, "by t", "width of a cell proportional to its length along the ray"),
                 ] {
-                    ui.selectable_value(&mut self.look.by_t, by_t, name).on_hover_text(text);
+                    // In the next line rather than cut off.
+                    let button = egui::Button::selectable(self.look.by_t == by_t, name);
+                    if ui.add(button.wrap_mode(egui::TextWrapMode::Extend)).on_hover_text(text).clicked() {
+                        self.look.by_t = by_t;
+                    }
                 }
             }
             let scale = self.walked.life.as_ref().map_or(1.0, |life| life.t_scale);

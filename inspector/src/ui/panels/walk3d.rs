@@ -128,9 +128,8 @@ impl Panel for Walk3d {
             glance::draw(&ui.painter().with_clip_rect(rect), ui.visuals(), rect, glanced, &traced, &traced_bounds);
         }
         if response.has_focus() {
+            cx.shared.keeps_keys = true;
             cx.todo.extend(ui.input(control::commands));
-            let stroke = ui.visuals().selection.stroke;
-            ui.painter().rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
         } else if response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             cx.shared.picked = None;
         }

@@ -23,7 +23,7 @@ pub(super) fn draw(sheet: &mut Sheet, walk: &WalkGeometry, picture: &Projected) 
     let size = extent * scale;
     let corner = DVec2::new(sheet.left + (width - size.x) * 0.5, sheet.y + 18.0);
     let place = |p: DVec2| DVec2::new(p.x - picture.min.x, picture.max.y - p.y) * scale + corner;
-    sheet.text(sheet.left, sheet.y + 8.0, "note", &format!("Seen along {dropped}: {right} to the right, {up} upwards"));
+    sheet.text(sheet.left, sheet.y + 8.0, "note", &format!("View along {dropped}; {right} to the right, {up} up"));
     sheet.clip(corner, size);
     let [low, high] = [place(picture.min), place(picture.max)];
     for &x in &picture.lines[0] {

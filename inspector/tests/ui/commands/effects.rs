@@ -143,6 +143,22 @@ pub(super) fn moved_view(stage: &mut Stage) -> f64 {
     0.0
 }
 
+/// A second tab beside the passes, with keyboard focus.
+pub(super) fn beside(stage: &mut Stage) -> f64 {
+    for kind in [PaneKind::Stream, PaneKind::Ray, PaneKind::Log] {
+        stage.perform(Command::Show(kind));
+    }
+    stage.perform(Command::NextPanel);
+    assert_eq!(focused(stage).as_deref(), Some("Log panel"));
+    0.0
+}
+
+/// The name of what has keyboard focus.
+pub(super) fn focused(stage: &Stage) -> Option<String> {
+    let nodes = stage.nodes();
+    nodes.iter().find(|node| node.accesskit_node().is_focused()).and_then(|node| node.accesskit_node().label())
+}
+
 pub(super) fn is_ray_watched(stage: &Stage) -> bool {
     let node = stage.get(Role::CheckBox, "selected ray: its state changes");
     node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)

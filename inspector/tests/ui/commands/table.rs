@@ -8,9 +8,9 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    assert_all, begin_lesson, bookmarks_around, choose_cornell, choose_session, event, exposure, is_ray_watched,
-    is_shown, keep, leave_lesson, moved_range, moved_view, nothing, open_session, pixel_moved, play, range,
-    remove_bookmarks, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    assert_all, begin_lesson, beside, bookmarks_around, choose_cornell, choose_session, event, exposure, focused,
+    is_ray_watched, is_shown, keep, leave_lesson, moved_range, moved_view, nothing, open_session, pixel_moved, play,
+    range, remove_bookmarks, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -242,6 +242,57 @@ pub(super) fn row(command: Command) -> Row {
         C::Theme => (nothing, |s, was| {
             s.settle();
             assert_ne!(s.harness.ctx.global_style().visuals.dark_mode, was.is_dark);
+        }),
+        C::LargerText => (nothing, |s, was| {
+            s.settle();
+            assert!(s.harness.ctx.zoom_factor() > was.zoom);
+            s.perform(Command::NormalText);
+        }),
+        C::SmallerText => (nothing, |s, was| {
+            s.settle();
+            assert!(s.harness.ctx.zoom_factor() < was.zoom);
+            s.perform(Command::NormalText);
+        }),
+        C::NormalText => (
+            |s| {
+                s.perform(Command::SmallerText);
+                0.0
+            },
+            |s, was| {
+                s.settle();
+                assert_eq!((was.zoom, s.harness.ctx.zoom_factor()), (0.9, 1.0));
+            },
+        ),
+        C::ToolbarWords => (
+            |s| {
+                assert!(s.paints("Previous event"));
+                0.0
+            },
+            |s, _| {
+                s.settle();
+                assert!(!s.paints("Previous event"));
+                s.perform(Command::ToolbarWords);
+            },
+        ),
+        C::Maximise => (nothing, |s, was| {
+            s.settle();
+            assert_eq!((was.panes.len(), s.harness.state().panes_in_view().len()), (3, 1));
+            s.get(Role::Button, "Restore layout");
+            s.perform(Command::Maximise);
+            assert_eq!(s.harness.state().panes_in_view(), was.panes);
+        }),
+        C::NextPanel => (nothing, |s, _| {
+            s.settle();
+            assert_eq!(focused(s).as_deref(), Some("Passes panel"));
+        }),
+        C::PreviousPanel => (nothing, |s, _| {
+            s.settle();
+            assert_eq!(focused(s).as_deref(), Some("Ray panel"));
+        }),
+        C::NextTab | C::PreviousTab => (beside, |s, was| {
+            s.settle();
+            assert!(was.panes.contains(&PaneKind::Log));
+            is_shown(s, PaneKind::Passes);
         }),
         C::SimpleLayout => (
             |s| {

@@ -92,7 +92,7 @@ impl LanesView {
             ui.label(format!("{:.1} in non-empty groups", lanes.mean_where_any()))
                 .on_hover_text("groups without a ray end at once and cost little");
             if lanes.launch == Launch::List {
-                ui.weak("dense: launched from a list").on_hover_text(how);
+                ui.weak("launched from a list of rays").on_hover_text(how);
             }
         });
         let about =

@@ -1,19 +1,25 @@
 //! The graph on the screen.
 
-use egui::{Align2, Color32, CornerRadius, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2};
+use egui::{Align2, Color32, CornerRadius, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use raystep_kernels::Kernel;
 use raystep_lab::text::counted;
 
 use super::Touched;
-use crate::dataflow::{Access, DataFlow, Node, NodeKind};
+use crate::dataflow::{Access, CHARACTER, DataFlow, HEIGHT, Node, NodeKind};
 use crate::ui::panels::chart::kernel_color;
+use crate::ui::style::{SMALLEST, ink_on, towards};
 
+/// Parts of a node's height that its first, its second and its only line take at most.
+const LINES: [f32; 3] = [0.36, 0.29, 0.7];
 /// Node height, in points, above which a node has two lines.
-const TWO_LINES: f32 = 24.0;
-/// The smallest font drawn, in points.
-const SMALLEST: f32 = 6.0;
-/// The largest.
+const TWO_LINES: f32 = SMALLEST / LINES[1];
+/// The largest font, in points.
 const LARGEST: f32 = 16.0;
+/// Width of a character, as a part of the font's size.
+const WIDTH: f32 = 0.58;
+
+/// The smallest scale at which the names can be read.
+pub(super) const LEAST: Vec2 = vec2(WIDTH * SMALLEST / CHARACTER, SMALLEST / (LINES[2] * HEIGHT));
 
 /// Blue, orange, purple, as in the exported drawing: distinguishable with any colour vision.
 pub(super) fn access_color(access: Access, ui: &Ui) -> Color32 {
@@ -101,7 +107,7 @@ impl Paint<'_> {
         };
         let is_kernel = |wanted: Option<Kernel>| wanted.is_some_and(|k| node.kind == NodeKind::Kernel(k));
         let strength = if is_kernel(self.last) { 0.75 } else { 0.28 };
-        let fill = mixed(visuals.extreme_bg_color, fill, strength);
+        let fill = towards(visuals.extreme_bg_color, fill, strength);
         let corner = CornerRadius::same(corner.clamp(0.0, 255.0) as u8);
         let stroke = match is_touched || is_kernel(self.last) {
             true => Stroke::new(2.0, visuals.strong_text_color()),
@@ -117,29 +123,29 @@ impl Paint<'_> {
             ));
         }
         for (i, line) in self.lines(node, rect.height()).into_iter().enumerate() {
-            if line.fits(rect) >= SMALLEST {
+            let is_whole = painter.clip_rect().contains_rect(rect);
+            if is_whole && line.fits(rect) >= SMALLEST {
                 let middle = pos2(rect.center().x, rect.top() + line.middle * rect.height());
                 let font = FontId::proportional(sizes[i]);
-                painter.text(middle, Align2::CENTER_CENTER, line.text, font, visuals.strong_text_color());
+                painter.text(middle, Align2::CENTER_CENTER, line.text, font, ink_on(fill));
             }
         }
     }
 
-    /// Name and second line; in a low node a single line, which for a kernel includes the number of rays.
+    /// Name and second line; in a low node the name alone.
     fn lines(&self, node: &Node, height: f32) -> Vec<Line> {
         let rays = match node.kind {
             NodeKind::Kernel(kernel) => self.rays.iter().find(|(k, _)| *k == kernel).map(|(_, rays)| *rays),
             _ => None,
         };
         let line = |text: String, size: f32, middle: f32| Line { text, size, middle };
-        match (rays, height < TWO_LINES) {
-            (Some(rays), true) => vec![line(format!("{} {rays}", node.label), 0.7, 0.5)],
-            (None, true) => vec![line(node.label.clone(), 0.7, 0.5)],
-            (rays, false) => {
-                let second = rays.map_or_else(|| node.detail.clone(), |rays| counted(rays, "ray"));
-                vec![line(node.label.clone(), 0.36, 0.3), line(second, 0.29, 0.71)]
-            }
+        let [first, second, only] = LINES;
+        if height < TWO_LINES {
+            // There is room for the name alone; hovering shows the rest.
+            return vec![line(node.label.clone(), only, 0.5)];
         }
+        let detail = rays.map_or_else(|| node.detail.clone(), |rays| counted(rays, "ray"));
+        vec![line(node.label.clone(), first, 0.3), line(detail, second, 0.71)]
     }
 
     /// The fonts of first and second lines: the same in all nodes, small enough to fit each of them.
@@ -167,7 +173,7 @@ struct Line {
 impl Line {
     /// The largest font that fits the node.
     fn fits(&self, rect: Rect) -> f32 {
-        (self.size * rect.height()).min(rect.width() / (0.58 * self.text.chars().count().max(1) as f32))
+        (self.size * rect.height()).min(rect.width() / (WIDTH * self.text.chars().count().max(1) as f32))
     }
 }
 
@@ -175,10 +181,4 @@ impl Line {
 fn outline(rect: Rect) -> [Pos2; 5] {
     let Rect { min, max } = rect;
     [min, pos2(max.x, min.y), max, pos2(min.x, max.y), min]
-}
-
-/// A colour over another, opaque.
-fn mixed(under: Color32, over: Color32, part: f32) -> Color32 {
-    let mix = |a: u8, b: u8| (f32::from(a) + (f32::from(b) - f32::from(a)) * part).round() as u8;
-    Color32::from_rgb(mix(under.r(), over.r()), mix(under.g(), over.g()), mix(under.b(), over.b()))
 }

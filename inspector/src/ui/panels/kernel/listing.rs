@@ -5,6 +5,7 @@ use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, TextStyle, vec2};
 
 use crate::branches::Branch;
 use crate::source::{Class, Line, Mark};
+use crate::ui::style::towards;
 
 /// A row of the listing.
 enum Row {
@@ -157,7 +158,7 @@ pub(super) fn legend(ui: &mut egui::Ui) {
 fn paint_gutter(ui: &egui::Ui, rect: Rect, number: usize, mark: Mark, font: &FontId) {
     let right = rect.right_center() - vec2(9.0, 0.0);
     let color = ui.visuals().weak_text_color();
-    let color = if mark == Mark::Run { ui.visuals().text_color() } else { color.gamma_multiply(0.8) };
+    let color = if mark == Mark::Run { ui.visuals().text_color() } else { color };
     ui.painter().text(right, Align2::RIGHT_CENTER, number, font.clone(), color);
     let bar = Rect::from_min_max(rect.right_top() - vec2(6.0, 0.0), rect.right_bottom() - vec2(3.0, 0.0));
     paint_bar(ui.painter(), bar, mark, ui.visuals());
@@ -173,23 +174,24 @@ fn paint_bar(painter: &egui::Painter, rect: Rect, mark: Mark, visuals: &egui::Vi
 /// A line with highlighting.
 fn job(line: &Line, font: &FontId, visuals: &egui::Visuals, is_marked: bool) -> LayoutJob {
     let mut job = LayoutJob::default();
-    // Comments and declarations between lines that ran stay readable, but are less prominent.
-    let opacity = match line.mark {
-        Mark::Run => 1.0,
+    // How much of the colour gives way to that of weak text: fainter text would be hard to read.
+    let faintness = match line.mark {
+        Mark::Run => 0.0,
+        // Comments and declarations between lines that ran are less prominent.
         Mark::Plain => {
             if is_marked {
-                0.75
+                0.4
             } else {
-                1.0
+                0.0
             }
         }
-        Mark::NotRun => 0.45,
-        Mark::LeftOut => 0.35,
+        Mark::NotRun => 0.85,
+        Mark::LeftOut => 1.0,
     };
     let strike = if line.mark == Mark::LeftOut { visuals.weak_text_color() } else { Color32::TRANSPARENT };
     for (range, class) in &line.spans {
         let Some(text) = line.text.get(range.clone()) else { continue };
-        let color = color(*class, visuals).gamma_multiply(opacity);
+        let color = towards(color(*class, visuals), visuals.weak_text_color(), faintness);
         // Indentation is not struck through.
         let (space, words) = text.split_at(text.len() - text.trim_start().len());
         for (text, strikethrough) in [(space, Stroke::NONE), (words, Stroke::new(1.0, strike))] {

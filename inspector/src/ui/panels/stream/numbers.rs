@@ -6,9 +6,12 @@ use raystep_kernels::{Program, Stream, StreamData};
 
 use crate::session::request::Texels;
 use crate::ui::pane::Context;
+use crate::ui::style::SMALLEST;
 
-/// Points per texel at which values fit.
-const FROM: f32 = 46.0;
+/// Width of a character, as a part of the font's size.
+const CHARACTER: f32 = 0.61;
+/// Characters that a value takes at most.
+const CHARACTERS: f32 = 7.0;
 
 /// Whose values are drawn.
 pub(super) enum Whose<'a> {
@@ -30,7 +33,9 @@ pub(super) fn draw(
     stream: Stream,
     whose: Whose<'_>,
 ) {
-    if scale < FROM {
+    let count = stream.layers();
+    let size = (scale / (count as f32 + 1.0)).min(scale / CHARACTERS).min(13.0);
+    if size < SMALLEST {
         return;
     }
     let Some(opened) = &cx.model.opened else { return };
@@ -54,7 +59,6 @@ pub(super) fn draw(
     let columns = first.x.max(0.0) as u32..(last.x.max(0.0).ceil() as u32).min(width);
     let rows = first.y.max(0.0) as u32..(last.y.max(0.0).ceil() as u32).min(height);
     let count = layers.len();
-    let size = (scale / (count as f32 + 1.0)).min(scale / 7.0).clamp(6.0, 13.0);
     let painter = ui.painter().with_clip_rect(rect);
     for y in rows {
         for x in columns.clone() {
@@ -64,6 +68,11 @@ pub(super) fn draw(
                 let text = text(opened.plan.program, stream, layer, bits);
                 let down = (layer as f32 - 0.5 * (count as f32 - 1.0)) * size * 1.1;
                 let at = middle + vec2(0.0, down);
+                // Cut off at the edge, it would be a wrong number.
+                let room = vec2(CHARACTER * text.chars().count() as f32, 1.2) * size;
+                if !rect.contains_rect(Rect::from_center_size(at, room)) {
+                    continue;
+                }
                 let font = FontId::monospace(size);
                 for (dx, dy) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
                     painter.text(

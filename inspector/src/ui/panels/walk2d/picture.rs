@@ -84,7 +84,7 @@ pub(super) fn draw(
     let [right, up] = if map.is_turned { [b, a] } else { [a, b] };
     let dropped = AXES[3 - picture.axes[0] - picture.axes[1]];
     let frame = map.rect(picture.min, picture.max);
-    let note = format!("seen along {dropped}: {right} to the right, {up} upwards");
+    let note = format!("view along {dropped}; {right} to the right, {up} up");
     painter.text(note_rect.left_top(), Align2::LEFT_TOP, note, FontId::proportional(11.0), visuals.weak_text_color());
     let painter = painter.with_clip_rect(frame.expand(4.0).intersect(painter.clip_rect()));
     lines(&painter, &map, picture, visuals);
@@ -165,7 +165,9 @@ fn squares(painter: &egui::Painter, map: &Map, picture: &Projected, scene: &Scen
             marked = Some(outline);
         }
         if !is_tree && outline.size().min_elem() >= ROOM_FOR_LETTER {
-            let more = if square.visits.len() > 1 { "…" } else { "" };
+            // Two more characters of the font's 11 points.
+            let has_room = outline.width() >= 2.0 * ROOM_FOR_LETTER;
+            let more = if square.visits.len() > 1 && has_room { "…" } else { "" };
             let color = if has_come { scene.visuals.strong_text_color() } else { scene.visuals.weak_text_color() };
             let text = format!("{}{more}", square.letters);
             painter.text(
