@@ -8,6 +8,7 @@ mod first_steps;
 mod focus;
 pub mod host;
 mod keep;
+mod keys;
 mod layout;
 mod lessons;
 mod maximise;
@@ -215,7 +216,7 @@ impl Inspector {
         self.listen(&ctx);
         focus::reveal(&ctx, &mut self.focus);
         if self.dialog.is_none() {
-            self.todo.extend(command::pressed(&ctx, self.keys_held(&ctx), self.had_focus));
+            self.todo.extend(keys::pressed(&ctx, self.keys_held(&ctx), self.had_focus));
         }
         self.menu_bar(ui);
         self.first_steps(ui);
