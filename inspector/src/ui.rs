@@ -9,6 +9,7 @@ mod first_steps;
 mod focus;
 pub mod host;
 mod keep;
+mod keys;
 pub mod latency;
 mod layout;
 mod lessons;
@@ -245,7 +246,7 @@ impl Inspector {
         self.model.glance(self.shared.hovered.filter(|&pixel| self.shared.pixel != Some(pixel)));
         focus::reveal(&ctx, &mut self.focus);
         if self.dialog.is_none() {
-            self.todo.extend(command::pressed(&ctx, self.keys_held(&ctx), self.had_focus));
+            self.todo.extend(keys::pressed(&ctx, self.keys_held(&ctx), self.had_focus));
         }
         self.menu_bar(ui);
         self.first_steps(ui);

@@ -5,10 +5,14 @@ use super::command::Command;
 
 const TEXT: &str = "Click a pixel to follow its ray. F10 runs the next pass, Shift+F10 goes back.";
 
+/// A lower window has no room for the line, in points.
+const LEAST_HEIGHT: f32 = 250.0;
+
 impl Inspector {
     /// Shows the line while a scene with rays is open.
     pub(super) fn first_steps(&mut self, ui: &mut egui::Ui) {
-        if !self.saved.first_steps.is_needed() || self.model.opened.is_none() || !self.model.has_rays() {
+        let has_room = ui.ctx().content_rect().height() >= LEAST_HEIGHT;
+        if !self.saved.first_steps.is_needed() || self.model.opened.is_none() || !self.model.has_rays() || !has_room {
             return;
         }
         let frame = egui::Frame::side_top_panel(ui.style()).fill(ui.visuals().selection.bg_fill.gamma_multiply(0.25));

@@ -4,7 +4,7 @@ use egui::{Color32, Id, Rect, Stroke, StrokeKind, Ui, accesskit};
 use egui_tiles::{Container, Tile, TileId};
 
 use super::Inspector;
-use super::command::Holds;
+use super::keys::Holds;
 
 /// Width of the outline, in points.
 const WIDTH: f32 = 2.0;

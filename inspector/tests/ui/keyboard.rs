@@ -12,6 +12,7 @@ use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
+use crate::ui::readable::contrast;
 use crate::ui::stage::{Plan, Stage};
 
 const HINT: &str = "Click a pixel to follow its ray.";
@@ -40,7 +41,8 @@ fn panel_with_focus(stage: &Stage) -> Option<String> {
     focused(stage).filter(|(role, ..)| *role == Role::Pane).map(|(_, name, _)| name)
 }
 
-/// Whether something of two points' width is drawn around a rectangle.
+/// Whether a line of at least two points' width and 3:1 contrast to the panels is drawn around a rectangle (WCAG 2.2,
+/// 2.4.13).
 fn is_outlined(stage: &Stage, rect: Rect) -> bool {
     fn any(shape: &Shape, is_so: &dyn Fn(&egui::epaint::RectShape) -> bool) -> bool {
         match shape {
@@ -51,7 +53,9 @@ fn is_outlined(stage: &Stage, rect: Rect) -> bool {
     }
     let is_so = |shape: &egui::epaint::RectShape| {
         let is_around = shape.rect.expand(1.5).contains_rect(rect) && rect.expand(4.0).contains_rect(shape.rect);
-        shape.stroke.width == 2.0 && is_around
+        let parts = |color: egui::Color32| [color.r(), color.g(), color.b()].map(f64::from);
+        let ratio = contrast(parts(shape.stroke.color), parts(stage.harness.ctx.global_style().visuals.panel_fill));
+        is_around && shape.stroke.width >= 2.0 && ratio >= 3.0
     };
     let shapes = &stage.harness.output().shapes;
     shapes.iter().any(|clipped| clipped.clip_rect.intersects(rect) && any(&clipped.shape, &is_so))

@@ -12,6 +12,7 @@ use raystep_inspector::ui::pane::PaneKind;
 
 use crate::ui::desk::CORNELL;
 use crate::ui::stage::{Plan, Stage};
+pub(crate) use ink::contrast;
 use ink::{contrast_of, cut, disabled, inks};
 
 /// Contrast of normal text (WCAG 2.1, 1.4.3, level AA).

@@ -117,7 +117,8 @@ fn luminance(color: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
+/// Contrast of two colours (WCAG 2.1).
+pub(crate) fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
     let (a, b) = (luminance(a), luminance(b));
     (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
