@@ -256,7 +256,8 @@ pub(super) mod tests {
     fn pictures_have_the_size_that_is_expected_of_them_or_are_left_out() {
         let scene = raystep_scenes::generate::cornell_box();
         let settings = Settings { size: [16, 8], ..Settings::default() };
-        let (outcome, picture) = recorded(&scene, &settings, u64::MAX);
+        // A budget that it just fits into.
+        let (outcome, picture) = recorded(&scene, &settings, 16 * 8 * 4 * 13);
         let picture = picture.expect("a picture");
         // Three layers of colour, hit and counters, four of state.
         assert_eq!((picture.bytes(), picture.size()), (16 * 8 * 4 * 13, [16, 8]));

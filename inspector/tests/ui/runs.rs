@@ -92,6 +92,8 @@ fn keys_flip_between_kept_runs_in_the_same_view() {
     assert_eq!(picture(&mut stage), first, "the same image, at the same zoom");
     stage.key(Modifiers::NONE, Key::Period);
     assert_eq!(picture(&mut stage), here, "after the last, the open run");
+    stage.perform(Command::End);
+    assert_eq!(picture(&mut stage), first, "what the open run comes to, too");
     stage.key(Modifiers::NONE, Key::Comma);
     assert!(stage.paints("kept run 2 of 2"));
     stage.show_stream(streams::RAY_ORIGIN, "x");
