@@ -125,6 +125,15 @@ impl Lesson {
         self.told = Told::of(&self.lesson, self.step);
     }
 
+    /// Stops the set-up of its step.
+    pub(super) fn stop(&mut self) {
+        if self.is_waiting() {
+            let problem = self.error(self.set_up.line, lesson::Wrong::SetUp("cancelled".into()));
+            self.problems.push(problem);
+            self.phase = Phase::Done;
+        }
+    }
+
     /// Whether its step is still being set up.
     pub(super) fn is_waiting(&self) -> bool {
         self.phase != Phase::Done

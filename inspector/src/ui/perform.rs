@@ -85,6 +85,7 @@ impl Inspector {
             C::Cancel => {
                 self.is_playing = false;
                 self.shared.scrub.stop();
+                self.lesson.iter_mut().for_each(super::lessons::Lesson::stop);
                 self.model.cancel();
                 if let Some(other) = &self.other {
                     other.cancel();
