@@ -95,7 +95,7 @@ fn the_listing_shows_the_branch_that_decided_with_its_values() {
     // Whatever decided, its line and what it compared are in view.
     let first = branch(&stage);
     assert!(first.contains(", deciding: line ") && stage.reads("▸ "), "{}", stage.read_out());
-    assert!(stage.reads("(f64: "), "{}", stage.read_out());
+    assert!(stage.reads("in f64: "), "{}", stage.read_out());
     stage.key(Modifiers::NONE, Key::F7);
     stage.settle();
     let second = branch(&stage);

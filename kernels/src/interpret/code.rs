@@ -37,8 +37,10 @@ pub enum SiteKind {
     If,
     /// The condition of a loop, which is true while the loop goes on.
     Loop,
-    /// A `select`; of vectors it is true if any component is.
+    /// A `select`.
     Select,
+    /// A `select` component by component; it is true if any component is.
+    SelectEach,
     /// A `switch`, which is true if a case other than `default` was taken.
     Switch,
     /// The left side of `&&` or `||`; true if the right side was evaluated.

@@ -149,7 +149,9 @@ impl Compiler<'_> {
                     Cell { place: first + self.offset(whole, index), ..cell }
                 }
                 Expression::Select { condition, .. } => {
-                    let site = self.site(SiteKind::Select, self.chosen_by(expression, condition));
+                    let is_each = of(condition).is_some_and(|condition| condition.width > 1);
+                    let kind = if is_each { SiteKind::SelectEach } else { SiteKind::Select };
+                    let site = self.site(kind, self.chosen_by(expression, condition));
                     Cell { place: place(width), site, ..cell }
                 }
                 _ => Cell { place: place(width), ..cell },
