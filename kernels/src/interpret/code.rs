@@ -19,6 +19,12 @@ pub enum Kind {
     Bool,
 }
 
+impl Kind {
+    pub(super) fn is_float(self) -> bool {
+        self == Self::F32
+    }
+}
+
 /// A scalar at run time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slot {
