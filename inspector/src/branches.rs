@@ -89,6 +89,8 @@ fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Option<Br
         (SiteKind::If | SiteKind::Switch, false) => "not taken",
         (SiteKind::Loop, true) => "goes on",
         (SiteKind::Loop, false) => "ends",
+        (SiteKind::SelectEach, true) => "true for a component",
+        (SiteKind::SelectEach, false) => "false for all components",
         (_, true) => "true",
         (_, false) => "false",
     };
@@ -103,7 +105,9 @@ fn branch(kernel: &Interpreter, recording: &Recording, site: usize) -> Option<Br
     for comparison in comparisons.iter().take(MOST_TOLD) {
         let text = told(comparison);
         let text = if notes.is_empty() { format!("{outcome}: {text}") } else { text };
-        notes.push(Note { text, differs: comparison.holds != comparison.holds_wide });
+        let differs = comparison.holds != comparison.holds_wide;
+        notes.push(Note { text, differs });
+        notes.extend(told_in_f64(comparison).map(|text| Note { text, differs }));
     }
     if notes.is_empty() {
         notes.push(Note { text: outcome, differs: decision.differs });
@@ -140,20 +144,25 @@ fn told(comparison: &Comparison) -> String {
         // A literal is its own value, and a long expression says less than its value.
         match name.chars().count() {
             _ if name.trim_end_matches(['u', 'i', 'f']) == value => value,
+            _ if name.starts_with("vec") => value,
             0 => value,
             1..=32 => format!("{name} {value}"),
             _ => value,
         }
     };
-    let text = format!("{} {operator} {} is {}", side(0), side(1), comparison.holds);
+    format!("{} {operator} {} is {}", side(0), side(1), comparison.holds)
+}
+
+/// A comparison of floats with their shadows.
+fn told_in_f64(comparison: &Comparison) -> Option<String> {
     if comparison.values[0].kind != Kind::F32 {
-        return text;
+        return None;
     }
     let [a, b] = comparison.values.map(|value| value.wide);
-    let wide = format!("{} {operator} {}", wide(a), wide(b));
+    let text = format!("  in f64: {} {} {}", wide(a), comparison.operator, wide(b));
     match comparison.holds == comparison.holds_wide {
-        true => format!("{text} (f64: {wide})"),
-        false => format!("{text} (f64: {wide} is {}, it decides otherwise)", comparison.holds_wide),
+        true => Some(text),
+        false => Some(format!("{text} is {}: f64 decides otherwise", comparison.holds_wide)),
     }
 }
 

@@ -60,13 +60,14 @@ impl Outcome {
         }
     }
 
-    /// Its colour in legends, and its opacity over the picture.
+    /// Its colour in legends, and its opacity over the picture: rays that the pass did not
+    /// work on are darkened.
     fn shade(self) -> ([u8; 3], u8) {
         match self {
-            Self::Waiting => ([0; 3], 0),
-            Self::Elsewhere => ([128; 3], 150),
-            Self::NotTaken => ([70, 120, 220], 190),
-            Self::Taken => ([240, 160, 40], 210),
+            Self::Waiting => ([0; 3], 130),
+            Self::Elsewhere => ([128; 3], 235),
+            Self::NotTaken => ([60, 90, 200], 235),
+            Self::Taken => ([255, 225, 70], 235),
             Self::Differs => ([220, 60, 200], 255),
         }
     }

@@ -19,6 +19,12 @@ pub enum Kind {
     Bool,
 }
 
+impl Kind {
+    pub(super) fn is_float(self) -> bool {
+        self == Self::F32
+    }
+}
+
 /// A scalar at run time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slot {
@@ -37,8 +43,10 @@ pub enum SiteKind {
     If,
     /// The condition of a loop, which is true while the loop goes on.
     Loop,
-    /// A `select`; of vectors it is true if any component is.
+    /// A `select`.
     Select,
+    /// A `select` component by component; it is true if any component is.
+    SelectEach,
     /// A `switch`, which is true if a case other than `default` was taken.
     Switch,
     /// The left side of `&&` or `||`; true if the right side was evaluated.

@@ -1,6 +1,8 @@
 //! Gives every value of a kernel a place, and every condition an index.
 
-use std::collections::BTreeSet;
+mod flow;
+mod text;
+
 use std::ops::Range;
 
 use naga::proc::TypeResolution;
@@ -8,15 +10,11 @@ use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{Arena, Binding, Block, Expression, Function, Handle, Literal, Module, Span, Statement, TypeInner};
 
 use super::InterpretError;
-use super::code::{
-    Body, CONSTANT, Cell, Code, Global, If, Kind, Local, NONE, Op, Site, SiteKind, Slot, What, kind, slots,
-};
+use super::code::{Body, CONSTANT, Cell, Code, Global, If, Local, NONE, Op, Site, SiteKind, Slot, What, kind, slots};
 use crate::shader::{Resource, Variant};
-
-/// Functions that find a thread's element in a list.
-const TEXEL_OF: [&str; 2] = ["listed_texel", "tiled_texel"];
-/// Functions that tell the host and other passes what became of the element.
-const BOOKS: [&str; 2] = ["send", "book"];
+use flow::{BOOKS, TEXEL_OF, called, has_jump};
+pub(super) use text::line_of;
+use text::{arguments, last_of};
 
 pub(super) fn compile(
     variant: &Variant,
@@ -57,32 +55,6 @@ pub(super) fn compile(
     code.entry = code.bodies.len();
     code.bodies.push(body);
     Ok(code)
-}
-
-/// The functions that a function calls, except those that are not interpreted.
-fn called(module: &Module, from: &Function) -> BTreeSet<Handle<Function>> {
-    fn visit(module: &Module, block: &Block, found: &mut BTreeSet<Handle<Function>>) {
-        for statement in block {
-            match statement {
-                Statement::Call { function, .. } => {
-                    let name = module.functions[*function].name.as_deref().unwrap_or_default();
-                    if !TEXEL_OF.contains(&name) && !BOOKS.contains(&name) && found.insert(*function) {
-                        visit(module, &module.functions[*function].body, found);
-                    }
-                }
-                Statement::Block(block) => visit(module, block, found),
-                Statement::If { accept, reject, .. } => [accept, reject].iter().for_each(|b| visit(module, b, found)),
-                Statement::Switch { cases, .. } => cases.iter().for_each(|case| visit(module, &case.body, found)),
-                Statement::Loop { body, continuing, .. } => {
-                    [body, continuing].iter().for_each(|b| visit(module, b, found));
-                }
-                _ => {}
-            }
-        }
-    }
-    let mut found = BTreeSet::new();
-    visit(module, &from.body, &mut found);
-    found
 }
 
 struct Compiler<'a> {
@@ -149,7 +121,9 @@ impl Compiler<'_> {
                     Cell { place: first + self.offset(whole, index), ..cell }
                 }
                 Expression::Select { condition, .. } => {
-                    let site = self.site(SiteKind::Select, self.chosen_by(expression, condition));
+                    let is_each = of(condition).is_some_and(|condition| condition.width > 1);
+                    let kind = if is_each { SiteKind::SelectEach } else { SiteKind::Select };
+                    let site = self.site(kind, self.chosen_by(expression, condition));
                     Cell { place: place(width), site, ..cell }
                 }
                 _ => Cell { place: place(width), ..cell },
@@ -377,56 +351,6 @@ impl Compiler<'_> {
     }
 }
 
-/// What is between the first parentheses after a name that begins here.
-fn arguments(source: &str, start: usize) -> Option<Range<usize>> {
-    let rest = source.get(start..)?;
-    let open =
-        rest.find(|c: char| !c.is_alphanumeric() && c != '_' && c != ' ').filter(|&at| rest[at..].starts_with('('))?;
-    let mut depth = 0usize;
-    for (at, c) in rest.char_indices().skip_while(|&(at, _)| at < open) {
-        match c {
-            '(' => depth += 1,
-            ')' => depth = depth.checked_sub(1)?,
-            _ => {}
-        }
-        if depth == 0 {
-            return Some(start + open + 1..start + at);
-        }
-    }
-    None
-}
-
-/// The last of several arguments.
-fn last_of(source: &str, inside: Range<usize>) -> Option<Range<usize>> {
-    let text = source.get(inside.clone())?;
-    let (mut depth, mut first) = (0usize, 0);
-    for (at, c) in text.char_indices() {
-        match c {
-            '(' | '[' => depth += 1,
-            ')' | ']' => depth = depth.checked_sub(1)?,
-            // A comma at the end is followed by nothing.
-            ',' if depth == 0 && !text[at + 1..].trim().is_empty() => first = at + 1,
-            _ => {}
-        }
-    }
-    let last = text[first..].trim();
-    let start = inside.start + first + (text[first..].len() - text[first..].trim_start().len());
-    Some(start..start + last.trim_end_matches(',').len())
-}
-
-/// Whether statements may leave the block that they are in; jumps inside of a loop stay there.
-fn has_jump(ops: &[Op], is_in_loop: bool) -> bool {
-    ops.iter().any(|op| match &op.what {
-        What::Return(_) => true,
-        What::Break | What::Continue => !is_in_loop,
-        What::Block(ops) => has_jump(ops, is_in_loop),
-        What::If(branch) => has_jump(&branch.accept, is_in_loop) || has_jump(&branch.reject, is_in_loop),
-        What::Switch { cases, .. } => cases.iter().any(|(_, ops, _)| has_jump(ops, true)),
-        What::Loop { body, continuing, .. } => has_jump(body, true) || has_jump(continuing, true),
-        _ => false,
-    })
-}
-
 fn inner<'a>(ty: &'a TypeResolution, types: &'a naga::UniqueArena<naga::Type>) -> &'a TypeInner {
     ty.inner_with(types)
 }
@@ -463,18 +387,7 @@ fn slot(literal: Literal) -> Slot {
     Slot { bits, from: 0, wide }
 }
 
-/// The line of a byte, from 0.
-pub(super) fn line_of(source: &str, byte: usize) -> usize {
-    source.bytes().take(byte).filter(|&b| b == b'\n').count()
-}
-
 /// Which argument of the entry point is the invocation's id.
 pub(super) fn is_invocation(argument: &naga::FunctionArgument) -> bool {
     matches!(argument.binding, Some(Binding::BuiltIn(naga::BuiltIn::GlobalInvocationId)))
-}
-
-impl Kind {
-    pub(super) fn is_float(self) -> bool {
-        self == Self::F32
-    }
 }
