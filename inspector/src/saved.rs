@@ -5,6 +5,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::link::Link;
+use crate::ui::units::Units;
 
 /// Version of the file; incremented when the meaning of something in it changes.
 pub const VERSION: u32 = 1;
@@ -27,6 +28,8 @@ pub struct Saved {
     pub link: Option<Link>,
     /// The watches.
     pub watches: Option<String>,
+    /// The units of lengths and of t.
+    pub units: Units,
     /// Recent files, the latest first.
     recent: Vec<String>,
 }
@@ -60,7 +63,15 @@ pub enum SavedError {
 
 impl Default for Saved {
     fn default() -> Self {
-        Self { version: VERSION, layout: None, settings: None, link: None, watches: None, recent: Vec::new() }
+        Self {
+            version: VERSION,
+            layout: None,
+            settings: None,
+            link: None,
+            watches: None,
+            units: Units::default(),
+            recent: Vec::new(),
+        }
     }
 }
 
@@ -155,6 +166,7 @@ mod tests {
             settings: Some("say \"hi\"\n\\ \u{7f} ø".into()),
             link: Some(Link { scene: Some("a b.glb".into()), ray: Some(LinkRay::Pixel([1, 2])), ..Link::default() }),
             watches: Some(String::new()),
+            units: Units::Scene,
             ..Saved::default()
         };
         saved.opened("a b.glb");

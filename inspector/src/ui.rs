@@ -4,6 +4,7 @@ mod asked_path;
 pub mod canvas;
 pub mod command;
 mod dialogs;
+mod export_dialog;
 pub mod host;
 mod keep;
 mod layout;
@@ -21,6 +22,7 @@ mod shared;
 mod style;
 mod take;
 mod toast;
+pub mod units;
 
 use std::collections::VecDeque;
 use std::sync::Arc;

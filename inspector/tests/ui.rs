@@ -13,3 +13,4 @@ mod names;
 mod session;
 mod snapshots;
 mod stage;
+mod tables;

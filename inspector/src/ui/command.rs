@@ -3,6 +3,7 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::pane::PaneKind;
+use super::panels::table;
 
 /// A command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -101,6 +102,8 @@ pub enum Command {
     Fit,
     /// Shows a copy of the current stream in a new tab.
     Pin,
+    /// Toggles the magnifier of stream views.
+    Magnifier,
     /// Switches between light and dark theme.
     Theme,
     /// The default layout of three panels.
@@ -251,6 +254,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::ResetRange, "Reset range", NONE R;
         C::Fit, "Fit to panel", NONE F;
         C::Pin, "Pin this stream", NONE P;
+        C::Magnifier, "Magnifier", NONE M;
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";
         C::FullLayout, "Full layout", CTRL L;
@@ -314,11 +318,14 @@ impl Command {
 /// The commands whose keys were pressed. Open text fields, menus and lists keep their own keys; `had_focus`: something
 /// had keyboard focus at the end of the last frame.
 pub(super) fn pressed(ctx: &egui::Context, had_focus: bool) -> Vec<Command> {
-    let is_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
+    // A table with the focus only takes the keys that choose its rows.
+    let in_table = table::is_focused(ctx);
+    let is_taken = ctx.egui_wants_keyboard_input() && !in_table || egui::Popup::is_any_open(ctx);
     let mut keys: Vec<(&CommandInfo, KeyboardShortcut)> = COMMANDS
         .iter()
         .flat_map(|info| info.keys.iter().map(move |&(modifiers, key)| (info, KeyboardShortcut::new(modifiers, key))))
         .filter(|(_, shortcut)| !is_taken || is_global(shortcut))
+        .filter(|(_, shortcut)| !(in_table && table::is_key(shortcut.modifiers, shortcut.logical_key)))
         .collect();
     // Most modifiers first: otherwise Ctrl+Shift+F10 would match Ctrl+F10.
     keys.sort_by_key(|(_, s)| {

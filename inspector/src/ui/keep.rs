@@ -22,6 +22,7 @@ impl Inspector {
         {
             self.shared.watches = watches;
         }
+        self.shared.units = saved.units;
         self.shared.recent = saved.recent().to_vec();
         self.shared.last_place = saved.link.as_ref().map(ToString::to_string);
         self.saved = saved;
@@ -31,6 +32,7 @@ impl Inspector {
     pub fn keep(&mut self) {
         self.saved.layout = serde_json::to_string(&self.tree).ok();
         self.saved.watches = serde_json::to_string(&self.shared.watches).ok();
+        self.saved.units = self.shared.units;
         if let Some(link) = self.link() {
             self.saved.link = Some(link);
         }

@@ -17,6 +17,7 @@ pub(super) mod ray;
 mod scroll;
 pub(super) mod stream;
 pub(super) mod structure;
+pub(super) mod table;
 pub(super) mod timeline;
 pub(super) mod timings;
 pub(super) mod walk2d;

@@ -4,6 +4,7 @@ use raystep_kernels::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::host::FileToSave;
+use super::units::Units;
 use crate::link::{Link, LinkStream};
 use crate::session::Watch;
 
@@ -95,8 +96,14 @@ pub struct Shared {
     pub visit: Option<String>,
     /// The place at which the inspector was closed, as a link.
     pub last_place: Option<String>,
+    /// The units of lengths and of t.
+    pub units: Units,
+    /// Whether stream views magnify the texels around the cursor.
+    pub is_magnified: bool,
     /// Messages, oldest first.
     pub log: Vec<LogLine>,
+    /// The number of messages that were dropped to make room.
+    pub dropped: u64,
 }
 
 impl Default for Shared {
@@ -120,7 +127,10 @@ impl Default for Shared {
             open: None,
             visit: None,
             last_place: None,
+            units: Units::default(),
+            is_magnified: false,
             log: Vec::new(),
+            dropped: 0,
         }
     }
 }
@@ -131,6 +141,7 @@ impl Shared {
         const MOST: usize = 1000;
         if self.log.len() == MOST {
             self.log.remove(0);
+            self.dropped += 1;
         }
         self.log.push(LogLine { is_error, text: text.into() });
     }

@@ -70,24 +70,6 @@ impl Histogram<'_> {
     }
 }
 
-/// A share as a bar with its percentage.
-pub(in crate::ui) fn share_bar(ui: &mut Ui, share: f64, color: Color32) {
-    let (rect, response) = ui.allocate_exact_size(vec2(64.0, 12.0), Sense::hover());
-    ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
-    let width = share.clamp(0.0, 1.0) as f32 * rect.width();
-    ui.painter().rect_filled(Rect::from_min_size(rect.min, vec2(width, rect.height())), 2.0, color);
-    let text = format!("{:.1}%", share * 100.0);
-    let ink = ui.visuals().strong_text_color();
-    ui.painter().text(
-        rect.right_center() - vec2(3.0, 0.0),
-        Align2::RIGHT_CENTER,
-        &text,
-        FontId::proportional(11.0),
-        ink,
-    );
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &text));
-}
-
 fn without_zeros(counts: &[u64]) -> &[u64] {
     let end = counts.iter().rposition(|&count| count > 0).map_or(0, |last| last + 1);
     &counts[..end]

@@ -1,8 +1,11 @@
 //! A stream after a pass: zoomable to single texels with their values; range, exposure, colours, component.
 
 mod look;
+mod magnifier;
 mod numbers;
+mod tile;
 mod tools;
+mod values;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
 use look::Look;
@@ -47,6 +50,7 @@ pub(in crate::ui) struct StreamView {
     asked: Option<(u64, usize, Stream, usize)>,
     /// A copy shown instead of the current stream.
     pinned: Option<Pinned>,
+    magnifier: magnifier::Magnifier,
 }
 
 impl Panel for StreamView {
@@ -103,12 +107,14 @@ impl Panel for StreamView {
         let texel_at = |at: Pos2| {
             let texel = (at - origin) / scale;
             let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < size[0] as f32 && texel.y < size[1] as f32;
-            (inside && can_select).then_some([texel.x as u32, texel.y as u32])
+            inside.then_some([texel.x as u32, texel.y as u32])
         };
-        if let Some(texel) = response.hover_pos().and_then(texel_at) {
-            cx.shared.hovered = Some(texel);
+        let under = response.hover_pos().and_then(texel_at);
+        if under.is_some() && can_select {
+            cx.shared.hovered = under;
         }
-        if let Some(texel) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(texel_at) {
+        let clicked = response.interact_pointer_pos().filter(|_| response.clicked() && can_select);
+        if let Some(texel) = clicked.and_then(texel_at) {
             cx.shared.select = Some(texel);
         }
         if response.double_clicked() {
@@ -127,6 +133,8 @@ impl Panel for StreamView {
             counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
             cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
         );
+        let value = under.map(|texel| self.magnify(ui, cx, stream, texel, &response, (scale, origin)));
+        let what = what + value.as_deref().unwrap_or_default();
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
     }
 

@@ -7,8 +7,8 @@ use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
-    assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, moved_range, nothing, pixel_moved, play,
-    range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, moved_range, nothing, over_a_texel,
+    pixel_moved, play, range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -205,6 +205,12 @@ pub(super) fn row(command: Command) -> Row {
         C::Fit => (zoomed, |s, _| {
             s.settle();
             s.get(Role::Button, "fit");
+        }),
+        C::Magnifier => (over_a_texel, |s, was| {
+            s.settle();
+            let bits = || s.painted().iter().filter(|text| text.starts_with("0x")).count();
+            assert_eq!(bits() > 0, was.number == 0.0);
+            s.perform(Command::Magnifier);
         }),
         C::Pin => (nothing, |s, was| {
             s.settle();

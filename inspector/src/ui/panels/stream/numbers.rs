@@ -5,9 +5,16 @@ use raystep_kernels::tables::stream::STATE_TAG;
 use raystep_kernels::{Program, Stream};
 
 use crate::ui::pane::Context;
+use crate::ui::style::SMALLEST;
 
-/// Points per texel at which values fit.
-const FROM: f32 = 46.0;
+/// Points per texel at which values may fit.
+const FROM: f32 = 40.0;
+/// The largest text.
+const LARGEST: f32 = 13.0;
+/// Width of a monospaced character, as part of the font's size.
+const ADVANCE: f32 = 0.62;
+/// Height of a line, as part of the font's size.
+const LINE: f32 = 1.1;
 
 /// Draws the values of visible texels.
 pub(super) fn draw(
@@ -30,30 +37,36 @@ pub(super) fn draw(
     let columns = first.x.max(0.0) as u32..(last.x.max(0.0).ceil() as u32).min(width);
     let rows = first.y.max(0.0) as u32..(last.y.max(0.0).ceil() as u32).min(height);
     let layers = stream.layers();
-    let size = (scale / (layers as f32 + 1.0)).min(scale / 7.0).clamp(6.0, 13.0);
+    let text_of = |x: u32, y: u32, layer: usize| {
+        let at = y as usize * width as usize + x as usize;
+        let bits = texels.layer(layer).get(at).copied();
+        bits.map_or_else(String::new, |bits| text(opened.plan.program, stream, layer, bits))
+    };
+    let all = rows.clone().flat_map(|y| columns.clone().map(move |x| [x, y]));
+    let texts: Vec<([u32; 2], Vec<String>)> =
+        all.map(|[x, y]| ([x, y], (0..layers).map(|layer| text_of(x, y, layer)).collect())).collect();
+    let longest = texts.iter().flat_map(|(_, texts)| texts).map(|text| text.chars().count()).max().unwrap_or(0);
+    let Some(size) = size(scale, layers, longest) else { return };
     let painter = ui.painter().with_clip_rect(rect);
-    for y in rows {
-        for x in columns.clone() {
-            let middle = origin + vec2(x as f32 + 0.5, y as f32 + 0.5) * scale;
-            for layer in 0..layers {
-                let bits = texels.layer(layer)[(y * width + x) as usize];
-                let text = text(opened.plan.program, stream, layer, bits);
-                let down = (layer as f32 - 0.5 * (layers as f32 - 1.0)) * size * 1.1;
-                let at = middle + vec2(0.0, down);
-                let font = FontId::monospace(size);
-                for (dx, dy) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
-                    painter.text(
-                        at + vec2(dx, dy),
-                        Align2::CENTER_CENTER,
-                        &text,
-                        font.clone(),
-                        Color32::from_black_alpha(150),
-                    );
-                }
-                painter.text(at, Align2::CENTER_CENTER, &text, font, Color32::WHITE);
+    for ([x, y], texts) in &texts {
+        let middle = origin + vec2(*x as f32 + 0.5, *y as f32 + 0.5) * scale;
+        for (layer, text) in texts.iter().enumerate() {
+            let down = (layer as f32 - 0.5 * (layers as f32 - 1.0)) * size * LINE;
+            let at = middle + vec2(0.0, down);
+            let font = FontId::monospace(size);
+            for (dx, dy) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
+                let shadow = Color32::from_black_alpha(150);
+                painter.text(at + vec2(dx, dy), Align2::CENTER_CENTER, text, font.clone(), shadow);
             }
+            painter.text(at, Align2::CENTER_CENTER, text, font, Color32::WHITE);
         }
     }
+}
+
+/// The size of text that fits in texels of this many points; `None` if it would be too small to read.
+fn size(scale: f32, layers: usize, longest: usize) -> Option<f32> {
+    let (high, wide) = (0.96 * scale / (LINE * layers.max(1) as f32), 0.96 * scale / (ADVANCE * longest.max(1) as f32));
+    Some(high.min(wide).min(LARGEST)).filter(|&size| size >= SMALLEST)
 }
 
 /// A component in readable form.
@@ -67,4 +80,26 @@ fn text(program: &Program, stream: Stream, layer: usize, bits: u32) -> String {
         return if is_never { "never".into() } else { format!("{value:.4}") };
     }
     if bits == u32::MAX { "–".into() } else { bits.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_in_texels_fits_or_is_not_there() {
+        for layers in 1..8 {
+            for longest in 1..14 {
+                for scale in (10..257).map(|scale| scale as f32) {
+                    let Some(size) = size(scale, layers, longest) else { continue };
+                    assert!((SMALLEST..=LARGEST).contains(&size), "{scale} {layers} {longest}: {size}");
+                    assert!(size * LINE * layers as f32 <= scale && size * ADVANCE * longest as f32 <= scale);
+                }
+            }
+        }
+        assert_eq!(
+            (size(46.0, 4, 7), size(52.0, 4, 7), size(256.0, 1, 3)),
+            (None, Some(0.96 * 52.0 / 4.4), Some(13.0))
+        );
+    }
 }
