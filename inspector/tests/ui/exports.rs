@@ -1,11 +1,15 @@
 //! Exports: everything is exported unless less was chosen, and the outcome is always shown.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use egui::{Key, Modifiers, Role};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::{AdapterChoice, Gpu};
 
+use crate::ui::adapter::block_on;
 use crate::ui::desk::{CORNELL, Dialogs, NO_DIALOG, TRIANGLE};
 use crate::ui::stage::{Plan, Stage};
 
@@ -71,11 +75,18 @@ fn the_rays_rows_are_counted_and_predicted_ones_are_said() {
     assert_eq!(rows(&stage), [all, here]);
 }
 
-/// llvmpipe's timestamps tick, and are no times; here no adapter's agree with a clock that only counts.
+/// A clock with which no adapter's timestamps agree.
+fn counting() -> u64 {
+    static CALLS: AtomicU64 = AtomicU64::new(0);
+    CALLS.fetch_add(1, Ordering::Relaxed)
+}
+
 #[test]
 fn an_adapter_without_valid_times_has_none_in_any_panel_or_file() {
     let settings = Settings { size: [32, 32], device: DeviceKind::Gpu, ..Settings::default() };
-    let mut stage = Stage::new(Plan { size: [900.0, 700.0], ..Plan::default() });
+    let gpu = pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter");
+    block_on(&gpu, gpu.check_clock(counting)).expect("a device");
+    let mut stage = Stage::new(Plan { size: [900.0, 700.0], gpu, ..Plan::default() });
     stage.open(CORNELL, settings, Arrival::picture());
     let model = stage.inspector().model();
     let why = model.opened.as_ref().and_then(|opened| opened.why_no_times.clone()).expect("a reason");

@@ -167,5 +167,5 @@ fn source(ui: &mut Ui, model: &Model) {
 }
 
 fn changed_color(ui: &Ui) -> Color32 {
-    if ui.visuals().dark_mode { Color32::from_rgb(255, 190, 90) } else { Color32::from_rgb(180, 80, 0) }
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 190, 90) } else { Color32::from_rgb(130, 50, 0) }
 }

@@ -12,7 +12,7 @@ mod tools;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use egui::{Align, Rect, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
+use egui::{Align, Id, Rect, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
 
 use super::scroll::Scroll;
 pub(in crate::ui) use keys::{is_focused, is_key};
@@ -62,6 +62,8 @@ pub(super) struct Table {
     layout: Option<Layout>,
     tops: Vec<f32>,
     scroll: Scroll,
+    /// Where it is on the screen: in another place or size, the current row may be out of view.
+    seen: Option<(Id, [u32; 2])>,
     /// The current row, and the row that was chosen by a key since: keys may come faster than rows change.
     moved: Option<(Option<usize>, usize)>,
 }
@@ -81,6 +83,10 @@ impl Table {
         self.update(ui, view);
         let id = ui.scope_id().with(view.name);
         let area = ui.available_rect_before_wrap();
+        let seen = Some((id, [area.width(), area.height()].map(|side| side as u32)));
+        if std::mem::replace(&mut self.seen, seen) != seen {
+            self.scroll = Scroll::default();
+        }
         let focus = keys::area(ui, id, area, &self.sentence(view));
         let mut chosen = None;
         let area_of_rows = ScrollArea::both().id_salt(view.name).auto_shrink(false).animated(false);
