@@ -74,7 +74,7 @@ impl Inspector {
         Some(export.map(|export| match predicted {
             0 => export,
             _ => {
-                let holds = format!("{}, {predicted} of them predicted: their passes have not run,", export.holds);
+                let holds = format!("{} ({predicted} of them predicted)", export.holds);
                 Export { holds, ..export }
             }
         }))

@@ -64,7 +64,7 @@ fn the_rays_rows_are_counted_and_predicted_ones_are_said() {
     let all = life.rows.len();
     assert!(0 < here && here < all);
     stage.perform(Command::ExportRay);
-    says(&stage, &format!("{all} rows, {} of them predicted: their passes have not run, written to", all - here));
+    says(&stage, &format!("{all} rows ({} of them predicted) written to", all - here));
     stage.perform(Command::Export);
     stage.frames(2);
     stage.click(Role::RadioButton, "up to here: 12 passes");

@@ -164,7 +164,8 @@ fn units_are_the_same_in_head_and_rows() {
         stage.settle();
         let digits = |decimals: usize| format!("{:.decimals$}", t * scale);
         let begins = digits(3);
-        let head = stage.painted().iter().any(|text| text.contains(&format!("at t {begins}")[..9]));
+        let wanted = format!("at t {}", &begins[..4]);
+        let head = stage.painted().iter().any(|text| text.starts_with("hits triangle") && text.contains(&wanted));
         let row = rows(&stage).iter().any(|row| row.contains(&begins[..4]));
         assert!(head && row, "{unit}: {begins}: {:?}", rows(&stage));
     }

@@ -19,8 +19,8 @@ use crate::ui::units::{self, Scale};
 #[derive(Default)]
 pub(in crate::ui) struct RayView {
     table: Table,
-    /// The decimals that its t need, and for which history.
-    decimals: Option<(usize, Scale, usize)>,
+    /// The decimals of tmax.x, tmax.y, tmax.z and t, and for which history.
+    decimals: Option<(usize, Scale, [usize; 4])>,
 }
 
 impl Panel for RayView {
@@ -78,17 +78,22 @@ impl Panel for RayView {
 }
 
 impl RayView {
-    fn decimals(&mut self, life: &Arc<Trace>, scale: Scale) -> usize {
+    fn decimals(&mut self, life: &Arc<Trace>, scale: Scale) -> [usize; 4] {
         let of = Arc::as_ptr(life) as usize;
         if let Some((known, in_scale, decimals)) = self.decimals
             && (known, in_scale) == (of, scale)
         {
             return decimals;
         }
-        let after = life.rows.iter().map(|row| &row.after);
-        let numbers = after.flat_map(|after| after.tmax.into_iter().chain([after.t]).flatten());
+        let mut largest = [0.0; 4];
+        for after in life.rows.iter().map(|row| &row.after) {
+            let [x, y, z] = after.tmax;
+            for (largest, t) in largest.iter_mut().zip([x, y, z, after.t]) {
+                *largest = t.map_or(*largest, |t| scale.t(t).abs().max(*largest));
+            }
+        }
         // One digit less than elsewhere: ten columns have to fit.
-        let decimals = units::decimals(numbers.map(|t| scale.t(t).abs()).fold(0.0, f64::max)).saturating_sub(1);
+        let decimals = largest.map(|largest| units::decimals(largest).saturating_sub(1));
         self.decimals = Some((of, scale, decimals));
         decimals
     }

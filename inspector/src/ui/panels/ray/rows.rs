@@ -49,8 +49,8 @@ pub(super) struct History<'a> {
     pub(super) data: Option<&'a SceneData>,
     pub(super) states: States,
     pub(super) scale: Scale,
-    /// Decimals of t; all digits are in the tooltips.
-    pub(super) decimals: usize,
+    /// Decimals of tmax.x, tmax.y, tmax.z and t; all digits are in the tooltips.
+    pub(super) decimals: [usize; 4],
     pub(super) current: Option<usize>,
 }
 
@@ -63,8 +63,9 @@ impl History<'_> {
         self.data.is_some_and(|data| data.features.grid)
     }
 
-    fn t(&self, t: Option<f32>) -> String {
-        t.map_or_else(|| "–".into(), |t| format!("{:.*}", self.decimals, self.scale.t(t)))
+    fn t(&self, t: Option<f32>, column: usize) -> String {
+        let decimals = self.decimals.get(column - TMAX).copied().unwrap_or_default();
+        t.map_or_else(|| "–".into(), |t| format!("{:.decimals$}", self.scale.t(t)))
     }
 
     fn exact(&self, t: Option<f32>) -> String {
@@ -96,8 +97,8 @@ impl History<'_> {
             STATE => after.state.into(),
             WHY => self.why(row),
             CELL => self.cell(row).unwrap_or_else(|| "–".into()),
-            TMAX..T => self.t(after.tmax[column - TMAX]),
-            T => self.t(after.t),
+            TMAX..T => self.t(after.tmax[column - TMAX], column),
+            T => self.t(after.t, column),
             HIT => after.triangle.map_or_else(|| "–".into(), |triangle| triangle.to_string()),
             _ => after.item.to_string(),
         }
@@ -214,7 +215,7 @@ mod tests {
         std::mem::forget(task);
         let scale = Scale::of(units, &life);
         let (data, current) = (Some(&data), Some(life.rows.len()));
-        look(&History { life: &life, model: &model, data, states: STATES, scale, decimals: 5, current });
+        look(&History { life: &life, model: &model, data, states: STATES, scale, decimals: [5; 4], current });
     }
 
     #[test]
