@@ -114,9 +114,7 @@ impl Panel for StreamView {
             cx.shared.hovered = under;
         }
         let clicked = response.interact_pointer_pos().filter(|_| response.clicked() && can_select);
-        if let Some(texel) = clicked.and_then(texel_at) {
-            cx.shared.select = Some(texel);
-        }
+        cx.shared.select = clicked.and_then(texel_at).or(cx.shared.select);
         if response.double_clicked() {
             self.look.scale = None;
         }

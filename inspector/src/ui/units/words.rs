@@ -34,7 +34,7 @@ pub(in crate::ui) fn in_units(why: &str, scale: &Scale) -> String {
 mod tests {
     use raystep_kernels::export::trace::RunSoFar;
     use raystep_kernels::plan::Plan;
-    use raystep_kernels::{Accelerator, Limits, Numerics, Options, RaySource};
+    use raystep_kernels::{Accelerator, Limits, Numerics, Options, RaySource, ScheduleKind};
     use raystep_scenes::generate;
 
     use super::*;
@@ -72,7 +72,8 @@ mod tests {
         ] {
             let camera = scene.cameras[0].clone();
             let source = RaySource::Camera { camera, width: 16, height: 16 };
-            let options = Options { accelerator, numerics, ..Options::new(source) };
+            let schedule = ScheduleKind::Second;
+            let options = Options { accelerator, numerics, schedule, ..Options::new(source) };
             let (plan, data) = Plan::new(&scene, &options, &Limits::CPU).expect("a small scene");
             let run = RunSoFar { plan: &plan, data: &data, passes: &[], is_complete: false };
             for i in 0..256 {

@@ -117,8 +117,8 @@ mod tests {
         assert_eq!(value(RAY_ORIGIN, 0, t), ("x", "0.75".into(), scene_units(0.75 * by)));
         assert_eq!(value(RAY_DIRECTION, 0, f32::NEG_INFINITY.to_bits()), ("x", "−Inf".into(), String::new()));
         assert_eq!(value(HIT, HIT_TRIANGLE, u32::MAX), ("triangle", "none".into(), String::new()));
-        let tag = plan.program.states.iter().position(|state| state.name == "trav").expect("a state");
-        assert_eq!(value(STATE, STATE_TAG, tag as u32), ("tag", "trav".into(), format!("tag {tag}")));
+        let tag = plan.program.states.iter().position(|state| state.name == "TRAV").expect("a state");
+        assert_eq!(value(STATE, STATE_TAG, tag as u32), ("tag", "TRAV".into(), format!("tag {tag}")));
         let index = data.grid.cell_index([1, 0, 1]);
         assert_eq!(value(STATE, STATE_CELL, index).2, "cell 1,0,1");
         assert_eq!(value(STATE, STATE_CELL, u32::MAX).2, "");

@@ -154,12 +154,14 @@ mod tests {
 
     #[test]
     fn columns_fit_their_widest_text_and_only_new_rows_are_measured() {
-        egui::__run_test_ui(|ui| {
+        // The usual test context has no fonts.
+        let output = egui::Context::default().run_ui(egui::RawInput::default(), |ui| {
             let mut widths = Widths::default();
             let long = "a".repeat(40);
             let few = listed(&[("1", "short", "b"), ("123456789", "short", "c")]);
             widths.update(ui, &HEADS, &few, 1);
             let number = ui.fonts_mut(|fonts| fonts.glyph_width(&font(ui, Kind::Number), '1')) * 9.0;
+            assert!(number > 40.0);
             assert!((widths.columns[0] - number).abs() <= 1.0, "{} for {number}", widths.columns[0]);
             let (before, edition) = (widths.columns[2], widths.edition);
             widths.update(ui, &HEADS, &few, 1);
@@ -171,6 +173,7 @@ mod tests {
             assert!(widths.columns[2] == before && widths.prose.len() == 2, "another version is measured anew");
             assert!(widths.grow(2, before + 5.0) && !widths.grow(2, before + 5.0));
         });
+        output.drop_without_applying_deltas();
     }
 
     #[test]
