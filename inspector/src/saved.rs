@@ -5,6 +5,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::link::Link;
+use crate::ui::units::Units;
 
 /// Version of the file; incremented when the meaning of something in it changes.
 pub const VERSION: u32 = 1;
@@ -58,6 +59,8 @@ pub struct Saved {
     pub toolbar_words: bool,
     /// What a new user has done.
     pub first_steps: FirstSteps,
+    /// The units of lengths and of t.
+    pub units: Units,
     /// Recent files, the latest first.
     recent: Vec<String>,
 }
@@ -101,6 +104,7 @@ impl Default for Saved {
             text_size: 1.0,
             toolbar_words: true,
             first_steps: FirstSteps::default(),
+            units: Units::default(),
             recent: Vec::new(),
         }
     }
@@ -208,6 +212,7 @@ mod tests {
             text_size: 1.25,
             toolbar_words: false,
             first_steps: FirstSteps { has_clicked: true, ..FirstSteps::default() },
+            units: Units::Scene,
             ..Saved::default()
         };
         saved.opened("a b.glb");

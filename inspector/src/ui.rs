@@ -5,6 +5,7 @@ mod bookmarks;
 pub mod canvas;
 pub mod command;
 mod dialogs;
+mod export_dialog;
 mod first_steps;
 mod focus;
 pub mod host;
@@ -33,6 +34,7 @@ mod text_size;
 mod thumbs;
 mod toast;
 mod toolbar;
+pub mod units;
 
 use std::collections::VecDeque;
 use std::sync::Arc;

@@ -278,7 +278,7 @@ fn path_of(row: &TraceRow) -> Path {
 }
 
 /// Whether the ray is active in a cell or at a node.
-fn is_walking(ray: &RayState) -> bool {
+pub(crate) fn is_walking(ray: &RayState) -> bool {
     matches!(ray.tag, states::TRAV | states::ISECT_HIT | states::ISECT_NO_HIT)
 }
 

@@ -19,6 +19,7 @@ mod session;
 mod session_file;
 mod snapshots;
 mod stage;
+mod tables;
 mod timeline;
 mod views;
 mod walks;

@@ -165,6 +165,15 @@ impl Texels {
         let texels = width as usize * height as usize;
         self.bits.get(layer * texels..(layer + 1) * texels).unwrap_or_default()
     }
+
+    /// All components of a texel of the stream; `None` outside of the region.
+    #[must_use]
+    pub fn texel(&self, [x, y]: [u32; 2]) -> Option<Vec<u32>> {
+        let [left, top, width, height] = self.region;
+        let (column, row) = (x.checked_sub(left)?, y.checked_sub(top)?);
+        let at = (column < width && row < height).then(|| row as usize * width as usize + column as usize)?;
+        (0..self.stream.layers()).map(|layer| self.layer(layer).get(at).copied()).collect()
+    }
 }
 
 /// A picture at a lower resolution than the run's.

@@ -121,6 +121,8 @@ pub enum Command {
     SecondWalk,
     /// Shows a copy of the current stream in a new tab.
     Pin,
+    /// Toggles the magnifier of stream views.
+    Magnifier,
     /// Switches between light and dark theme.
     Theme,
     /// The default layout of three panels.
@@ -314,6 +316,7 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::FrameWalk, "Frame walk in 3D";
         C::SecondWalk, "Unfold grid and BVH walks together";
         C::Pin, "Pin this stream", NONE P;
+        C::Magnifier, "Magnifier", NONE M;
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";
         C::FullLayout, "Full layout", CTRL L;

@@ -6,7 +6,7 @@ use raystep_lab::text::counted;
 
 use super::Inspector;
 use super::asked_path::AskedPath;
-use super::command::{COMMANDS, Command, Menu};
+use super::command::{COMMANDS, Menu};
 use super::palette::Palette;
 
 /// A dialog.
@@ -23,23 +23,11 @@ pub(super) enum Dialog {
     Link(String),
     /// An edit of the selected ray: stream, layer, and the text of the value.
     Edit(Stream, usize, String),
-    /// Exports, and whether to include passes only up to the current place.
+    /// Exports, and whether to include passes and rows only up to the current place.
     Export(bool),
     /// A path, if there is no file dialog.
     Path(AskedPath),
 }
-
-/// The commands of the export dialog.
-const EXPORTS: [Command; 8] = [
-    Command::ExportPasses,
-    Command::ExportTrace,
-    Command::ExportExr,
-    Command::ExportNpy,
-    Command::ExportRay,
-    Command::ExportView,
-    Command::ExportWalk,
-    Command::ExportDataflow,
-];
 
 impl Inspector {
     pub(super) fn show_dialog(&mut self, ctx: &egui::Context) {
@@ -80,16 +68,10 @@ impl Inspector {
                 }
             }
             Dialog::Export(is_up_to_here) => {
-                ui.heading("Export");
-                for command in EXPORTS {
-                    if ui.add_enabled(self.can(command), egui::Button::new(command.name())).clicked() {
-                        self.shared.is_up_to_here = *is_up_to_here;
-                        self.perform(command);
-                        stays = false;
-                    }
-                    if command == Command::ExportTrace {
-                        ui.indent("passes", |ui| ui.checkbox(is_up_to_here, self.which_passes()));
-                    }
+                if let Some(command) = self.choose_export(ui, is_up_to_here) {
+                    self.shared.is_up_to_here = *is_up_to_here;
+                    self.perform(command);
+                    stays = false;
                 }
             }
             Dialog::Path(asked) => {
@@ -108,16 +90,6 @@ impl Inspector {
 }
 
 impl Inspector {
-    /// The label of the choice of passes.
-    fn which_passes(&self) -> String {
-        let (place, known) = (self.model.place, self.model.passes.len());
-        if self.model.is_complete {
-            format!("only up to here: {place} of {known} passes")
-        } else {
-            format!("only up to here: {}; otherwise the run is completed first", counted(place, "pass"))
-        }
-    }
-
     fn choose_component(&self, ui: &mut egui::Ui, stream: &mut Stream, layer: &mut usize) {
         let Some(opened) = &self.model.opened else { return };
         ui.horizontal_wrapped(|ui| {

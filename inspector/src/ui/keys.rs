@@ -3,6 +3,7 @@
 use egui::{Key, KeyboardShortcut};
 
 use super::command::{COMMANDS, Command, CommandInfo};
+use super::panels::table;
 
 /// Which keys the item with keyboard focus keeps for itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,7 +20,13 @@ pub(super) enum Holds {
 /// The commands whose keys were pressed. Open text fields, menus and lists keep their own keys; `had_focus`: something
 /// that Escape leaves had keyboard focus at the end of the last frame.
 pub(super) fn pressed(ctx: &egui::Context, holds: Holds, had_focus: bool) -> Vec<Command> {
-    let holds = if egui::Popup::is_any_open(ctx) { Holds::Text } else { holds };
+    // A table with the focus only takes the keys that choose its rows.
+    let in_table = table::is_focused(ctx);
+    let holds = match holds {
+        _ if egui::Popup::is_any_open(ctx) => Holds::Text,
+        _ if in_table => Holds::Nothing,
+        holds => holds,
+    };
     let mut keys: Vec<(&CommandInfo, KeyboardShortcut)> = COMMANDS
         .iter()
         .flat_map(|info| info.keys.iter().map(move |&(modifiers, key)| (info, KeyboardShortcut::new(modifiers, key))))
@@ -28,6 +35,7 @@ pub(super) fn pressed(ctx: &egui::Context, holds: Holds, had_focus: bool) -> Vec
             Holds::Buttons => !is_of_buttons(shortcut),
             Holds::Text => is_global(shortcut),
         })
+        .filter(|(_, shortcut)| !(in_table && table::is_key(shortcut.modifiers, shortcut.logical_key)))
         .collect();
     // Most modifiers first: otherwise Ctrl+Shift+F10 would match Ctrl+F10.
     keys.sort_by_key(|(_, s)| {

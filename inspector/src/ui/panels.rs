@@ -20,6 +20,7 @@ pub(super) mod runs;
 mod scroll;
 pub(super) mod stream;
 pub(super) mod structure;
+pub(super) mod table;
 pub(super) mod timeline;
 pub(super) mod timings;
 pub(super) mod walk2d;

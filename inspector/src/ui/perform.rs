@@ -176,6 +176,7 @@ impl Inspector {
             C::SimpleLayout => self.tree = Layout::Simple.tree(),
             C::FullLayout => self.tree = Layout::Full.tree(),
             C::Show(kind) => layout::toggle(&mut self.tree, kind),
+            C::Magnifier => self.shared.is_magnified = !self.shared.is_magnified,
             C::Palette => self.dialog = Some(Dialog::Palette(Palette::default())),
             C::Help => self.dialog = Some(Dialog::Help),
             C::Export => self.dialog = Some(Dialog::Export(false)),

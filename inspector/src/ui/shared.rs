@@ -11,6 +11,7 @@ use super::mask::Mask;
 use super::runs::KeptRuns;
 use super::scrub::Scrub;
 use super::thumbs::Thumbs;
+use super::units::Units;
 use crate::link::{Link, LinkStream};
 use crate::session::Watch;
 
@@ -126,8 +127,14 @@ pub struct Shared {
     pub clock: Option<fn() -> u64>,
     /// The clock at the start.
     pub began_ns: u64,
+    /// The units of lengths and of t.
+    pub units: Units,
+    /// Whether stream views magnify the texels around the cursor.
+    pub is_magnified: bool,
     /// Messages, oldest first.
     pub log: Vec<LogLine>,
+    /// The number of messages that were dropped to make room.
+    pub dropped: u64,
 }
 
 impl Default for Shared {
@@ -161,7 +168,10 @@ impl Default for Shared {
             place: 0,
             clock: None,
             began_ns: 0,
+            units: Units::default(),
+            is_magnified: false,
             log: Vec::new(),
+            dropped: 0,
         }
     }
 }
@@ -172,6 +182,7 @@ impl Shared {
         const MOST: usize = 1000;
         if self.log.len() == MOST {
             self.log.remove(0);
+            self.dropped += 1;
         }
         let at_ns = self.clock.map(|now| now().saturating_sub(self.began_ns));
         self.log.push(LogLine { is_error, text: text.into(), at_ns, place: self.place });

@@ -4,6 +4,7 @@ use std::any::Any;
 use std::ops::ControlFlow;
 
 use raystep_kernels::export::csv::{RunContext, Timer};
+use raystep_kernels::export::trace::{Trace, TraceRow};
 use raystep_kernels::{Pass, Progress, Stream};
 
 use super::Inspector;
@@ -30,7 +31,7 @@ impl Inspector {
         let export = match command {
             Command::ExportPasses => self.take_passes(|run, passes| exports::passes_csv(run, passes, &[])),
             Command::ExportTrace => self.take_passes(exports::passes_trace),
-            Command::ExportRay => self.model.life.as_ref().map(|life| exports::life_csv(life)),
+            Command::ExportRay => self.take_ray(),
             Command::ExportExr | Command::ExportNpy => {
                 let Some(stream) = self.shared.stream else { return };
                 let write = if command == Command::ExportExr { exports::stream_exr } else { exports::stream_npy };
@@ -59,6 +60,24 @@ impl Inspector {
         }
         self.model.ask(Request::Job(EXPORTING, run_and_write(run, write)));
         None
+    }
+
+    /// All rows of the selected ray, or those up to here if that was chosen. Says how many are predicted.
+    fn take_ray(&mut self) -> Option<Result<Export, ExportError>> {
+        let is_up_to_here = std::mem::take(&mut self.shared.is_up_to_here);
+        let model = &self.model;
+        let life = model.life.as_ref()?;
+        let is_wanted = |row: &&TraceRow| !is_up_to_here || row.is_within(model.place);
+        let rows: Vec<TraceRow> = life.rows.iter().filter(is_wanted).cloned().collect();
+        let predicted = rows.iter().filter(|row| model.is_predicted(row)).count();
+        let export = exports::life_csv(&Trace { rows, ..Trace::clone(life) });
+        Some(export.map(|export| match predicted {
+            0 => export,
+            _ => {
+                let holds = format!("{} ({predicted} of them predicted)", export.holds);
+                Export { holds, ..export }
+            }
+        }))
     }
 
     /// The columns that all rows of this run share.

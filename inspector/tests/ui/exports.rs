@@ -1,10 +1,15 @@
 //! Exports: everything is exported unless less was chosen, and the outcome is always shown.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use egui::{Key, Modifiers, Role};
 use raystep_inspector::settings::{DeviceKind, Settings};
 use raystep_inspector::ui::Arrival;
 use raystep_inspector::ui::command::Command;
+use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::{AdapterChoice, Gpu};
 
+use crate::ui::adapter::block_on;
 use crate::ui::desk::{CORNELL, Dialogs, NO_DIALOG, TRIANGLE};
 use crate::ui::stage::{Plan, Stage};
 
@@ -37,9 +42,10 @@ fn passes_end_here_only_where_that_is_chosen() {
     let mut stage = stage();
     stage.perform(Command::Export);
     stage.frames(2);
-    let choice = "only up to here: 12 passes; otherwise the run is completed first";
-    stage.click(Role::CheckBox, choice);
+    assert!(stage.reads("the whole run; its remaining passes run first") && stage.reads("Passes: a row per pass"));
+    stage.click(Role::RadioButton, "up to here: 12 passes");
     stage.frame();
+    assert!(stage.reads("Passes: 12 rows"), "{}", stage.read_out());
     stage.click(Role::Button, Command::ExportPasses.name());
     stage.settle();
     says(&stage, "12 rows written to cornell-box.passes.csv");
@@ -48,6 +54,72 @@ fn passes_end_here_only_where_that_is_chosen() {
     stage.perform(Command::End);
     assert_eq!(rows(&stage), [PLACE, stage.place()]);
     assert!(stage.place() > PLACE + 20);
+}
+
+#[test]
+fn the_rays_rows_are_counted_and_predicted_ones_are_said() {
+    let mut stage = stage();
+    let life = stage.inspector().model().life.clone().expect("a history");
+    let here = life.rows.iter().filter(|row| row.is_within(PLACE)).count();
+    let all = life.rows.len();
+    assert!(0 < here && here < all);
+    stage.perform(Command::ExportRay);
+    says(&stage, &format!("{all} rows ({} of them predicted) written to", all - here));
+    stage.perform(Command::Export);
+    stage.frames(2);
+    stage.click(Role::RadioButton, "up to here: 12 passes");
+    stage.frame();
+    assert!(stage.reads(&format!(": {here} rows")), "{}", stage.read_out());
+    stage.click(Role::Button, Command::ExportRay.name());
+    stage.settle();
+    assert_eq!(rows(&stage), [all, here]);
+}
+
+/// A clock with which no adapter's timestamps agree.
+fn counting() -> u64 {
+    static CALLS: AtomicU64 = AtomicU64::new(0);
+    CALLS.fetch_add(1, Ordering::Relaxed)
+}
+
+#[test]
+fn an_adapter_without_valid_times_has_none_in_any_panel_or_file() {
+    let settings = Settings { size: [32, 32], device: DeviceKind::Gpu, ..Settings::default() };
+    let gpu = pollster::block_on(Gpu::new(&AdapterChoice::Best)).expect("an adapter");
+    block_on(&gpu, gpu.check_clock(counting)).expect("a device");
+    let mut stage = Stage::new(Plan { size: [900.0, 700.0], gpu, ..Plan::default() });
+    stage.open(CORNELL, settings, Arrival::picture());
+    let model = stage.inspector().model();
+    let why = model.opened.as_ref().and_then(|opened| opened.why_no_times.clone()).expect("a reason");
+    assert!(model.passes.iter().all(|pass| pass.duration_ns.is_none() && pass.begin_ns.is_none()));
+    for kind in [PaneKind::Passes, PaneKind::Stream, PaneKind::Ray] {
+        stage.perform(Command::Show(kind));
+    }
+    let is_time = |text: &String| {
+        let units = ["µs", "ms", "s"].map(|unit| format!(" {unit}"));
+        let has_number = |before: &str| before.ends_with(|c: char| c.is_ascii_digit());
+        units.iter().any(|unit| text.strip_suffix(unit.as_str()).is_some_and(has_number))
+    };
+    use PaneKind as P;
+    for kind in [P::Passes, P::Timings, P::Timeline, P::Error, P::Cost, P::Plan, P::Dataflow] {
+        stage.perform(Command::Show(kind));
+        // The host's time is said to be the host's.
+        let painted: Vec<String> = stage.painted().into_iter().filter(|text| is_time(text)).collect();
+        assert_eq!(painted, Vec::<String>::new(), "{kind:?}");
+        if kind == P::Timings {
+            says(&stage, &why);
+            says(&stage, "by the host's clock");
+        }
+        stage.perform(Command::Show(kind));
+    }
+    stage.perform(Command::ExportPasses);
+    let desk = stage.desk.lock().expect("not poisoned");
+    let mut csv = csv::Reader::from_reader(desk.saved[0].bytes.as_slice());
+    let heads = csv.headers().expect("heads").clone();
+    let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
+    let (duration, begin, valid) = (column("gpu_duration_ns"), column("gpu_begin_ns"), column("valid"));
+    let rows: Vec<csv::StringRecord> = csv.records().map(|row| row.expect("a row")).collect();
+    assert!(rows.len() > 30);
+    assert!(rows.iter().all(|row| (&row[duration], &row[begin], &row[valid]) == ("", "", "false")), "{:?}", rows[3]);
 }
 
 #[test]

@@ -159,7 +159,8 @@ impl Row<'_> {
         Ok(vec![kind])
     }
 
-    /// `36 cells around: leaps -16, -18, -37 cells, leaving the empty ones through -z at t 1.5, to `
+    /// `36 cells around: leaps over 70 empty cells (x -16, y -18, z -37), leaving the empty ones through -z at t 1.5,
+    /// to `
     fn leapt(&self, words: &mut Scan<'_>, far: i32) -> Result<(Kind, bool), String> {
         let data = self.data;
         same("empty cells around", words.number::<i32>()?, far - 1)?;
@@ -168,12 +169,19 @@ impl Row<'_> {
         let is_out = words.is("out of the grid, ");
         let moved = [0, 1, 2].map(|a| to[a] - from[a]);
         if !is_out {
-            let x = words.number()?;
-            words.literal(", ")?;
-            let y = words.number()?;
-            words.literal(", ")?;
-            same("the leap", [x, y, words.number()?], moved)?;
-            words.literal(" cells, ")?;
+            words.literal("over ")?;
+            let passed = words.number::<i32>()?;
+            same("the cells between", passed, moved.iter().map(|n| n.abs()).sum::<i32>() - 1)?;
+            words.literal(if passed == 1 { " empty cell (" } else { " empty cells (" })?;
+            let mut comma = "";
+            for axis in (0..3).filter(|&axis| moved[axis] != 0) {
+                words.literal(comma)?;
+                same("the axis", words.axis()?, axis)?;
+                words.literal(if moved[axis] > 0 { " +" } else { " " })?;
+                same("the leap", words.number::<i32>()?, moved[axis])?;
+                comma = ", ";
+            }
+            words.literal("), ")?;
         }
         words.literal("leaving the empty ones through ")?;
         let (sign, axis) = words.way()?;

@@ -5,8 +5,6 @@ use raystep_kernels::Kernel;
 
 /// Points below the bars, for labels.
 const FOOT: f32 = 14.0;
-/// Points for a percentage beside its bar.
-const SHARE: f32 = 44.0;
 /// Points that a number below a bar needs.
 const LABEL: f32 = 34.0;
 
@@ -70,19 +68,6 @@ impl Histogram<'_> {
             None => response,
         }
     }
-}
-
-/// A share as a bar with its percentage.
-pub(in crate::ui) fn share_bar(ui: &mut Ui, share: f64, color: Color32) {
-    let (room, response) = ui.allocate_exact_size(vec2(64.0 + SHARE, 14.0), Sense::hover());
-    let rect = Rect::from_min_max(room.min + vec2(0.0, 1.0), room.max - vec2(SHARE, 1.0));
-    ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
-    let width = share.clamp(0.0, 1.0) as f32 * rect.width();
-    ui.painter().rect_filled(Rect::from_min_size(rect.min, vec2(width, rect.height())), 2.0, color);
-    let text = format!("{:.1}%", share * 100.0);
-    let ink = ui.visuals().strong_text_color();
-    ui.painter().text(room.right_center(), Align2::RIGHT_CENTER, &text, FontId::proportional(11.0), ink);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &text));
 }
 
 fn without_zeros(counts: &[u64]) -> &[u64] {

@@ -1,17 +1,21 @@
 //! The list of passes: kernel, duration, rays. A click goes there.
 
-use egui_extras::{Column, TableBuilder};
+use egui::Ui;
 use raystep_kernels::Pass;
 
-use super::scroll::Scroll;
+use super::table::{Head, Look, Rows, Table, View, version};
 use crate::ui::pane::{Context, Panel};
+use crate::ui::shared::Bookmark;
+use crate::ui::units::TimeUnit;
 
 /// The list of passes.
 #[derive(Default)]
 pub(in crate::ui) struct Passes {
-    scroll: Scroll,
+    table: Table,
     /// Show only the passes that processed the selected ray.
     only_ray: bool,
+    /// The longest duration: of which passes, and how many of them were looked at.
+    longest: Option<(u64, usize, u64)>,
 }
 
 impl Panel for Passes {
@@ -19,93 +23,130 @@ impl Panel for Passes {
         "Passes".into()
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if cx.model.opened.is_none() {
             ui.weak("No run yet.");
             return;
         }
-        if cx.has_rays() {
-            ui.checkbox(&mut self.only_ray, "only the selected ray")
-                .on_hover_text("show only passes that processed the selected ray");
-        }
-        let of_ray: Option<Vec<usize>> = cx
-            .model
-            .life
-            .as_ref()
-            .filter(|_| self.only_ray)
-            .map(|life| life.rows.iter().filter_map(|r| r.pass).collect());
-        let known = cx.model.passes.len();
-        let rows: Vec<usize> = match of_ray {
-            Some(rows) => rows.into_iter().filter(|&i| i < known).collect(),
-            None => (0..known).collect(),
-        };
+        let (has_rays, passes) = (cx.has_rays(), &cx.model.passes);
+        let unit = TimeUnit::of(self.longest(cx.model.edition, passes));
+        let life = cx.model.life.as_ref().filter(|_| self.only_ray && has_rays);
+        let shown: Option<Vec<usize>> = life.map(|life| {
+            let of_ray = life.rows.iter().filter_map(|row| row.pass);
+            of_ray.filter(|&pass| pass < passes.len()).collect()
+        });
         let place = cx.model.place;
         // Row 0 is before the first pass.
-        let current = rows.partition_point(|&i| i < place);
-        let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
-        // All four columns must fit the narrow column of the simple layout.
-        ui.spacing_mut().item_spacing.x = 4.0;
-        let scroll_to = self.scroll.to(ui, Some(place));
-        let mut table = TableBuilder::new(ui)
-            .striped(true)
-            .sense(egui::Sense::click())
-            .auto_shrink(false)
-            // Where it is now matters, not the way there.
-            .animate_scrolling(false)
-            .columns(Column::auto().at_least(30.0), 3)
-            .column(Column::remainder().at_least(40.0));
-        if scroll_to.is_some() {
-            table = table.scroll_to_row(current, Some(egui::Align::Center));
-        }
-        let mut chosen = None;
-        table
-            .header(height, |mut header| {
-                let heads = [
-                    ("pass", "index in the run"),
-                    ("kernel", "kernel"),
-                    ("µs", "by the device's clock; empty if it has no valid one"),
-                    if cx.has_rays() {
-                        ("rays", "rays processed by the pass")
-                    } else {
-                        ("elements", "elements that the pass works on: triangles, spans, references, cells or blocks")
-                    },
-                ];
-                for (head, text) in heads {
-                    header.col(|ui| {
-                        ui.strong(head).on_hover_text(text);
-                    });
-                }
-            })
-            .body(|body| {
-                body.rows(height, rows.len() + 1, |mut row| {
-                    let index = row.index();
-                    row.set_selected(index == current);
-                    let pass = index.checked_sub(1).and_then(|i| cx.model.passes.get(rows[i]));
-                    let cells = pass.map_or_else(|| ["–".into(), "start".into(), String::new(), String::new()], cells);
-                    let mut cells = cells;
-                    if cx.shared.bookmark_at(pass.map_or(0, |pass| pass.index + 1)).is_some() {
-                        cells[0] += " •";
-                    }
-                    for cell in cells {
-                        row.col(|ui| {
-                            // Passes ahead are known from an earlier run.
-                            let text = egui::RichText::new(cell);
-                            let text = if index > current { text.weak() } else { text };
-                            ui.add(egui::Label::new(text).extend());
-                        });
-                    }
-                    if row.response().clicked() {
-                        chosen = Some(pass.map_or(0, |pass| pass.index + 1));
-                    }
-                });
-            });
-        if chosen.is_some() {
-            cx.shared.go_to = chosen;
+        let current = shown.as_ref().map_or(place.min(passes.len()), |shown| shown.partition_point(|&i| i < place));
+        let about_times = match cx.model.opened.as_ref().and_then(|opened| opened.why_no_times.as_deref()) {
+            Some(why) => format!("duration of the pass by the device's clock: unknown, because {why}"),
+            None => "duration of the pass by the device's clock".into(),
+        };
+        let rays = match has_rays {
+            true => Head::number("rays", "rays processed by the pass"),
+            false => Head::number(
+                "elements",
+                "elements that the pass works on: triangles, spans, references, cells or blocks",
+            ),
+        };
+        let heads = [
+            Head::number("pass", "index in the run"),
+            Head::text("kernel", "kernel"),
+            Head::number(unit.name(), &about_times),
+            rays,
+        ];
+        let life = life.map(|life| (life.pixel, life.rows.len()));
+        let bookmarks = &cx.shared.bookmarks;
+        let marked: Vec<usize> = bookmarks.iter().map(|bookmark| bookmark.place).collect();
+        let version = version((cx.model.generation, cx.model.edition, unit, has_rays, life, marked));
+        let list = List { passes, shown: shown.as_deref(), current, unit, bookmarks };
+        let view = View { name: "passes", heads: &heads, rows: &list, version, current: Some(current) };
+        ui.horizontal_wrapped(|ui| {
+            self.table.tools(ui, &view);
+            if has_rays {
+                ui.checkbox(&mut self.only_ray, "only the selected ray")
+                    .on_hover_text("show only passes that processed the selected ray");
+            }
+        });
+        if let Some(row) = self.table.show(ui, &view) {
+            cx.shared.go_to = Some(list.pass(row).map_or(0, |pass| pass.index + 1));
         }
     }
 }
 
-fn cells(pass: &Pass) -> [String; 4] {
-    let duration = pass.duration_ns.map_or_else(String::new, |ns| format!("{:.1}", ns as f64 / 1e3));
-    [pass.index.to_string(), pass.kernel.name().into(), duration, pass.rays_in.to_string()]
+impl Passes {
+    /// The longest duration so far. It only grows, so that the unit does not change to and fro.
+    fn longest(&mut self, edition: u64, passes: &[Pass]) -> u64 {
+        let (from, longest) = match self.longest {
+            Some((of, looked_at, longest)) if of == edition && looked_at <= passes.len() => (looked_at, longest),
+            _ => (0, 0),
+        };
+        let longest = passes[from..].iter().filter_map(|pass| pass.duration_ns).fold(longest, u64::max);
+        self.longest = Some((edition, passes.len(), longest));
+        longest
+    }
+}
+
+/// The passes as rows.
+struct List<'a> {
+    passes: &'a [Pass],
+    /// The indices of those that are listed; `None` for all.
+    shown: Option<&'a [usize]>,
+    current: usize,
+    unit: TimeUnit,
+    bookmarks: &'a [Bookmark],
+}
+
+impl List<'_> {
+    /// The pass of a row; none for the start.
+    fn pass(&self, row: usize) -> Option<&Pass> {
+        let at = row.checked_sub(1)?;
+        self.passes.get(self.shown.map_or(Some(at), |shown| shown.get(at).copied())?)
+    }
+}
+
+impl Rows for List<'_> {
+    fn count(&self) -> usize {
+        1 + self.shown.map_or(self.passes.len(), <[usize]>::len)
+    }
+
+    fn text(&self, row: usize, column: usize) -> String {
+        let is_marked = |place: usize| self.bookmarks.iter().any(|bookmark| bookmark.place == place);
+        match (self.pass(row), column) {
+            (None, 0) if is_marked(0) => "– •".into(),
+            (None, 0) => "–".into(),
+            (None, 1) => "start".into(),
+            (None, _) => String::new(),
+            (Some(pass), 0) if is_marked(pass.index + 1) => format!("{} •", pass.index),
+            (Some(pass), 0) => pass.index.to_string(),
+            (Some(pass), 1) => pass.kernel.name().into(),
+            (Some(pass), 2) => pass.duration_ns.map_or_else(String::new, |ns| self.unit.text(ns)),
+            (Some(pass), _) => pass.rays_in.to_string(),
+        }
+    }
+
+    fn number(&self, row: usize, column: usize) -> Option<f64> {
+        let Some(pass) = self.pass(row) else { return (column == 0).then_some(-1.0) };
+        match column {
+            0 => Some(pass.index as f64),
+            // Compared in the unit of the head.
+            2 => pass.duration_ns.and_then(|ns| self.unit.text(ns).parse().ok()),
+            3 => Some(f64::from(pass.rays_in)),
+            _ => None,
+        }
+    }
+
+    fn about(&self, row: usize, column: usize) -> Option<String> {
+        let pass = self.pass(row)?;
+        match column {
+            1 => Some(pass.kernel.info().summary.into()),
+            2 => Some(pass.duration_ns.map_or_else(|| "duration unknown".into(), |ns| format!("{ns} ns"))),
+            _ => None,
+        }
+    }
+
+    fn look(&self, ui: &Ui, row: usize, _column: usize) -> Look {
+        // Passes ahead are known from an earlier run.
+        Look { color: (row > self.current).then(|| ui.visuals().weak_text_color()), ..Look::default() }
+    }
 }

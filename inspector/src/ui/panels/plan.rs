@@ -1,8 +1,11 @@
 //! What the run needs, and what is omitted and why.
 
-use egui::{Align2, CollapsingHeader, Color32, FontId, Grid, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+mod lists;
+
+use egui::{Align2, CollapsingHeader, Color32, FontId, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use lists::List;
 use raystep_kernels::Plan;
-use raystep_kernels::plan::{Because, Bytes};
+use raystep_kernels::plan::Bytes;
 use raystep_lab::text::counted;
 
 use crate::ui::pane::{Context, Panel};
@@ -13,6 +16,7 @@ use crate::ui::style::{SMALLEST, ink_on, towards};
 pub(in crate::ui) struct PlanView {
     generation: u64,
     parts: Vec<Part>,
+    lists: [List; 4],
 }
 
 /// An item that takes memory.
@@ -37,6 +41,7 @@ impl Panel for PlanView {
         if self.generation != cx.model.generation {
             self.generation = cx.model.generation;
             self.parts = parts(plan);
+            self.lists.iter_mut().zip(lists::of(plan)).for_each(|(list, rows)| list.set(rows));
         }
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
@@ -50,16 +55,21 @@ impl Panel for PlanView {
                 ));
             });
             bar(ui, &self.parts);
-            section(ui, "kernels", format!("Kernels: {}", plan.variants.len()), |ui| kernels(ui, plan));
             let bytes = |is_stream: bool| {
                 let of_kind = self.parts.iter().filter(|part| part.is_stream == is_stream);
                 Bytes(of_kind.map(|part| part.bytes).sum())
             };
-            let title = format!("Streams: {}, {}", plan.streams.len(), bytes(true));
-            section(ui, "streams", title, |ui| streams(ui, plan));
-            let title = format!("Buffers: {}, {}", plan.buffers.len(), bytes(false));
-            section(ui, "buffers", title, |ui| buffers(ui, plan));
-            section(ui, "omitted", format!("Omitted: {}", plan.left_out.len()), |ui| left_out(ui, plan));
+            let titles = [
+                format!("Kernels: {}", plan.variants.len()),
+                format!("Streams: {}, {}", plan.streams.len(), bytes(true)),
+                format!("Buffers: {}, {}", plan.buffers.len(), bytes(false)),
+                format!("Omitted: {}", plan.left_out.len()),
+            ];
+            ui.horizontal_wrapped(|ui| lists::field(ui, &mut self.lists));
+            let names = lists::NAMES.into_iter().zip(lists::HEADS);
+            for ((list, title), (name, heads)) in self.lists.iter_mut().zip(titles).zip(names) {
+                section(ui, name, title, |ui| list.show(ui, name, heads, cx.model.generation));
+            }
         });
     }
 }
@@ -109,80 +119,6 @@ fn bar(ui: &mut Ui, parts: &[Part]) {
         let kind = if part.is_stream { "stream" } else { "buffer" };
         let share = part.bytes as f64 / whole.max(1) as f64 * 100.0;
         response.on_hover_text_at_pointer(format!("{kind} {}\n{}, {share:.1}%", part.name, Bytes(part.bytes)));
-    }
-}
-
-fn kernels(ui: &mut Ui, plan: &Plan) {
-    Grid::new("kernels").striped(true).num_columns(3).show(ui, |ui| {
-        for variant in &plan.variants {
-            let info = variant.kernel.info();
-            let names = |wanted: &dyn Fn(bool, bool) -> bool| {
-                let bound = variant.bindings.iter().filter(|b| wanted(b.reads, b.writes));
-                bound.map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")
-            };
-            let states: Vec<_> = info.takes.iter().map(|&tag| plan.program.states.name(tag)).collect();
-            ui.monospace(info.name).on_hover_text(format!("{}\nprocesses rays in {}", info.summary, states.join(", ")));
-            ui.label(counted(variant.bindings.len(), "binding")).on_hover_text(format!(
-                "reads: {}\nwrites: {}\nupdates in place: {}",
-                names(&|reads, writes| reads && !writes),
-                names(&|reads, writes| writes && !reads),
-                names(&|reads, writes| reads && writes),
-            ));
-            ui.label(info.summary);
-            ui.end_row();
-        }
-    });
-}
-
-fn bytes(ui: &mut Ui, bytes: u64) {
-    ui.monospace(format!("{:>11}", Bytes(bytes).to_string())).on_hover_text(format!("{bytes} bytes"));
-}
-
-fn streams(ui: &mut Ui, plan: &Plan) {
-    Grid::new("streams").striped(true).num_columns(4).show(ui, |ui| {
-        for stream in &plan.streams {
-            let info = stream.what.info();
-            ui.monospace(info.name);
-            bytes(ui, stream.bytes);
-            ui.label(info.layers.join(" ")).on_hover_text("one texture layer each");
-            ui.label(info.unit);
-            ui.end_row();
-        }
-    });
-}
-
-fn buffers(ui: &mut Ui, plan: &Plan) {
-    Grid::new("buffers").striped(true).num_columns(3).show(ui, |ui| {
-        for planned in &plan.buffers {
-            ui.monospace(planned.what);
-            bytes(ui, planned.bytes);
-            match plan.program.buffer(planned.what) {
-                Some(info) => ui.label(info.element),
-                None => ui.weak("owned by the executor"),
-            };
-            ui.end_row();
-        }
-    });
-}
-
-fn left_out(ui: &mut Ui, plan: &Plan) {
-    for (because, title) in [
-        (Because::Scene, "Not in the scene"),
-        (Because::Options, "Not requested by the options"),
-        (Because::View, "Not needed for the result"),
-    ] {
-        let items: Vec<_> = plan.left_out.iter().filter(|item| item.because == because).collect();
-        if items.is_empty() {
-            continue;
-        }
-        ui.label(RichText::new(format!("{title}: {}", items.len())).italics());
-        Grid::new(title).striped(true).num_columns(2).show(ui, |ui| {
-            for item in items {
-                ui.monospace(&item.what);
-                ui.label(item.reason);
-                ui.end_row();
-            }
-        });
     }
 }
 

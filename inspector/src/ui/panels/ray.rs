@@ -1,40 +1,35 @@
 //! The history of the selected ray: one row per pass that processed it, with the changes and the reason.
 
-use egui::{Color32, RichText};
-use egui_extras::{Column, TableBuilder};
-use raystep_kernels::export::trace::{Trace, TraceRow};
+mod rows;
+
+use std::sync::Arc;
+
+use egui::{Color32, RichText, Ui};
+use raystep_kernels::export::trace::Trace;
 use raystep_kernels::tables::state::States;
 use raystep_lab::text::counted;
+use rows::{History, heads};
 
-use super::picked::{of_row, touches};
-use super::scroll::Scroll;
-use crate::draw::stream::state_color;
+use super::picked::of_row;
+use super::table::{Table, View, version};
 use crate::session::{Model, Told};
 use crate::ui::pane::{Context, NO_RAYS, Panel};
+use crate::ui::units::{self, Scale};
 
 /// The ray history.
 #[derive(Default)]
 pub(in crate::ui) struct RayView {
-    scroll: Scroll,
+    table: Table,
+    /// The decimals of tmax.x, tmax.y, tmax.z and t, and for which history.
+    decimals: Option<(usize, Scale, [usize; 4])>,
 }
-
-const HEADS: [(&str, &str); 8] = [
-    ("pass", "index in the run"),
-    ("kernel", "kernel"),
-    ("state", "the ray's state after the pass"),
-    ("cell", "cell (x, y, z) or BVH node that the pass worked in"),
-    ("tmax", "t at which the ray leaves its cell, per axis"),
-    ("item", "position in the cell's list"),
-    ("t", "nearest t so far"),
-    ("hit", "nearest triangle so far"),
-];
 
 impl Panel for RayView {
     fn title(&self) -> String {
         "Ray".into()
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+    fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         if !cx.has_rays() {
             ui.weak(NO_RAYS);
             return;
@@ -43,16 +38,66 @@ impl Panel for RayView {
             ui.weak("Click a pixel to see the history of its ray.");
             return;
         };
-        let current = current_row(&life, cx.model.place);
         summary(ui, &life, cx);
         ui.separator();
-        if let Some(row) = current.and_then(|i| life.rows.get(i)) {
-            ui.label(RichText::new(format!("pass {}, {}: {}", row.number(), row.kernel, row.why)).strong());
+        let (units, model) = (cx.shared.units, &*cx.model);
+        let scale = Scale::of(units, &life);
+        let opened = model.opened.as_ref();
+        let history = History {
+            life: &life,
+            model,
+            data: opened.map(|opened| &*opened.data),
+            states: opened.map_or(States(&[]), |opened| opened.plan.program.states),
+            scale,
+            decimals: self.decimals(&life, scale),
+            current: current_row(&life, model.place),
+            picked: cx.shared.picked,
+        };
+        if let Some(row) = history.current.and_then(|i| life.rows.get(i)) {
+            let text = format!("pass {}, {}: {}", row.number(), row.kernel, history.why(row));
+            ui.label(RichText::new(text).strong());
         } else {
             ui.weak("No pass has processed this ray yet.");
         }
         ui.separator();
-        egui::ScrollArea::horizontal().show(ui, |ui| self.table(ui, &life, current, cx));
+        let is_tree = opened.is_some_and(|opened| opened.data.features.bvh);
+        let heads = heads(!is_tree);
+        let told = matches!(model.told, Told::Compared { .. });
+        let version =
+            version((Arc::as_ptr(&life) as usize, model.edition, life.pixel, life.rows.len(), units, is_tree, told));
+        let view = View { name: "ray", heads: &heads, rows: &history, version, current: history.current };
+        let mut units = units;
+        ui.horizontal_wrapped(|ui| {
+            self.table.tools(ui, &view);
+            units::choose(ui, &mut units, life.scene_units_per_stream_unit);
+        });
+        let chosen = self.table.show(ui, &view).and_then(|row| life.rows.get(row));
+        cx.shared.units = units;
+        if let Some(row) = chosen {
+            (cx.shared.go_to, cx.shared.picked) = (row.place().or(cx.shared.go_to), of_row(row));
+        }
+    }
+}
+
+impl RayView {
+    fn decimals(&mut self, life: &Arc<Trace>, scale: Scale) -> [usize; 4] {
+        let of = Arc::as_ptr(life) as usize;
+        if let Some((known, in_scale, decimals)) = self.decimals
+            && (known, in_scale) == (of, scale)
+        {
+            return decimals;
+        }
+        let mut largest = [0.0; 4];
+        for after in life.rows.iter().map(|row| &row.after) {
+            let [x, y, z] = after.tmax;
+            for (largest, t) in largest.iter_mut().zip([x, y, z, after.t]) {
+                *largest = t.map_or(*largest, |t| scale.t(t).abs().max(*largest));
+            }
+        }
+        // One digit less than elsewhere: ten columns have to fit.
+        let decimals = largest.map(|largest| units::decimals(largest).saturating_sub(1));
+        self.decimals = Some((of, scale, decimals));
+        decimals
     }
 }
 
@@ -61,8 +106,10 @@ pub(in crate::ui) fn current_row(life: &Trace, place: usize) -> Option<usize> {
     life.rows.partition_point(|row| row.is_within(place)).checked_sub(1)
 }
 
-fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
+fn summary(ui: &mut Ui, life: &Trace, cx: &Context<'_>) {
     let [x, y] = life.pixel;
+    let scale = Scale::of(cx.shared.units, life);
+    let unit = scale.units.name();
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("pixel {x},{y}"));
         ui.label(match life.passes {
@@ -72,8 +119,10 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
         if let Some(last) = life.rows.last() {
             match (last.after.triangle, last.after.t) {
                 (Some(triangle), Some(t)) => {
-                    ui.label(format!("hits triangle {triangle} at t {}", short(t * life.t_scale as f32)))
-                        .on_hover_text(format!("full precision: {}", f64::from(t) * life.t_scale));
+                    let shown = scale.t(t);
+                    let digits = units::decimals(shown.abs());
+                    ui.label(format!("hits triangle {triangle} at t {shown:.digits$}"))
+                        .on_hover_text(format!("{} {unit}", scale.exact_t(t)));
                 }
                 _ => drop(ui.label("hits nothing")),
             }
@@ -84,20 +133,24 @@ fn summary(ui: &mut egui::Ui, life: &Trace, cx: &mut Context<'_>) {
         source(ui, cx.model);
     });
     let Some(first) = life.rows.first() else { return };
-    let (o, d) = (first.after.origin, first.after.direction);
+    let (origin, direction) = (first.after.origin, first.after.direction);
     ui.horizontal_wrapped(|ui| {
-        for (name, v) in [("origin", o), ("direction", d)] {
-            let bits = v.map(|c| format!("0x{:08x}", c.to_bits())).join(", ");
-            ui.label(format!("{name} {} {} {}", short(v[0]), short(v[1]), short(v[2])))
-                .on_hover_text(format!("{} {} {} in traced units\n{bits}", v[0], v[1], v[2]));
-        }
-        let unit = life.scene_units_per_stream_unit;
-        ui.weak(format!("1 traced unit = {unit} scene units"));
+        let three = |v: [f64; 3]| {
+            let digits = units::decimals(v.into_iter().map(f64::abs).fold(0.0, f64::max));
+            v.map(|c| format!("{c:.digits$}")).join(" ")
+        };
+        let bits = |v: [f32; 3]| v.map(|c| format!("0x{:08x}", c.to_bits())).join(", ");
+        let [x, y, z] = origin;
+        ui.label(format!("origin {}", three(origin.map(|c| scale.length(c)))))
+            .on_hover_text(format!("in {unit}; in traced units {x} {y} {z}\n{}", bits(origin)));
+        let [x, y, z] = direction;
+        ui.label(format!("direction {}", three(direction.map(f64::from))))
+            .on_hover_text(format!("{x} {y} {z}\n{}", bits(direction)));
     });
 }
 
 /// Whose kernels the history is from, and whether all of it has happened.
-fn source(ui: &mut egui::Ui, model: &Model) {
+fn source(ui: &mut Ui, model: &Model) {
     const ABOUT: &str = "The CPU reference kernels trace the selected ray alone, at once. Then the device traces it, and \
                          both are compared, row by row and bit by bit.";
     match &model.told {
@@ -120,149 +173,6 @@ fn source(ui: &mut egui::Ui, model: &Model) {
     }
 }
 
-/// What to know about a row: that it is predicted, or how the device's differs from the CPU reference's.
-fn mark(model: &Model, index: usize, row: &TraceRow) -> Option<(&'static str, String)> {
-    match &model.told {
-        Told::Compared { differing } if differing.contains(&index) => {
-            let reference = model.reference_life.as_ref().and_then(|life| life.rows.get(index));
-            let about = reference.map_or_else(
-                || "the CPU reference kernels have no such row".into(),
-                |row| format!("CPU reference kernels: {}, {}", row.kernel, row.why),
-            );
-            Some(("≠", about))
-        }
-        _ if model.is_predicted(row) => Some(("", "this pass has not run yet: the row is predicted".into())),
-        _ => None,
-    }
-}
-
-impl RayView {
-    fn table(&mut self, ui: &mut egui::Ui, life: &Trace, current: Option<usize>, cx: &mut Context<'_>) {
-        // All columns are wider than most panels.
-        egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| self.columns(ui, life, current, cx));
-    }
-
-    fn columns(&mut self, ui: &mut egui::Ui, life: &Trace, current: Option<usize>, cx: &mut Context<'_>) {
-        let height = ui.text_style_height(&egui::TextStyle::Monospace) + 4.0;
-        let scroll_to = self.scroll.to(ui, current);
-        let mut table = TableBuilder::new(ui)
-            .striped(true)
-            .sense(egui::Sense::click())
-            .auto_shrink(false)
-            // Where it is now matters, not the way there.
-            .animate_scrolling(false)
-            .columns(Column::auto().at_least(28.0), HEADS.len())
-            .column(Column::remainder().at_least(480.0));
-        if let Some(row) = scroll_to {
-            table = table.scroll_to_row(row, Some(egui::Align::Center));
-        }
-        let states = cx.model.opened.as_ref().map_or(States(&[]), |opened| opened.plan.program.states);
-        let is_grid = cx.model.opened.as_ref().is_some_and(|opened| opened.data.features.grid);
-        let mut chosen = None;
-        table
-            .header(height, |mut header| {
-                for (head, text) in HEADS.into_iter().chain([("why", "why the pass left the ray in this state")]) {
-                    header.col(|ui| drop(ui.strong(head).on_hover_text(text)));
-                }
-            })
-            .body(|body| {
-                body.rows(height, life.rows.len(), |mut table_row| {
-                    let index = table_row.index();
-                    let row = &life.rows[index];
-                    let before = index.checked_sub(1).map(|i| &life.rows[i]);
-                    table_row.set_selected(Some(index) == current);
-                    table_row.set_hovered(cx.shared.picked.is_some_and(|picked| touches(row, picked)));
-                    let is_ahead = current.is_none_or(|c| index > c);
-                    let mark = mark(cx.model, index, row);
-                    let (mut now, then) = (cells(row, is_grid), before.map(|row| cells(row, is_grid)));
-                    now[0] += mark.as_ref().map_or("", |(mark, _)| mark);
-                    for (c, cell) in now.iter().enumerate() {
-                        table_row.col(|ui| {
-                            let changed = c >= 2 && then.as_ref().is_some_and(|then| then[c] != *cell);
-                            let mut text = RichText::new(cell).monospace();
-                            if mark.as_ref().is_some_and(|(sign, _)| sign.is_empty()) {
-                                text = text.italics();
-                            }
-                            if is_ahead {
-                                text = text.weak();
-                            }
-                            if changed {
-                                text = text.color(changed_color(ui));
-                            }
-                            ui.horizontal(|ui| {
-                                if c == 2 {
-                                    let [r, g, b] = state_color(states, row.after.tag);
-                                    let (rect, _) = ui.allocate_exact_size(egui::vec2(7.0, 12.0), egui::Sense::hover());
-                                    ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
-                                }
-                                let label = egui::Label::new(text).selectable(false).extend();
-                                let about = mark.as_ref().filter(|_| c == 0).map(|(_, about)| about.clone());
-                                ui.add(label).on_hover_text(about.unwrap_or_else(|| full(row, c)));
-                            });
-                        });
-                    }
-                    table_row.col(|ui| {
-                        let text = RichText::new(&row.why);
-                        let text = if is_ahead { text.weak() } else { text };
-                        ui.add(egui::Label::new(text).selectable(false).extend()).on_hover_text(&row.why);
-                    });
-                    if table_row.response().clicked() {
-                        chosen = row.place();
-                        cx.shared.picked = of_row(row);
-                    }
-                });
-            });
-        if chosen.is_some() {
-            cx.shared.go_to = chosen;
-        }
-    }
-}
-
-fn changed_color(ui: &egui::Ui) -> Color32 {
-    if ui.visuals().dark_mode { Color32::from_rgb(255, 205, 125) } else { Color32::from_rgb(135, 50, 0) }
-}
-
-/// A number for a narrow column.
-fn short(value: f32) -> String {
-    format!("{value:.5}")
-}
-
-fn or_dash(value: Option<f32>) -> String {
-    value.map_or_else(|| "–".into(), short)
-}
-
-fn cells(row: &TraceRow, is_grid: bool) -> [String; 8] {
-    let a = &row.after;
-    let [x, y, z] = a.tmax.map(or_dash);
-    [
-        row.number(),
-        row.kernel.into(),
-        a.state.into(),
-        match row.cell {
-            Some([x, y, z]) => format!("{x},{y},{z}"),
-            // Only a pass of the walk works in a cell.
-            None if is_grid => "–".into(),
-            None => a.cell_index.to_string(),
-        },
-        if a.tmax.iter().all(Option::is_none) { "–".into() } else { format!("{x} {y} {z}") },
-        a.item.to_string(),
-        or_dash(a.t),
-        a.triangle.map_or_else(|| "–".into(), |t| t.to_string()),
-    ]
-}
-
-/// A cell with all its digits.
-fn full(row: &TraceRow, column: usize) -> String {
-    let a = &row.after;
-    let exact = |t: Option<f32>| t.map_or_else(|| "never".into(), |t| format!("{t} (0x{:08x})", t.to_bits()));
-    match column {
-        2 => format!("{} before the pass, {} after it", row.state_before, a.state),
-        4 => format!("x {}\ny {}\nz {}", exact(a.tmax[0]), exact(a.tmax[1]), exact(a.tmax[2])),
-        6 => exact(a.t),
-        7 => match (a.triangle, a.barycentric) {
-            (Some(triangle), Some([u, v])) => format!("triangle {triangle}, u {u}, v {v}"),
-            _ => "no triangle".into(),
-        },
-        _ => HEADS[column].1.into(),
-    }
+fn changed_color(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 205, 125) } else { Color32::from_rgb(130, 50, 0) }
 }

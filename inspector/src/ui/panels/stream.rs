@@ -2,9 +2,12 @@
 
 mod kept;
 mod look;
+mod magnifier;
 mod mask;
 mod numbers;
+mod tile;
 mod tools;
+mod values;
 
 use egui::{Color32, Pos2, Rect, Sense, Vec2, pos2, vec2};
 use look::Look;
@@ -60,6 +63,7 @@ pub(in crate::ui) struct StreamView {
     mask: mask::Overlay,
     /// A kept run shown instead of the current stream.
     kept: Option<Flipped>,
+    magnifier: magnifier::Magnifier,
 }
 
 impl Panel for StreamView {
@@ -119,14 +123,14 @@ impl Panel for StreamView {
         let texel_at = |at: Pos2| {
             let texel = (at - origin) / scale;
             let inside = texel.x >= 0.0 && texel.y >= 0.0 && texel.x < size[0] as f32 && texel.y < size[1] as f32;
-            (inside && can_select).then_some([texel.x as u32, texel.y as u32])
+            inside.then_some([texel.x as u32, texel.y as u32])
         };
-        if let Some(texel) = response.hover_pos().and_then(texel_at) {
-            cx.shared.hovered = Some(texel);
+        let under = response.hover_pos().and_then(texel_at);
+        if under.is_some() && can_select {
+            cx.shared.hovered = under;
         }
-        if let Some(texel) = response.interact_pointer_pos().filter(|_| response.clicked()).and_then(texel_at) {
-            cx.shared.select = Some(texel);
-        }
+        let clicked = response.interact_pointer_pos().filter(|_| response.clicked() && can_select);
+        cx.shared.select = clicked.and_then(texel_at).or(cx.shared.select);
         if response.double_clicked() {
             self.look.scale = None;
         }
@@ -144,6 +148,8 @@ impl Panel for StreamView {
             counted(self.pinned.as_ref().map_or(cx.model.place, |p| p.place), "pass"),
             cx.shared.pixel.map_or_else(String::new, |[x, y]| format!("; pixel {x},{y}"))
         );
+        let value = under.map(|texel| self.magnify(ui, cx, stream, texel, &response, (scale, origin)));
+        let what = what + value.as_deref().unwrap_or_default();
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &what));
     }
 

@@ -4,11 +4,12 @@ mod bars;
 
 use std::cmp::Reverse;
 
-use egui::{Grid, RichText, ScrollArea, Ui};
+use egui::{ScrollArea, Ui};
 use raystep_kernels::{Kernel, Pass};
 use raystep_lab::text::counted;
 
-use super::chart::{kernel_color, share_bar};
+use super::chart::kernel_color;
+use super::table::{Head, Listed, ListedCell, Look, Table, View, version};
 use crate::session::Model;
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
@@ -34,6 +35,8 @@ pub(in crate::ui) struct Timings {
     /// The generation, place and number of passes that the other fields are computed from.
     known: Option<(u64, usize, usize)>,
     kernels: Vec<KernelTimes>,
+    listed: Listed,
+    table: Table,
     columns: Vec<bars::Column>,
     /// Logarithmic heights.
     is_log: bool,
@@ -57,22 +60,28 @@ impl Panel for Timings {
         if self.known != Some(known) {
             self.known = Some(known);
             self.kernels = by_kernel(passes);
+            self.listed = listed(&self.kernels);
             self.columns.clear();
         }
         let timed: usize = self.kernels.iter().map(|k| k.timed).sum();
+        let sum = duration(self.kernels.iter().map(|k| k.sum_ns).sum());
+        let heads = heads(cx.has_rays());
+        let version = version((known, cx.has_rays()));
+        let view = View { name: "kernels", heads: &heads, rows: &self.listed, version, current: None };
         ui.horizontal_wrapped(|ui| {
             if timed == 0 {
                 ui.label(no_times(cx.model)).on_hover_text(ABOUT);
             } else {
                 let all = passes.len();
                 let text = if timed == all {
-                    format!("{}, all timed", counted(all, "pass"))
+                    format!("{}, all timed: {sum}", counted(all, "pass"))
                 } else {
-                    format!("{timed} of {all} passes timed")
+                    format!("{timed} of {all} passes timed: {sum}")
                 };
                 ui.label(text).on_hover_text(ABOUT);
                 ui.checkbox(&mut self.is_log, "log").on_hover_text("logarithmic bar heights");
             }
+            self.table.tools(ui, &view);
             for (name, about, command) in [
                 ("CSV…", "save passes as CSV", Command::ExportPasses),
                 ("Trace…", "save passes as trace events for Perfetto", Command::ExportTrace),
@@ -82,9 +91,9 @@ impl Panel for Timings {
                 }
             }
         });
-        let (bottom, has_rays) = (ui.max_rect().bottom(), cx.has_rays());
+        let bottom = ui.max_rect().bottom();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ScrollArea::horizontal().show(ui, |ui| table(ui, &self.kernels, has_rays));
+            ScrollArea::horizontal().show(ui, |ui| self.table.show_all(ui, &view));
             if timed > 0 {
                 let height = (bottom - ui.cursor().top() - 4.0).max(64.0);
                 bars::show(ui, height, &mut self.columns, self.is_log, cx);
@@ -145,61 +154,55 @@ fn by_kernel(passes: &[Pass]) -> Vec<KernelTimes> {
     kernels
 }
 
-const HEADS: [(&str, &str); 7] = [
-    ("kernel", "kernel"),
-    ("passes", "number of passes"),
-    ("sum", "total device time of its passes"),
-    ("median", "median duration of its passes"),
-    ("share", "percentage of the time of all passes"),
-    ("rays", "total over its passes: a ray counts in every pass that processes it"),
-    ("rays/µs", "rays processed per µs of device time"),
-];
+/// The heads, of a program with rays or without.
+const fn heads(has_rays: bool) -> [Head<'static>; 7] {
+    let [items, rate] = if has_rays {
+        [
+            Head::number("rays", "total over its passes: a ray counts in every pass that processes it"),
+            Head::number("rays/µs", "rays processed per µs of device time"),
+        ]
+    } else {
+        [
+            Head::number("elements", "total over its passes: an element counts in every pass that works on it"),
+            Head::number("per µs", "elements worked on per µs of device time"),
+        ]
+    };
+    [
+        Head::text("kernel", "kernel"),
+        Head::number("passes", "number of passes"),
+        Head::number("sum", "total device time of its passes; compared in ns"),
+        Head::number("median", "median duration of its passes; compared in ns"),
+        Head::number("share", "percentage of the time of all passes"),
+        items,
+        rate,
+    ]
+}
 
-/// What stands in for the last two where a program has no rays.
-const ELEMENT_HEADS: [(&str, &str); 2] = [
-    ("elements", "total over its passes: an element counts in every pass that works on it"),
-    ("per µs", "elements worked on per µs of device time"),
-];
-
-fn table(ui: &mut Ui, kernels: &[KernelTimes], has_rays: bool) {
+/// The kernels as rows.
+fn listed(kernels: &[KernelTimes]) -> Listed {
     let whole: u64 = kernels.iter().map(|k| k.sum_ns).sum();
-    let grid = Grid::new("kernels").striped(true).num_columns(HEADS.len()).spacing([10.0, 3.0]);
-    grid.show(ui, |ui| {
-        let of_rays = HEADS.len() - ELEMENT_HEADS.len();
-        let last = if has_rays { &HEADS[of_rays..] } else { &ELEMENT_HEADS[..] };
-        for (head, about) in HEADS[..of_rays].iter().chain(last) {
-            ui.strong(*head).on_hover_text(*about);
-        }
-        ui.end_row();
-        for times in kernels {
-            let name = RichText::new(times.kernel.name());
-            ui.label(name).on_hover_text(times.kernel.info().summary);
-            ui.monospace(times.passes.to_string());
-            if times.timed == 0 {
-                for _ in 0..3 {
-                    ui.weak("unknown");
-                }
-            } else {
-                ui.monospace(duration(times.sum_ns));
-                ui.monospace(duration(times.median_ns));
-                share_bar(ui, times.sum_ns as f64 / whole.max(1) as f64, kernel_color(times.kernel));
-            }
-            ui.monospace(times.rays.to_string());
-            match rate(times) {
-                Some(rate) => ui.monospace(format!("{rate:.1}")),
-                None => ui.weak("unknown"),
-            };
-            ui.end_row();
-        }
-        ui.strong("all");
-        ui.monospace(kernels.iter().map(|k| k.passes).sum::<usize>().to_string());
-        if kernels.iter().any(|k| k.timed > 0) {
-            ui.monospace(duration(whole));
-        } else {
-            ui.weak("unknown");
-        }
-        ui.end_row();
-    });
+    let unknown = || ListedCell::text("unknown");
+    let row = |times: &KernelTimes| {
+        let is_timed = times.timed > 0;
+        let time = |ns: u64| match is_timed {
+            true => ListedCell::number(ns as f64, duration(ns)).about(format!("{ns} ns")),
+            false => unknown(),
+        };
+        let part = times.sum_ns as f64 / whole.max(1) as f64;
+        let bar = Some((part as f32, kernel_color(times.kernel).gamma_multiply(0.45)));
+        let share = ListedCell::number(part * 100.0, format!("{:.1}%", part * 100.0));
+        let swatch = Look { swatch: Some(kernel_color(times.kernel)), ..Look::default() };
+        vec![
+            ListedCell::text(times.kernel.name()).about(times.kernel.info().summary).look(swatch),
+            ListedCell::number(times.passes as f64, times.passes.to_string()),
+            time(times.sum_ns),
+            time(times.median_ns),
+            if is_timed { share.look(Look { bar, ..Look::default() }) } else { unknown() },
+            ListedCell::number(times.rays as f64, times.rays.to_string()),
+            rate(times).map_or_else(unknown, |rate| ListedCell::number(rate, format!("{rate:.1}"))),
+        ]
+    };
+    Listed { rows: kernels.iter().map(row).collect() }
 }
 
 /// Rays that the kernel processes per µs, over passes with a known duration.

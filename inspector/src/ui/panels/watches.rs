@@ -3,8 +3,9 @@
 use egui::{DragValue, RichText};
 use raystep_lab::text::counted;
 
+use super::table::{Head, Listed, ListedCell, Table, View, version};
 use crate::session::request::Request;
-use crate::session::{Watch, Way};
+use crate::session::{Edit, Watch, Way};
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
@@ -13,6 +14,7 @@ use crate::ui::pane::{Context, Panel};
 pub(in crate::ui) struct Watches {
     /// The number of passes for the CPU reference, as edited.
     until: usize,
+    edits: Table,
 }
 
 impl Panel for Watches {
@@ -59,20 +61,7 @@ impl Panel for Watches {
             if cx.model.edits.is_empty() {
                 ui.weak("None. You can edit a texel of the selected ray or element; the run continues from there.");
             }
-            for edit in &cx.model.edits {
-                let (name, layer) = (edit.stream.name(), edit.stream.info().layers[edit.layer]);
-                let value = if edit.stream.is_float_layer(edit.layer) {
-                    f32::from_bits(edit.bits).to_string()
-                } else {
-                    edit.bits.to_string()
-                };
-                ui.label(format!(
-                    "after {}, pixel {},{}: {name}.{layer} = {value}",
-                    counted(edit.place, "pass"),
-                    edit.x,
-                    edit.y
-                ));
-            }
+            self.edits(ui, cx);
             ui.horizontal_wrapped(|ui| {
                 let can = cx.model.opened.is_some();
                 if ui.add_enabled(can, egui::Button::new(Command::EditTexel.name())).clicked() {
@@ -99,6 +88,44 @@ impl Panel for Watches {
                 }
             });
         });
+    }
+}
+
+const EDITS: [Head<'_>; 5] = [
+    Head::number("passes", "passes before the edit"),
+    Head::text("pixel", "column and row"),
+    Head::text("component", "stream and layer"),
+    Head::number("value", "the new value"),
+    Head::text("bits", "its bits"),
+];
+
+impl Watches {
+    /// The edits by hand; a click goes to one and selects its ray.
+    fn edits(&mut self, ui: &mut egui::Ui, cx: &mut Context<'_>) {
+        let edits = &cx.model.edits;
+        if edits.is_empty() {
+            return;
+        }
+        let row = |edit: &Edit| {
+            let (name, layer) = (edit.stream.name(), edit.stream.info().layers[edit.layer]);
+            let float = edit.stream.is_float_layer(edit.layer).then(|| f32::from_bits(edit.bits));
+            let value = float.map_or_else(|| edit.bits.to_string(), |value| value.to_string());
+            vec![
+                ListedCell::number(edit.place as f64, edit.place.to_string()),
+                ListedCell::text(format!("{},{}", edit.x, edit.y)),
+                ListedCell::text(format!("{name}.{layer}")),
+                ListedCell::number(float.map_or(f64::from(edit.bits), f64::from), value),
+                ListedCell::text(format!("0x{:08x}", edit.bits)),
+            ]
+        };
+        let rows = Listed { rows: edits.iter().map(row).collect() };
+        let view =
+            View { name: "edits", heads: &EDITS, rows: &rows, version: version(cx.model.edition), current: None };
+        ui.horizontal_wrapped(|ui| self.edits.tools(ui, &view));
+        let chosen = self.edits.show_all(ui, &view).and_then(|row| edits.get(row));
+        if let Some((place, pixel)) = chosen.map(|edit| (edit.place, [edit.x, edit.y])) {
+            (cx.shared.go_to, cx.shared.select) = (Some(place), Some(pixel));
+        }
     }
 }
 

@@ -209,3 +209,11 @@ pub(super) fn pixel_moved(stage: &mut Stage, by: [i64; 2]) {
     let life = stage.harness.state().model().life.as_ref().map(|life| life.pixel);
     assert_eq!(life, Some(to), "its history is not shown");
 }
+
+/// The cursor is over a stream; returns whether texels are magnified already.
+pub(super) fn over_a_texel(stage: &mut Stage) -> f64 {
+    let middle = stage.find(Role::Image, |name| name.contains(" after ")).map(|node| node.rect().center());
+    stage.event(egui::Event::PointerMoved(middle.expect("a stream")));
+    stage.settle();
+    f64::from(stage.painted().iter().any(|text| text.starts_with("0x")))
+}

@@ -9,8 +9,8 @@ use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
     assert_all, begin_lesson, beside, bookmarks_around, choose_cornell, choose_session, event, exposure, focused,
-    is_ray_watched, is_shown, keep, leave_lesson, moved_range, moved_view, nothing, open_session, pixel_moved, play,
-    range, remove_bookmarks, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    is_ray_watched, is_shown, keep, leave_lesson, moved_range, moved_view, nothing, open_session, over_a_texel,
+    pixel_moved, play, range, remove_bookmarks, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -234,6 +234,12 @@ pub(super) fn row(command: Command) -> Row {
             s.settle();
             is_shown(s, PaneKind::Walk2d);
             assert!(s.reads("A grid: ") && s.reads("B bvh: "), "{}", s.read_out());
+        }),
+        C::Magnifier => (over_a_texel, |s, was| {
+            s.settle();
+            let bits = || s.painted().iter().filter(|text| text.starts_with("0x")).count();
+            assert_eq!(bits() > 0, was.number == 0.0);
+            s.perform(Command::Magnifier);
         }),
         C::Pin => (nothing, |s, was| {
             s.settle();

@@ -43,7 +43,11 @@ impl Curve {
         while power <= rays {
             let x = at(power - 1, 0).x;
             painter.vline(x, field.y_range(), Stroke::new(0.5, ink.gamma_multiply(0.4)));
-            painter.text(pos2(x, rect.bottom()), Align2::CENTER_BOTTOM, power.to_string(), font.clone(), ink);
+            let label = painter.layout_no_wrap(power.to_string(), font.clone(), ink);
+            // The first and the last stay inside.
+            let size = label.size();
+            let left = (x - 0.5 * size.x).min(rect.right() - size.x).max(rect.left());
+            painter.galley(pos2(left, rect.bottom() - size.y), label, ink);
             power = power.saturating_mul(10);
             if power == usize::MAX {
                 break;

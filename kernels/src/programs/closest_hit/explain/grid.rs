@@ -102,8 +102,13 @@ fn leap(data: &SceneData, before: &RayState, after: &RayState, distance: i32) ->
     if is_out {
         return format!("{empty}: leaps out of the grid, {leaves}");
     }
-    let [x, y, z] = moved;
-    format!("{empty}: leaps {x}, {y}, {z} cells, {leaves}, to {}", cell_name(data, after.cell_index))
+    // Single steps would have entered this many cells in between.
+    let passed = moved.iter().map(|n| n.abs()).sum::<i32>() - 1;
+    let cells = if passed == 1 { "cell" } else { "cells" };
+    let along = (0..3).filter(|&axis| moved[axis] != 0).map(|axis| format!("{} {:+}", AXES[axis], moved[axis]));
+    let along = along.collect::<Vec<_>>().join(", ");
+    let to = cell_name(data, after.cell_index);
+    format!("{empty}: leaps over {passed} empty {cells} ({along}), {leaves}, to {to}")
 }
 
 fn has_left(after: &RayState) -> bool {

@@ -1,0 +1,207 @@
+//! Tables: sorted by a click on a head, filtered by words, with columns that fit their contents, and keys.
+//!
+//! Rows are painted directly: only those in view are laid out, and a cell is no widget of its own. What depends on all
+//! rows (order, widths, heights) is kept until they change.
+
+mod keys;
+mod measure;
+mod order;
+mod paint;
+mod rows;
+mod tools;
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use egui::{Align, Id, Rect, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
+
+use super::scroll::Scroll;
+pub(in crate::ui) use keys::{is_focused, is_key};
+use measure::{Columns, GAP, PADDING, Widths};
+use order::Sort;
+pub(super) use rows::{Head, Listed, ListedCell, Look, Rows};
+
+/// What a table shows in a frame.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    /// Its name, for screen readers.
+    pub(super) name: &'a str,
+    /// Its columns.
+    pub(super) heads: &'a [Head<'a>],
+    /// Its rows.
+    pub(super) rows: &'a dyn Rows,
+    /// Changes whenever the texts do, unless only rows are added at the end.
+    pub(super) version: u64,
+    /// The row that is highlighted, and kept in view.
+    pub(super) current: Option<usize>,
+}
+
+/// A version of what texts depend on.
+pub(super) fn version(of: impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    of.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// What the order of rows depends on.
+type Question = (u64, usize, Option<Sort>, String);
+
+/// What the heights of rows depend on.
+type Layout = (u64, u64, Columns, f32);
+
+/// A table, between frames.
+#[derive(Default)]
+pub(super) struct Table {
+    sort: Option<Sort>,
+    pub(super) filter: String,
+    question: Option<Question>,
+    /// The rows that are shown; `None` for all in their natural order.
+    order: Option<Vec<usize>>,
+    /// Incremented with the order.
+    ordered: u64,
+    widths: Widths,
+    layout: Option<Layout>,
+    tops: Vec<f32>,
+    scroll: Scroll,
+    /// Where it is on the screen: in another place or size, the current row may be out of view.
+    seen: Option<(Id, [u32; 2])>,
+    /// The current row, and the row that was chosen by a key since: keys may come faster than rows change.
+    moved: Option<(Option<usize>, usize)>,
+}
+
+impl Table {
+    /// Shows the table in the space that is left, scrolling. Returns a row that was clicked, or chosen by a key.
+    pub(super) fn show(&mut self, ui: &mut Ui, view: &View<'_>) -> Option<usize> {
+        self.scrolled(ui, view, false)
+    }
+
+    /// As [`show`](Self::show), and stays at the last row while rows are added, unless the user scrolls away.
+    pub(super) fn follow(&mut self, ui: &mut Ui, view: &View<'_>) -> Option<usize> {
+        self.scrolled(ui, view, true)
+    }
+
+    fn scrolled(&mut self, ui: &mut Ui, view: &View<'_>, sticks: bool) -> Option<usize> {
+        self.update(ui, view);
+        let id = ui.scope_id().with(view.name);
+        let area = ui.available_rect_before_wrap();
+        let seen = Some((id, [area.width(), area.height()].map(|side| side as u32)));
+        if std::mem::replace(&mut self.seen, seen) != seen {
+            self.scroll = Scroll::default();
+        }
+        let focus = keys::area(ui, id, area, &self.sentence(view));
+        let mut chosen = None;
+        let area_of_rows = ScrollArea::both().id_salt(view.name).auto_shrink(false).animated(false);
+        area_of_rows.stick_to_bottom(sticks).show_viewport(ui, |ui, _| {
+            let (columns, line) = self.place(ui, view, ui.clip_rect().width() - GAP);
+            let head = line + PADDING;
+            let (rect, _) = ui.allocate_exact_size(vec2(columns.width, head + self.height()), Sense::hover());
+            let body = Rect::from_min_max(pos2(rect.left(), rect.top() + head), rect.max);
+            self.keep_in_view(ui, view, body, head);
+            let whole = ui.clip_rect();
+            ui.set_clip_rect(Rect::from_min_max(pos2(whole.left(), whole.top() + head), whole.max));
+            chosen = self.paint_rows(ui, view, &columns, body, line);
+            ui.set_clip_rect(whole);
+            let heads = Rect::from_min_size(pos2(rect.left(), whole.top().max(rect.top())), vec2(columns.width, head));
+            self.paint_heads(ui, view, &columns, heads);
+        });
+        if chosen.is_some() {
+            focus.request_focus();
+            self.moved = None;
+        }
+        let page = (area.height() / (ui.text_style_height(&TextStyle::Body) + PADDING)).max(2.0) as usize - 1;
+        chosen.or_else(|| self.keys(ui, &focus, view, page))
+    }
+
+    /// Shows the whole table: for few rows, in a panel that scrolls itself.
+    pub(super) fn show_all(&mut self, ui: &mut Ui, view: &View<'_>) -> Option<usize> {
+        self.update(ui, view);
+        let (columns, line) = self.place(ui, view, ui.available_width());
+        let head = line + PADDING;
+        let (rect, _) = ui.allocate_exact_size(vec2(columns.width, head + self.height()), Sense::hover());
+        let body = Rect::from_min_max(pos2(rect.left(), rect.top() + head), rect.max);
+        let chosen = self.paint_rows(ui, view, &columns, body, line);
+        let heads = Rect::from_min_size(rect.min, vec2(columns.width, head));
+        self.paint_heads(ui, view, &columns, heads);
+        chosen
+    }
+
+    /// The rows that are shown, and how many there are.
+    fn counts(&self, view: &View<'_>) -> [usize; 2] {
+        let all = view.rows.count();
+        [self.order.as_ref().map_or(all, Vec::len), all]
+    }
+
+    fn sentence(&self, view: &View<'_>) -> String {
+        let [shown, all] = self.counts(view);
+        let which = if shown == all { format!("{all} rows") } else { format!("{shown} of {all} rows") };
+        format!("{}: {which}", view.name)
+    }
+
+    /// The row at a position of the order.
+    fn row(&self, at: usize) -> usize {
+        self.order.as_ref().map_or(at, |order| order.get(at).copied().unwrap_or_default())
+    }
+
+    /// The position of a row in the order.
+    fn position(&self, row: usize, view: &View<'_>) -> Option<usize> {
+        match &self.order {
+            Some(order) => order.iter().position(|&other| other == row),
+            None => (row < view.rows.count()).then_some(row),
+        }
+    }
+
+    /// Sorts, filters and measures what has changed.
+    fn update(&mut self, ui: &Ui, view: &View<'_>) {
+        let is_plain = self.sort.is_none() && self.filter.trim().is_empty();
+        let is_same = self.question.as_ref().is_some_and(|(version, count, sort, filter)| {
+            let is_asked = (*sort, filter.as_str()) == (self.sort, self.filter.as_str());
+            is_asked && (*version, *count) == (view.version, view.rows.count())
+        });
+        if !is_same {
+            let was_plain =
+                self.question.as_ref().is_none_or(|(_, _, sort, filter)| sort.is_none() && filter.is_empty());
+            self.question = Some((view.version, view.rows.count(), self.sort, self.filter.clone()));
+            self.order = order::order(view.rows, view.heads, self.sort, &self.filter);
+            self.ordered += 1;
+            if !(is_plain && was_plain) {
+                // The current row is elsewhere now.
+                self.scroll = Scroll::default();
+            }
+        }
+        self.widths.update(ui, view.heads, view.rows, view.version);
+    }
+
+    /// Where columns are, and the height of a line.
+    fn place(&mut self, ui: &Ui, view: &View<'_>, available: f32) -> (Columns, f32) {
+        let line = ui.text_style_height(&TextStyle::Body).max(ui.text_style_height(&TextStyle::Monospace));
+        let columns = measure::place(view.heads, &self.widths, available);
+        let layout = (self.ordered, self.widths.edition, columns.clone(), line);
+        if self.layout.as_ref() != Some(&layout) {
+            let [shown, _] = self.counts(view);
+            self.tops = measure::tops((0..shown).map(|at| self.row(at)), &self.widths, &columns, line);
+            self.layout = Some(layout);
+        }
+        (columns, line)
+    }
+
+    fn height(&self) -> f32 {
+        self.tops.last().copied().unwrap_or(0.0)
+    }
+
+    /// Top and bottom of a position of the order, below the head.
+    fn span(&self, at: usize) -> Option<[f32; 2]> {
+        Some([*self.tops.get(at)?, *self.tops.get(at + 1)?])
+    }
+
+    /// Scrolls to the current row when it has changed, if it is out of view.
+    fn keep_in_view(&mut self, ui: &Ui, view: &View<'_>, body: Rect, head: f32) {
+        let Some(row) = self.scroll.to(ui, view.current) else { return };
+        let Some([top, bottom]) = self.position(row, view).and_then(|at| self.span(at)) else { return };
+        let clip = ui.clip_rect();
+        let (top, bottom) = (body.top() + top, body.top() + bottom);
+        if top >= clip.top() + head && bottom <= clip.bottom() {
+            return;
+        }
+        let row = Rect::from_min_max(pos2(clip.left(), top - head), pos2(clip.left(), bottom));
+        ui.scroll_to_rect_animation(row, Some(Align::Center), egui::style::ScrollAnimation::none());
+    }
+}

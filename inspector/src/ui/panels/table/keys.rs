@@ -1,0 +1,58 @@
+//! Keys of the table that has the focus: up and down choose the row before and after the current one.
+
+use egui::{Context, EventFilter, Id, Key, Modifiers, Rect, Response, Sense, StrokeKind, Ui};
+
+use super::{Table, View};
+
+/// Keys that a table takes while it has the focus; all others stay commands.
+const KEYS: [Key; 4] = [Key::ArrowUp, Key::ArrowDown, Key::PageUp, Key::PageDown];
+
+fn slot() -> Id {
+    Id::unique("the table with the focus")
+}
+
+/// Whether a table has the keyboard's focus.
+pub(in crate::ui) fn is_focused(ctx: &Context) -> bool {
+    let table: Option<Id> = ctx.data(|data| data.get_temp(slot()));
+    table.is_some() && ctx.memory(egui::Memory::focused) == table
+}
+
+/// Whether a table with the focus takes this key.
+pub(in crate::ui) fn is_key(modifiers: Modifiers, key: Key) -> bool {
+    modifiers.is_none() && KEYS.contains(&key)
+}
+
+/// The area that has the focus for all rows.
+pub(super) fn area(ui: &Ui, id: Id, rect: Rect, sentence: &str) -> Response {
+    let response = ui.interact(rect, id, Sense::focusable_noninteractive());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Table, true, sentence));
+    if response.has_focus() {
+        let keys = EventFilter { vertical_arrows: true, horizontal_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, keys));
+        ui.data_mut(|data| data.insert_temp(slot(), id));
+        ui.painter().rect_stroke(rect, 2.0, ui.visuals().selection.stroke, StrokeKind::Inside);
+    }
+    response
+}
+
+impl Table {
+    /// The row that the keys of this frame choose.
+    pub(super) fn keys(&mut self, ui: &Ui, focus: &Response, view: &View<'_>, page: usize) -> Option<usize> {
+        if !focus.has_focus() {
+            return None;
+        }
+        let times = KEYS.map(|key| ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key)));
+        let [up, down, page_up, page_down] = times;
+        let (back, on) = (up + page * page_up, down + page * page_down);
+        if back == on {
+            return None;
+        }
+        let from = self.moved.filter(|(current, _)| *current == view.current).map(|(_, row)| row).or(view.current);
+        let at = from.and_then(|row| self.position(row, view));
+        let [shown, _] = self.counts(view);
+        let to = at.map_or(0, |at| (at + on).saturating_sub(back)).min(shown.checked_sub(1)?);
+        let row = self.row(to);
+        self.moved = Some((view.current, row));
+        Some(row)
+    }
+}

@@ -1,0 +1,212 @@
+//! Paints heads and rows.
+
+use std::sync::Arc;
+
+use egui::text::{LayoutJob, TextFormat, TextWrapping};
+use egui::{Color32, FontId, Galley, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
+
+use super::measure::{Columns, GAP, MARGIN, MOST_LINES, PADDING, SWATCH, font};
+use super::order::Sort;
+use super::rows::{Kind, Look};
+use super::{Table, View};
+
+impl Table {
+    /// Paints the heads; a click on one sorts.
+    pub(super) fn paint_heads(&mut self, ui: &Ui, view: &View<'_>, columns: &Columns, rect: Rect) {
+        let painter = ui.painter();
+        painter.rect_filled(rect, 0.0, ui.visuals().panel_fill);
+        painter.hline(rect.x_range(), rect.bottom(), ui.visuals().widgets.noninteractive.bg_stroke);
+        let font = font(ui, Kind::Text);
+        for (i, head) in view.heads.iter().enumerate() {
+            let [x, width] = columns.at.get(i).copied().unwrap_or_default();
+            if width <= 0.0 {
+                continue;
+            }
+            if is_cut(ui, rect.left(), [x, width]) {
+                more(ui, rect);
+                break;
+            }
+            let cell =
+                Rect::from_min_size(pos2(rect.left() + x - 0.5 * GAP, rect.top()), vec2(width + GAP, rect.height()));
+            let response = ui.interact(cell, ui.scope_id().with((view.name, "head", i)), Sense::CLICK);
+            let name = format!("sort {} by {}", view.name, head.name);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ColumnHeader, true, &name));
+            let sort = self.sort.filter(|sort| sort.column == i);
+            let color = match (response.hovered(), sort) {
+                (false, None) => ui.visuals().text_color(),
+                _ => ui.visuals().strong_text_color(),
+            };
+            let galley = painter.layout_no_wrap(head.name.to_owned(), font.clone(), color);
+            let y = rect.center().y - 0.5 * galley.size().y;
+            let left = cell.left() + 0.5 * GAP;
+            let (text, arrow) = match head.kind {
+                Kind::Number => (left + width - galley.size().x, left + width - galley.size().x - 7.0),
+                Kind::Text | Kind::Prose => (left, left + galley.size().x + 7.0),
+            };
+            painter.galley(pos2(text, y), galley, color);
+            if let Some(sort) = sort {
+                self::arrow(painter, pos2(arrow, rect.center().y), sort, color);
+            }
+            if response.on_hover_text(head.about).clicked() {
+                self.sort = Sort::clicked(self.sort, i);
+                ui.ctx().request_repaint();
+            }
+        }
+    }
+
+    /// Paints the rows in view; returns the one that was clicked.
+    pub(super) fn paint_rows(
+        &mut self,
+        ui: &Ui,
+        view: &View<'_>,
+        columns: &Columns,
+        body: Rect,
+        line: f32,
+    ) -> Option<usize> {
+        let clip = ui.clip_rect();
+        let from = self.tops.partition_point(|top| body.top() + top < clip.top()).saturating_sub(1);
+        let mut chosen = None;
+        for at in from..self.tops.len().saturating_sub(1) {
+            let Some([top, bottom]) = self.span(at).filter(|[top, _]| body.top() + top < clip.bottom()) else { break };
+            let row = self.row(at);
+            let rect = Rect::from_min_max(
+                pos2(body.left(), body.top() + top),
+                pos2(body.right().max(clip.right()), body.top() + bottom),
+            );
+            let response = ui.interact(rect, ui.scope_id().with((view.name, row)), Sense::CLICK);
+            let visuals = ui.visuals();
+            let is_current = view.current == Some(row);
+            if is_current {
+                ui.painter().rect_filled(rect, 0.0, visuals.selection.bg_fill);
+            } else if response.hovered() {
+                ui.painter().rect_filled(rect, 0.0, visuals.widgets.hovered.weak_bg_fill.gamma_multiply(0.5));
+            } else if at % 2 == 1 {
+                ui.painter().rect_filled(rect, 0.0, visuals.faint_bg_color);
+            }
+            for column in 0..view.heads.len() {
+                self.paint_cell(ui, view, columns, rect, [row, column], line);
+            }
+            let response = self.tell(ui, view, columns, response, row);
+            if response.clicked() {
+                chosen = Some(row);
+            }
+            response.context_menu(|ui| self.menu(ui, view, row));
+        }
+        chosen
+    }
+
+    fn paint_cell(
+        &mut self,
+        ui: &Ui,
+        view: &View<'_>,
+        columns: &Columns,
+        rect: Rect,
+        [row, column]: [usize; 2],
+        line: f32,
+    ) {
+        let (Some(head), Some([x, width])) = (view.heads.get(column), columns.at.get(column).copied()) else { return };
+        let is_below = head.kind == Kind::Prose && columns.is_below;
+        let clip = ui.clip_rect();
+        let mut left = rect.left() + x;
+        let is_out = left + width < clip.left() || left > clip.right();
+        if !is_below && (is_out || is_cut(ui, rect.left(), [x, width])) {
+            return;
+        }
+        let look = view.rows.look(ui, row, column);
+        let strong = (view.current == Some(row)).then(|| ui.visuals().strong_text_color());
+        let color = strong.or(look.color).unwrap_or(ui.visuals().text_color());
+        let color = if strong.is_some() { look.color.unwrap_or(color) } else { color };
+        if let Some((part, color)) = look.bar {
+            let bar = vec2((width * part.clamp(0.0, 1.0)).max(1.0), line);
+            ui.painter().rect_filled(Rect::from_min_size(pos2(left, rect.top() + 0.5 * PADDING), bar), 1.0, color);
+        }
+        if let Some(swatch) = look.swatch {
+            let at = pos2(left, rect.top() + 0.5 * PADDING + 2.0);
+            ui.painter().rect_filled(Rect::from_min_size(at, vec2(7.0, line - 4.0)), 1.0, swatch);
+            left += SWATCH;
+        }
+        let text = view.rows.text(row, column);
+        let (wrap, lines) = match head.kind {
+            Kind::Prose => (columns.prose, MOST_LINES),
+            Kind::Text | Kind::Number => (f32::INFINITY, 1.0),
+        };
+        let galley = laid_out(ui, text, font(ui, head.kind), look, wrap, lines as usize);
+        let size = galley.size();
+        let top = rect.top() + 0.5 * PADDING;
+        let at = match head.kind {
+            // In view however far the other columns are scrolled.
+            Kind::Prose if is_below => pos2(clip.left().max(rect.left()) + MARGIN + GAP, top + line),
+            Kind::Prose | Kind::Text => pos2(left, top),
+            Kind::Number => pos2(left + width - size.x, top),
+        };
+        ui.painter().galley(at, galley, color);
+        let swatch = if look.swatch.is_some() { SWATCH } else { 0.0 };
+        if head.kind != Kind::Prose && self.widths.grow(column, size.x + swatch) {
+            ui.ctx().request_discard("a column of a table grows");
+        }
+    }
+
+    /// The row in words, for screen readers, and more about the cell under the cursor.
+    fn tell(&self, ui: &Ui, view: &View<'_>, columns: &Columns, response: Response, row: usize) -> Response {
+        let is_current = view.current == Some(row);
+        response
+            .widget_info(|| egui::WidgetInfo::selected(egui::Role::Row, true, is_current, line_of(view, row, ", ")));
+        let Some(pointer) = response.hover_pos() else { return response };
+        let left = response.rect.left();
+        let is_at = |[x, width]: &[f32; 2]| (x - 0.5 * GAP..x + width + 0.5 * GAP).contains(&(pointer.x - left));
+        let is_below =
+            columns.is_below && pointer.y > response.rect.top() + ui.text_style_height(&egui::TextStyle::Body);
+        let prose = || view.heads.iter().position(|head| head.kind == Kind::Prose);
+        let column = if is_below { prose() } else { columns.at.iter().position(is_at) };
+        match column.and_then(|column| view.rows.about(row, column)) {
+            Some(about) => response.on_hover_text(about),
+            None => response,
+        }
+    }
+
+    fn menu(&self, ui: &mut Ui, view: &View<'_>, row: usize) {
+        if ui.button("Copy row").clicked() {
+            ui.ctx().copy_text(line_of(view, row, "\t"));
+        }
+        let [shown, _] = self.counts(view);
+        if ui.button(format!("Copy {shown} rows")).on_hover_text("with heads, separated by tabs").clicked() {
+            let heads = view.heads.iter().map(|head| head.name).collect::<Vec<_>>().join("\t");
+            let rows = (0..shown).map(|at| line_of(view, self.row(at), "\t"));
+            ui.ctx().copy_text(std::iter::once(heads).chain(rows).collect::<Vec<_>>().join("\n"));
+        }
+    }
+}
+
+/// Whether a column does not fit into the panel: part of a number would be a wrong one. Once the user scrolls to the
+/// right, all are shown.
+fn is_cut(ui: &Ui, left: f32, [x, width]: [f32; 2]) -> bool {
+    let clip = ui.clip_rect();
+    clip.left() <= left + 1.0 && left + x + width > clip.right() + 0.5
+}
+
+/// The sign of more columns at the end of the heads.
+fn more(ui: &Ui, rect: Rect) {
+    let at = pos2(ui.clip_rect().right() - 2.0, rect.center().y);
+    let font = font(ui, Kind::Text);
+    let text = ui.painter().text(at, egui::Align2::RIGHT_CENTER, "»", font, ui.visuals().strong_text_color());
+    let response = ui.interact(text.expand(3.0), ui.scope_id().with("more columns"), Sense::hover());
+    response.on_hover_text("more columns: scroll to the right (Shift and the wheel), or widen the panel");
+}
+
+fn line_of(view: &View<'_>, row: usize, between: &str) -> String {
+    (0..view.heads.len()).map(|column| view.rows.text(row, column)).collect::<Vec<_>>().join(between)
+}
+
+fn laid_out(ui: &Ui, text: String, font: FontId, look: Look, wrap: f32, lines: usize) -> Arc<Galley> {
+    let format = TextFormat { italics: look.is_italic, ..TextFormat::simple(font, Color32::PLACEHOLDER) };
+    let mut job = LayoutJob::single_section(text, format);
+    job.wrap = TextWrapping { max_width: wrap, max_rows: lines, ..TextWrapping::default() };
+    ui.painter().layout_job(job)
+}
+
+/// A triangle that points up where values grow downwards.
+fn arrow(painter: &Painter, at: Pos2, sort: Sort, color: Color32) {
+    let down = if sort.is_descending { 1.0 } else { -1.0 };
+    let corners = [vec2(-4.0, -2.5 * down), vec2(4.0, -2.5 * down), vec2(0.0, 3.0 * down)];
+    painter.add(Shape::convex_polygon(corners.map(|corner| at + corner).to_vec(), color, Stroke::NONE));
+}
