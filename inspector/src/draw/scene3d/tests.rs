@@ -37,16 +37,21 @@ fn drawn(
     settings: &Settings,
     name: String,
 ) -> Picture {
+    drawn_around(gpu, view, camera, walk, &Around::default(), settings, name)
+}
+
+fn drawn_around(
+    gpu: &Gpu,
+    view: &mut Scene3d,
+    camera: &Orbit,
+    walk: Option<&WalkGeometry>,
+    around: &Around,
+    settings: &Settings,
+    name: String,
+) -> Picture {
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let texture = picture(&gpu.device, SIZE);
-    view.draw(
-        &texture.create_view(&wgpu::TextureViewDescriptor::default()),
-        SIZE,
-        camera,
-        walk,
-        &Around::default(),
-        settings,
-    );
+    view.draw(&texture.create_view(&wgpu::TextureViewDescriptor::default()), SIZE, camera, walk, around, settings);
     let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("pixels"),
@@ -128,6 +133,39 @@ fn the_walk_through_the_cornell_box_is_seen() {
         }
         assert!(whole.0 != half.0);
     }
+}
+
+#[test]
+fn what_hides_the_walk_is_cut_away_and_what_was_picked_is_outlined() {
+    let gpu = gpu();
+    let scene = scene(CORNELL);
+    let (trace, data) = traced(&scene, &options(&scene), [20, 40]);
+    let (mut view, mut camera) = view_of(&gpu, &data);
+    let walk = WalkGeometry::new(&trace, &data, usize::MAX);
+    let points = walk.extent();
+    camera.frame_from_side(&points, walk.direction, 1.5, 0.1);
+    let forward = camera.pose.axes()[2];
+    let nearest = points.iter().map(|p| p.dot(forward)).fold(f64::INFINITY, f64::min);
+    // Through the wall of the box, at the ray within one of its cells.
+    let on_ray = walk.point((walk.cells[3].t_in + walk.cells[3].t_out) * 0.5);
+    let settings = Settings { triangles: TriangleStyle::Opaque, ..Settings::default() };
+    let mut seen = |around: Around, settings: Settings, name: &str| {
+        let picture = drawn_around(&gpu, &mut view, &camera, Some(&walk), &around, &settings, name.into());
+        (picture.at(&camera, on_ray), picture)
+    };
+    let cut = Around { cut: Some(nearest), marked: None };
+    let (through, _) = seen(cut, settings, "cornell-cut");
+    assert!(is_near(through, [255; 3], 10), "cut away: {through:?}");
+    for (around, settings) in [(Around::default(), settings), (cut, Settings { cut: false, ..settings })] {
+        let (hidden, _) = seen(around, settings, "cornell-uncut");
+        assert!(!is_near(hidden, [255; 3], 10), "behind the wall: {hidden:?}");
+    }
+    // An edge of a cell that was picked, away from the ray.
+    let bounds = walk.cells[3].bounds;
+    let [a, b] = bounds.edges()[0];
+    let (_, marked) = seen(Around { marked: Some(Marked::Box(bounds)), ..cut }, settings, "cornell-picked");
+    let color = marked.at(&camera, (a + b) * 0.5);
+    assert!(is_near(color, [255, 80, 200], 60), "{color:?}");
 }
 
 #[test]

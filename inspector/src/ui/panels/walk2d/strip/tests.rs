@@ -10,7 +10,7 @@ use super::super::progress::Progress;
 use super::words::{cell_words, leap_words, note_words, test_words};
 use super::*;
 use crate::walk::WalkGeometry;
-use crate::walk::tests::{TEAPOT, options, scene, traced};
+use crate::walk::tests::{CORNELL, TEAPOT, options, scene, traced};
 
 /// Shows something of a walk in a frame.
 fn in_a_frame<T>(whole: &Whole, row: Option<usize>, show: impl Fn(&Painter, &Scene<'_>) -> T) -> T {
@@ -51,26 +51,31 @@ fn a_cell_is_told_in_numbers() {
 
 #[test]
 fn a_test_is_told_with_its_reason() {
-    let (life, data) = life(Accelerator::None);
-    let whole = Whole::of(&life, &data);
+    let scene = scene(CORNELL);
     let mut reasons = std::collections::BTreeSet::new();
-    for test in &whole.walk.tested {
-        let [long, short, hover] = in_a_frame(&whole, None, |_, scene| {
-            [note_words(test, true, scene), note_words(test, false, scene), test_words(test, scene)]
-        });
-        assert!(short.len() <= long.len() && short.starts_with(&test.triangle.to_string()), "{short} {long}");
-        let why = test.why.to_string();
-        assert_eq!(test.outcome == Outcome::Nearest, test.why == crate::walk::Why::Accepted);
-        assert!(test.outcome == Outcome::Nearest || long.contains(&why) && hover.contains(&why), "{long} {hover}");
-        // The kernels' own explanation begins with the same reason.
-        let told = &life.rows[test.row].why;
-        if let Some(weight) = why.strip_suffix(" < 0") {
-            assert!(told.contains(&format!("{weight} = -")) && told.contains(", outside"), "{why}: {told}");
+    for accelerator in [Accelerator::Grid, Accelerator::None] {
+        for pixel in [[32, 32], [44, 50], [20, 40]] {
+            let (life, data) = traced(&scene, &Options { accelerator, ..options(&scene) }, pixel);
+            let whole = Whole::of(&life, &data);
+            for test in &whole.walk.tested {
+                let [long, short, hover] = in_a_frame(&whole, None, |_, scene| {
+                    [note_words(test, true, scene), note_words(test, false, scene), test_words(test, scene)]
+                });
+                assert!(short.len() <= long.len() && short.starts_with(&test.triangle.to_string()), "{short} {long}");
+                let why = test.why.to_string();
+                assert_eq!(test.outcome == Outcome::Nearest, test.why == crate::walk::Why::Accepted);
+                assert!(test.outcome == Outcome::Nearest || long.contains(&why) && hover.contains(&why), "{long}");
+                // The kernels' own explanation gives the same reason.
+                let told = &life.rows[test.row].why;
+                if let Some(weight) = why.strip_suffix(" < 0") {
+                    assert!(told.contains(&format!("{weight} = -")) && told.contains(", outside"), "{why}: {told}");
+                }
+                assert_eq!(why == "not nearer", told.contains("not nearer than"), "{why}: {told}");
+                reasons.insert(why);
+            }
         }
-        assert_eq!(why == "not nearer", told.contains("not nearer than"), "{why}: {told}");
-        reasons.insert(why);
     }
-    assert!(reasons.len() >= 4, "{reasons:?}");
+    assert!(reasons.len() >= 4 && reasons.contains("not nearer"), "{reasons:?}");
 }
 
 #[test]
