@@ -57,7 +57,7 @@ use host::{Host, HostEvent};
 use layout::Layout;
 pub use lessons::CheckedStep;
 use lessons::Lesson;
-use pane::{Context, Pane, PaneKind};
+use pane::{Pane, PaneKind};
 use shared::Shared;
 pub use shared::{Bookmark, Shown};
 pub use style::background;
@@ -397,24 +397,6 @@ impl Inspector {
             self.with_panes(|panes, tree| tree.ui(panes, ui));
         }
         self.note_click(before);
-    }
-
-    fn with_panes(&mut self, show: impl FnOnce(&mut layout::Panes<'_>, &mut Tree<Pane>)) {
-        let mut todo = Vec::new();
-        let cx = Context {
-            model: &mut self.model,
-            other: self.other.as_mut(),
-            canvas: &self.canvas,
-            shared: &mut self.shared,
-            todo: &mut todo,
-        };
-        let mut panes = layout::Panes { cx, focus: &mut self.focus, maximise: None };
-        show(&mut panes, &mut self.tree);
-        let maximise = panes.maximise;
-        self.todo.extend(todo);
-        if let Some(pane) = maximise {
-            self.maximise(pane);
-        }
     }
 
     /// Reports success, also to screen readers and the log.

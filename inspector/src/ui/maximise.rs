@@ -4,8 +4,8 @@ use egui_tiles::{Behavior as _, Tile, TileId};
 
 use super::Inspector;
 use super::command::Command;
-use super::layout;
-use super::pane::{Pane, PaneKind};
+use super::layout::{self, Panes};
+use super::pane::{Context, Pane, PaneKind};
 
 /// The maximised panel.
 pub(super) struct Maximised {
@@ -93,6 +93,25 @@ impl Inspector {
         }
         if self.tree.tiles.get_pane(&maximised.pane).is_none() {
             self.maximised = None;
+        }
+    }
+
+    /// Shows some or all panels.
+    pub(super) fn with_panes(&mut self, show: impl FnOnce(&mut Panes<'_>, &mut egui_tiles::Tree<Pane>)) {
+        let mut todo = Vec::new();
+        let cx = Context {
+            model: &mut self.model,
+            other: self.other.as_mut(),
+            canvas: &self.canvas,
+            shared: &mut self.shared,
+            todo: &mut todo,
+        };
+        let mut panes = Panes { cx, focus: &mut self.focus, maximise: None };
+        show(&mut panes, &mut self.tree);
+        let maximise = panes.maximise;
+        self.todo.extend(todo);
+        if let Some(pane) = maximise {
+            self.maximise(pane);
         }
     }
 
