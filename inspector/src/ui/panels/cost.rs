@@ -153,9 +153,9 @@ impl Cost {
 
     fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
-            let label = ui.strong("cost").on_hover_text("definition of cost").id;
+            ui.strong("cost").on_hover_text("definition of cost");
             for (shown, name, about) in Shown::ALL {
-                let choice = ui.selectable_label(self.look.shown == shown, name).labelled_by(label);
+                let choice = ui.selectable_label(self.look.shown == shown, name);
                 if choice.on_hover_text(about).clicked() {
                     self.look.shown = shown;
                 }

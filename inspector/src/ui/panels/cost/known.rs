@@ -84,6 +84,10 @@ impl Known {
 
     fn take(&mut self, answer: Answer) {
         let Answer { of, found, is_again } = answer;
+        if is_again {
+            // The session has yet to be asked, at its end.
+            self.asked = None;
+        }
         let Some((counts, sorted)) = found else {
             // The session has moved on.
             self.asked = None;

@@ -99,7 +99,8 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_few_and_within_the_range() {
-        assert_eq!(LINEAR.ticks(61, 6), [0, 20, 40, 60]);
+        assert_eq!(LINEAR.ticks(61, 6), [0, 10, 20, 30, 40, 50, 60]);
+        assert_eq!(LINEAR.ticks(61, 5), [0, 20, 40, 60]);
         assert_eq!(LINEAR.ticks(5, 6), [0, 1, 2, 3, 4, 5]);
         assert_eq!(LINEAR.ticks(0, 6), [0]);
         assert_eq!(LOG.ticks(2500, 6), [0, 1, 10, 100, 1000]);

@@ -83,9 +83,9 @@ impl WarpsView {
             return;
         };
         ui.horizontal_wrapped(|ui| {
-            let label = ui.label("lanes per warp").on_hover_text("threads that run in lockstep").id;
+            ui.label("lanes per warp").on_hover_text("threads that run in lockstep");
             for choice in WIDTHS {
-                if ui.selectable_label(width.0 == choice, choice.to_string()).labelled_by(label).clicked() {
+                if ui.selectable_label(width.0 == choice, choice.to_string()).clicked() {
                     width.0 = choice;
                 }
             }

@@ -208,9 +208,9 @@ impl SliceView {
                 key(Command::NextSlice),
                 key(Command::PreviousSlice)
             );
-            let label = ui.label("across").on_hover_text(keys);
+            ui.label("across").on_hover_text(keys);
             for (axis, name) in AXES.into_iter().enumerate() {
-                if ui.selectable_label(self.axis() == axis, name).labelled_by(label.id).clicked() {
+                if ui.selectable_label(self.axis() == axis, name).clicked() {
                     self.turn(axis);
                 }
             }

@@ -6,7 +6,7 @@ mod visits;
 
 use std::sync::Arc;
 
-use egui::{Align, Button, Label, Layout, RichText, Ui, vec2};
+use egui::{Align, Button, Label, Layout, RichText, Ui, Vec2};
 use egui_extras::{Column, TableBuilder};
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{Nodes, RankBy};
@@ -147,9 +147,9 @@ impl TreeView {
                 self.rows.collapse();
             }
             ui.separator();
-            let label = ui.label("children").on_hover_text("the order of the children of a node").id;
+            ui.label("children").on_hover_text("the order of the children of a node");
             for (order, name, about) in Order::ALL {
-                let choice = ui.selectable_label(self.rows.order() == order, name).labelled_by(label);
+                let choice = ui.selectable_label(self.rows.order() == order, name);
                 if choice.on_hover_text(about).clicked() {
                     self.rows.set_order(order);
                 }
@@ -194,8 +194,10 @@ impl TreeView {
                         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                             ui.add_space((node.level as f32 * INDENT).min(MOST_INDENT));
                             if !node.is_leaf() {
-                                let (sign, does) = if is_open { ("⏷", "collapse") } else { ("⏵", "expand") };
-                                let button = ui.add_sized(vec2(16.0, height - 4.0), Button::new(sign).frame(false));
+                                let does = if is_open { "collapse" } else { "expand" };
+                                let button = ui.allocate_response(Vec2::splat(16.0), egui::Sense::click());
+                                let openness = if is_open { 1.0 } else { 0.0 };
+                                egui::collapsing_header::paint_default_icon(ui, openness, &button);
                                 let text = format!("{does} node {index}");
                                 button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &text));
                                 if button.clicked() {

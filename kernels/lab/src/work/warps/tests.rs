@@ -7,7 +7,7 @@ use super::*;
 
 fn options(schedule: ScheduleKind, [width, height]: [u32; 2]) -> Options {
     let camera = generate::cornell_box().cameras[0].clone();
-    Options { schedule, ..Options::new(RaySource::Camera { camera, width, height }) }
+    Options { schedule, steps_per_pass: 1, ..Options::new(RaySource::Camera { camera, width, height }) }
 }
 
 fn planned(schedule: ScheduleKind, size: [u32; 2]) -> Plan {

@@ -58,8 +58,8 @@ pub(super) fn axes(ui: &Ui, painter: &Painter, slice: &Slice, place: &Placement,
         [1, 2, 5, 10, 20, 50, 100, 200, 500].into_iter().find(|&step| step >= least).unwrap_or(1000)
     };
     // The names are at the ends: no number is written over them.
-    let (name_x, name_y) = (format!("{} →", AXES[across]), format!("{} ↑", AXES[up]));
-    let (right, top) = (picture.right() - 26.0, picture.top() + 14.0);
+    let (name_x, name_y) = (format!("+{}", AXES[across]), format!("+{}", AXES[up]));
+    let (right, top) = (picture.right() - 34.0, picture.top() + 14.0);
     let step = every(cell.x);
     for column in (columns[0]..=columns[1]).filter(|column| column % step == 0) {
         let x = place.cell([column, 0]).center().x;
@@ -75,8 +75,12 @@ pub(super) fn axes(ui: &Ui, painter: &Painter, slice: &Slice, place: &Placement,
         }
     }
     let strong = ui.visuals().strong_text_color();
-    painter.text(pos2(picture.right(), picture.bottom() + 2.0), Align2::RIGHT_TOP, name_x, font.clone(), strong);
-    painter.text(pos2(picture.left() - 4.0, room.top()), Align2::RIGHT_TOP, name_y, font, strong);
+    let [at_x, at_y] = [pos2(picture.right() - 14.0, picture.bottom() + 2.0), pos2(picture.left() - 12.0, room.top())];
+    let x = painter.text(at_x, Align2::RIGHT_TOP, name_x, font.clone(), strong);
+    let y = painter.text(at_y, Align2::RIGHT_TOP, name_y, font, strong);
+    let stroke = Stroke::new(1.5, strong);
+    painter.arrow(x.right_center() + vec2(2.0, 0.0), vec2(11.0, 0.0), stroke);
+    painter.arrow(y.right_bottom() + vec2(4.0, -1.0), vec2(0.0, -11.0), stroke);
     if cell.min_elem() >= 8.0 {
         let stroke = Stroke::new(0.5, Color32::from_black_alpha(140));
         let inside = painter.with_clip_rect(painter.clip_rect().intersect(picture));
