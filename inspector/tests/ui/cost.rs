@@ -42,15 +42,18 @@ fn heatmap(stage: &Stage) -> String {
     image(stage, "heatmap of 64 by 64 pixels")
 }
 
-/// The middle of the first cell of a table with this text.
+/// The middle of the first text like this below a heading.
 #[track_caller]
-fn row(stage: &Stage, text: &str) -> egui::Pos2 {
-    let is_it = |node: &egui_kittest::Node<'_>| {
+fn below(stage: &Stage, heading: &str, text: &str) -> egui::Pos2 {
+    let reads = |node: &egui_kittest::Node<'_>, wanted: &str| {
         let node = node.accesskit_node();
-        node.role() == Role::Label && node.label().or(node.value()).is_some_and(|found| found == text)
+        node.role() == Role::Label && node.label().or(node.value()).is_some_and(|found| found == wanted)
     };
-    let found = stage.nodes().into_iter().find(is_it).map(|node| node.rect().center());
-    found.unwrap_or_else(|| panic!("no cell {text:?}\n{}", stage.read_out()))
+    let nodes = stage.nodes();
+    let top = nodes.iter().find(|node| reads(node, heading)).map(|node| node.rect().bottom());
+    let is_it = |node: &&egui_kittest::Node<'_>| reads(node, text) && Some(node.rect().top()) >= top;
+    let found = nodes.iter().find(is_it).map(|node| node.rect().center());
+    found.unwrap_or_else(|| panic!("no {text:?} below {heading:?}\n{}", stage.read_out()))
 }
 
 #[test]
@@ -86,6 +89,7 @@ fn a_click_on_the_heatmap_selects_the_ray_and_one_on_a_bar_shows_its_rays_alone(
     stage.click_at(pos2(bars.left() + 0.4 * bars.width(), bars.bottom() - 30.0));
     stage.settle();
     assert!(stage.reads("Shown alone: "), "{}", stage.read_out());
+    stage.snapshot("cost-bar");
     stage.click(Role::Button, "Show all");
     stage.settle();
     assert!(!stage.reads("Shown alone: "));
@@ -120,12 +124,15 @@ fn the_slowest_warps_name_the_rays_that_held_them() {
         stage.click(Role::Button, "Look at the warps of all passes");
         stage.settle();
         assert!(stage.reads("slowest warps"), "{}", stage.read_out());
-        let first = row(&stage, "1");
+        let first = below(&stage, "slowest warps", "1");
         stage.click_at(first);
         stage.settle();
         assert!(stage.reads("Held by pixel "), "{}", stage.read_out());
         let [x, y] = stage.inspector().pixel().expect("a pixel");
         assert!(stage.reads(&format!("Held by pixel {x},{y}: ")), "{}", stage.read_out());
+        if accelerator == Accelerator::Grid {
+            stage.snapshot("cost-warps");
+        }
         // No ray has more passes than the walk has in all, and the heatmap shows that number.
         stage.click(Role::Button, "passes");
         stage.settle();
@@ -150,6 +157,7 @@ fn the_tree_is_expanded_to_what_is_picked() {
     stage.click(Role::Button, "the ray's nodes");
     stage.settle();
     assert!(stage.reads("met"), "{}", stage.read_out());
+    stage.snapshot("structure-tree");
 }
 
 #[test]

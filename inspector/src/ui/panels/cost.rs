@@ -53,7 +53,7 @@ impl Default for Look {
     fn default() -> Self {
         let (shown, section) = (Shown::default(), Section::default());
         let (scale, width) = (Scale::default(), Width::default());
-        Self { shown, section, scale, opacity: 0.75, is_up_to_here: false, width }
+        Self { shown, section, scale, opacity: 0.6, is_up_to_here: false, width }
     }
 }
 
@@ -105,7 +105,7 @@ impl Panel for Cost {
         } else {
             ScrollArea::vertical().id_salt("all").auto_shrink(false).show(ui, |ui| {
                 self.tools(ui, cx);
-                self.picture(ui, cx, (size.y * 0.42).max(120.0));
+                self.picture(ui, cx, (size.y * 0.48).max(140.0));
                 self.sections(ui);
                 self.section(ui, cx, width);
             });
@@ -219,8 +219,7 @@ impl Cost {
 
     fn section(&mut self, ui: &mut Ui, cx: &mut Context<'_>, width: u32) {
         if self.look.section == Section::Warps {
-            let counts = self.known.counts();
-            self.warps.show(ui, cx, &mut self.look.width, counts.as_deref());
+            self.warps.show(ui, cx, &mut self.look.width);
             return;
         }
         let Some((_, sorted)) = self.known.shown(cx, &self.look, &self.warps) else { return };

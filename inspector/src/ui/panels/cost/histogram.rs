@@ -59,14 +59,20 @@ impl Histogram<'_> {
         }
         let x = |value: f64| bars.left() + position(bins, most, value) * bars.width();
         let ink = ui.visuals().text_color();
-        for (line, (name, value)) in marks.iter().enumerate() {
-            let (x, top) = (x(*value), field.top() + NAME * line as f32);
+        let lines =
+            || marks.iter().enumerate().map(|(i, (name, value))| (field.top() + NAME * i as f32, name, x(*value)));
+        for (top, _, x) in lines() {
             painter.vline(x, top..=bars.bottom(), Stroke::new(1.0, ink));
+        }
+        for (top, name, x) in lines() {
             let galley = painter.layout_no_wrap(name.clone(), FontId::proportional(SMALLEST), ink);
             // To the left of its line where there is no room at the right.
             let is_right = x + galley.size().x + 4.0 <= field.right();
             let (align, at) = if is_right { (Align2::LEFT_TOP, x + 3.0) } else { (Align2::RIGHT_TOP, x - 3.0) };
-            painter.galley(align.anchor_size(pos2(at, top), galley.size()).min, galley, ink);
+            let place = align.anchor_size(pos2(at, top), galley.size());
+            // Other marks do not strike it through.
+            painter.rect_filled(place, 0.0, ui.visuals().extreme_bg_color);
+            painter.galley(place.min, galley, ink);
         }
         if let Some(cost) = self.selected {
             let at = pos2(x(f64::from(cost)), bars.bottom() - 5.0);

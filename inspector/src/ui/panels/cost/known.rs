@@ -129,11 +129,6 @@ impl Known {
             .map(|found| (found.of, found.sorted.clone()))
     }
 
-    /// The counters of the whole run, else those up to the current pass.
-    pub(super) fn counts(&self) -> Option<Arc<Counts>> {
-        self.whole.as_ref().or(self.here.as_ref()).map(|found| found.counts.clone())
-    }
-
     /// Says what is shown, and offers what is not known.
     pub(super) fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>, look: &mut Look, warps: &WarpsView) {
         let whole = Of { edition: cx.model.edition, place: None, shown: look.shown };

@@ -67,7 +67,8 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    async fn of(renderer: &Renderer) -> Result<Option<Self>, RenderError> {
+    /// The current values; `None` in a run without counters.
+    pub(super) async fn of(renderer: &Renderer) -> Result<Option<Self>, RenderError> {
         let Some(counters) = renderer.plan().counters() else { return Ok(None) };
         let (stream, rays) = (renderer.values(counters).await?, renderer.plan().rays as usize);
         let [cells, triangles] = [Measure::Cells, Measure::Triangles].map(|by| costs(&stream, rays, by));

@@ -6,18 +6,16 @@ mod table;
 
 use std::sync::Arc;
 
-use egui::Ui;
+use egui::{Align, Layout, Ui, vec2};
 use raystep_kernels::{Gpu, Kernel};
 use raystep_lab::work::{WIDTHS, Warp};
 use serde::{Deserialize, Serialize};
 
 use super::lanes::LanesView;
-use super::source::Counts;
 use crate::session::request::Request;
 use crate::settings::DeviceKind;
 use crate::ui::pane::Context;
 use crate::ui::panels::chart::kernel_color;
-use crate::ui::panels::legend;
 use chart::Bar;
 pub(super) use survey::{SURVEYING, Surveyed};
 
@@ -78,7 +76,7 @@ impl WarpsView {
         cx.model.ask(Request::Job(SURVEYING, Box::new(move |job| survey::survey(job, edition, lanes))));
     }
 
-    pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, width: &mut Width, counts: Option<&Counts>) {
+    pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, width: &mut Width) {
         let Some((plan, device)) = cx.model.opened.as_ref().map(|o| (o.plan.clone(), o.settings.device)) else {
             return;
         };
@@ -132,9 +130,9 @@ impl WarpsView {
             }
         });
         if let Some(warp) = self.warp() {
-            ui.strong(table::reason(warp, counts, plan.width));
+            ui.strong(table::reason(warp, known.counts.as_ref(), plan.width));
         }
-        let room = egui::vec2(ui.available_width(), ui.available_height().clamp(150.0, 320.0));
+        let room = vec2(ui.available_width(), ui.available_height().clamp(150.0, 320.0));
         let clicked = ui.allocate_ui(room, |ui| table::show(ui, &known.slowest, self.selected, plan.width)).inner;
         if let Some(warp) = clicked.and_then(|at| known.slowest.get(at)) {
             self.selected = clicked;
@@ -159,23 +157,31 @@ fn mapping(gpu: &Gpu, device: DeviceKind, lanes: usize, is_listed: bool) -> Stri
     format!("Assumed: {lanes} threads next to each other {order}; no stream has their subgroups. {own}")
 }
 
-/// A legend of kernels with their mean shares; a click shows one alone.
+/// Kernels with their mean shares; a click shows one alone.
 fn kernels(ui: &mut Ui, bars: &[Bar], only: &mut Option<Kernel>) {
-    ui.horizontal_wrapped(|ui| {
+    egui::Grid::new("kernels").num_columns(5).spacing(vec2(14.0, 2.0)).show(ui, |ui| {
+        let heads = [
+            ("", ""),
+            ("kernel", "click to show one alone"),
+            ("passes", "passes with rays to work on"),
+            ("of busy warps", "share of lanes with work, of the warps with any work: the pale bars"),
+            ("of all", "share of lanes with work, of all that are launched: the full bars"),
+        ];
+        heads.into_iter().for_each(|(head, about)| drop(ui.strong(head).on_hover_text(about)));
+        ui.end_row();
         for of in chart::by_kernel(bars) {
-            let share = match of.useful {
-                Some(useful) => format!("{:.1}% of busy warps, {:.1}% of all", useful * 100.0, of.of_all * 100.0),
-                None => format!("{:.1}% of all", of.of_all * 100.0),
-            };
-            let about =
-                "share of lanes with work: of the warps with any work (pale), and of all that are launched (full)";
-            legend::entry(ui, kernel_color(of.kernel), "", about);
-            let text = format!("{} {share}", of.kernel.name());
-            let chosen = *only == Some(of.kernel);
-            let hover = format!("{about}; {} passes; click to show this kernel alone", of.passes);
-            if ui.selectable_label(chosen, text).on_hover_text(hover).clicked() {
-                *only = (!chosen).then_some(of.kernel);
+            let (patch, _) = ui.allocate_exact_size(vec2(10.0, 10.0), egui::Sense::hover());
+            ui.painter().rect_filled(patch, 2.0, kernel_color(of.kernel));
+            let is_chosen = *only == Some(of.kernel);
+            if ui.selectable_label(is_chosen, of.kernel.name()).clicked() {
+                *only = (!is_chosen).then_some(of.kernel);
             }
+            let percent = |share: f64| format!("{:.1}%", share * 100.0);
+            let useful = of.useful.map_or_else(|| "not counted".into(), percent);
+            for cell in [of.passes.to_string(), useful, percent(of.of_all)] {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.monospace(cell));
+            }
+            ui.end_row();
         }
     });
 }

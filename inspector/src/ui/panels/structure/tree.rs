@@ -180,8 +180,12 @@ impl TreeView {
         let whole = nodes.get(0).map_or(0.0, |root| root.cost);
         table
             .header(height, |mut header| {
-                for (head, about) in HEADS {
-                    header.col(|ui| drop(ui.strong(head).on_hover_text(about)));
+                for (i, (head, about)) in HEADS.into_iter().enumerate() {
+                    let show = |ui: &mut Ui| drop(ui.strong(head).on_hover_text(about));
+                    header.col(|ui| match i {
+                        0 => drop(ui.with_layout(Layout::left_to_right(Align::Center), show)),
+                        _ => show(ui),
+                    });
                 }
             })
             .body(|body| {

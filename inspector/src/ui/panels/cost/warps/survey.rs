@@ -8,7 +8,7 @@ use raystep_kernels::{Options, RenderError, Renderer};
 use raystep_lab::work::{Measure, PassLanes, Survey, Warp, costs};
 
 use crate::session::request::{JobContext, JobFuture};
-use crate::ui::panels::cost::source::Sorted;
+use crate::ui::panels::cost::source::{Counts, Sorted};
 
 /// Its name, shown while it runs.
 pub(in crate::ui::panels::cost) const SURVEYING: &str = "looking at the warps of all passes";
@@ -24,6 +24,8 @@ pub(in crate::ui::panels::cost) struct Surveyed {
     pub(in crate::ui::panels::cost) slowest: Vec<Warp>,
     /// Whether rays change warps, as they are listed anew in every pass.
     pub(in crate::ui::panels::cost) is_listed: bool,
+    /// Cells or nodes and triangles of every ray; `None` in a run without counters.
+    pub(in crate::ui::panels::cost) counts: Option<Counts>,
     /// Rays by the number of passes that processed them.
     pub(in crate::ui::panels::cost) by_passes: Arc<Sorted>,
 }
@@ -60,6 +62,7 @@ pub(super) fn survey(job: JobContext<'_>, edition: u64, lanes: usize) -> JobFutu
                 lanes,
                 slowest: survey.slowest(MOST_WARPS),
                 is_listed: survey.is_listed(),
+                counts: Counts::of(&renderer).await?,
                 by_passes: Arc::new(Sorted::new(passes_of_rays)),
                 passes: survey.passes().to_vec(),
             }))

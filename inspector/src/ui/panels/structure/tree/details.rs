@@ -39,7 +39,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
         let size = [0, 1, 2].map(|axis| f64::from(node.max[axis]) - f64::from(node.min[axis]));
         for (name, values) in [("from", node.min.map(f64::from)), ("to", node.max.map(f64::from)), ("size", size)] {
             ui.label(name);
-            values.into_iter().for_each(|value| drop(ui.monospace(number(value * unit))));
+            values.into_iter().for_each(|value| drop(ui.monospace(format!("{:>11}", number(value * unit)))));
             ui.end_row();
         }
     });
