@@ -6,7 +6,7 @@ mod table;
 
 use std::sync::Arc;
 
-use egui::{Align, Layout, Ui, vec2};
+use egui::{Ui, vec2};
 use raystep_kernels::{Gpu, Kernel};
 use raystep_lab::work::{WIDTHS, Warp};
 use serde::{Deserialize, Serialize};
@@ -159,7 +159,7 @@ fn mapping(gpu: &Gpu, device: DeviceKind, lanes: usize, is_listed: bool) -> Stri
 
 /// Kernels with their mean shares; a click shows one alone.
 fn kernels(ui: &mut Ui, bars: &[Bar], only: &mut Option<Kernel>) {
-    egui::Grid::new("kernels").num_columns(5).spacing(vec2(14.0, 2.0)).show(ui, |ui| {
+    egui::Grid::new("kernels").num_columns(5).min_col_width(10.0).spacing(vec2(14.0, 2.0)).show(ui, |ui| {
         let heads = [
             ("", ""),
             ("kernel", "click to show one alone"),
@@ -179,7 +179,7 @@ fn kernels(ui: &mut Ui, bars: &[Bar], only: &mut Option<Kernel>) {
             let percent = |share: f64| format!("{:.1}%", share * 100.0);
             let useful = of.useful.map_or_else(|| "not counted".into(), percent);
             for cell in [of.passes.to_string(), useful, percent(of.of_all)] {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.monospace(cell));
+                ui.monospace(format!("{cell:>11}"));
             }
             ui.end_row();
         }
