@@ -325,6 +325,7 @@ mod tests {
         assert_eq!(now(Command::NextSlice), (2, 2));
         assert_eq!(now(Command::NextSlice), (2, 2), "three layers");
         assert_eq!((now(Command::PreviousSlice), now(Command::SliceAxis)), ((2, 1), (0, 2)));
-        assert_eq!((now(Command::SliceAxis), now(Command::SliceAxis)), ((1, 1), (2, 1)));
+        assert_eq!((now(Command::SliceAxis), now(Command::NextSlice)), ((1, 1), (1, 2)), "four layers");
+        assert_eq!(now(Command::SliceAxis), (2, 1));
     }
 }
