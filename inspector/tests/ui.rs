@@ -5,6 +5,7 @@ mod adapter;
 mod branches;
 mod choices;
 mod commands;
+mod cost;
 mod desk;
 mod error;
 mod exports;

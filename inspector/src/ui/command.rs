@@ -123,6 +123,12 @@ pub enum Command {
     Pin,
     /// Toggles the magnifier of stream views.
     Magnifier,
+    /// Shows the next layer of the grid.
+    NextSlice,
+    /// Shows the previous layer of the grid.
+    PreviousSlice,
+    /// Shows layers of the grid perpendicular to the next axis.
+    SliceAxis,
     /// Switches between light and dark theme.
     Theme,
     /// The default layout of three panels.
@@ -317,6 +323,9 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::SecondWalk, "Unfold grid and BVH walks together";
         C::Pin, "Pin this stream", NONE P;
         C::Magnifier, "Magnifier", NONE M;
+        C::NextSlice, "Next layer of the grid", NONE PageUp;
+        C::PreviousSlice, "Previous layer of the grid", NONE PageDown;
+        C::SliceAxis, "Next axis of the grid's layers", NONE X;
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";
         C::FullLayout, "Full layout", CTRL L;

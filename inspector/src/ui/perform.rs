@@ -40,6 +40,9 @@ impl Inspector {
             C::NextBranch | C::PreviousBranch | C::MaskBranch => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
             C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
+            C::NextSlice | C::PreviousSlice | C::SliceAxis => {
+                model.opened.as_ref().is_some_and(|opened| opened.data.grid_cells.len() > 1)
+            }
             _ => has_run,
         }
     }
@@ -150,6 +153,10 @@ impl Inspector {
             }
             C::PreviousRayByCost | C::NextRayByCost => {
                 layout::show(&mut self.tree, PaneKind::Cost);
+                self.ask_panels(command);
+            }
+            C::NextSlice | C::PreviousSlice | C::SliceAxis => {
+                layout::show(&mut self.tree, PaneKind::Structure);
                 self.ask_panels(command);
             }
             C::Lesson(index) => self.begin_built_in(index),

@@ -9,8 +9,9 @@ use raystep_kernels::export::csv::COLUMNS;
 
 use super::effects::{
     assert_all, begin_lesson, beside, bookmarks_around, choose_cornell, choose_session, event, exposure, focused,
-    is_ray_watched, is_shown, keep, leave_lesson, moved_range, moved_view, nothing, open_session, over_a_texel,
-    pixel_moved, play, range, remove_bookmarks, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    is_ray_watched, is_shown, keep, layer, leave_lesson, moved_range, moved_view, nothing, open_session, over_a_texel,
+    pixel_moved, play, range, remove_bookmarks, same_kernel, show_watches, shown, slice, sort_rays, watch_the_ray,
+    zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -244,6 +245,25 @@ pub(super) fn row(command: Command) -> Row {
         C::Pin => (nothing, |s, was| {
             s.settle();
             s.get(Role::Button, &format!("state after {}", was.place));
+        }),
+        C::NextSlice => (
+            |s| slice(s, Command::PreviousSlice),
+            |s, was| {
+                s.settle();
+                assert_eq!(layer(s), was.number + 1.0);
+            },
+        ),
+        C::PreviousSlice => (
+            |s| slice(s, Command::NextSlice),
+            |s, was| {
+                s.settle();
+                assert_eq!(layer(s), was.number - 1.0);
+            },
+        ),
+        C::SliceAxis => (nothing, |s, _| {
+            s.settle();
+            is_shown(s, PaneKind::Structure);
+            assert!(s.reads("perpendicular to x"), "{}", s.read_out());
         }),
         C::Theme => (nothing, |s, was| {
             s.settle();
