@@ -1,9 +1,11 @@
 //! Statistics of acceleration structures: the lists of a grid's cells, and the nodes of a BVH.
 
+mod nodes;
 mod tree;
 
 use raystep_kernels::scene_data::SceneData;
 
+pub use nodes::{Filling, Node, Nodes, RankBy};
 pub use tree::TreeStats;
 pub(crate) use tree::at_point;
 

@@ -1,6 +1,7 @@
 //! The cost of rays, and the share of launched threads that have work to do.
 
 mod lanes;
+mod warps;
 
 use raystep_kernels::programs;
 use raystep_kernels::tables::kernel::Role;
@@ -8,6 +9,7 @@ use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, StreamData};
 
 pub use lanes::{LANES, Lanes, Launch};
+pub use warps::{NO_RAY, PassLanes, Survey, WIDTHS, Warp, threads};
 
 /// How to measure a ray's cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -5,17 +5,15 @@ use raystep_kernels::tables::kernel::Role;
 use raystep_kernels::tables::state::Tag;
 use raystep_kernels::{Kernel, Pass, Plan};
 
+use super::warps::threads;
+
 /// Threads that run in lockstep: 32 on most GPUs. On devices with 64, two adjacent groups run together.
 pub const LANES: usize = 32;
-
-/// Columns and rows of the pixels that [`LANES`] adjacent threads work on, see `tiled_texel` in `live.wgsl`; workgroups
-/// of 8 x 8 in local index order fall into the same tiles.
-const TILE: [u32; 2] = [8, 4];
 
 /// How a kernel's threads find their rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Launch {
-    /// One thread per pixel, in tiles of 8 x 4.
+    /// One thread per pixel, in the order of [`threads`].
     Tiles,
     /// One thread per entry of the list of rays that wait for the kernel: all groups except the last are full.
     List,
@@ -72,21 +70,9 @@ impl Lanes {
         let begins = plan.program.course.filter(|_| makes).map(|course| [course.unborn, course.born]);
         let takes = begins.as_ref().map_or(kernel.info().takes, |tags| tags.as_slice());
         let is_active = |tag: &Tag| takes.contains(tag);
-        let side = kernel.workgroup();
-        let columns = width.next_multiple_of(side) / TILE[0];
-        let rows = height.next_multiple_of(side) / TILE[1];
         let mut histogram = [0; LANES + 1];
-        // One row of tiles at a time.
-        let mut working = vec![0usize; columns as usize];
-        for row in 0..rows {
-            working.fill(0);
-            for y in (row * TILE[1]..(row + 1) * TILE[1]).take_while(|&y| y < height) {
-                let first = y as usize * width as usize;
-                for (x, tag) in tags[first..first + width as usize].iter().enumerate() {
-                    working[x / TILE[0] as usize] += usize::from(is_active(tag));
-                }
-            }
-            working.iter().for_each(|&lanes| histogram[lanes] += 1);
+        for group in threads(kernel, [width, height]).chunks(LANES) {
+            histogram[group.iter().filter(|&&ray| tags.get(ray as usize).is_some_and(is_active)).count()] += 1;
         }
         Some(Self { launch: Launch::Tiles, histogram })
     }
@@ -147,11 +133,11 @@ mod tests {
     }
 
     #[test]
-    fn a_group_is_a_tile_of_eight_by_four() {
+    fn a_group_has_the_pixels_of_32_threads_side_by_side() {
         let plan = planned(ScheduleKind::Second, 1, 40, 20);
         let mut tags = vec![TRAV; 40 * 20];
-        // Pixels (9, 5), (15, 7) in one tile, (8, 8) in the one below, (39, 19) in the last one.
-        for (x, y, tag) in [(9, 5, ISECT_HIT), (15, 7, ISECT_NO_HIT), (8, 8, ISECT_HIT), (39, 19, ISECT_HIT)] {
+        // Two rows of 16 pixels each: (9, 6), (15, 7) in one group, (8, 8) in the next, (39, 19) in the last but six.
+        for (x, y, tag) in [(9, 6, ISECT_HIT), (15, 7, ISECT_NO_HIT), (8, 8, ISECT_HIT), (39, 19, ISECT_HIT)] {
             tags[y * 40 + x] = tag;
         }
         let lanes = Lanes::of(&pass(kernels::INTERSECT, 4, 0), &plan, &tags).expect("the right size");
@@ -161,7 +147,7 @@ mod tests {
         assert_eq!((lanes.mean(), lanes.mean_where_any()), (4.0 / 48.0, 4.0 / 3.0));
 
         let lanes = Lanes::of(&pass(kernels::TRAVERSE_GRID, 796, 0), &plan, &tags).expect("the right size");
-        assert_eq!((lanes.working(), lanes.histogram[32], lanes.histogram[31]), (796, 22, 2));
+        assert_eq!((lanes.working(), lanes.histogram[32], lanes.histogram[31]), (796, 18, 1));
         // Workgroups of 8 x 8 cover 40 x 24 pixels, and no ray waits for this kernel.
         let lanes = Lanes::of(&pass(kernels::SHADE, 0, 0), &plan, &tags).expect("the right size");
         assert_eq!((lanes.groups(), lanes.histogram[0], lanes.mean_where_any()), (30, 30, 0.0));
