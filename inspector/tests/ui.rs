@@ -4,6 +4,7 @@
 mod adapter;
 mod choices;
 mod commands;
+mod cost;
 mod desk;
 mod error;
 mod exports;

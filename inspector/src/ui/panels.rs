@@ -23,3 +23,4 @@ pub(super) mod walk2d;
 pub(super) mod walk3d;
 mod walked;
 pub(super) mod watches;
+mod zoom;

@@ -94,7 +94,7 @@ fn without_zeros(counts: &[u64]) -> &[u64] {
 }
 
 /// Height from 0 for none to 1 for the maximum; a single one is visible.
-fn log_height(count: u64, most: u64) -> f32 {
+pub(in crate::ui) fn log_height(count: u64, most: u64) -> f32 {
     if count == 0 { 0.0 } else { ((count as f64 + 1.0).ln() / (most.max(count) as f64 + 1.0).ln()) as f32 }
 }
 

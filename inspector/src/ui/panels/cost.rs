@@ -1,70 +1,72 @@
-//! The cost of rays, from the most expensive to the cheapest, and how many threads have a ray to process.
+//! Where the cost is: every ray's as a heatmap, their distribution, the most expensive rays, and the use of lanes.
 
 mod curve;
+mod heat;
+mod histogram;
+mod known;
 mod lanes;
+mod rays;
+mod scale;
+mod source;
+mod spread;
+mod warps;
 
-use curve::Curve;
-use egui::{RichText, ScrollArea, Ui};
-use egui_extras::{Column, TableBuilder};
-use lanes::LanesView;
-use raystep_lab::work::{CostOrder, Measure, costs};
+use egui::{ScrollArea, Slider, Ui, vec2};
 use serde::{Deserialize, Serialize};
 
 use super::scroll::Scroll;
-use crate::session::Edit;
-use crate::session::request::{JobContext, JobFuture, Request};
+use crate::draw::stream::Colors;
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, PaneKind, Panel};
+use heat::{Heat, HeatView};
+use histogram::Histogram;
+use known::Known;
+use rays::{pixel_of, ray_at, step};
+use scale::Scale;
+use source::Shown;
+use warps::{WarpsView, Width};
 
-/// The engine's job, named while it runs.
-const SORTING: &str = "sorting rays by cost";
-/// Most rays in the list; the curve includes all.
-const MOST_LISTED: usize = 1000;
-
-/// The key of the order.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Of {
-    generation: u64,
-    /// Edits by hand: they change the cost of rays.
-    edits: Vec<Edit>,
-    measure: Measure,
-}
-
-/// The rays in order.
-struct Sorted {
-    order: CostOrder,
-    curve: Curve,
-    /// Fraction of the total cost in the most expensive 1% and 10%.
-    dearest: [f64; 2],
+/// What is beside the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Section {
+    #[default]
+    Histogram,
+    Rays,
+    Warps,
 }
 
 /// Saved: what is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Shown {
-    #[default]
-    Sum,
-    Cells,
-    Triangles,
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+struct Look {
+    shown: Shown,
+    section: Section,
+    scale: Scale,
+    /// Of the colours over the picture.
+    opacity: f32,
+    /// Even if the costs of the whole run are known.
+    is_up_to_here: bool,
+    width: Width,
 }
 
-impl Shown {
-    fn measure(self) -> Measure {
-        match self {
-            Self::Sum => Measure::Sum,
-            Self::Cells => Measure::Cells,
-            Self::Triangles => Measure::Triangles,
-        }
+impl Default for Look {
+    fn default() -> Self {
+        let (shown, section) = (Shown::default(), Section::default());
+        let (scale, width) = (Scale::default(), Width::default());
+        Self { shown, section, scale, opacity: 0.6, is_up_to_here: false, width }
     }
 }
 
 /// The panel.
 #[derive(Default)]
 pub(in crate::ui) struct Cost {
-    shown: Shown,
-    asked: Option<Of>,
-    sorted: Option<(Of, Sorted)>,
+    look: Look,
+    known: Known,
+    heat: HeatView,
+    /// The bar of the histogram whose rays are shown alone.
+    bin: Option<(Shown, bool, usize)>,
     scroll: Scroll,
-    lanes: LanesView,
+    warps: WarpsView,
 }
 
 impl Panel for Cost {
@@ -73,45 +75,51 @@ impl Panel for Cost {
     }
 
     fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        if cx.model.opened.is_none() {
+        let Some(opened) = &cx.model.opened else {
             ui.weak("Open a scene to see the cost of its rays.");
             return;
-        }
+        };
+        let width = opened.plan.width;
         if !cx.has_rays() {
             ui.weak(NO_RAYS);
             return;
         }
-        let of = self.of(cx);
-        self.take(cx, of.as_ref());
+        self.update(cx);
         let size = ui.available_size();
         if size.x > 700.0 {
             ui.horizontal_top(|ui| {
-                let half = egui::vec2(size.x * 0.5, size.y);
                 let down = egui::Layout::top_down(egui::Align::Min);
-                ui.allocate_ui_with_layout(half, down, |ui| {
-                    ScrollArea::vertical().id_salt("order").auto_shrink(false).show(ui, |ui| {
-                        self.order(ui, cx, of.as_ref(), size.y * 0.4);
-                        self.lanes.show(ui, cx);
-                    });
+                ui.allocate_ui_with_layout(vec2(size.x * 0.48, size.y), down, |ui| {
+                    self.tools(ui, cx);
+                    let height = ui.available_height();
+                    self.picture(ui, cx, height);
                 });
-                ui.allocate_ui_with_layout(ui.available_size(), down, |ui| self.list(ui, cx));
+                ui.allocate_ui_with_layout(ui.available_size(), down, |ui| {
+                    self.sections(ui);
+                    ScrollArea::vertical()
+                        .id_salt("beside")
+                        .auto_shrink(false)
+                        .show(ui, |ui| self.section(ui, cx, width));
+                });
             });
         } else {
             ScrollArea::vertical().id_salt("all").auto_shrink(false).show(ui, |ui| {
-                self.order(ui, cx, of.as_ref(), 90.0);
-                let list = egui::vec2(ui.available_width(), (size.y * 0.4).max(140.0));
-                ui.allocate_ui(list, |ui| self.list(ui, cx));
-                self.lanes.show(ui, cx);
+                self.tools(ui, cx);
+                self.picture(ui, cx, (size.y * 0.48).max(140.0));
+                self.sections(ui);
+                self.section(ui, cx, width);
             });
         }
     }
 
     fn save(&self) -> String {
-        serde_json::to_string(&self.shown).unwrap_or_default()
+        serde_json::to_string(&self.look).unwrap_or_default()
     }
 
     fn load(&mut self, saved: &str) {
-        self.shown = serde_json::from_str(saved).unwrap_or_default();
+        let look: Look = serde_json::from_str(saved).unwrap_or_default();
+        let opacity = if look.opacity.is_finite() { look.opacity.clamp(0.0, 1.0) } else { Look::default().opacity };
+        self.look = Look { opacity, width: look.width.checked(), ..look };
     }
 
     fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
@@ -120,233 +128,139 @@ impl Panel for Cost {
             Command::NextRayByCost => false,
             _ => return false,
         };
-        let of = self.of(cx);
-        self.take(cx, of.as_ref());
+        self.update(cx);
         let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return false };
-        let Some(order) = self.sorted(of.as_ref()).map(|sorted| &sorted.order) else {
-            cx.shared.say(false, "rays are not sorted by cost yet: run to the end, with counters enabled");
+        let Some((_, sorted)) = self.known.shown(cx, &self.look, &self.warps) else {
+            cx.shared.say(false, "rays are not sorted by cost yet: the run needs counters");
             return true;
         };
-        if let Some(ray) = step(order, cx.shared.pixel.map(|pixel| ray_at(pixel, width)), is_dearer) {
+        let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
+        if let Some(ray) = step(&sorted.order, selected, is_dearer) {
             cx.shared.select = Some(pixel_of(ray, width));
         }
         true
     }
 }
 
-/// The next or previous ray in the order; the most expensive one without a selection. `None` at either end.
-fn step(order: &CostOrder, ray: Option<usize>, is_dearer: bool) -> Option<usize> {
-    match ray.filter(|&ray| order.rank(ray).is_some()) {
-        Some(ray) if is_dearer => order.dearer(ray),
-        Some(ray) => order.cheaper(ray),
-        None => order.dearest(),
-    }
-}
-
-fn ray_at([x, y]: [u32; 2], width: u32) -> usize {
-    y as usize * width as usize + x as usize
-}
-
-fn pixel_of(ray: usize, width: u32) -> [u32; 2] {
-    let width = width.max(1) as usize;
-    [(ray % width) as u32, (ray / width) as u32]
-}
-
 impl Cost {
-    /// The order to ask for; `None` while not all passes are known.
-    fn of(&self, cx: &Context<'_>) -> Option<Of> {
-        let model = &cx.model;
-        let (generation, measure) = (model.generation, self.shown.measure());
-        model.is_complete.then(|| Of { generation, edits: model.edits.clone(), measure })
-    }
-
-    fn sorted(&self, of: Option<&Of>) -> Option<&Sorted> {
-        self.sorted.as_ref().filter(|(known, _)| Some(known) == of).map(|(_, sorted)| sorted)
-    }
-
-    /// Takes the answer; asks for it when the run is at its end.
-    fn take(&mut self, cx: &mut Context<'_>, of: Option<&Of>) {
-        while let Some(answer) = cx.model.take_answer::<(Of, Option<Sorted>)>(SORTING) {
-            let (of, sorted) = *answer;
-            match sorted {
-                Some(sorted) => self.sorted = Some((of, sorted)),
-                // The run left its end.
-                None => self.asked = None,
-            }
-        }
-        if self.sorted.as_ref().is_some_and(|(known, _)| of.is_none_or(|of| of.generation != known.generation)) {
-            self.sorted = None;
-        }
-        let is_at_end = cx.model.next.is_none() && cx.model.place == cx.model.passes.len();
-        let has_counters = cx.model.opened.as_ref().is_some_and(|opened| opened.plan.counters().is_some());
-        if let Some(wanted) = of
-            && is_at_end
-            && has_counters
-            && self.asked.as_ref() != of
-            && self.sorted(of).is_none()
-        {
-            self.asked = Some(wanted.clone());
-            let wanted = wanted.clone();
-            cx.model.ask(Request::Job(SORTING, Box::new(move |job| sort(job, wanted))));
+    fn update(&mut self, cx: &mut Context<'_>) {
+        self.warps.update(cx, self.look.width);
+        self.known.update(cx, &self.look);
+        if self.bin.is_some_and(|(shown, is_log, _)| (shown, is_log) != (self.look.shown, self.look.scale.is_log)) {
+            self.bin = None;
         }
     }
 
-    /// Summary of the whole order.
-    fn order(&mut self, ui: &mut Ui, cx: &mut Context<'_>, of: Option<&Of>, height: f32) {
+    fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
-            let label = ui.strong("cost").on_hover_text("definition of cost").id;
-            for (shown, name, about) in [
-                (
-                    Shown::Sum,
-                    "sum",
-                    "cells or nodes visited plus triangles tested; with one step per pass, this is the number of \
-                     passes of the walk",
-                ),
-                (Shown::Cells, "cells", "cells or nodes visited by the ray"),
-                (Shown::Triangles, "triangles", "triangles tested against the ray"),
-            ] {
-                let choice = ui.selectable_label(self.shown == shown, name).labelled_by(label);
+            ui.strong("cost").on_hover_text("definition of cost");
+            for (shown, name, about) in Shown::ALL {
+                let choice = ui.selectable_label(self.look.shown == shown, name);
                 if choice.on_hover_text(about).clicked() {
-                    self.shown = shown;
+                    self.look.shown = shown;
                 }
+            }
+            ui.separator();
+            for colors in [Colors::Viridis, Colors::Cividis] {
+                ui.selectable_value(&mut self.look.scale.colors, colors, colors.name());
+            }
+            ui.checkbox(&mut self.look.scale.is_log, "log").on_hover_text("logarithmic colours and bars");
+            let label = ui.label("overlay").on_hover_text("how much of the picture the colours cover").id;
+            ui.spacing_mut().slider_width = 70.0;
+            let slider = Slider::new(&mut self.look.opacity, 0.0..=1.0).show_value(false);
+            ui.add(slider).labelled_by(label);
+            if !self.heat.zoom.is_fit()
+                && ui.button("fit").on_hover_text("show the whole picture (double click)").clicked()
+            {
+                self.heat.zoom.fit();
             }
         });
-        if cx.model.opened.as_ref().is_none_or(|opened| opened.plan.counters().is_none()) {
-            ui.label("This run has no counters. Enable them in the options to see the cost of rays.");
-            if ui.button("Options").clicked() {
-                cx.todo.push(Command::Show(PaneKind::Options));
-            }
-            return;
-        }
-        let Some(sorted) = self.sorted(of) else {
-            if cx.model.is_busy() {
-                ui.weak("…");
-            } else {
-                ui.label("Run to the end to sort rays by cost.");
-                if ui.button("Run to the end").clicked() {
-                    self.asked = None;
-                    cx.todo.push(Command::End);
-                }
-            }
-            return;
+        self.known.tools(ui, cx, &mut self.look, &self.warps);
+    }
+
+    fn picture(&mut self, ui: &mut Ui, cx: &mut Context<'_>, height: f32) {
+        let marked = match self.look.section {
+            Section::Warps => self.warps.warp().map_or(&[][..], |warp| &warp.rays),
+            Section::Histogram | Section::Rays => &[],
         };
-        let (order, rays) = (&sorted.order, sorted.order.rays().len());
-        let [one, ten] = sorted.dearest;
-        ui.horizontal_wrapped(|ui| {
-            ui.label(format!("total {}", order.total()));
-            ui.label(format!("{:.2} per ray", order.total() as f64 / rays.max(1) as f64));
-            ui.label(format!("top 1%: {:.1}%", one * 100.0))
-                .on_hover_text("the most expensive 1% of rays, as a percentage of the total cost");
-            ui.label(format!("top 10%: {:.1}%", ten * 100.0))
-                .on_hover_text("the most expensive 10% of rays, as a percentage of the total cost");
+        let shown = self.known.shown(cx, &self.look, &self.warps);
+        let heat = shown.as_ref().map(|(of, sorted)| {
+            let most = sorted.spread.most;
+            let only = self.bin.and_then(|(_, is_log, bin)| sorted.spread.bins(is_log).range(bin, most));
+            Heat { of: *of, sorted, scale: self.look.scale, opacity: self.look.opacity, only }
         });
-        let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return };
-        let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width)).filter(|&ray| order.rank(ray).is_some());
-        if let Some(rank) = sorted.curve.show(ui, height, order, selected.and_then(|ray| order.rank(ray)))
-            && let Some(&ray) = order.rays().get(rank)
-        {
-            cx.shared.select = Some(pixel_of(ray as usize, width));
+        let mut height = height;
+        if let Some(heat) = &heat {
+            let (rect, response) =
+                ui.allocate_exact_size(vec2(ui.available_width(), scale::HEIGHT), egui::Sense::hover());
+            let painter = ui.painter_at(rect);
+            self.look.scale.paint(ui, &painter, rect, heat.sorted.spread.most);
+            let text = format!("colours from 0 to {} {}", heat.sorted.spread.most, self.look.shown.unit());
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+            response.on_hover_text(text);
+            height -= scale::HEIGHT + ui.spacing().item_spacing.y;
         }
+        self.heat.show(ui, cx, heat.as_ref(), marked, height.max(60.0));
+    }
+
+    fn sections(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
-            if let Some(ray) = selected {
-                let [x, y] = pixel_of(ray, width);
-                let (rank, cost) = (order.rank(ray).unwrap_or(0), order.cost(ray).unwrap_or(0));
-                ui.label(format!("pixel {x},{y}: cost {cost}, {} of {rays}", rank + 1));
-            }
-            for (name, command) in [("dearer", Command::PreviousRayByCost), ("cheaper", Command::NextRayByCost)] {
-                let key = command.key_text(ui.ctx());
-                if ui.button(name).on_hover_text(format!("the neighbouring ray in the order  {key}")).clicked() {
-                    cx.todo.push(command);
+            for (section, name, about) in [
+                (Section::Histogram, "Distribution", "how many rays have which cost"),
+                (Section::Rays, "Rays", "rays from the most expensive to the cheapest"),
+                (Section::Warps, "Warps", "useful lanes of every pass, and the slowest warps"),
+            ] {
+                if ui.selectable_label(self.look.section == section, name).on_hover_text(about).clicked() {
+                    self.look.section = section;
                 }
             }
         });
     }
 
-    /// The list of the most expensive rays.
-    fn list(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
-        let of = self.of(cx);
-        let Some((_, sorted)) = self.sorted.as_ref().filter(|(known, _)| Some(known) == of.as_ref()) else { return };
-        let Some(width) = cx.model.opened.as_ref().map(|opened| opened.plan.width) else { return };
-        let (order, total) = (&sorted.order, sorted.order.total().max(1));
-        let count = order.rays().len().min(MOST_LISTED);
-        let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
-        let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
-        let scroll_to = self.scroll.to(ui, selected);
-        let mut table = TableBuilder::new(ui)
-            .id_salt("dearest")
-            .striped(true)
-            .sense(egui::Sense::click())
-            .auto_shrink(false)
-            // Where it is now matters, not the way there.
-            .animate_scrolling(false)
-            .columns(Column::auto().at_least(36.0), 3)
-            .column(Column::remainder().at_least(40.0));
-        if let Some(rank) = scroll_to.and_then(|ray| order.rank(ray)).filter(|&rank| rank < count) {
-            table = table.scroll_to_row(rank, None);
+    fn section(&mut self, ui: &mut Ui, cx: &mut Context<'_>, width: u32) {
+        if self.look.section == Section::Warps {
+            self.warps.show(ui, cx, &mut self.look.width);
+            return;
         }
-        table
-            .header(height, |mut header| {
-                for (head, about) in [
-                    ("rank", "1 is the most expensive"),
-                    ("pixel", "column and row; click to select the ray"),
-                    ("cost", "cost of the ray"),
-                    ("share", "percentage of the total cost"),
-                ] {
-                    header.col(|ui| drop(ui.strong(head).on_hover_text(about)));
+        let Some((_, sorted)) = self.known.shown(cx, &self.look, &self.warps) else { return };
+        match self.look.section {
+            Section::Histogram => {
+                let is_log = self.look.scale.is_log;
+                let selected = cx.shared.pixel.and_then(|pixel| sorted.order.cost(ray_at(pixel, width)));
+                let picked = self.bin.map(|(.., bin)| bin);
+                let (spread, scale, unit) = (&sorted.spread, self.look.scale, self.look.shown.unit());
+                let histogram = Histogram { spread, scale, unit, picked, selected };
+                let clicked = histogram.show(ui, ui.available_height().clamp(140.0, 260.0));
+                if let Some(bin) = clicked {
+                    self.bin = (picked != Some(bin)).then_some((self.look.shown, is_log, bin));
                 }
-            })
-            .body(|body| {
-                body.rows(height, count, |mut row| {
-                    let rank = row.index();
-                    let ray = order.rays()[rank] as usize;
-                    let ([x, y], cost) = (pixel_of(ray, width), order.cost(ray).unwrap_or(0));
-                    row.set_selected(selected == Some(ray));
-                    let share = f64::from(cost) / total as f64 * 100.0;
-                    let cells = [(rank + 1).to_string(), format!("{x},{y}"), cost.to_string(), format!("{share:.4}%")];
-                    for cell in cells {
-                        row.col(|ui| {
-                            drop(ui.add(egui::Label::new(RichText::new(cell).monospace()).selectable(false).extend()))
+                match self.bin.map(|(.., bin)| (sorted.spread.bins(is_log), bin)) {
+                    Some((bins, bin)) => {
+                        let [from, to] = bins.range(bin, sorted.spread.most).unwrap_or_default();
+                        let rays = bins.counts.get(bin).copied().unwrap_or(0);
+                        ui.horizontal_wrapped(|ui| {
+                            ui.label(format!("Shown alone: {rays} rays with {from} to {to} {unit}."));
+                            if ui.button("Show all").clicked() {
+                                self.bin = None;
+                            }
                         });
                     }
-                    if row.response().clicked() {
-                        cx.shared.select = Some([x, y]);
-                    }
-                });
-            });
+                    None => drop(ui.weak("Click a bar to show its rays alone, a pixel to select its ray.")),
+                }
+            }
+            Section::Rays => {
+                rays::summary(ui, cx, &sorted, width, (ui.available_height() * 0.35).clamp(80.0, 160.0));
+                let room = vec2(ui.available_width(), ui.available_height().max(180.0));
+                ui.allocate_ui(room, |ui| rays::list(ui, cx, &sorted, width, &mut self.scroll));
+            }
+            Section::Warps => {}
+        }
     }
 }
 
-/// Reads the cost of all rays, and sorts them. `None` if the run is not at its end.
-fn sort(job: JobContext<'_>, of: Of) -> JobFuture<'_> {
-    Box::pin(async move {
-        let renderer = job.session.renderer();
-        let rays = renderer.plan().rays as usize;
-        if renderer.next_kernel().is_some() {
-            return Ok(Box::new((of, None::<Sorted>)) as _);
-        }
-        let Some(counters) = renderer.plan().counters() else { return Ok(Box::new((of, None::<Sorted>)) as _) };
-        let counters = job.session.stream(counters).await.map_err(|error| error.to_string())?;
-        let sorted = costs(&counters, rays, of.measure).map(|costs| {
-            let order = CostOrder::new(costs);
-            let dearest = [0.01, 0.1].map(|share| order.share_of_dearest(share));
-            Sorted { curve: Curve::new(&order), dearest, order }
-        });
-        Ok(Box::new((of, sorted)) as _)
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_keys_walk_along_the_order_and_begin_at_the_dearest() {
-        let order = CostOrder::new(vec![3, 9, 0, 9, 3, 4]);
-        assert_eq!(step(&order, None, false), Some(1));
-        assert_eq!((step(&order, Some(1), false), step(&order, Some(3), true)), (Some(3), Some(1)));
-        assert_eq!((step(&order, Some(1), true), step(&order, Some(2), false)), (None, None));
-        // A pixel of a different, larger run.
-        assert_eq!(step(&order, Some(99), true), Some(1));
-        assert_eq!((pixel_of(7, 3), ray_at([1, 2], 3)), ([1, 2], 7));
+/// A button that shows the options.
+fn to_options(ui: &mut Ui, cx: &mut Context<'_>) {
+    if ui.button("Options").clicked() {
+        cx.todo.push(Command::Show(PaneKind::Options));
     }
 }
