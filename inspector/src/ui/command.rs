@@ -101,6 +101,12 @@ pub enum Command {
     Fit,
     /// Shows a copy of the current stream in a new tab.
     Pin,
+    /// Shows the next layer of the grid.
+    NextSlice,
+    /// Shows the previous layer of the grid.
+    PreviousSlice,
+    /// Shows layers of the grid perpendicular to the next axis.
+    SliceAxis,
     /// Switches between light and dark theme.
     Theme,
     /// The default layout of three panels.
@@ -251,6 +257,9 @@ pub const COMMANDS: &[CommandInfo] = table! {
         C::ResetRange, "Reset range", NONE R;
         C::Fit, "Fit to panel", NONE F;
         C::Pin, "Pin this stream", NONE P;
+        C::NextSlice, "Next layer of the grid", NONE PageUp;
+        C::PreviousSlice, "Previous layer of the grid", NONE PageDown;
+        C::SliceAxis, "Next axis of the grid's layers", NONE X;
         C::Theme, "Toggle light/dark theme";
         C::SimpleLayout, "Simple layout";
         C::FullLayout, "Full layout", CTRL L;

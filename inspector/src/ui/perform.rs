@@ -26,6 +26,9 @@ impl Inspector {
             C::ExportRay | C::ExportWalk => model.life.is_some(),
             C::EndCompare => self.other.is_some(),
             C::Compare | C::Judge | C::Measure => has_run && model.has_rays(),
+            C::NextSlice | C::PreviousSlice | C::SliceAxis => {
+                model.opened.as_ref().is_some_and(|opened| opened.data.grid_cells.len() > 1)
+            }
             _ => has_run,
         }
     }
@@ -116,6 +119,10 @@ impl Inspector {
             }
             C::PreviousRayByCost | C::NextRayByCost => {
                 layout::show(&mut self.tree, PaneKind::Cost);
+                self.ask_panels(command);
+            }
+            C::NextSlice | C::PreviousSlice | C::SliceAxis => {
+                layout::show(&mut self.tree, PaneKind::Structure);
                 self.ask_panels(command);
             }
             C::LessonRay | C::LessonGrid | C::LessonCrack => self.begin_lesson(command),

@@ -1,7 +1,8 @@
-//! The acceleration structure: the lists of the grid and a slice through them, or the nodes of the BVH.
+//! The acceleration structure: the lists of the grid and a slice through them, or the nodes of the BVH as a tree.
 
 mod picture;
 mod slice;
+mod tree;
 
 use std::sync::Arc;
 
@@ -10,9 +11,11 @@ use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{GridStats, LENGTHS, TreeStats, triangles_in};
 use raystep_lab::text::counted;
 use slice::SliceView;
+use tree::{Explored, TreeView};
 
 use super::chart::Histogram;
 use crate::session::request::{JobContext, JobFuture, Request};
+use crate::ui::command::Command;
 use crate::ui::pane::{Context, Panel};
 
 /// The engine's job, named while it runs.
@@ -23,10 +26,10 @@ const MOST_CHIPS: usize = 400;
 const BARS: f32 = 86.0;
 
 /// Statistics of a grid or BVH.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 enum Measured {
-    Grid(GridStats),
-    Tree(TreeStats),
+    Grid(Arc<GridStats>),
+    Tree(Arc<TreeStats>, Arc<Explored>),
     Nothing,
 }
 
@@ -36,6 +39,7 @@ pub(in crate::ui) struct Structure {
     asked: u64,
     measured: Option<(u64, Measured)>,
     slice: SliceView,
+    tree: TreeView,
 }
 
 impl Panel for Structure {
@@ -52,7 +56,7 @@ impl Panel for Structure {
         self.measure(&data, cx);
         match self.measured.clone() {
             Some((_, Measured::Grid(stats))) => self.grid(ui, cx, &data, &stats),
-            Some((_, Measured::Tree(stats))) => drop(ScrollArea::vertical().show(ui, |ui| tree(ui, &stats))),
+            Some((_, Measured::Tree(stats, explored))) => self.tree(ui, cx, &data, &stats, &explored),
             Some((_, Measured::Nothing)) if !cx.has_rays() => {
                 ui.weak("This program traces through no grid or BVH. What it builds is in its streams.");
             }
@@ -71,6 +75,19 @@ impl Panel for Structure {
             }
         }
     }
+
+    fn command(&mut self, command: Command, cx: &mut Context<'_>) -> bool {
+        if !matches!(command, Command::NextSlice | Command::PreviousSlice | Command::SliceAxis) {
+            return false;
+        }
+        let Some(data) = cx.model.opened.as_ref().map(|opened| opened.data.clone()) else { return false };
+        if data.grid_cells.len() < 2 {
+            cx.shared.say(false, "this run has no grid");
+            return true;
+        }
+        self.slice.command(command, &data);
+        true
+    }
 }
 
 impl Structure {
@@ -80,6 +97,7 @@ impl Structure {
         if self.measured.as_ref().is_some_and(|(of, _)| *of != generation) {
             self.measured = None;
             self.slice.forget();
+            self.tree = TreeView::default();
         }
         if let Some(answer) = cx.model.take_answer::<(u64, Measured)>(MEASURING)
             && answer.0 == generation
@@ -107,20 +125,48 @@ impl Structure {
                     ScrollArea::vertical()
                         .id_salt("numbers")
                         .auto_shrink(false)
-                        .show(ui, |ui| self.numbers(ui, data, stats));
+                        .show(ui, |ui| self.numbers(ui, cx, data, stats));
                 });
             });
         } else {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 // Part of what follows stays visible, so that it is clear that there is more.
                 self.slice.show(ui, cx, data, stats.longest, (size.y * 0.6).max(140.0));
-                self.numbers(ui, data, stats);
+                self.numbers(ui, cx, data, stats);
             });
         }
     }
 
-    fn numbers(&mut self, ui: &mut Ui, data: &SceneData, stats: &GridStats) {
-        self.list(ui, data);
+    fn tree(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, stats: &TreeStats, tree: &Arc<Explored>) {
+        let size = ui.available_size();
+        if size.x > 900.0 {
+            ui.horizontal_top(|ui| {
+                let down = egui::Layout::top_down(egui::Align::Min);
+                ui.allocate_ui_with_layout(egui::vec2(size.x * 0.6, size.y), down, |ui| {
+                    self.tree.show(ui, cx, tree, data);
+                });
+                ui.allocate_ui_with_layout(ui.available_size(), down, |ui| {
+                    ScrollArea::vertical().id_salt("details").auto_shrink(false).show(ui, |ui| {
+                        self.tree.details(ui, cx, tree, data);
+                        tree_numbers(ui, stats);
+                    });
+                });
+            });
+        } else {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                // Without a pick there is only one line below the table.
+                let share = if self.tree.picked().is_some() { 0.55 } else { 0.7 };
+                ui.allocate_ui(egui::vec2(size.x, (size.y * share).max(160.0)), |ui| {
+                    self.tree.show(ui, cx, tree, data)
+                });
+                self.tree.details(ui, cx, tree, data);
+                tree_numbers(ui, stats);
+            });
+        }
+    }
+
+    fn numbers(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, stats: &GridStats) {
+        self.list(ui, cx, data);
         let [x, y, z] = stats.cells;
         ui.horizontal_wrapped(|ui| {
             ui.strong(format!("{x} × {y} × {z} cells")).on_hover_text(format!("{} in total", stats.cells_in_all()));
@@ -132,7 +178,7 @@ impl Structure {
                 .on_hover_text(format!("{} references in all lists", stats.references));
             let text = format!("longest list: {}", stats.longest);
             if ui.link(text).on_hover_text("select the first cell with such a list").clicked() && stats.longest > 0 {
-                self.slice.select(data, data.grid.cell_of_index(stats.longest_cell));
+                self.slice.select(cx, data, data.grid.cell_of_index(stats.longest_cell));
             }
             if let Some(triangle) = stats.most_listed_triangle {
                 let text = format!("triangle {triangle} is in {}", counted(stats.most_listed, "list"));
@@ -141,7 +187,7 @@ impl Structure {
                     .on_hover_text("the most of any triangle; click to mark its cells in the slice")
                     .clicked()
                 {
-                    self.slice.triangle = Some(triangle);
+                    self.slice.mark(cx, Some(triangle));
                 }
             }
         });
@@ -163,7 +209,7 @@ impl Structure {
     }
 
     /// The triangles of the selected cell.
-    fn list(&mut self, ui: &mut Ui, data: &SceneData) {
+    fn list(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData) {
         let Some(cell) = self.slice.cell().filter(|&cell| data.grid.is_in_grid(cell)) else {
             ui.weak("Click a cell to see its list.");
             return;
@@ -181,7 +227,7 @@ impl Structure {
                 let chip = egui::Button::selectable(is_marked, RichText::new(triangle.to_string()).monospace());
                 let chip = ui.add(chip.stroke(ui.visuals().widgets.noninteractive.bg_stroke));
                 if chip.on_hover_ui(|ui| corners(ui, data, triangle)).clicked() {
-                    self.slice.triangle = (!is_marked).then_some(triangle);
+                    self.slice.mark(cx, (!is_marked).then_some(triangle));
                 }
             }
             if triangles.len() > MOST_CHIPS {
@@ -195,8 +241,9 @@ impl Structure {
 /// Statistics of a grid or BVH. The session is only used to stay cancellable.
 fn measure(_: JobContext<'_>, data: Arc<SceneData>, generation: u64) -> JobFuture<'_> {
     Box::pin(async move {
-        let tree = || TreeStats::of(&data).map(Measured::Tree);
-        let measured = GridStats::of(&data).map(Measured::Grid).or_else(tree).unwrap_or(Measured::Nothing);
+        let tree = || Some(Measured::Tree(Arc::new(TreeStats::of(&data)?), Arc::new(Explored::of(&data)?)));
+        let grid = GridStats::of(&data).map(|stats| Measured::Grid(Arc::new(stats)));
+        let measured = grid.or_else(tree).unwrap_or(Measured::Nothing);
         Ok(Box::new((generation, measured)) as _)
     })
 }
@@ -216,8 +263,12 @@ fn corners(ui: &mut Ui, data: &SceneData, triangle: u32) {
     ui.weak("traced units; click to mark its cells in the slice");
 }
 
-fn tree(ui: &mut Ui, stats: &TreeStats) {
+fn tree_numbers(ui: &mut Ui, stats: &TreeStats) {
     let levels = stats.depths.len().saturating_sub(1);
+    ui.label(match stats.width {
+        2 => "The run steps through the binary BVH; only the fused schedule has the compressed eight-wide one.",
+        _ => "The run has the compressed eight-wide BVH: a leaf is a slot of its node, under a number of its own here.",
+    });
     ui.horizontal_wrapped(|ui| {
         ui.strong(counted(stats.inner, "inner node"))
             .on_hover_text(format!("with at most {} children each", stats.width));

@@ -4,6 +4,8 @@ use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::NodeT as _;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
 use super::{Before, PIXEL};
 use crate::ui::desk::CORNELL;
@@ -23,6 +25,21 @@ pub(super) fn sort_rays(stage: &mut Stage) -> f64 {
     stage.perform(Command::End);
     stage.perform(Command::Show(PaneKind::Cost));
     0.0
+}
+
+/// The layer of the grid that is shown.
+pub(super) fn layer(stage: &Stage) -> f64 {
+    let name =
+        stage.find(Role::Image, |name| name.starts_with("list lengths")).and_then(|n| n.accesskit_node().label());
+    let index = name.as_deref().and_then(|name| name.split(" at ").nth(1)?.split(',').next());
+    index.and_then(|index| index.parse().ok()).expect("a layer")
+}
+
+/// Between two layers of the grid: one is above, one is below.
+pub(super) fn slice(stage: &mut Stage, first: Command) -> f64 {
+    stage.perform(Command::Show(PaneKind::Structure));
+    stage.perform(first);
+    layer(stage)
 }
 
 pub(super) fn show_watches(stage: &mut Stage) -> f64 {

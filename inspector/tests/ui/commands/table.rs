@@ -1,17 +1,14 @@
 //! What each command needs, and how to tell that it worked.
 
-use egui::{Key, Modifiers, Role};
-use egui_kittest::kittest::NodeT as _;
+use egui::Role;
 use raystep_inspector::link::Link;
 use raystep_inspector::ui::command::Command;
 use raystep_inspector::ui::pane::PaneKind;
 use raystep_kernels::export::csv::COLUMNS;
-use raystep_kernels::programs::closest_hit::streams;
-use raystep_kernels::programs::closest_hit::streams::STATE_T;
 
 use super::effects::{
-    assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, moved_range, nothing, pixel_moved, play,
-    range, same_kernel, show_watches, shown, sort_rays, watch_the_ray, zoomed,
+    assert_all, choose_cornell, event, exposure, is_ray_watched, is_shown, layer, moved_range, nothing, pixel_moved,
+    play, range, same_kernel, show_watches, shown, slice, sort_rays, watch_the_ray, zoomed,
 };
 use super::files::{drawing, file, saved};
 use super::{Before, PIXEL};
@@ -212,6 +209,25 @@ pub(super) fn row(command: Command) -> Row {
         C::Pin => (nothing, |s, was| {
             s.settle();
             s.get(Role::Button, &format!("state after {}", was.place));
+        }),
+        C::NextSlice => (
+            |s| slice(s, Command::PreviousSlice),
+            |s, was| {
+                s.settle();
+                assert_eq!(layer(s), was.number + 1.0);
+            },
+        ),
+        C::PreviousSlice => (
+            |s| slice(s, Command::NextSlice),
+            |s, was| {
+                s.settle();
+                assert_eq!(layer(s), was.number - 1.0);
+            },
+        ),
+        C::SliceAxis => (nothing, |s, _| {
+            s.settle();
+            is_shown(s, PaneKind::Structure);
+            assert!(s.reads("perpendicular to x"), "{}", s.read_out());
         }),
         C::Theme => (nothing, |s, was| {
             s.settle();

@@ -32,7 +32,7 @@ fn of_at_most(slice: &Slice, longest: u32, most: i32) -> ColorImage {
 }
 
 /// Logarithmic, since few lists are long. The same length has the same colour in every layer.
-fn color(length: u32, longest: u32) -> Color32 {
+pub(super) fn color(length: u32, longest: u32) -> Color32 {
     if length == 0 {
         return EMPTY;
     }

@@ -1,20 +1,25 @@
-//! A layer of the grid's cells, coloured by list length.
+//! A layer of the grid's cells, coloured by list length, with the lengths in cells that are large enough.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle};
-use egui::{TextureOptions, Ui, Vec2, pos2, vec2};
-use raystep_kernels::export::trace::Trace;
-use raystep_kernels::programs::closest_hit::states;
+mod numbers;
+mod path;
+mod placement;
+
+use egui::{
+    Color32, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+};
 use raystep_kernels::scene_data::SceneData;
 use raystep_lab::structure_stats::{Slice, triangles_in};
 use raystep_lab::text::counted;
 
 use super::picture::{legend, picture};
+use crate::ui::command::Command;
 use crate::ui::pane::Context;
-use crate::ui::panels::ray::current_row;
+use crate::ui::panels::zoom::Zoom;
+use crate::ui::shared::Picked;
+use path::Path;
+use placement::{Placement, others, place_in};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
-/// Points around a layer, for the axis labels.
-const MARGIN: Vec2 = vec2(22.0, 2.0);
 
 /// A layer, and its marks.
 #[derive(Default)]
@@ -25,10 +30,12 @@ pub(super) struct SliceView {
     index: Option<i32>,
     /// The cell that was clicked.
     cell: Option<[i32; 3]>,
-    /// The selected ray's cell.
-    current: Option<[i32; 3]>,
     /// The triangle whose cells are marked.
     pub(super) triangle: Option<u32>,
+    /// What was picked in any panel when it was last looked at.
+    seen: Option<Picked>,
+    path: Path,
+    zoom: Zoom,
     drawn: Option<(Slice, TextureHandle)>,
     /// Cells of the layer that list the marked triangle, and the key of that result.
     listing: Option<(Listed, Vec<[i32; 2]>)>,
@@ -44,30 +51,84 @@ impl SliceView {
         *self = Self { axis, ..Self::default() };
     }
 
-    /// Selects a cell, and moves to its layer.
-    pub(super) fn select(&mut self, data: &SceneData, cell: [i32; 3]) {
+    /// Picks a cell for all panels, and moves to its layer.
+    pub(super) fn select(&mut self, cx: &mut Context<'_>, data: &SceneData, cell: [i32; 3]) {
         if data.grid.is_in_grid(cell) {
             (self.cell, self.index) = (Some(cell), Some(cell[self.axis()]));
+            cx.shared.picked = Some(Picked::Cell(cell.map(i32::unsigned_abs)));
+            self.seen = cx.shared.picked;
+        }
+    }
+
+    /// Picks a triangle for all panels, and marks its cells; `None` marks none.
+    pub(super) fn mark(&mut self, cx: &mut Context<'_>, triangle: Option<u32>) {
+        self.triangle = triangle;
+        if let Some(triangle) = triangle {
+            cx.shared.picked = Some(Picked::Triangle(triangle));
+            self.seen = cx.shared.picked;
         }
     }
 
     /// The cell whose list is shown: the clicked one, otherwise the selected ray's.
     pub(super) fn cell(&self) -> Option<[i32; 3]> {
-        self.cell.or(self.current)
+        self.cell.or(self.path.current())
     }
 
     fn axis(&self) -> usize {
         self.axis.unwrap_or(2).min(2)
     }
 
+    fn last(&self, data: &SceneData) -> i32 {
+        (data.grid.cells[self.axis()] - 1).max(0)
+    }
+
+    /// The layer that is shown.
+    fn index(&self, data: &SceneData) -> i32 {
+        let last = self.last(data);
+        self.index.or(self.path.current().map(|cell| cell[self.axis()])).unwrap_or(last / 2).clamp(0, last)
+    }
+
+    /// Performs a command about the layer.
+    pub(super) fn command(&mut self, command: Command, data: &SceneData) {
+        let index = self.index(data);
+        match command {
+            Command::NextSlice => self.index = Some((index + 1).min(self.last(data))),
+            Command::PreviousSlice => self.index = Some((index - 1).max(0)),
+            _ => self.turn((self.axis() + 1) % 3),
+        }
+    }
+
+    /// Shows layers perpendicular to another axis; the picked cell stays in view.
+    fn turn(&mut self, axis: usize) {
+        self.axis = Some(axis);
+        self.index = self.index.and(self.cell.map(|cell| cell[axis]));
+        self.zoom.fit();
+    }
+
+    /// Takes over what was picked in another panel.
+    fn follow_picked(&mut self, cx: &mut Context<'_>, data: &SceneData) {
+        if cx.shared.picked == self.seen {
+            return;
+        }
+        self.seen = cx.shared.picked;
+        match self.seen {
+            Some(Picked::Cell(cell)) => {
+                if let [Ok(x), Ok(y), Ok(z)] = cell.map(i32::try_from) {
+                    self.select(cx, data, [x, y, z]);
+                }
+            }
+            Some(Picked::Triangle(triangle)) => self.triangle = Some(triangle),
+            Some(Picked::Node(_)) | None => {}
+        }
+    }
+
     /// Shows tools and image in this height, in points. `longest` is the grid's longest list.
     pub(super) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, data: &SceneData, longest: u32, height: f32) {
         let top = ui.cursor().top();
-        let visits = cx.model.life.as_ref().map_or_else(Vec::new, |life| visited(life, data, cx.model.place));
-        let current = visits.iter().rev().find(|v| v.has_run).map(|v| v.cell);
-        self.current = current;
-        let index = self.tools(ui, data, longest);
-        let axis = self.axis();
+        self.follow_picked(cx, data);
+        self.path.update(cx.model.life.as_ref(), data, cx.model.place);
+        self.tools(ui, data, longest);
+        let (axis, index) = (self.axis(), self.index(data));
         if self.drawn.as_ref().is_none_or(|(slice, _)| (slice.axis, slice.index) != (axis, index)) {
             self.drawn = Slice::of(data, axis, index).map(|slice| {
                 let image = picture(&slice, longest);
@@ -77,13 +138,23 @@ impl SliceView {
         }
         self.find_triangle(data);
         let Some((slice, texture)) = &self.drawn else { return };
-        let room = vec2(ui.available_width().max(60.0), (height - (ui.cursor().top() - top)).max(60.0));
-        let room = room.min(vec2(room.x, Placement::height(slice, data, room.x)));
-        let (room, response) = ui.allocate_exact_size(room, Sense::click());
-        let place = Placement::new(slice, data, room);
-        let painter = ui.painter_at(room);
+        let [across, up] = others(axis);
+        let told = format!(
+            "layer {index} of {} along {}: {} to the right, {} up; numbers are triangles per cell",
+            data.grid.cells[axis], AXES[axis], AXES[across], AXES[up]
+        );
+        ui.label(told);
+        let room = vec2(ui.available_width().max(60.0), (height - (ui.cursor().top() - top)).max(80.0));
+        let (room, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
+        let (view, size) = (numbers::beside_axes(room), placement::size(slice, data));
+        self.zoom.follow(ui, &response, view, size);
+        let (scale, origin) = self.zoom.placement(view, size);
+        let place = Placement::new(slice, data, scale, origin);
+        let painter = ui.painter_at(view);
+        painter.rect_filled(view, 0.0, ui.visuals().extreme_bg_color);
         painter.image(texture.id(), place.rect, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
-        painter.rect_stroke(place.rect, 0.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Outside);
+        numbers::axes(ui, &ui.painter_at(room), slice, &place, room, view);
+        numbers::lengths(&painter, slice, &place, view, longest);
         let mark = |at: [i32; 2], color: Color32, width: f32| {
             let cell = place.cell(at);
             let cell = Rect::from_center_size(cell.center(), cell.size().max(Vec2::splat(4.0)));
@@ -92,62 +163,61 @@ impl SliceView {
         for &at in self.listing.iter().flat_map(|(_, cells)| cells) {
             mark(at, Color32::from_rgb(255, 120, 80), 1.5);
         }
-        for visit in &visits {
+        for visit in self.path.visits() {
             if let Some(at) = place_in(slice, visit.cell) {
                 mark(at, if visit.has_run { Color32::WHITE } else { Color32::from_white_alpha(90) }, 1.5);
             }
         }
-        if let Some(at) = current.and_then(|cell| place_in(slice, cell)) {
+        self.path.draw(&painter, slice, &place, data);
+        if let Some(at) = self.path.current().and_then(|cell| place_in(slice, cell)) {
             mark(at, Color32::from_rgb(255, 220, 60), 2.5);
         }
         if let Some(at) = self.cell.and_then(|cell| place_in(slice, cell)) {
             mark(at, Color32::from_rgb(255, 80, 200), 2.5);
         }
-        let [across, up] = others(axis);
-        let font = FontId::proportional(11.0);
-        let ink = ui.visuals().weak_text_color();
-        painter.text(place.rect.right_bottom() + vec2(3.0, 0.0), Align2::LEFT_BOTTOM, AXES[across], font.clone(), ink);
-        painter.text(place.rect.left_top() - vec2(3.0, 0.0), Align2::RIGHT_TOP, AXES[up], font, ink);
         let text = format!(
-            "list lengths of the {} by {} cells perpendicular to {} at {index}, longest {}",
+            "list lengths of the {} by {} cells perpendicular to {} at {index}, longest {}; {} to the right, {} up",
             slice.width,
             slice.height,
             AXES[axis],
-            slice.lengths.iter().max().unwrap_or(&0)
+            slice.lengths.iter().max().unwrap_or(&0),
+            AXES[across],
+            AXES[up]
         );
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
-        if let Some([column, row]) = response.hover_pos().and_then(|at| place.at(at)) {
-            let [x, y, z] = slice.cell(column, row);
+        let in_view = |at: &Pos2| view.contains(*at);
+        if let Some([column, row]) = response.hover_pos().filter(in_view).and_then(|at| place.at(at)) {
+            let cell = slice.cell(column, row);
             let length = slice.lengths.get((row * slice.width + column) as usize).copied().unwrap_or(0);
-            response
-                .clone()
-                .on_hover_text_at_pointer(format!("cell {x},{y},{z}: {} in its list", counted(length, "triangle")));
+            response.clone().on_hover_ui_at_pointer(|ui| about(ui, data, cell, length));
         }
-        if let Some([column, row]) =
-            response.interact_pointer_pos().filter(|_| response.clicked()).and_then(|at| place.at(at))
-        {
-            self.cell = Some(slice.cell(column, row));
-            self.index = Some(index);
+        let clicked = response.interact_pointer_pos().filter(|at| response.clicked() && in_view(at));
+        if let Some([column, row]) = clicked.and_then(|at| place.at(at)) {
+            let cell = slice.cell(column, row);
+            self.select(cx, data, cell);
         }
     }
 
-    /// Chooses axis and layer; returns the layer to show.
-    fn tools(&mut self, ui: &mut Ui, data: &SceneData, longest: u32) -> i32 {
-        let mut index = 0;
+    /// Chooses axis and layer.
+    fn tools(&mut self, ui: &mut Ui, data: &SceneData, longest: u32) {
         ui.horizontal_wrapped(|ui| {
-            let label = ui.label("across").on_hover_text("the axis perpendicular to the layer");
+            let key = |command: Command| command.key_text(ui.ctx());
+            let keys = format!(
+                "the axis perpendicular to the layer  {}; next and previous layer  {}, {}",
+                key(Command::SliceAxis),
+                key(Command::NextSlice),
+                key(Command::PreviousSlice)
+            );
+            ui.label("across").on_hover_text(keys);
             for (axis, name) in AXES.into_iter().enumerate() {
-                if ui.selectable_label(self.axis() == axis, name).labelled_by(label.id).clicked() {
-                    self.axis = Some(axis);
-                    self.index = self.index.and(self.cell.map(|cell| cell[axis]));
+                if ui.selectable_label(self.axis() == axis, name).clicked() {
+                    self.turn(axis);
                 }
             }
-            let axis = self.axis();
-            let last = (data.grid.cells[axis] - 1).max(0);
-            index = self.index.or(self.current.map(|cell| cell[axis])).unwrap_or(last / 2).clamp(0, last);
+            let mut index = self.index(data);
             let label = ui.label("at").id;
             ui.spacing_mut().slider_width = (ui.max_rect().width() - 200.0).clamp(30.0, 160.0);
-            let slider = Slider::new(&mut index, 0..=last);
+            let slider = Slider::new(&mut index, 0..=self.last(data));
             if ui.add(slider).labelled_by(label).changed() {
                 self.index = Some(index);
             }
@@ -160,8 +230,10 @@ impl SliceView {
                 (self.index, self.cell) = ((!follows).then_some(index), None);
             }
             legend(ui, longest);
+            if !self.zoom.is_fit() && ui.button("fit").on_hover_text("show the whole layer (double click)").clicked() {
+                self.zoom.fit();
+            }
         });
-        index
     }
 
     fn find_triangle(&mut self, data: &SceneData) {
@@ -176,44 +248,17 @@ impl SliceView {
     }
 }
 
-/// A cell that the selected ray is in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Visit {
-    cell: [i32; 3],
-    /// Whether that was before the current place.
-    has_run: bool,
-}
-
-/// The cells of a ray's history in order; consecutive rows in the same cell count once.
-fn visited(life: &Trace, data: &SceneData, place: usize) -> Vec<Visit> {
-    let mut visits: Vec<Visit> = Vec::new();
-    for row in &life.rows {
-        if let Some(cell) = row.cell.filter(|&cell| data.grid.is_in_grid(cell))
-            && visits.last().is_none_or(|last| last.cell != cell)
-        {
-            visits.push(Visit { cell, has_run: row.is_within(place) });
-        }
+/// A cell's list and its box.
+fn about(ui: &mut Ui, data: &SceneData, cell: [i32; 3], length: u32) {
+    let [x, y, z] = cell;
+    ui.strong(format!("cell {x},{y},{z}: {} in its list", counted(length, "triangle")));
+    let (bounds, unit) =
+        (crate::walk::Aabb::of_cells(&data.grid, cell, [1; 3]), data.units.scene_units_per_stream_unit());
+    for (name, corner) in [("from", bounds.min), ("to", bounds.max)] {
+        let [x, y, z] = (corner * unit).to_array();
+        ui.monospace(format!("{name:<4} {x:>11.5} {y:>11.5} {z:>11.5}"));
     }
-    // A pass that brings the ray to a cell has not worked in it yet.
-    let now = current_row(life, place).and_then(|i| life.rows.get(i)).filter(|row| row.after.tag > states::TRAV_SETUP);
-    if let Some(cell) = now.map(|row| data.grid.cell_of_index(row.after.cell_index))
-        && let Some(next) = visits.iter().position(|v| !v.has_run)
-        && visits[next].cell == cell
-    {
-        visits[next].has_run = true;
-    }
-    visits
-}
-
-/// The two axes of a layer perpendicular to the given one, in the order of [`Slice`].
-fn others(axis: usize) -> [usize; 2] {
-    [[1, 2], [0, 2], [0, 1]][axis.min(2)]
-}
-
-/// Column and row of a cell in a layer; `None` if it is in another layer.
-fn place_in(slice: &Slice, cell: [i32; 3]) -> Option<[i32; 2]> {
-    let [across, up] = others(slice.axis);
-    (cell[slice.axis] == slice.index).then(|| [cell[across], slice.height - 1 - cell[up]])
+    ui.weak("scene units; click to see its list");
 }
 
 /// Cells of a layer that list a triangle, as columns and rows.
@@ -226,60 +271,9 @@ fn listing(data: &SceneData, slice: &Slice, triangle: u32) -> Vec<[i32; 2]> {
     all.filter(lists).collect()
 }
 
-/// The screen rectangle of a layer, with the aspect ratio of its cells.
-struct Placement {
-    rect: Rect,
-    cells: [i32; 2],
-}
-
-impl Placement {
-    fn new(slice: &Slice, data: &SceneData, room: Rect) -> Self {
-        let size = Self::size(slice, data);
-        let room = room.shrink2(MARGIN);
-        let scale = (room.width() / size.x).min(room.height() / size.y);
-        let size = if scale.is_finite() && scale > 0.0 { size * scale } else { room.size() };
-        Self {
-            rect: Rect::from_min_size(room.min + 0.5 * (room.size() - size), size),
-            cells: [slice.width, slice.height],
-        }
-    }
-
-    /// Width and height of a layer, traced units.
-    fn size(slice: &Slice, data: &SceneData) -> Vec2 {
-        let [across, up] = others(slice.axis);
-        vec2(slice.width as f32 * data.grid.width[across], slice.height as f32 * data.grid.width[up])
-    }
-
-    /// The height of a layer of this width, including margins.
-    fn height(slice: &Slice, data: &SceneData, width: f32) -> f32 {
-        let size = Self::size(slice, data);
-        let height = (width - 2.0 * MARGIN.x) * size.y / size.x;
-        // Both axis labels must be readable.
-        if height.is_finite() { height.max(24.0) + 2.0 * MARGIN.y } else { f32::INFINITY }
-    }
-
-    fn cell(&self, [column, row]: [i32; 2]) -> Rect {
-        let [columns, rows] = self.cells;
-        let size = vec2(self.rect.width() / columns as f32, self.rect.height() / rows as f32);
-        Rect::from_min_size(self.rect.min + vec2(column as f32 * size.x, row as f32 * size.y), size)
-    }
-
-    fn at(&self, at: Pos2) -> Option<[i32; 2]> {
-        let [columns, rows] = self.cells;
-        let part = (at - self.rect.min) / self.rect.size();
-        self.rect.contains(at).then(|| {
-            let index = |part: f32, count: i32| ((part * count as f32) as i32).clamp(0, count - 1);
-            [index(part.x, columns), index(part.y, rows)]
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use std::ops::ControlFlow;
-
-    use raystep_kernels::export::trace::{Rays, TraceRow, trace};
-    use raystep_kernels::{Device, GridSize, Limits, Options, Plan, RaySource, Renderer, ScheduleKind};
+    use raystep_kernels::{GridSize, Limits, Options, Plan, RaySource};
     use raystep_scenes::generate;
 
     use super::*;
@@ -295,7 +289,7 @@ mod tests {
         let data = room();
         for axis in 0..3 {
             let slice = Slice::of(&data, axis, 1).expect("a slice");
-            let place = Placement::new(&slice, &data, Rect::from_min_size(pos2(7.0, 9.0), vec2(300.0, 200.0)));
+            let place = Placement::new(&slice, &data, 90.0, pos2(7.0, 9.0));
             for row in 0..slice.height {
                 for column in 0..slice.width {
                     let cell = slice.cell(column, row);
@@ -321,32 +315,17 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_visits_cell_after_cell_and_those_ahead_are_told_from_those_behind() {
-        let scene = generate::cornell_box();
-        let camera = scene.cameras[0].clone();
-        let options = Options {
-            grid: GridSize::Cells([5, 4, 6]),
-            schedule: ScheduleKind::Second,
-            ..Options::new(RaySource::Camera { camera, width: 8, height: 8 })
+    fn keys_move_through_layers_and_axes_and_stay_in_the_grid() {
+        let data = room();
+        let mut view = SliceView::default();
+        let mut now = |command: Command| {
+            view.command(command, &data);
+            (view.axis(), view.index(&data))
         };
-        let (life, data) = pollster::block_on(async {
-            let mut renderer = Renderer::new(&scene, &options, &Device::Cpu(None)).await.expect("a renderer");
-            let life = trace(&mut renderer, 3, 4, Rays::All, |_| ControlFlow::Continue(())).await.expect("a life");
-            (life, renderer.shared_data())
-        });
-        let passes = life.passes.expect("the whole run");
-        let count = |place: usize| visited(&life, &data, place).iter().filter(|v| v.has_run).count();
-        let visits = visited(&life, &data, passes);
-        assert!(visits.len() > 2, "the ray goes through the room");
-        for pair in visits.windows(2) {
-            let steps: i32 = (0..3).map(|axis| (pair[0].cell[axis] - pair[1].cell[axis]).abs()).sum();
-            assert_eq!(steps, 1, "{pair:?}");
-        }
-        assert_eq!((count(0), count(passes)), (0, visits.len()));
-        // Set-up moves the ray to its first cell, and the first step to the second.
-        let step = life.rows.iter().find(|row| row.kernel == "traverse_grid").expect("a step");
-        let at = |row: &TraceRow| count(row.place().expect("a pass"));
-        assert_eq!((at(&life.rows[1]), at(step)), (1, 2));
-        assert!((0..passes).all(|place| count(place) <= count(place + 1)));
+        assert_eq!(now(Command::NextSlice), (2, 2));
+        assert_eq!(now(Command::NextSlice), (2, 2), "three layers");
+        assert_eq!((now(Command::PreviousSlice), now(Command::SliceAxis)), ((2, 1), (0, 2)));
+        assert_eq!((now(Command::SliceAxis), now(Command::NextSlice)), ((1, 1), (1, 2)), "four layers");
+        assert_eq!(now(Command::SliceAxis), (2, 1));
     }
 }
