@@ -27,7 +27,7 @@ pub const WORDS: &[(&str, &str, &str)] = &[
     (
         "measure",
         "NAME KEY=VALUE …",
-        "traces the open scene with other options, on the same device, twice, and keeps the second run's numbers",
+        "traces the open scene with other options, on the same device, four times, and keeps the fastest of the last three",
     ),
     ("bars", "NAME …", "shows measured runs next to each other in the lesson"),
     ("candidates", "", "shows the triangles that the ray may hit, in f32 and in f64, in the lesson"),
