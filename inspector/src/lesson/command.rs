@@ -19,7 +19,11 @@ pub const WORDS: &[(&str, &str, &str)] = &[
     ("pass", "N", "goes to after pass N"),
     ("end", "", "goes to after the last pass"),
     ("row", "[N] \"TEXT\"", "goes to the pass of the ray's first (or N-th) row whose *why* contains the text"),
-    ("only", "PANEL … / PANEL …", "shows exactly these panels, in rows from top to bottom, separated by a slash"),
+    (
+        "only",
+        "PANEL … / PANEL …",
+        "shows exactly these panels, in rows from top to bottom, separated by a slash; what `do` did before is not repeated",
+    ),
     ("show", "PANEL", "shows one more panel, in a row at the bottom"),
     ("stream", "NAME[.LAYER]", "shows a stream in the stream panel, as a whole"),
     ("zoom", "N at X,Y", "enlarges it to N points a texel, around a pixel"),
@@ -27,7 +31,7 @@ pub const WORDS: &[(&str, &str, &str)] = &[
     (
         "measure",
         "NAME KEY=VALUE …",
-        "traces the open scene with other options, on the same device, twice, and keeps the second run's numbers",
+        "traces the open scene with other options, on the same device, four times, and keeps the fastest of the last three",
     ),
     ("bars", "NAME …", "shows measured runs next to each other in the lesson"),
     ("candidates", "", "shows the triangles that the ray may hit, in f32 and in f64, in the lesson"),

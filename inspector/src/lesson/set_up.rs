@@ -78,7 +78,11 @@ impl SetUp {
             }
             Action::Pixel(pixel) => self.pixel = Some(*pixel),
             Action::Go(goal) => self.goal = Some((line, goal.clone())),
-            Action::Only(panels) => (self.panels, self.more) = (Some(panels.clone()), Vec::new()),
+            Action::Only(panels) => {
+                (self.panels, self.more) = (Some(panels.clone()), Vec::new());
+                // Many commands show a panel: it would come back.
+                self.commands.clear();
+            }
             Action::Show(kind) => self.more.push(*kind),
             Action::Stream(stream) => self.shown = Some(Shown { stream: *stream, zoom: None, pan: None }),
             Action::Zoom(points, at) => {

@@ -240,6 +240,27 @@ fn what_is_not_on_the_screen_is_found() {
     }
 }
 
+/// What a GPU launches is worked out for runs on any device; here it is compared with what one has launched.
+#[test]
+fn launched_threads_are_those_of_a_gpu() {
+    let mut stage = stage();
+    for schedule in ["first", "second", "compact"] {
+        let on = |device: &str, commands: &str| {
+            let options = format!("size=60x44 schedule={schedule} device={device}");
+            one("Text.", commands).replace("size=32x32 device=cpu", &options)
+        };
+        begin(&mut stage, &on("gpu", "end"), 0);
+        let passes: Vec<(u64, u32)> =
+            stage.harness.state().model().passes.iter().map(|pass| (pass.threads_launched, pass.rays_in)).collect();
+        for place in [0, 2, 5, 20, passes.len() - 1] {
+            let (threads, rays) = passes[place];
+            let expects = format!("pass {place}\nexpect launched = {threads}\nexpect useful = {rays}");
+            begin(&mut stage, &on("cpu", &expects), 0);
+            assert_eq!(problems(&stage), Vec::<String>::new(), "{schedule}");
+        }
+    }
+}
+
 /// A clock that tells one second more each time.
 fn slow() -> u64 {
     static SECONDS: AtomicU64 = AtomicU64::new(0);

@@ -46,6 +46,14 @@ fn opening_a_scene_forgets_all_but_what_was_measured() {
 }
 
 #[test]
+fn exact_panels_are_not_joined_by_those_of_earlier_commands() {
+    let text = "# T\n## One\n```raystep\nopen scene=a.glb\nonly ray\ndo Judge hits\n```\n## Two\n```raystep\nend\n```\n\
+                ## Three\n```raystep\nonly stream\n```\n";
+    let lesson = Lesson::parse("t.md", text).expect("a lesson");
+    assert_eq!([0, 1, 2].map(|step| lesson.set_up(step).commands.len()), [1, 1, 0]);
+}
+
+#[test]
 fn mistakes_name_file_line_and_what_is_right() {
     let cases = [
         ("", 1, "expected a title"),

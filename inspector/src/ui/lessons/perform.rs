@@ -173,9 +173,9 @@ impl Inspector {
             other.cancel();
         }
         self.tree = arrange(set_up.panels.as_deref(), &set_up.more);
-        self.shared.picked = None;
+        // What an earlier step asked of the stream panel, and was not shown yet, does not matter any more.
+        (self.shared.picked, self.shared.show) = (None, set_up.shown);
         if self.is_open_for(lesson) {
-            self.shared.show = set_up.shown;
             return false;
         }
         let link = &set_up.link;

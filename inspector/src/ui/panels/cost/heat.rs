@@ -138,9 +138,7 @@ impl HeatView {
         let is_shaded =
             cx.model.last_pass().is_some_and(|pass| matches!(pass.kernel.role(), Role::Finish | Role::Sample));
         let take = |still: &mut Still, stream: Option<Stream>| {
-            if let Some((stream, texture)) = stream.and_then(|s| Some((s, cx.model.texture(s)?)))
-                && !cx.model.is_moving()
-            {
+            if let Some((stream, texture)) = stream.and_then(|s| Some((s, cx.model.drawn(s)?))) {
                 still.take(cx.canvas, now, stream, texture);
             }
         };
