@@ -207,6 +207,8 @@ mod tests {
         assert_eq!([0.0, 0.646_017_73, INF, 1e-9].map(f32), ["0", "0.64601773", "never", "1e-9"]);
         assert_eq!(number(Value { bits: u32::MAX, kind: Kind::U32, wide: 0.0 }), "0xffffffff");
         assert_eq!(number(Value { bits: u32::MAX, kind: Kind::I32, wide: 0.0 }), "-1");
+        // Three digits more than f32 has.
+        assert_eq!(wide(0.646_017_751_234_5), "0.64601775123");
         assert_eq!([0.1 + 0.2, 12.5, 1e-9, f64::from(INF)].map(wide), ["0.3", "12.5", "1.00000000000e-9", "never"]);
     }
 }

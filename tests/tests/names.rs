@@ -21,9 +21,6 @@ const MAY_NAME: &[(&str, &[&str])] = &[
         "a ray's history, and its walk through cells and nodes",
         &[
             "inspector/src/session/watch/look.rs",
-            "inspector/src/source.rs",
-            "inspector/src/source/marks.rs",
-            "inspector/src/ui/panels/kernel.rs",
             "inspector/src/ui/panels/structure/slice.rs",
             "inspector/src/walk.rs",
             "inspector/src/walk/cells.rs",

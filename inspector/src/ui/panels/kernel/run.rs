@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use raystep_kernels::export::trace::Trace;
 use raystep_kernels::interpret::{Element, InterpretError, Interpreter, Many, Outcomes};
-use raystep_kernels::programs::closest_hit::states;
 use raystep_kernels::{Kernel, StreamData};
 
 use crate::branches::Branches;
@@ -107,7 +106,7 @@ impl Runs {
             Err(error) => return Some(Err(error.to_string())),
         };
         let tag = interpreter.tag().and_then(|tag| texels.get(tag).copied());
-        let is_as_told = tag.is_none_or(|tag| states::STATES.name(tag) == row.after.state);
+        let is_as_told = tag.is_none_or(|tag| opened.plan.program.states.name(tag) == row.after.state);
         let note = (!is_as_told).then_some(
             "the device ended in another state: it rounds differently, or a texel was edited after the pass",
         );
