@@ -199,6 +199,9 @@ impl eframe::App for Window {
             return;
         }
         self.inspector.ui(ui);
+        if let Some(driven) = &mut self.driven {
+            driven.after(ui.ctx(), &self.inspector);
+        }
         // If a signal ends the program, little or nothing is lost.
         if self.kept.elapsed() > KEEP_EVERY {
             self.kept = Instant::now();

@@ -44,9 +44,9 @@ fn the_window_is_drawn_without_a_display_and_shows_what_it_is_asked_to() {
 /// Columns with start times of passes, which differ from run to run.
 const TIMES: std::ops::RangeInclusive<u32> = 119..=135;
 /// The stream panel, with its tab.
-const STREAM: [std::ops::Range<u32>; 2] = [138..368, 48..374];
+const STREAM: [std::ops::Range<u32>; 2] = [138..368, 75..374];
 /// In it, the image of 32 x 32 texels: its corner and side length, in pixels.
-const TEXELS: ([f32; 2], f32) = ([159.0, 183.0], 186.0);
+const TEXELS: ([f32; 2], f32) = ([185.0, 210.0], 159.0);
 
 /// Where two images differ, apart from times.
 fn differences(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {

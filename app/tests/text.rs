@@ -171,7 +171,10 @@ fn small(example: &str) -> String {
         Some((_, rest)) => Some((format!(" {option} {}", rest.split(' ').next().unwrap_or_default()), option, value)),
         None => is_wanted.then(|| (String::new(), option, value)),
     };
-    let is_view = matches!(command, "render" | "trace" | "dump" | "plan" | "inspect") && !has("--link");
+    let is_view =
+        matches!(command, "render" | "trace" | "dump" | "plan" | "inspect") && !has("--link") && !has("--lesson");
+    // A session has its own size.
+    let is_view = is_view && !example.contains(".raystep-session");
     let changes = [
         with("--size", "16x16", is_view || command == "report"),
         with("--pixel", "9,9", false),

@@ -214,6 +214,12 @@ impl Inspector {
         panes.into_iter().filter_map(|id| self.tree.tiles.get_pane(&id)).map(|pane| pane.kind).collect()
     }
 
+    /// Whether the last frame showed the present place in every stream view.
+    #[must_use]
+    pub fn is_up_to_date(&self) -> bool {
+        !self.shared.is_behind
+    }
+
     /// The place of the first visible panel of a kind, in points.
     #[must_use]
     pub fn rect_of(&self, kind: PaneKind) -> Option<egui::Rect> {
@@ -243,6 +249,7 @@ impl Inspector {
             text_size::set_up(&ctx, self.saved.text_size);
             ctx.request_discard("the style was set");
         }
+        self.shared.is_behind = false;
         let before = self.selection();
         self.listen(&ctx);
         self.model.glance(self.shared.hovered.filter(|&pixel| self.shared.pixel != Some(pixel)));

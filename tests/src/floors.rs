@@ -20,6 +20,7 @@ pub const FLOORS: &[&[&str]] = &[
     &["plan"],
     &["executor"],
     &["renderer"],
+    &["interpret"],
     &["history"],
     &["export"],
 ];

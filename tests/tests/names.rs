@@ -21,7 +21,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
         "a ray's history, and its walk through cells and nodes",
         &[
             "inspector/src/session/watch/look.rs",
-            "inspector/src/ui/panels/structure/slice.rs",
+            "inspector/src/ui/panels/structure/slice/path.rs",
             "inspector/src/walk.rs",
             "inspector/src/walk/cells.rs",
             "inspector/src/walk/events.rs",
@@ -30,6 +30,10 @@ const MAY_NAME: &[(&str, &[&str])] = &[
         ],
     ),
     ("panels about rays alone", &["inspector/src/ui/panels/compare.rs"]),
+    (
+        "what values of a ray mean in words, and how many of its threads do useful work",
+        &["inspector/src/ui/lessons/measured.rs", "inspector/src/ui/panels/stream/values.rs"],
+    ),
     ("the plan of each program", &["kernels/src/plan/mod.rs", "kernels/src/plan/grid_build.rs"]),
     (
         "the lists of the grid that was built, and the command that builds it",

@@ -46,7 +46,16 @@ impl Driven {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
         }
-        ctx.request_repaint();
+    }
+
+    /// After a frame.
+    pub(super) fn after(&mut self, ctx: &egui::Context, inspector: &Inspector) {
+        if self.script.after(inspector) {
+            ctx.request_repaint();
+        } else {
+            // An action without a response is given up.
+            ctx.request_repaint_after(Duration::from_secs(1));
+        }
     }
 }
 

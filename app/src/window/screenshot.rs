@@ -80,6 +80,10 @@ pub(crate) fn latency(gpu: &Arc<Gpu>, start: Start) -> Result<String, Error> {
         if !stage.inspector.is_busy() {
             stage.expect_scene()?;
         }
+        let (shown, goes_on) = (Instant::now(), script.after(&stage.inspector));
+        while !goes_on && !stage.ctx.has_requested_repaint() && shown.elapsed() < Duration::from_secs(1) {
+            std::thread::sleep(Duration::from_micros(200));
+        }
     }
     Ok(script.table(&format!("{} without a window", gpu.info.name)))
 }

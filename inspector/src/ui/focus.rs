@@ -68,6 +68,12 @@ pub(super) fn reveal(ctx: &egui::Context, focus: &mut Focus) {
 
 /// Outlines what has keyboard focus.
 pub(super) fn outline(ctx: &egui::Context, focus: &mut Focus) {
+    // To read the response of a widget takes its focus away if something else was clicked in this frame, even if the
+    // click gave it that focus.
+    if ctx.input(|input| input.pointer.any_click()) {
+        ctx.request_repaint();
+        return;
+    }
     let focused = ctx.memory(|memory| memory.focused());
     let is_new = std::mem::replace(&mut focus.last, focused) != focused;
     let Some((id, response)) = focused.and_then(|id| Some((id, ctx.read_response(id)?))) else { return };

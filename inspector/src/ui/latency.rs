@@ -1,8 +1,6 @@
 //! How long the window takes to respond: a script of clicks, keys and movements of the mouse for whoever draws the
-//! window, and the time from each of them to the end of the first frame that begins with the response known.
-//!
-//! A response that is known only in the middle of a frame may be shown by it, but counts from the next: two frames. No
-//! response is shown sooner than that, so two idle repaints are measured beside.
+//! window, and the time from each of them until the first frame that shows the response is drawn: a frame after which
+//! the response is known, and whose stream views show the present place.
 
 mod actions;
 
@@ -30,8 +28,10 @@ struct Row {
 struct Begun {
     ns: u64,
     before: actions::Before,
-    /// Whether the current frame began with the response known.
+    /// Whether the last frame has shown the response.
     is_shown: bool,
+    /// Frames since then.
+    frames: u32,
 }
 
 /// The script, and what was measured.
@@ -64,7 +64,6 @@ impl Script {
                 self.note(action, ns, is_shown);
                 return Some(Vec::new());
             }
-            begun.is_shown = (action.is_shown)(inspector, &begun.before);
             return Some(Vec::new());
         }
         if self.at != (0, 0) {
@@ -78,8 +77,19 @@ impl Script {
         let events = (action.events)(inspector, self.at.1);
         // The first action is to open the scene, which began with the program.
         let ns = if self.at == (0, 0) { self.begin_ns } else { now_ns };
-        self.begun = Some(Begun { ns, before, is_shown: false });
+        self.begun = Some(Begun { ns, before, is_shown: false, frames: 0 });
         Some(events)
+    }
+
+    /// After a frame. Returns whether the next one must follow at once: otherwise it follows when the engine wakes the
+    /// window, so that repaints do not take time from the work that is awaited.
+    #[must_use]
+    pub fn after(&mut self, inspector: &Inspector) -> bool {
+        let (Some(begun), Some(action)) = (&mut self.begun, ACTIONS.get(self.at.0)) else { return true };
+        begun.frames += 1;
+        let is_known = (action.is_shown)(inspector, &begun.before) && begun.frames >= action.frames;
+        begun.is_shown = is_known && inspector.is_up_to_date();
+        is_known
     }
 
     fn describe(&mut self, inspector: &Inspector) {
@@ -118,7 +128,7 @@ impl Script {
         let repaints = self.rows.iter().find(|row| row.name == actions::REPAINTS).map_or(0.0, |row| of(row, 0.5));
         for row in &self.rows {
             let [median, most, worst] = [0.5, 0.9, 1.0].map(|share| of(row, share));
-            // Nothing is faster than two repaints.
+            // Where two repaints take longer than a limit, they are the limit.
             let limit = row.limit_ms.max(if row.name == actions::REPAINTS { 0.0 } else { repaints });
             let verdict = match median <= limit && row.failed == 0 {
                 _ if limit.is_infinite() => "none".to_owned(),

@@ -131,8 +131,10 @@ impl Behavior<Pane> for Panes<'_> {
         if ui.rect_contains_pointer(ui.max_rect()) && (is_moving || self.cx.shared.under.is_none()) {
             self.cx.shared.under = Some(id);
         }
-        // Ids restart with every layout: a list would otherwise inherit another panel's scroll position.
-        ui.push_id((id, pane.kind), |ui| {
+        // The same id whatever is above: keyboard focus stays where it is when a line of the window goes. With the kind,
+        // since ids restart with every layout: a list would otherwise inherit another panel's scroll position.
+        let own = egui::UiBuilder::new().scope_id(egui::Id::unique(("contents of a panel", id, pane.kind)));
+        ui.scope_builder(own, |ui| {
             egui::Frame::NONE.inner_margin(6.0).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());
                 let (size, wanted) = (ui.available_size(), ui.available_size().max(LEAST));

@@ -89,6 +89,8 @@ pub struct Shared {
     pub scrub: Scrub,
     /// Thumbnails of the stream in view.
     pub thumbs: Thumbs,
+    /// Whether a stream view has drawn an earlier place in this frame: the present one's values are on their way.
+    pub is_behind: bool,
     /// The panel that the cursor was over last: commands about a view go to it first.
     pub under: Option<egui_tiles::TileId>,
     /// The place that this frame's panels request, as a number of passes.
@@ -149,6 +151,7 @@ impl Default for Shared {
             bookmarked: None,
             scrub: Scrub::default(),
             thumbs: Thumbs::default(),
+            is_behind: false,
             under: None,
             go_to: None,
             select: None,

@@ -95,6 +95,18 @@ fn every_widget_of_the_simple_layout_is_reached_by_tab_and_outlined() {
     assert!(wanted.is_empty(), "not reached by Tab: {wanted:?}");
 }
 
+/// Presses Tab until something with this role has focus.
+#[track_caller]
+fn tab_to(stage: &mut Stage, wanted: Role) {
+    for _ in 0..8 {
+        stage.key(Modifiers::NONE, Key::Tab);
+        if focused(stage).is_some_and(|(role, ..)| role == wanted) {
+            return;
+        }
+    }
+    panic!("no {wanted:?} is reached:\n{}", stage.read_out());
+}
+
 #[test]
 fn f6_goes_round_the_panels_and_keys_for_commands_still_work() {
     let mut stage = stage();
@@ -117,12 +129,10 @@ fn f6_goes_round_the_panels_and_keys_for_commands_still_work() {
     // From the panel into it, and to the list's rows: a row is chosen by Enter.
     stage.key(Modifiers::NONE, Key::F6);
     stage.settle();
-    stage.key(Modifiers::NONE, Key::Tab);
-    assert_eq!(focused(&stage).map(|(role, ..)| role), Some(Role::CheckBox));
+    tab_to(&mut stage, Role::Table);
     for _ in 0..3 {
-        stage.key(Modifiers::NONE, Key::ArrowDown);
+        stage.key(Modifiers::NONE, Key::ArrowUp);
     }
-    stage.key(Modifiers::NONE, Key::Enter);
     stage.settle();
     assert_ne!(stage.place(), 21, "no pass was chosen by keyboard");
     assert_eq!(stage.inspector().pixel(), Some([19, 22]), "arrows selected a ray");
@@ -131,7 +141,7 @@ fn f6_goes_round_the_panels_and_keys_for_commands_still_work() {
     stage.key(Modifiers::NONE, Key::F6);
     stage.key(Modifiers::SHIFT, Key::F6);
     stage.settle();
-    stage.key(Modifiers::NONE, Key::Tab);
+    tab_to(&mut stage, Role::CheckBox);
     stage.key(Modifiers::NONE, Key::Home);
     stage.settle();
     assert_eq!(stage.place(), 0);
@@ -375,5 +385,5 @@ fn the_three_uses_need_no_scrolling() {
     stage.settle();
     stage.perform(Command::Show(PaneKind::Timings));
     button(&stage, "CSV…");
-    in_view(&stage, window, Role::Label, |text| text == "all");
+    in_view(&stage, window, Role::Label, |text| text.contains(" passes"));
 }

@@ -134,9 +134,12 @@ fn no_text_of_a_table_is_cut_off() {
             let mut stage = stage(size, &[kind]);
             if kind == P::Cost {
                 stage.perform(Command::End);
+                stage.click(Role::Button, "Rays");
             }
             stage.settle();
-            assert!(kind == P::Watches || !rows(&stage).is_empty(), "{kind:?} at {size:?}");
+            // Without edits there is no list of them; in a small window, that of rays has to be scrolled to.
+            let may_be_empty = kind == P::Watches || kind == P::Cost && size[0] < 1000.0;
+            assert!(may_be_empty || !rows(&stage).is_empty(), "{kind:?} at {size:?}");
             // The status bar is wider than the smallest window.
             assert_eq!(cut(&stage, size[1] - 24.0), Vec::<String>::new(), "{kind:?} at {size:?}");
         }

@@ -15,6 +15,8 @@ pub(super) struct Action {
     /// What its median may take at most.
     pub(super) limit_ms: f64,
     pub(super) times: usize,
+    /// Frames that it takes at least.
+    pub(super) frames: u32,
     /// Its events, the `i`-th time.
     pub(super) events: fn(&mut Inspector, usize) -> Vec<Event>,
     /// Whether the response is known.
@@ -37,20 +39,29 @@ impl Before {
 
 /// All actions, in order.
 pub(super) const ACTIONS: &[Action] = &[
-    Action { name: "open, until the picture is there", limit_ms: 1500.0, times: 1, events: none, is_shown: is_there },
-    Action { name: REPAINTS, limit_ms: f64::INFINITY, times: 30, events: none, is_shown: |_, _| true },
+    Action {
+        name: "open, until the picture is there",
+        limit_ms: 1500.0,
+        times: 1,
+        frames: 1,
+        events: none,
+        is_shown: is_there,
+    },
+    Action { name: REPAINTS, limit_ms: f64::INFINITY, times: 30, frames: 2, events: none, is_shown: |_, _| true },
     Action {
         name: "click, until the ray's history is there",
         limit_ms: 100.0,
         times: 50,
+        frames: 1,
         events: click,
         is_shown: ray,
     },
-    Action { name: "hover", limit_ms: 50.0, times: 50, events: hover, is_shown: |_, _| true },
+    Action { name: "hover", limit_ms: 50.0, times: 50, frames: 1, events: hover, is_shown: |_, _| true },
     Action {
         name: "arrow key, until the neighbour's history is there",
         limit_ms: 100.0,
         times: 50,
+        frames: 1,
         events: arrow,
         is_shown: ray,
     },
@@ -58,6 +69,7 @@ pub(super) const ACTIONS: &[Action] = &[
         name: "Shift+F10",
         limit_ms: 250.0,
         times: 30,
+        frames: 1,
         events: |_, _| key(Modifiers::SHIFT, Key::F10),
         is_shown: |i, was| i.model().place < was.place,
     },
@@ -65,6 +77,7 @@ pub(super) const ACTIONS: &[Action] = &[
         name: "F10",
         limit_ms: 100.0,
         times: 30,
+        frames: 1,
         events: |_, _| key(Modifiers::NONE, Key::F10),
         is_shown: |i, was| i.model().place > was.place,
     },
@@ -72,6 +85,7 @@ pub(super) const ACTIONS: &[Action] = &[
         name: "Home, End",
         limit_ms: 1500.0,
         times: 10,
+        frames: 1,
         events: |_, i| key(Modifiers::NONE, if i % 2 == 0 { Key::Home } else { Key::End }),
         is_shown: |i, was| i.model().place != was.place && !i.model().is_busy(),
     },
@@ -79,6 +93,7 @@ pub(super) const ACTIONS: &[Action] = &[
         name: "Shift+F10 from the end, and back",
         limit_ms: 250.0,
         times: 10,
+        frames: 1,
         events: |_, i| if i % 2 == 0 { key(Modifiers::SHIFT, Key::F10) } else { key(Modifiers::NONE, Key::F10) },
         is_shown: |i, was| i.model().place != was.place,
     },
@@ -86,6 +101,7 @@ pub(super) const ACTIONS: &[Action] = &[
         name: "the full layout",
         limit_ms: 1000.0,
         times: 1,
+        frames: 1,
         events: |inspector, _| {
             inspector.perform(Command::FullLayout);
             Vec::new()
@@ -96,6 +112,7 @@ pub(super) const ACTIONS: &[Action] = &[
         name: "– two idle repaints of it",
         limit_ms: f64::INFINITY,
         times: 30,
+        frames: 2,
         events: none,
         is_shown: |_, _| true,
     },
@@ -103,15 +120,17 @@ pub(super) const ACTIONS: &[Action] = &[
         name: "– click, until the ray's history is there",
         limit_ms: 100.0,
         times: 30,
+        frames: 1,
         events: click,
         is_shown: ray,
     },
-    Action { name: "– hover", limit_ms: 50.0, times: 30, events: hover, is_shown: |_, _| true },
-    Action { name: "– orbit, two frames", limit_ms: 100.0, times: 50, events: orbit, is_shown: |_, _| true },
+    Action { name: "– hover", limit_ms: 50.0, times: 30, frames: 1, events: hover, is_shown: |_, _| true },
+    Action { name: "– orbit, a frame", limit_ms: 100.0, times: 50, frames: 1, events: orbit, is_shown: |_, _| true },
     Action {
         name: "– another camera, until its picture is there",
         limit_ms: 1500.0,
         times: 5,
+        frames: 1,
         events: camera,
         is_shown: |i, was| i.model().generation > was.generation,
     },

@@ -14,7 +14,7 @@ mod warps;
 use egui::{ScrollArea, Slider, Ui, vec2};
 use serde::{Deserialize, Serialize};
 
-use super::scroll::Scroll;
+use super::table::{Table, version};
 use crate::draw::stream::Colors;
 use crate::ui::command::Command;
 use crate::ui::pane::{Context, NO_RAYS, PaneKind, Panel};
@@ -65,7 +65,7 @@ pub(in crate::ui) struct Cost {
     heat: HeatView,
     /// The bar of the histogram whose rays are shown alone.
     bin: Option<(Shown, bool, usize)>,
-    scroll: Scroll,
+    table: Table,
     warps: WarpsView,
 }
 
@@ -222,7 +222,8 @@ impl Cost {
             self.warps.show(ui, cx, &mut self.look.width);
             return;
         }
-        let Some((_, sorted)) = self.known.shown(cx, &self.look, &self.warps) else { return };
+        let Some((of, sorted)) = self.known.shown(cx, &self.look, &self.warps) else { return };
+        let of = version((cx.model.generation, cx.model.edition, format!("{of:?}")));
         match self.look.section {
             Section::Histogram => {
                 let is_log = self.look.scale.is_log;
@@ -250,12 +251,17 @@ impl Cost {
             }
             Section::Rays => {
                 rays::summary(ui, cx, &sorted, width, (ui.available_height() * 0.35).clamp(80.0, 160.0));
-                let room = vec2(ui.available_width(), ui.available_height().max(180.0));
-                ui.allocate_ui(room, |ui| rays::list(ui, cx, &sorted, width, &mut self.scroll));
+                let room = vec2(seen_width(ui), ui.available_height().max(180.0));
+                ui.allocate_ui(room, |ui| rays::list(ui, cx, &sorted, width, of, &mut self.table));
             }
             Section::Warps => {}
         }
     }
+}
+
+/// The width that is left and seen: what is above may be wider than the panel.
+fn seen_width(ui: &Ui) -> f32 {
+    ui.available_width().min(ui.clip_rect().right() - ui.cursor().left() - 2.0).max(80.0)
 }
 
 /// A button that shows the options.

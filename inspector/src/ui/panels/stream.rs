@@ -364,6 +364,7 @@ impl StreamView {
             (None, _, None) => still,
         };
         if glimpse.is_none() && !self.is_kept() && source.is_none_or(|(moment, _)| moment != now) {
+            cx.shared.is_behind = true;
             ui.ctx().request_repaint();
         }
         let Some((moment, texture)) = source else { return };

@@ -189,7 +189,7 @@ fn listed(kernels: &[KernelTimes]) -> Listed {
             false => unknown(),
         };
         let part = times.sum_ns as f64 / whole.max(1) as f64;
-        let bar = Some((part as f32, kernel_color(times.kernel).gamma_multiply(0.45)));
+        let bar = Some((part as f32, kernel_color(times.kernel).gamma_multiply(0.3)));
         let share = ListedCell::number(part * 100.0, format!("{:.1}%", part * 100.0));
         let swatch = Look { swatch: Some(kernel_color(times.kernel)), ..Look::default() };
         vec![

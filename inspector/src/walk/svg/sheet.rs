@@ -26,7 +26,7 @@ const COLORS: [(&str, &str, &str); 9] = [
     ("grid", "#d7dbe0", "#343a42"),
     ("ray", "#d1222f", "#ff6b5e"),
     ("hit", "#12813c", "#4fd07f"),
-    ("missed", "#c25d00", "#f2994a"),
+    ("missed", "#a04a00", "#f2994a"),
     ("current", "#1d2127", "#ffffff"),
     ("bar", "#b8bfc7", "#4a525c"),
 ];

@@ -29,7 +29,7 @@ impl Histogram<'_> {
     /// Paints it, and returns the bar that was clicked.
     pub(super) fn show(&self, ui: &mut Ui, height: f32) -> Option<usize> {
         let (bins, most) = (self.spread.bins(self.scale.is_log), self.spread.most);
-        let size = vec2(ui.available_width().max(80.0), height.max(120.0));
+        let size = vec2(super::seen_width(ui), height.max(120.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         let painter = ui.painter_at(rect);
         let field = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - FOOT));
@@ -67,9 +67,10 @@ impl Histogram<'_> {
         for (top, name, x) in lines() {
             let galley = painter.layout_no_wrap(name.clone(), FontId::proportional(SMALLEST), ink);
             // To the left of its line where there is no room at the right.
-            let is_right = x + galley.size().x + 4.0 <= field.right();
+            let is_right = x + galley.size().x + 4.0 <= field.right().min(ui.clip_rect().right());
             let (align, at) = if is_right { (Align2::LEFT_TOP, x + 3.0) } else { (Align2::RIGHT_TOP, x - 3.0) };
             let place = align.anchor_size(pos2(at, top), galley.size());
+            let place = place.translate(vec2((field.right() - 2.0 - place.right()).min(0.0), 0.0));
             // Other marks do not strike it through.
             painter.rect_filled(place, 0.0, ui.visuals().extreme_bg_color);
             painter.galley(place.min, galley, ink);

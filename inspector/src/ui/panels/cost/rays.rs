@@ -1,13 +1,12 @@
 //! Rays from the most expensive to the cheapest: a curve and a list.
 
-use egui::{Align, Label, Layout, RichText, Ui};
-use egui_extras::{Column, TableBuilder};
+use egui::Ui;
 use raystep_lab::work::CostOrder;
 
 use super::source::Sorted;
 use crate::ui::command::Command;
 use crate::ui::pane::Context;
-use crate::ui::panels::scroll::Scroll;
+use crate::ui::panels::table::{Head, Rows, Table, View, version};
 
 /// Most rays in the list; the curve includes all.
 const MOST_LISTED: usize = 1000;
@@ -63,53 +62,73 @@ pub(super) fn summary(ui: &mut Ui, cx: &mut Context<'_>, sorted: &Sorted, width:
     });
 }
 
-/// The list of the most expensive rays.
-pub(super) fn list(ui: &mut Ui, cx: &mut Context<'_>, sorted: &Sorted, width: u32, scroll: &mut Scroll) {
-    let (order, total) = (&sorted.order, sorted.order.total().max(1));
-    let count = order.rays().len().min(MOST_LISTED);
-    let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
-    let height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
-    let scroll_to = scroll.to(ui, selected);
-    let mut table = TableBuilder::new(ui)
-        .id_salt("dearest")
-        .striped(true)
-        .sense(egui::Sense::click())
-        .auto_shrink(false)
-        // Where it is now matters, not the way there.
-        .animate_scrolling(false)
-        .cell_layout(Layout::right_to_left(Align::Center))
-        .columns(Column::auto().at_least(40.0), 3)
-        .column(Column::remainder().at_least(60.0));
-    if let Some(rank) = scroll_to.and_then(|ray| order.rank(ray)).filter(|&rank| rank < count) {
-        table = table.scroll_to_row(rank, None);
+const HEADS: [Head<'_>; 4] = [
+    Head::number("rank", "1 is the most expensive"),
+    Head::text("pixel", "column and row; click to select the ray"),
+    Head::number("cost", "cost of the ray"),
+    Head::number("share", "percentage of the total cost"),
+];
+
+/// The most expensive rays as rows.
+struct Rays<'a> {
+    order: &'a CostOrder,
+    width: u32,
+    count: usize,
+}
+
+impl Rays<'_> {
+    fn ray(&self, rank: usize) -> Option<usize> {
+        self.order.rays().get(rank).map(|&ray| ray as usize)
     }
-    table
-        .header(height, |mut header| {
-            for (head, about) in [
-                ("rank", "1 is the most expensive"),
-                ("pixel", "column and row; click to select the ray"),
-                ("cost", "cost of the ray"),
-                ("share", "percentage of the total cost"),
-            ] {
-                header.col(|ui| drop(ui.strong(head).on_hover_text(about)));
+
+    fn cost(&self, rank: usize) -> f64 {
+        self.ray(rank).and_then(|ray| self.order.cost(ray)).map_or(0.0, f64::from)
+    }
+
+    fn share(&self, rank: usize) -> f64 {
+        self.cost(rank) / self.order.total().max(1) as f64 * 100.0
+    }
+}
+
+impl Rows for Rays<'_> {
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    fn text(&self, rank: usize, column: usize) -> String {
+        match column {
+            0 => (rank + 1).to_string(),
+            1 => {
+                let [x, y] = pixel_of(self.ray(rank).unwrap_or_default(), self.width);
+                format!("{x},{y}")
             }
-        })
-        .body(|body| {
-            body.rows(height, count, |mut row| {
-                let rank = row.index();
-                let ray = order.rays()[rank] as usize;
-                let ([x, y], cost) = (pixel_of(ray, width), order.cost(ray).unwrap_or(0));
-                row.set_selected(selected == Some(ray));
-                let share = f64::from(cost) / total as f64 * 100.0;
-                let cells = [(rank + 1).to_string(), format!("{x},{y}"), cost.to_string(), format!("{share:.4}%")];
-                for cell in cells {
-                    row.col(|ui| drop(ui.add(Label::new(RichText::new(cell).monospace()).selectable(false).extend())));
-                }
-                if row.response().clicked() {
-                    cx.shared.select = Some([x, y]);
-                }
-            });
-        });
+            2 => self.cost(rank).to_string(),
+            _ => format!("{:.4}%", self.share(rank)),
+        }
+    }
+
+    fn number(&self, rank: usize, column: usize) -> Option<f64> {
+        match column {
+            0 => Some((rank + 1) as f64),
+            1 => self.ray(rank).map(|ray| ray as f64),
+            2 => Some(self.cost(rank)),
+            _ => Some(self.share(rank)),
+        }
+    }
+}
+
+/// The list of the most expensive rays. `of` changes with what their cost is.
+pub(super) fn list(ui: &mut Ui, cx: &mut Context<'_>, sorted: &Sorted, width: u32, of: u64, table: &mut Table) {
+    let order = &sorted.order;
+    let rows = Rays { order, width, count: order.rays().len().min(MOST_LISTED) };
+    let selected = cx.shared.pixel.map(|pixel| ray_at(pixel, width));
+    let current = selected.and_then(|ray| order.rank(ray)).filter(|&rank| rank < rows.count);
+    let version = version((of, width, order.total(), order.rays().first().copied()));
+    let view = View { name: "rays by cost", heads: &HEADS, rows: &rows, version, current };
+    ui.horizontal_wrapped(|ui| table.tools(ui, &view));
+    if let Some(rank) = table.show(ui, &view) {
+        cx.shared.select = rows.ray(rank).map(|ray| pixel_of(ray, width));
+    }
 }
 
 #[cfg(test)]

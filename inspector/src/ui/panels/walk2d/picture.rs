@@ -261,7 +261,7 @@ pub(super) fn in_order(i: usize, count: usize) -> Color32 {
 pub(super) fn outcome_color(visuals: &egui::Visuals, outcome: Outcome) -> Color32 {
     match (outcome, visuals.dark_mode) {
         (Outcome::Missed, true) => Color32::from_rgb(0xf2, 0x99, 0x4a),
-        (Outcome::Missed, false) => Color32::from_rgb(0xc2, 0x5d, 0x00),
+        (Outcome::Missed, false) => Color32::from_rgb(0xa0, 0x4a, 0x00),
         (_, true) => Color32::from_rgb(0x4f, 0xd0, 0x7f),
         (_, false) => Color32::from_rgb(0x12, 0x81, 0x3c),
     }

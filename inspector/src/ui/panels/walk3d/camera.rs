@@ -81,7 +81,8 @@ impl Walk3d {
     pub(super) fn frame_new(&mut self, camera: &mut Orbit, size: egui::Vec2, unit: f64) {
         let size_px = [size.x, size.y].map(|side| side.round().clamp(1.0, 65_536.0) as u32);
         let wanted = Some((self.framed.version, size_px));
-        if self.look.is_moved || !self.framed.has_walk() || self.framed.done == wanted {
+        // A camera that is traced must not follow from what it traces.
+        if self.look.is_moved || self.look.traces || !self.framed.has_walk() || self.framed.done == wanted {
             return;
         }
         self.framed.done = wanted;
