@@ -181,8 +181,8 @@ fn small(example: &str) -> String {
         with("--sizes", "16x16", command == "bench"),
         with("--repeats", "1", command == "bench"),
         with("--warmups", "0", command == "bench"),
-        with("--window", "480x300", command == "inspect"),
-        with("--screenshot", "shot.png", command == "inspect"),
+        with("--window", "480x300", command == "inspect" && !has("--check")),
+        with("--screenshot", "shot.png", command == "inspect" && !has("--check")),
         with("--section", "grid", command == "report"),
         with("--family", "t-junctions", has("--cost")),
         with("--triangles", "100", false),
@@ -219,7 +219,17 @@ fn help_examples_run() {
         let ray = [0.0f32, 0.0, 0.5, 0.0, 0.25, 0.25, 1.0, 0.0].map(f32::to_le_bytes).concat();
         let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 8), }\n".as_bytes();
         let npy = [b"\x93NUMPY\x01\x00\x3c\x00", header, &ray[..28], &9f32.to_le_bytes()].concat();
-        for (name, bytes) in [("rays.npy", &npy), ("shadow.npy", &npy), ("primary.f32", &ray)] {
+        // A saved session and a lesson, for the examples of inspect.
+        let link = "raystep:1?scene=scenes/teapot.glb&size=16x16&device=cpu";
+        let session = serde_json::json!({ "version": 1, "here": { "link": link } }).to_string().into_bytes();
+        let lesson: Vec<u8> = "# A lesson\n\n## The only step\n\nA text.\n\n```raystep\nopen scene=built-in:cornell-box size=16x16\n```\n".into();
+        for (name, bytes) in [
+            ("rays.npy", &npy),
+            ("shadow.npy", &npy),
+            ("primary.f32", &ray),
+            ("teapot.raystep-session", &session),
+            ("my-lesson.md", &lesson),
+        ] {
             std::fs::write(place.path(name), bytes).expect("a file");
         }
         std::fs::create_dir(place.path("old")).expect("a folder");

@@ -20,6 +20,8 @@ struct Row {
     name: &'static str,
     limit_ms: f64,
     times_ms: Vec<f64>,
+    /// Drawn by each action until its response was shown.
+    frames: Vec<f64>,
     /// Actions that were given up.
     failed: usize,
 }
@@ -58,11 +60,10 @@ impl Script {
         if let Some(begun) = &mut self.begun {
             let ns = now_ns.saturating_sub(begun.ns);
             if begun.is_shown || ns > PATIENCE_NS {
-                let is_shown = begun.is_shown;
+                let (is_shown, frames) = (begun.is_shown, begun.frames);
                 self.begun = None;
                 self.describe(inspector);
-                self.note(action, ns, is_shown);
-                return Some(Vec::new());
+                self.note(action, ns, frames, is_shown);
             }
             return Some(Vec::new());
         }
@@ -87,7 +88,10 @@ impl Script {
     pub fn after(&mut self, inspector: &Inspector) -> bool {
         let (Some(begun), Some(action)) = (&mut self.begun, ACTIONS.get(self.at.0)) else { return true };
         begun.frames += 1;
-        let is_known = (action.is_shown)(inspector, &begun.before) && begun.frames >= action.frames;
+        if begun.frames < action.frames {
+            return true;
+        }
+        let is_known = (action.is_shown)(inspector, &begun.before);
         begun.is_shown = is_known && inspector.is_up_to_date();
         is_known
     }
@@ -102,15 +106,17 @@ impl Script {
         }
     }
 
-    fn note(&mut self, action: &Action, ns: u64, is_shown: bool) {
+    fn note(&mut self, action: &Action, ns: u64, frames: u32, is_shown: bool) {
         if self.at.1 == 0 {
             let (name, limit_ms) = (action.name, action.limit_ms);
-            self.rows.push(Row { name, limit_ms, times_ms: Vec::new(), failed: 0 });
+            self.rows.push(Row { name, limit_ms, times_ms: Vec::new(), frames: Vec::new(), failed: 0 });
         }
         if let Some(row) = self.rows.last_mut() {
-            match is_shown {
-                true => row.times_ms.push(ns as f64 / 1e6),
-                false => row.failed += 1,
+            if is_shown {
+                row.times_ms.push(ns as f64 / 1e6);
+                row.frames.push(f64::from(frames));
+            } else {
+                row.failed += 1;
             }
         }
         self.at.1 += 1;
@@ -123,7 +129,7 @@ impl Script {
     #[must_use]
     pub fn table(&self, drawn_by: &str) -> String {
         let mut text = format!("{}, drawn by {drawn_by}\n\n", self.about);
-        text += "| action | times | median, ms | 90 %, ms | worst, ms | limit, ms |\n|---|--:|--:|--:|--:|---|\n";
+        text += "| action | times | frames | median, ms | 90 %, ms | worst, ms | limit, ms |\n|---|--:|--:|--:|--:|--:|---|\n";
         let of = |row: &Row, share: f64| quantile(&row.times_ms, share).unwrap_or(f64::NAN);
         let repaints = self.rows.iter().find(|row| row.name == actions::REPAINTS).map_or(0.0, |row| of(row, 0.5));
         for row in &self.rows {
@@ -137,7 +143,8 @@ impl Script {
             };
             let failed = if row.failed > 0 { format!(", {} without a response", row.failed) } else { String::new() };
             let (name, times) = (row.name, row.times_ms.len());
-            text += &format!("| {name} | {times}{failed} | {median:.0} | {most:.0} | {worst:.0} | {verdict} |\n");
+            let frames = quantile(&row.frames, 0.5).unwrap_or(f64::NAN);
+            text += &format!("| {name} | {times}{failed} | {frames:.0} | {median:.0} | {most:.0} | {worst:.0} | {verdict} |\n");
         }
         text
     }

@@ -29,6 +29,8 @@ impl Curve {
         let size = vec2(ui.available_width().max(60.0), height.max(60.0));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         let painter = ui.painter_at(rect);
+        // What is above may be wider than the panel, and the curve ends where the panel is seen to end.
+        let rect = rect.intersect(ui.clip_rect().expand2(vec2(0.0, f32::INFINITY)));
         let field = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - FOOT));
         painter.rect_filled(field, 2.0, ui.visuals().extreme_bg_color);
         let (rays, most) = (order.rays().len(), self.points.first().map_or(0, |p| p.1));
