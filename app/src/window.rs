@@ -79,7 +79,9 @@ pub(crate) fn open(gpu: Arc<Gpu>, start: Start) -> Result<(), Error> {
         .with_min_inner_size([200.0, 150.0])
         .with_drag_and_drop(true);
     let surface = Surface::new(gpu.clone());
-    let options = eframe::NativeOptions { viewport, wgpu_options: surface.configuration(setup), ..Default::default() };
+    // No panel has a gradient that banding could spoil, and a software adapter draws a frame sooner without dithering.
+    let wgpu_options = surface.configuration(setup);
+    let options = eframe::NativeOptions { viewport, wgpu_options, dithering: false, ..Default::default() };
     let failed = |reason: String| Error::failed(format!("cannot open the window: {reason}"));
     last_error::listen();
     let event_loop = EventLoop::with_user_event().build().map_err(|e| failed(e.to_string()))?;
