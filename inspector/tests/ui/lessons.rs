@@ -111,17 +111,17 @@ fn lessons_have_the_titles_of_their_commands() {
 /// The documentation has every command and every value.
 #[test]
 fn the_documentation_has_all_of_the_format() {
-    let docs = std::fs::read_to_string("../docs/inspector.md").expect("the documentation");
+    let docs = std::fs::read_to_string("../docs/lessons.md").expect("the documentation");
     let plain = |about: &str| about.replace('\n', " ");
     for (word, arguments, about) in WORDS {
         let arguments = if arguments.is_empty() { String::new() } else { format!("`{arguments}`") };
         let row = format!("| `{word}` | {arguments} | {} |", plain(about));
-        assert!(docs.contains(&row), "not in docs/inspector.md: {row}");
+        assert!(docs.contains(&row), "not in docs/lessons.md: {row}");
     }
     let facts = FACTS.iter().map(|(_, name, about)| format!("| `{name}` | {about} |"));
     let fields = FIELDS.iter().map(|(_, name, about)| format!("| `NAME.{name}` | of a measured run: {about} |"));
     for row in facts.chain(fields) {
-        assert!(docs.contains(&row), "not in docs/inspector.md: {row}");
+        assert!(docs.contains(&row), "not in docs/lessons.md: {row}");
     }
 }
 

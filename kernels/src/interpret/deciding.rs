@@ -70,8 +70,23 @@ fn is_outside(recording: &Recording, node: u32) -> bool {
     is_outside
 }
 
+impl Recording {
+    /// The comparisons that a decision's condition consists of, in the order of their evaluation.
+    #[must_use]
+    pub fn comparisons(&self, code: &super::Interpreter, decision: usize) -> Vec<&Comparison> {
+        let found = comparisons(self, &code.code.sites, decision);
+        found.into_iter().filter_map(|index| self.comparisons.get(index)).collect()
+    }
+
+    /// The decision that chose a decision's condition, if that is a value decided before.
+    #[must_use]
+    pub fn because(&self, code: &super::Interpreter, decision: usize) -> Option<usize> {
+        because(self, &code.code.sites, decision)
+    }
+}
+
 /// The comparisons of a condition: those that its value is made of, but not what a decision before it compared.
-pub(super) fn comparisons(recording: &Recording, sites: &[Site], decision: usize) -> BTreeSet<usize> {
+fn comparisons(recording: &Recording, sites: &[Site], decision: usize) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let Some(condition) = recording.decisions.get(decision).map(|decision| decision.condition) else { return found };
     walk(recording, &[condition], |node| match node {
@@ -89,7 +104,7 @@ pub(super) fn comparisons(recording: &Recording, sites: &[Site], decision: usize
 }
 
 /// The last decision that a condition's value was chosen by.
-pub(super) fn because(recording: &Recording, sites: &[Site], decision: usize) -> Option<usize> {
+fn because(recording: &Recording, sites: &[Site], decision: usize) -> Option<usize> {
     let mut found = None;
     let condition = recording.decisions.get(decision)?.condition;
     walk(recording, &[condition], |node| match node {

@@ -5,7 +5,6 @@
 //! if it was written in a branch, or could have been, on that branch's condition.
 
 use super::code::{Code, Kind};
-use super::deciding;
 
 /// A constant, or found in an earlier pass.
 pub(super) const KNOWN: u32 = 0;
@@ -85,7 +84,7 @@ pub struct Recording {
     pub counts: Vec<[u64; 2]>,
     /// For each condition, the decision at which it was reached last.
     pub last: Vec<Option<usize>>,
-    /// The decision that the element's new state is due to, see [`deciding`].
+    /// The decision that the element's new state is due to, see the module `deciding`.
     pub deciding: Option<usize>,
 }
 
@@ -147,18 +146,5 @@ impl Recording {
             *last = Some(index);
         }
         self.add(Node::Decision(index)).unwrap_or(condition)
-    }
-
-    /// The comparisons that a decision's condition consists of, in the order of their evaluation.
-    #[must_use]
-    pub fn comparisons(&self, code: &super::Interpreter, decision: usize) -> Vec<&Comparison> {
-        let found = deciding::comparisons(self, &code.code.sites, decision);
-        found.into_iter().filter_map(|index| self.comparisons.get(index)).collect()
-    }
-
-    /// The decision that chose a decision's condition, if that is a value decided before.
-    #[must_use]
-    pub fn because(&self, code: &super::Interpreter, decision: usize) -> Option<usize> {
-        deciding::because(self, &code.code.sites, decision)
     }
 }
