@@ -28,7 +28,7 @@ fn a_lesson_is_checked_step_by_step() {
     let failed = place.run(&["inspect", "--lesson", "two.md", "--check"]);
     assert_eq!(failed.code, Some(1), "{failed:?}");
     assert!(failed.stdout.contains("step 1, One: 1 wrong"), "{failed:?}");
-    assert!(failed.stderr.contains("error: two.md:11: \"refused\" is not to be read"), "{failed:?}");
+    assert!(failed.stderr.contains("error: two.md:11: \"refused\" cannot be read"), "{failed:?}");
 }
 
 #[test]

@@ -120,8 +120,8 @@ fn the_slowest_warps_name_the_rays_that_held_them() {
         let mut stage = alone(Settings { schedule, accelerator, ..settings() }, 20, PaneKind::Cost);
         stage.click(Role::Button, "Warps");
         stage.settle();
-        assert!(stage.reads("Assumed: 32 threads next to each other"), "{}", stage.read_out());
-        stage.click(Role::Button, "Look at the warps of all passes");
+        assert!(stage.reads("Assumed: a warp is 32 neighbouring threads"), "{}", stage.read_out());
+        stage.click(Role::Button, "Analyse the warps of all passes");
         stage.settle();
         assert!(stage.reads("slowest warps"), "{}", stage.read_out());
         let first = below(&stage, "slowest warps", "1");

@@ -211,10 +211,10 @@ fn what_is_not_on_the_screen_is_found() {
         (
             "Text.",
             "only stream\nrow \"outside\"\nexpect text \"outside\"",
-            Some("test.md:11: \"outside\" is not to be read"),
+            Some("test.md:11: \"outside\" cannot be read"),
         ),
         // The lesson's own words do not count.
-        ("The kernel `of the fifth kind`.", "only ray", Some("test.md:3: the text speaks of `of the fifth kind`")),
+        ("The kernel `of the fifth kind`.", "only ray", Some("test.md:3: the text refers to `of the fifth kind`")),
         ("The kernel `intersect`.", "only ray\nrow \"outside\"", None),
         ("Text.", "row \"swims\"", Some("test.md:9: not set up: the ray's history has no 1. row with \"swims\"")),
         ("Text.", "pass 99999", Some("test.md:9: not set up: the run has ")),

@@ -144,10 +144,12 @@ fn rays_that_differ_are_counted_and_selected_one_after_the_other() {
     stage.perform(Command::Show(PaneKind::Runs));
     stage.click(Role::RadioButton, "compared: bvh compact paper");
     stage.settle();
-    let text =
-        format!("bvh compact paper against grid compact paper: of 4096 rays, {} with another", paper.counts.triangle);
+    let text = format!(
+        "bvh compact paper against grid compact paper: of 4096 rays, {} differ in triangle",
+        paper.counts.triangle
+    );
     assert!(stage.reads(&text), "{text}: {}", stage.read_out());
-    stage.get(Role::Image, &format!("map of {} rays with another triangle", paper.rays.len()));
+    stage.get(Role::Image, &format!("map of {} rays that differ in triangle", paper.rays.len()));
     let pixel = |ray: u32| Some([ray % 64, ray / 64]);
     let mut seen = Vec::new();
     for _ in 0..=paper.rays.len() {

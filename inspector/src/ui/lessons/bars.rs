@@ -50,7 +50,7 @@ pub(super) fn show(ui: &mut Ui, all: &[Measured], names: &[String]) {
     }
     if runs.iter().any(|run| !run.is_gpu) {
         ui.add_space(6.0);
-        ui.weak("These runs were on a CPU, which works on ray after ray: threads are those that a GPU launches for the same passes.");
+        ui.weak("These runs were on a CPU, which processes one ray after another: threads are those that a GPU would launch for the same passes.");
     }
     let why = runs.iter().find_map(|run| run.why_no_times.as_deref());
     if let Some(why) = why.filter(|_| clock == Clock::Host) {

@@ -43,7 +43,7 @@ impl Inspector {
             for code in lesson.told.paragraphs.iter().flat_map(|paragraph| paragraph.codes()) {
                 checked += 1;
                 if !seen.shows(code) {
-                    let what = format!("the text speaks of `{code}`, which is not to be read outside of the lesson");
+                    let what = format!("the text refers to `{code}`, which cannot be read outside of the lesson");
                     problems.push(lesson.error(step.line, Wrong::Expected(what)));
                 }
             }
@@ -63,7 +63,7 @@ impl Inspector {
             Expect::Panel(kind) if self.panes_in_view().contains(kind) => Ok(()),
             Expect::Panel(kind) => Err(Wrong::Expected(format!("the panel {} is not in view", panel_name(*kind)))),
             Expect::Text(text) if seen.shows(text) => Ok(()),
-            Expect::Text(text) => Err(Wrong::Expected(format!("{text:?} is not to be read outside of the lesson"))),
+            Expect::Text(text) => Err(Wrong::Expected(format!("{text:?} cannot be read outside of the lesson"))),
             Expect::Values(first, condition, operand) => {
                 let value = |expression: &crate::lesson::Expression| expression.evaluate(|name| facts.value(name));
                 let shown = value(first)?;

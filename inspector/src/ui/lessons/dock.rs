@@ -51,8 +51,7 @@ impl Inspector {
             }
             ui.label(format!("step {} of {}", lesson.step + 1, lesson.lesson.steps.len()));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                if ui.button("Close").on_hover_text("closes the lesson; the panels are again those of before").clicked()
-                {
+                if ui.button("Close").on_hover_text("closes the lesson and restores the previous panels").clicked() {
                     *chosen = Some(Command::CloseLesson);
                 }
             });

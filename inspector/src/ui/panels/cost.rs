@@ -153,7 +153,7 @@ impl Cost {
 
     fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
         ui.horizontal_wrapped(|ui| {
-            ui.strong("cost").on_hover_text("definition of cost");
+            ui.strong("cost").on_hover_text("what counts as the cost of a ray");
             for (shown, name, about) in Shown::ALL {
                 let choice = ui.selectable_label(self.look.shown == shown, name);
                 if choice.on_hover_text(about).clicked() {
@@ -206,7 +206,7 @@ impl Cost {
     fn sections(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             for (section, name, about) in [
-                (Section::Histogram, "Distribution", "how many rays have which cost"),
+                (Section::Histogram, "Distribution", "number of rays at each cost"),
                 (Section::Rays, "Rays", "rays from the most expensive to the cheapest"),
                 (Section::Warps, "Warps", "useful lanes of every pass, and the slowest warps"),
             ] {

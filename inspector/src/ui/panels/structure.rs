@@ -272,7 +272,7 @@ fn tree_numbers(ui: &mut Ui, stats: &TreeStats) {
     let levels = stats.depths.len().saturating_sub(1);
     ui.label(match stats.width {
         2 => "The run steps through the binary BVH; only the fused schedule has the compressed eight-wide one.",
-        _ => "The run has the compressed eight-wide BVH: a leaf is a slot of its node, under a number of its own here.",
+        _ => "The run has the compressed eight-wide BVH: a leaf is a slot of its node; the numbers of leaves exist only here.",
     });
     ui.horizontal_wrapped(|ui| {
         ui.strong(counted(stats.inner, "inner node"))

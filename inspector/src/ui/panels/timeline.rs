@@ -168,7 +168,8 @@ impl Timeline {
             ui.add_enabled_ui(has_times, |ui| ui.selectable_value(&mut self.look.scale, Scale::Time, "by device time"))
                 .inner
                 .on_disabled_hover_text(why_no_times.unwrap_or_else(|| "no pass has a time".into()));
-            ui.checkbox(&mut self.look.is_log, "log").on_hover_text("logarithmic numbers: few rays are visible, too");
+            ui.checkbox(&mut self.look.is_log, "log")
+                .on_hover_text("logarithmic scale, which also shows small numbers of rays");
             ui.add_enabled_ui(has_walk, |ui| ui.checkbox(&mut self.look.is_walk_only, "walk only"))
                 .inner
                 .on_hover_text("hide passes before and after the walk, and rays that have left it")

@@ -139,9 +139,9 @@ impl Inspector {
             Some([x, y]) => {
                 let at = found_index(runs.differences().map(|(_, found)| found), [x, y]);
                 self.shared.select = Some([x, y]);
-                self.tell(format!("ray {x},{y}: {at} of {count} with another {what}"));
+                self.tell(format!("ray {x},{y}: {at} of {count} that differ in {what}"));
             }
-            None => self.tell(format!("no ray has another {what}")),
+            None => self.tell(format!("no ray differs in {what}")),
         }
     }
 
@@ -158,7 +158,7 @@ impl Inspector {
                 let is_wanted = |kept: &&Kept| kept.outcome.is_none() && runs.is_of(kept, opened);
                 let ids: Vec<RunId> = runs.runs.list().iter().filter(is_wanted).map(|kept| kept.id).collect();
                 if ids.is_empty() {
-                    self.warn("no kept run of this scene is without results");
+                    self.warn("all kept runs of this scene have their results");
                 }
                 ids.into_iter().for_each(|id| self.perform_asked(Asked::Again(id)));
             }

@@ -437,7 +437,7 @@ pub(super) fn row(command: Command) -> Row {
         }),
         C::NextDifferingRay => (keep, |s, _| {
             s.settle();
-            assert!(s.paints("no ray has another triangle"), "{:?}", s.painted());
+            assert!(s.paints("no ray differs in triangle"), "{:?}", s.painted());
         }),
 
         C::Palette => (nothing, |s, _| {

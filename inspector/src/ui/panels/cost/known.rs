@@ -135,7 +135,7 @@ impl Known {
         if look.shown == Shown::Passes {
             if warps.surveyed().is_none() {
                 ui.horizontal_wrapped(|ui| {
-                    ui.label("The passes of each ray are not counted by kernels.");
+                    ui.label("Kernels do not count the passes of each ray.");
                     let button = egui::Button::new("Count them in a second run");
                     if ui.add_enabled(!cx.model.is_busy(), button).clicked() {
                         WarpsView::ask(cx, look.width);

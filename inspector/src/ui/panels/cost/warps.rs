@@ -108,12 +108,12 @@ impl WarpsView {
         }
         let Some(known) = self.known.clone() else {
             ui.horizontal_wrapped(|ui| {
-                let button = egui::Button::new("Look at the warps of all passes");
+                let button = egui::Button::new("Analyse the warps of all passes");
                 let about = "Runs all passes again, in a run of its own, and reads the states of all rays after each.";
                 if ui.add_enabled(!cx.model.is_busy(), button).on_hover_text(about).clicked() {
                     Self::ask(cx, *width);
                 }
-                ui.label("for the lanes of warps with any work, and the slowest warps.");
+                ui.label("to see how full the busy warps are, and which are slowest.");
             });
             self.lanes.show(ui, cx);
             return;
@@ -122,11 +122,11 @@ impl WarpsView {
         ui.strong("slowest warps");
         ui.label(match known.is_listed {
             true => {
-                "Rays are listed anew in every pass, so warps are full, and rays change warps. Here they are together \
-                 with those beside which they began: what their longest walk would hold up without lists."
+                "Lists are rebuilt in every pass, so warps are full and rays move between warps. Here rays stay grouped \
+                 with their first neighbours, to show what the longest walk would hold up without lists."
             }
             false => {
-                "Every pass launches all pixels, so a warp has the same rays in each; it ends with its longest walk."
+                "Every pass launches all pixels, so a warp keeps the same rays, and ends when its longest walk does."
             }
         });
         if let Some(warp) = self.warp() {
@@ -145,16 +145,18 @@ impl WarpsView {
 /// Which threads are taken to run together, in a sentence or two.
 fn mapping(gpu: &Gpu, device: DeviceKind, lanes: usize, is_listed: bool) -> String {
     let order = match is_listed {
-        true => "in lists, in the order in which workgroups append to them if they end in their order",
+        true => "in the lists, as if workgroups finished in the order of their indices",
         false => "by their local index in the workgroup",
     };
     let [least, most] = [gpu.info.subgroup_min_size, gpu.info.subgroup_max_size];
     let own = match device {
-        DeviceKind::Cpu | DeviceKind::CpuF64 => "The CPU has no warps: shown is what a GPU would run.".into(),
+        DeviceKind::Cpu | DeviceKind::CpuF64 => {
+            "The CPU has no warps: these are the warps that a GPU would run.".into()
+        }
         _ if least == most => format!("This adapter's subgroups have {most} threads."),
         _ => format!("This adapter's subgroups have {least} to {most} threads."),
     };
-    format!("Assumed: {lanes} threads next to each other {order}; no stream has their subgroups. {own}")
+    format!("Assumed: a warp is {lanes} neighbouring threads {order}; no stream records the real subgroups. {own}")
 }
 
 /// Kernels with their mean shares; a click shows one alone.

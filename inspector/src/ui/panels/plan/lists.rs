@@ -30,8 +30,8 @@ pub(super) const HEADS: [&[Head<'static>]; 4] = [
         Head::prose("element", "what an element of it is"),
     ],
     &[
-        Head::text("what", "what the run does without"),
-        Head::text("because of", "whether the scene, the options or the view has no need of it"),
+        Head::text("what", "what the run omits"),
+        Head::text("because of", "what makes it unnecessary: the scene, the options or the view"),
         Head::prose("why", "the reason"),
     ],
 ];

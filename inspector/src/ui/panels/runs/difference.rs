@@ -38,7 +38,7 @@ impl DifferenceView {
         let can = cx.shared.runs.why_not_compared().is_none();
         let next = egui::Button::new(Command::NextDifferingRay.name());
         let about = format!(
-            "selects the next ray with another {} ({})",
+            "selects the next ray that differs in {} ({})",
             cx.shared.runs.aspect.name(),
             Command::NextDifferingRay.key_text(ui.ctx())
         );
@@ -189,24 +189,24 @@ fn sentence(counts: &Counts) -> String {
         return format!("the same bits for all of {}", counted(counts.rays, "ray"));
     }
     let mut parts = vec![
-        format!("{} with another triangle", counts.triangle),
-        format!("{} with a hit and a miss", counts.hit_or_miss),
+        format!("{} differ in triangle", counts.triangle),
+        format!("{} hit in only one of the runs", counts.hit_or_miss),
     ];
     parts.push(match counts.t {
-        0 => "0 with another t".into(),
-        t => format!("{t} with another t, by up to {} ulp or {:.2e} in scene units", counts.max_ulps, counts.max_t),
+        0 => "0 differ in t".into(),
+        t => format!("{t} differ in t, by up to {} ulp or {:.2e} in scene units", counts.max_ulps, counts.max_t),
     });
-    parts.push(format!("{} with other weights only", counts.weights));
+    parts.push(format!("{} only in barycentric weights", counts.weights));
     parts.push(match counts.color {
-        0 => "0 of another colour".into(),
-        color => format!("{color} of another colour, by up to {:.2e}", counts.max_color),
+        0 => "0 differ in colour".into(),
+        color => format!("{color} differ in colour, by up to {:.2e}", counts.max_color),
     });
     format!("of {}, {}", counted(counts.rays, "ray"), parts.join("; "))
 }
 
 /// The picture, for screen readers.
 fn describe(aspect: Aspect, found: &Differences) -> String {
-    format!("map of {} with another {}", counted(found.rays.len(), "ray"), aspect.name())
+    format!("map of {} that differ in {}", counted(found.rays.len(), "ray"), aspect.name())
 }
 
 fn upload(canvas: &Arc<Canvas>, found: &Differences) -> wgpu::Texture {

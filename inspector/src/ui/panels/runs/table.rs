@@ -21,7 +21,7 @@ const HEADS: [(&str, &str, Option<f32>); 15] = [
     ("ref.", "the run that others are compared with", None),
     ("vs.", "the run that is compared with the reference", None),
     ("name", "the run's name", Some(NAME)),
-    ("", "what can be done with the run", None),
+    ("", "actions for this run", None),
     (
         "time",
         "median [shortest–longest] of all passes by the device's clock, or of the whole run by the host's",
@@ -197,7 +197,7 @@ fn actions(ui: &mut Ui, cx: &Context<'_>, kept: &Kept, is_here: bool, changes: &
             ("Run again", "replaces its results", is_free, Asked::Again(id)),
             (
                 "Measure this run again",
-                "in turns with the reference, so that their times can be compared",
+                "in turn with the reference, so that their times can be compared",
                 is_free && crate::runs::measure::why_not(&kept.recipe).is_none(),
                 Asked::Measure(reference.into_iter().chain([id]).collect()),
             ),

@@ -38,7 +38,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>) {
         match reference {
             None => ui.weak("Measure the reference, too, to see ratios."),
             Some(_) => ui.weak(format!(
-                "[ ] after a time: shortest and longest; after a ratio: its 95% interval, from {FEWEST_REPEATS} repeats in turns on."
+                "[ ] after a time: shortest and longest; after a ratio: its 95% interval, if there are at least {FEWEST_REPEATS} repeats in turn."
             )),
         };
     });
@@ -116,7 +116,7 @@ fn cells(row: &mut TableRow<'_, '_>, timed: Timed<'_>, measured: &Measured, refe
             ),
             (None, false) => (
                 format!("{:.2}", ratio.ratio),
-                "ratio of medians: the two were not measured in turns, so there is no interval".into(),
+                "ratio of medians: the two were not measured in turn, so there is no interval".into(),
             ),
         };
         ui.label(text).on_hover_text(about);

@@ -37,7 +37,7 @@ const HEADS: [(&str, &str); 8] = [
     ),
     ("overlap", "share of its volume that is in several children"),
     ("empty", "share of its volume that is in no child"),
-    ("ray", "what the selected ray did: met the box, or missed it, or has yet to come to it"),
+    ("ray", "whether the selected ray met the box, missed it, or has not reached it yet"),
 ];
 
 /// A tree, and nodes worth a look.

@@ -49,7 +49,7 @@ impl Walk3d {
 
     fn frame_button(&self, ui: &mut egui::Ui, wish: &mut Option<Wish>) {
         let text =
-            "see the whole walk from its side again; until the view is moved by hand, it follows the selected ray";
+            "show the whole walk from its side; the view then follows the selected ray until it is moved by hand";
         let button = ui.add_enabled(self.framed.has_walk(), egui::Button::new("Frame walk"));
         if button.on_hover_text(text).clicked() {
             *wish = Some(Wish::FrameWalk);
@@ -93,7 +93,7 @@ impl Walk3d {
             (
                 &mut s.cut,
                 "cut away what hides the walk",
-                "triangles between the eye and the walk are faint, opaque ones are left out",
+                "draws triangles between the eye and the walk faintly, or leaves them out if triangles are opaque",
             ),
         ] {
             ui.checkbox(is_on, name).on_hover_text(text);

@@ -145,7 +145,7 @@ pub(super) fn show(ui: &mut Ui, bars: &[Bar], only: Option<Kernel>, place: usize
                 ui.label(format!("{:.1}% of the lanes of warps with any work", useful * 100.0));
             }
             if let Some(turns) = bar.turns {
-                ui.label(format!("{:.1}% of the loop turns of their warps", turns * 100.0));
+                ui.label(format!("{:.1}% of the loop iterations of their warps", turns * 100.0));
             }
             ui.weak("click to go there");
         });

@@ -56,7 +56,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut Context<'_>, nodes: &Nodes, data: &Scen
     });
     if let Some(filling) = nodes.filling(index) {
         let overlap = nodes.overlap(index).map_or_else(String::new, |share| {
-            format!("; what they have in common has {:.3}% of the root's surface", share * 100.0)
+            format!("; their overlap has {:.3}% of the root's surface area", share * 100.0)
         });
         ui.label(format!(
             "{:.2}% of its volume is in no child, {:.2}% in several{overlap}",
