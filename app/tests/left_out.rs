@@ -9,8 +9,9 @@ use crate::common::{Place, scene};
 type Row = BTreeMap<String, String>;
 
 /// What the Cornell box does not need with its own camera.
-const ITEMS: [&str; 9] = [
+const ITEMS: [&str; 10] = [
     "clipping",
+    "ray-padding",
     "normals",
     "textures",
     "vertex-colors",
@@ -53,8 +54,12 @@ fn by_way(rows: &[Row]) -> Vec<&[Row]> {
         assert_eq!((way[0]["item"].as_str(), items), ("all", BTreeSet::from(ITEMS)));
         for row in &way[1..] {
             assert!(!row["reason"].is_empty(), "{row:?}");
-            // Only the grid has code to clip rays.
-            let is_changed = row["item"] != "clipping" || row["accelerator"] == "grid";
+            // Only the grid has code to clip rays, and only the BVH has boxes.
+            let is_changed = match row["item"].as_str() {
+                "clipping" => row["accelerator"] == "grid",
+                "ray-padding" => row["accelerator"] == "bvh",
+                _ => true,
+            };
             assert_eq!(row["is_changed"], is_changed.to_string(), "{row:?}");
             assert_eq!(row["because"], if is_changed { "scene" } else { "options" }, "{row:?}");
         }

@@ -6,8 +6,8 @@ mod scenes;
 use std::time::Instant;
 
 use raystep_kernels::structures::bvh::{
-    self, BvhData, BvhError, BvhFault, BvhOptions, BvhQuality, EMPTY, MAX_LEAF, NO_NODE, TreeShape, WIDE_MAX_DEPTH,
-    WideBvhData, build, build_wide,
+    self, BvhData, BvhError, BvhFault, BvhOptions, BvhQuality, EMPTY, MAX_LEAF, NO_NODE, Padding, TreeShape,
+    WIDE_MAX_DEPTH, WideBvhData, build, build_wide,
 };
 use scenes::{needles, nested, scenes, soup};
 
@@ -19,13 +19,14 @@ fn options(quality: BvhQuality) -> BvhOptions {
 fn trees_of_all_scenes_and_qualities_keep_what_they_promise() {
     for (name, vertices) in scenes() {
         for quality in BvhQuality::ALL {
-            for growth in [0.0, 1e-30, 1e-6, 0.01, 3.0] {
-                let tree = build(&vertices, growth, &options(quality)).expect("a tree");
-                assert_eq!(tree.check(&vertices), Ok(()), "{name}, {quality:?}, {growth}: binary");
+            let fixed = [0.0, 1e-30, 1e-6, 0.01, 3.0].map(Padding::Fixed);
+            for padding in fixed.into_iter().chain([Padding::PerRay]) {
+                let tree = build(&vertices, padding, &options(quality)).expect("a tree");
+                assert_eq!(tree.check(&vertices), Ok(()), "{name}, {quality:?}, {padding:?}: binary");
                 assert!(tree.nodes.iter().all(|n| n.count() <= MAX_LEAF), "{name}, {quality:?}");
                 assert!(tree.references as usize <= vertices.len() / 9 * 13 / 10, "{name}: {}", tree.references);
-                let wide = build_wide(&vertices, growth, &options(quality)).expect("a tree");
-                assert_eq!(wide.check(&vertices), Ok(()), "{name}, {quality:?}, {growth}: wide");
+                let wide = build_wide(&vertices, padding, &options(quality)).expect("a tree");
+                assert_eq!(wide.check(&vertices), Ok(()), "{name}, {quality:?}, {padding:?}: wide");
                 assert_eq!(wide.references, tree.references, "{name}, {quality:?}");
                 assert!(wide.nodes.iter().flat_map(|n| n.exponents).all(|e| (1..=254).contains(&e)), "{name}");
                 assert!(tree.cost.is_finite() && wide.cost.is_finite(), "{name}");
@@ -172,7 +173,7 @@ fn check_finds_what_is_broken() {
     let triangle = good.items[good.nodes[leaf].first as usize];
     let lower = |tree: &mut BvhData| tree.nodes[leaf].max[1] = tree.nodes[leaf].max[1].next_down();
     assert!(matches!(broken(&lower), Err(BvhFault::Uncovered(_) | BvhFault::Order(_))), "{:?}", broken(&lower));
-    assert_eq!(broken(&|t| t.growth = 2e-3), Err(BvhFault::Uncovered(0)));
+    assert_eq!(broken(&|t| t.padding = Padding::Fixed(2e-3)), Err(BvhFault::Uncovered(0)));
     assert_eq!(broken(&|t| t.parents[5] ^= 1), Err(BvhFault::Parent(5)));
     // Another axis; there are three, and the fourth value marks an empty BVH.
     let turned = |t: &mut BvhData| t.nodes[0].link = ((t.nodes[0].axis() as u32 + 1) % 3) << 30;

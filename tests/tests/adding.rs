@@ -12,6 +12,14 @@ use raystep_kernels::programs::closest_hit::PROGRAM;
 struct Hunk {
     old: String,
     new: String,
+    /// Lines of both, as its head says; `patch` refuses a hunk that has others.
+    lines: [usize; 2],
+}
+
+/// The numbers of lines in `@@ -255,5 +255,25 @@ …`.
+fn lines_of(head: &str) -> [usize; 2] {
+    let mut ranges = head.split(' ').skip(1).map(|range| range.split_once(',').map_or("1", |(_, count)| count));
+    [(); 2].map(|()| ranges.next().and_then(|count| count.parse().ok()).expect("a range of lines"))
 }
 
 /// The hunks of a unified diff, by file.
@@ -23,7 +31,11 @@ fn hunks(diff: &str) -> BTreeMap<String, Vec<Hunk>> {
             file = name.to_owned();
         } else if line.starts_with("--- ") {
         } else if line.starts_with("@@") {
-            files.entry(file.clone()).or_default().push(Hunk { old: String::new(), new: String::new() });
+            files.entry(file.clone()).or_default().push(Hunk {
+                old: String::new(),
+                new: String::new(),
+                lines: lines_of(line),
+            });
         } else if let Some(hunk) = files.get_mut(&file).and_then(|hunks| hunks.last_mut()) {
             // An editor may have removed the space of an empty line.
             let (kind, text) = if line.is_empty() { (" ", "") } else { line.split_at(1) };
@@ -44,6 +56,9 @@ fn the_documented_diff_applies_and_its_kernel_is_valid() {
     let docs = fs::read_to_string(root.join("docs/adding-a-kernel.md")).expect("the docs");
     let diff = docs.split("```diff\n").nth(1).and_then(|rest| rest.split("\n```").next()).expect("a diff");
     let files = hunks(diff);
+    for hunk in files.values().flatten() {
+        assert_eq!([&hunk.old, &hunk.new].map(|text| text.lines().count()), hunk.lines, "{}", hunk.new);
+    }
     let is_new = |hunks: &[Hunk]| matches!(hunks, [hunk] if hunk.old.is_empty());
     let new: Vec<&String> = files.iter().filter(|(_, hunks)| is_new(hunks)).map(|(name, _)| name).collect();
     assert_eq!((files.len(), new.len()), (5, 2), "two new files, and one change in each of three others");

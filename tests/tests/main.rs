@@ -21,5 +21,6 @@ mod samples;
 mod schedules;
 mod session;
 mod session_changes;
+mod stiff;
 mod truth;
 mod watertight;

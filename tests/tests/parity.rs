@@ -16,7 +16,7 @@ use raystep_tests::ways::{STEPPED, Way, stepped};
 use raystep_tests::{block_on, devices, gpu, options, parity, rays, scene, scene_files, thorough};
 
 /// Configurations that cover every kernel with both numerics, in each of its launch modes.
-const WAYS: [Way; 23] = {
+const WAYS: [Way; 26] = {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, First, Fused, Second};
     [
@@ -37,6 +37,9 @@ const WAYS: [Way; 23] = {
         Way::new(Bvh, Compact, 2).paper(),
         Way::new(Bvh, Fused, 1),
         Way::new(Bvh, Fused, 1).paper(),
+        Way::new(Bvh, Compact, 1).padded(),
+        Way::new(Bvh, Compact, 8).padded(),
+        Way::new(Bvh, Fused, 1).padded(),
         Way::new(None, Second, 1),
         Way::new(None, First, 1).paper(),
         Way::new(None, Compact, 1),
@@ -331,7 +334,8 @@ fn other_rounding_is_not_broken() {
         (kernels::WALK, Way::new(Grid, Compact, 8), "trace.t = candidate.t", "trace.t = candidate.t * 1.0000001"),
         (kernels::WALK, Way::new(Grid, Compact, 8), "- ray.origin)", "- ray.origin * 0.9999999)"),
         (kernels::WALK, Way::new(Grid, Compact, 8).leaping(), "ray.direction * t", "ray.direction * (t * 1.0000001)"),
-        (kernels::WALK, Way::new(Bvh, Compact, 8), "(node.min - origin)", "(node.min * 0.9999999 - origin)"),
+        (kernels::WALK, Way::new(Bvh, Compact, 8), "node.min - origin", "node.min * 0.9999999 - origin"),
+        (kernels::WALK, Way::new(Bvh, Compact, 8).padded(), "node.min - origin", "node.min * 0.9999999 - origin"),
         (kernels::FUSED, Way::new(Grid, Fused, 1), "- ray.origin)", "- ray.origin * 0.9999999)"),
     ] {
         let options = Options { counters: true, ..way.of(&options(&scene, 128, 128)) };

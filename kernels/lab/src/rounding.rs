@@ -17,7 +17,7 @@ use raystep_kernels::programs::closest_hit::own;
 use raystep_kernels::programs::closest_hit::rounding::{self, Each, Off, Ties};
 use raystep_kernels::programs::closest_hit::streams::{self, STATE_CELL, STATE_ITEM, STATE_T};
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::shared::bvh_walk::finite_inverse;
+use raystep_kernels::shared::bvh_walk::{finite_inverse, ray_padding};
 use raystep_kernels::shared::camera::eye_ray;
 use raystep_kernels::shared::constants::NO_TRIANGLE;
 use raystep_kernels::shared::grid_walk::smallest_axis;
@@ -122,7 +122,10 @@ impl Rounding<'_> {
         let nearest_t = f64::from(f32::from_bits(self.component(streams::STATE, STATE_T, ray)));
         let node = self.component(streams::STATE, STATE_CELL, ray);
         let Some(node) = self.data.bvh_nodes.get(node as usize) else { return false };
-        let growth = f64::from(self.data.growth);
+        let growth = match self.data.features.ray_padding {
+            true => 2.0 * ray_padding(Vec3::<f64>::from_f32(node.min) - origin, Vec3::from_f32(node.max) - origin),
+            false => f64::from(self.data.growth),
+        };
         let meets = |by: f64| {
             let side = |v: [f32; 3], by: f64| Vec3::<f64>::from_f32(v) + Vec3::splat(by);
             let (t0, t1) = ((side(node.min, -by) - origin) * inverse, (side(node.max, by) - origin) * inverse);

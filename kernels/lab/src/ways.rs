@@ -3,7 +3,7 @@
 use std::fmt;
 
 use raystep_kernels::scene_data::SceneData;
-use raystep_kernels::{Accelerator, Item, Numerics, Options, Plan, Ray, RaySource, Rule, ScheduleKind, Skip};
+use raystep_kernels::{Accelerator, Item, Keep, Numerics, Options, Plan, Ray, RaySource, Rule, ScheduleKind, Skip};
 use raystep_scenes::Scene;
 
 /// A configuration.
@@ -19,13 +19,15 @@ pub struct Way {
     pub skip: Skip,
     /// The numerics.
     pub numerics: Numerics,
+    /// Whether boxes are grown for each ray in any scene.
+    pub is_padded: bool,
 }
 
 impl Way {
     /// Robust numerics, without empty-space skipping.
     #[must_use]
     pub const fn new(accelerator: Accelerator, schedule: ScheduleKind, steps: u32) -> Self {
-        Self { accelerator, schedule, steps, skip: Skip::Off, numerics: Numerics::Robust }
+        Self { accelerator, schedule, steps, skip: Skip::Off, numerics: Numerics::Robust, is_padded: false }
     }
 
     /// The same with empty-space skipping.
@@ -38,6 +40,12 @@ impl Way {
     #[must_use]
     pub const fn paper(self) -> Self {
         Self { numerics: Numerics::Paper, ..self }
+    }
+
+    /// The same with boxes that are grown for each ray.
+    #[must_use]
+    pub const fn padded(self) -> Self {
+        Self { is_padded: true, ..self }
     }
 
     /// Whether a ray's walk takes many passes.
@@ -55,6 +63,7 @@ impl Way {
             steps_per_pass: self.steps,
             skip: self.skip,
             numerics: self.numerics,
+            keep: if self.is_padded { Keep::only(Item::RayPadding) } else { options.keep },
             ..options.clone()
         }
     }
@@ -69,12 +78,15 @@ impl fmt::Display for Way {
         if self.numerics == Numerics::Paper {
             f.write_str(" paper")?;
         }
+        if self.is_padded {
+            f.write_str(" padded")?;
+        }
         Ok(())
     }
 }
 
 /// Every accelerator: one step per pass in either launch mode, several steps per pass, and fused. Robust numerics.
-pub const EVERY: [Way; 14] = {
+pub const EVERY: [Way; 17] = {
     use Accelerator::{Bvh, Grid, None};
     use ScheduleKind::{Compact, Fused, Second};
     [
@@ -92,6 +104,9 @@ pub const EVERY: [Way; 14] = {
         Way::new(None, Compact, 1),
         Way::new(None, Compact, 8),
         Way::new(None, Fused, 1),
+        Way::new(Bvh, Second, 1).padded(),
+        Way::new(Bvh, Compact, 8).padded(),
+        Way::new(Bvh, Fused, 1).padded(),
     ]
 };
 

@@ -34,6 +34,7 @@ features! {
     in_cell: "A hit counts only inside the cell being tested, else the nearest is kept.",
     grid: "The scene is traced through a uniform grid.",
     bvh: "The scene is traced through a BVH.",
+    ray_padding: "Boxes of the BVH are grown as they are tested, by their distance; else when they are built.",
     skip: "Rays skip empty cells of the grid, several at a time.",
     live_lists: "Only rays that wait for a kernel are launched.",
     many_steps: "A ray may take several steps in one pass.",

@@ -8,6 +8,8 @@ use crate::options::features::Features;
 pub enum Item {
     /// Rays are clipped to the grid: not needed if all of them start inside it.
     Clipping,
+    /// Boxes of the BVH are grown as they are tested: not needed if what the scene's reach requires hardly enlarges them.
+    RayPadding,
     /// Vertex normals.
     Normals,
     /// Base colour textures with their coordinates.
@@ -30,9 +32,10 @@ pub enum Item {
 
 named!(
     Item,
-    "clipping, normals, textures, vertex-colors, many-materials, emission, double-sided, many-lights, \
+    "clipping, ray-padding, normals, textures, vertex-colors, many-materials, emission, double-sided, many-lights, \
      directional-lights, spot-lights",
     Clipping "clipping",
+    RayPadding "ray-padding",
     Normals "normals",
     Textures "textures",
     VertexColors "vertex-colors",
@@ -87,6 +90,7 @@ impl Features {
     pub fn has(&self, item: Item) -> bool {
         match item {
             Item::Clipping => self.clip,
+            Item::RayPadding => self.ray_padding,
             Item::Normals => self.normals,
             Item::Textures => self.textures,
             Item::VertexColors => self.vertex_colors,

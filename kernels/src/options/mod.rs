@@ -126,8 +126,8 @@ named!(Numerics, "robust, paper", Robust "robust", Paper "paper");
 
 impl Accelerator {
     /// The accelerators that [`Auto`](Self::Auto) chooses from for a number of triangles. Of two, it takes the grid if
-    /// most of its cells have triangles, else the BVH: `docs/performance.md` measures that evenly filled scenes are
-    /// traced faster through a grid, surfaces through a BVH.
+    /// most of its cells have triangles and none has very many ([`MOST_LISTED`]), else the BVH: `docs/performance.md`
+    /// measures that evenly filled scenes are traced faster through a grid, surfaces through a BVH.
     #[must_use]
     pub fn candidates(&self, triangles: usize) -> &[Self] {
         match self {
@@ -144,6 +144,10 @@ pub const MOST_WITHOUT: usize = 6;
 
 /// Fewest triangles whose grid has enough cells to tell whether the scene is filled evenly.
 pub const LEAST_FOR_GRID: usize = 512;
+
+/// Longest mean list of a grid that `auto` takes, each list weighted by its length: about the number of triangles that a
+/// ray tests in the cell where it ends. Even scenes have 3 to 6, whatever their size.
+pub const MOST_LISTED: f64 = 16.0;
 
 /// A ray in scene units: `origin + t * direction`. A hit counts if `t_min < t < t_max`: neither end does, as in DXR and
 /// Vulkan, so a ray with the `t_min` of an earlier hit finds what is behind that hit.

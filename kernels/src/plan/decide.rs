@@ -45,6 +45,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         in_cell: has_grid && (!robust || options.without == Some(Rule::Acceptance)),
         grid: has_grid,
         bvh: accelerator == Accelerator::Bvh,
+        ray_padding: false,
         skip: false,
         stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,
@@ -111,6 +112,12 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     let one_light = if scene.lights.is_empty() { "no light: one headlight" } else { "one light" };
     let code = [
         (Item::Clipping, f.grid && f.robust, "code that clips rays to the grid", "the camera is inside the grid"),
+        (
+            Item::RayPadding,
+            f.bvh && options.without != Some(Rule::BoxPadding),
+            "code that grows boxes by their distance",
+            "growth by the reach of the scene hardly enlarges boxes",
+        ),
         (Item::ManyLights, options.shade, "code for more than one light", one_light),
         (Item::DirectionalLights, options.shade, "code for directional lights", "no directional light"),
         (Item::SpotLights, options.shade, "code for spot lights", "no spot light"),

@@ -7,9 +7,10 @@ use super::decide::features;
 use super::limits::Limits;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::{Accelerator, GridSize, Options, Rule, ScheduleKind, Skip};
+use crate::options::keep::Item;
+use crate::options::{Accelerator, GridSize, MOST_LISTED, Options, Rule, ScheduleKind, Skip};
 use crate::scene_data::{bvh_growth, reach, traced_vertices};
-use crate::structures::bvh::{self, BvhOptions, BvhQuality};
+use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
 use crate::structures::{Structure, grid};
 use crate::tables::sizes::LIVE_REGIONS;
 
@@ -119,7 +120,7 @@ impl Site<'_> {
                 None => return Ok(None),
             }
         } else if features.bvh {
-            self.tree()?
+            self.tree(&mut features)?
         } else {
             Structure::None
         };
@@ -130,13 +131,14 @@ impl Site<'_> {
         Ok(Some((features, structure)))
     }
 
-    /// Builds the grid: the counts of its lists tell whether most of its cells are empty before they are filled.
+    /// Builds the grid: the counts of its lists tell whether most of its cells are empty, or a few of them crowded,
+    /// before they are filled.
     fn grid(&self, features: &mut Features, is_last: bool) -> Result<Option<Structure>, PlanError> {
         let Self { options, vertices, reach, most_words } = *self;
         let is_grown = options.without != Some(Rule::CellGrowth);
         let counted = grid::count_lists(vertices, options.grid, reach, is_grown, most_words)?;
         let is_sparse = counted.is_sparse();
-        if is_sparse && !is_last {
+        if !is_last && (is_sparse || counted.weighted_list() > MOST_LISTED) {
             return Ok(None);
         }
         features.skip = features.keeps_no_tmax()
@@ -158,14 +160,21 @@ impl Site<'_> {
         Ok(Some(Structure::Grid { data, distances }))
     }
 
-    fn tree(&self) -> Result<Structure, PlanError> {
+    fn tree(&self, features: &mut Features) -> Result<Structure, PlanError> {
         let Self { options, vertices, reach, most_words } = *self;
-        let growth = if options.without == Some(Rule::BoxPadding) { 0.0 } else { bvh_growth(reach) };
+        let padding = if options.without == Some(Rule::BoxPadding) {
+            Padding::Fixed(0.0)
+        } else if options.keep.has(Item::RayPadding) && !vertices.is_empty() {
+            Padding::PerRay
+        } else {
+            Padding::suits(vertices, bvh_growth(reach))
+        };
+        features.ray_padding = padding == Padding::PerRay;
         let how = BvhOptions { most_words, quality: BvhQuality::for_triangles((vertices.len() / 9) as u64) };
         Ok(if options.schedule == ScheduleKind::Fused {
-            Structure::Wide(bvh::build_wide(vertices, growth, &how)?)
+            Structure::Wide(bvh::build_wide(vertices, padding, &how)?)
         } else {
-            Structure::Bvh(bvh::build(vertices, growth, &how)?)
+            Structure::Bvh(bvh::build(vertices, padding, &how)?)
         })
     }
 }

@@ -72,9 +72,9 @@ impl Structure {
             (Accelerator::Auto, Accelerator::None) => {
                 format!("{MOST_WITHOUT} triangles or fewer are tested faster than they are looked up")
             }
-            (Accelerator::Auto, Accelerator::Grid) => "triangles in most cells".into(),
+            (Accelerator::Auto, Accelerator::Grid) => "triangles in most cells, many in none".into(),
             (Accelerator::Auto, _) if plan.triangles >= LEAST_FOR_GRID as u64 => {
-                "most cells of a grid are empty".into()
+                "most cells of a grid are empty, or a few are crowded".into()
             }
             (Accelerator::Auto, _) => format!("more than {MOST_WITHOUT} triangles"),
             _ => format!("--accelerator {asked}"),
@@ -256,12 +256,15 @@ mod tests {
         assert!(few.to_string().starts_with("none      every ray tests every triangle (auto: 6 "), "{few}");
         let cloud = generate::soup(2000, 1).expect("a scene");
         let even = of(&cloud, Accelerator::Auto, ScheduleKind::Compact);
-        assert_eq!((even.accelerator, even.accelerator_because.as_str()), ("grid", "triangles in most cells"));
+        assert_eq!(
+            (even.accelerator, even.accelerator_because.as_str()),
+            ("grid", "triangles in most cells, many in none")
+        );
         let surface = generate::terrain(2000, 1).expect("a scene");
         let uneven = of(&surface, Accelerator::Auto, ScheduleKind::Compact);
         assert_eq!(
             (uneven.accelerator, uneven.accelerator_because.as_str()),
-            ("bvh", "most cells of a grid are empty")
+            ("bvh", "most cells of a grid are empty, or a few are crowded")
         );
         let asked = of(&scene, Accelerator::Grid, ScheduleKind::Compact);
         assert_eq!(asked.accelerator_because, "--accelerator grid");

@@ -58,7 +58,7 @@ pub struct SceneData {
     pub grid_items: Vec<u32>,
     /// One byte per cell, four cells per word: see [`crate::structures::grid::distances`].
     pub grid_distances: Vec<u32>,
-    /// Growth of cells or boxes, in traced units.
+    /// Growth of cells or boxes, in traced units; 0 for boxes that are grown as they are tested.
     pub growth: f32,
     /// Bounds coordinates of corners and origins, and distances between them, in traced units.
     pub reach: f32,
@@ -235,10 +235,11 @@ impl SceneData {
             }
             Structure::Bvh(data) => {
                 self.bvh_parents = data.parents.iter().map(|&p| link_above(&data.nodes, p)).collect();
-                (self.bvh_nodes, self.bvh_items, self.growth) = (data.nodes, data.items, data.growth);
+                (self.bvh_nodes, self.bvh_items, self.growth) = (data.nodes, data.items, data.padding.growth());
             }
             Structure::Wide(data) => {
-                (self.wide_nodes, self.packed_triangles, self.growth) = (data.nodes, data.triangles, data.growth);
+                (self.wide_nodes, self.packed_triangles, self.growth) =
+                    (data.nodes, data.triangles, data.padding.growth());
                 self.wide_depth = data.depth;
             }
         }

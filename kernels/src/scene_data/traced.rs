@@ -8,10 +8,10 @@ use crate::shared::camera::Camera;
 use crate::shared::constants::INF;
 use crate::structures::grid;
 
-/// Growth of a BVH's boxes, in traced units: as much as the grid's cells, and 24 roundings for the slab test. Its
-/// planes are at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the node's corner, 6 of the distance
-/// from there, and 1 of the sum; the first distance is below `reach`, the second below twice that, since the planes'
-/// spacing is the next power of two.
+/// Growth of a BVH's boxes, in traced units, if all of them are grown alike: as much as the grid's cells, and 24
+/// roundings for the slab test. Its planes are at `q * (2^e / d) + (p - o) / d`: 7 roundings of the distance to the
+/// node's corner, 6 of the distance from there, and 1 of the sum; the first distance is below `reach`, the second below
+/// twice that, since the planes' spacing is the next power of two.
 pub(crate) fn bvh_growth(reach: f32) -> f32 {
     grid::growth(reach) * (64.0 / 40.0)
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::constants::{NO_NODE, PARALLEL};
+use super::constants::{BOX_PADDING, NO_NODE, PARALLEL};
 use crate::numbers::real::{Real, Vec3};
 
 /// A node: its box, and its children or triangles.
@@ -69,10 +69,39 @@ pub fn finite_inverse<R: Real>(direction: Vec3<R>) -> Vec3<R> {
     })
 }
 
+/// A box's growth for a ray: [`BOX_PADDING`] times the largest distance along an axis from the ray's origin to the box,
+/// given the differences between its lower and upper corner and the origin.
+pub fn ray_padding<R: Real>(low: Vec3<R>, high: Vec3<R>) -> R {
+    let far = |low: R, high: R| low.abs().max(high.abs());
+    R::from_f32(BOX_PADDING) * far(low.x, high.x).max(far(low.y, high.y)).max(far(low.z, high.z))
+}
+
+/// A ray, and the values that each of its steps needs.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeRay<R> {
+    origin: Vec3<R>,
+    direction: Vec3<R>,
+    inverse: Vec3<R>,
+    /// Whether boxes are grown by [`ray_padding`].
+    is_padded: bool,
+}
+
+impl<R: Real> TreeRay<R> {
+    /// Prepares a ray for the walk, in which boxes are grown by [`ray_padding`] or not.
+    pub fn new(origin: Vec3<R>, direction: Vec3<R>, is_padded: bool) -> Self {
+        Self { origin, direction, inverse: finite_inverse(direction), is_padded }
+    }
+}
+
 /// Whether the ray is inside the node's box anywhere between 0 and `nearest_t`.
-pub fn hits_box<R: Real>(node: &BvhNode, origin: Vec3<R>, inverse: Vec3<R>, nearest_t: R) -> bool {
-    let t0 = (Vec3::from_f32(node.min) - origin) * inverse;
-    let t1 = (Vec3::from_f32(node.max) - origin) * inverse;
+pub fn hits_box<R: Real>(node: &BvhNode, ray: &TreeRay<R>, nearest_t: R) -> bool {
+    let mut low = Vec3::from_f32(node.min) - ray.origin;
+    let mut high = Vec3::from_f32(node.max) - ray.origin;
+    if ray.is_padded {
+        let padding = ray_padding(low, high);
+        (low, high) = (low.map(|v| v - padding), high.map(|v| v + padding));
+    }
+    let (t0, t1) = (low * ray.inverse, high * ray.inverse);
     let t_enter = t0.x.min(t1.x).max(t0.y.min(t1.y)).max(t0.z.min(t1.z).max(R::zero()));
     let t_leave = t0.x.max(t1.x).min(t0.y.max(t1.y)).min(t0.z.max(t1.z).min(nearest_t));
     t_enter <= t_leave
@@ -101,24 +130,16 @@ pub fn parent_of(above: u32) -> u32 {
 }
 
 /// One step (after Hapala and others, 2011).
-pub fn next_node<R: Real>(
-    nodes: &[BvhNode],
-    parents: &[u32],
-    at: Visit,
-    origin: Vec3<R>,
-    direction: Vec3<R>,
-    inverse: Vec3<R>,
-    nearest_t: R,
-) -> Visit {
+pub fn next_node<R: Real>(nodes: &[BvhNode], parents: &[u32], at: Visit, ray: &TreeRay<R>, nearest_t: R) -> Visit {
     let above = parents[at.node as usize];
     let parent = parent_of(above);
     if at.previous == parent {
         let node = &nodes[at.node as usize];
-        if hits_box(node, origin, inverse, nearest_t) {
+        if hits_box(node, ray, nearest_t) {
             if node.count() != 0 {
                 return Visit { node: at.node, previous: at.node, in_leaf: true };
             }
-            let nearer = node.first + u32::from(goes_down(node.link >> 30, direction));
+            let nearer = node.first + u32::from(goes_down(node.link >> 30, ray.direction));
             return Visit { node: nearer, previous: at.node, in_leaf: false };
         }
     }
@@ -128,7 +149,7 @@ pub fn next_node<R: Real>(
     }
     // The first of two siblings has an odd index.
     let is_first = at.node & 1 == 1;
-    if is_first != goes_down(above >> 30, direction) {
+    if is_first != goes_down(above >> 30, ray.direction) {
         return Visit { node: ((at.node - 1) ^ 1) + 1, previous: parent, in_leaf: false };
     }
     Visit { node: parent, previous: at.node, in_leaf: false }

@@ -1,9 +1,11 @@
 // The walk through a binary BVH without a stack, one node per step (after Hapala and others, 2011): the node and the
 // previous one tell whether the ray enters the node or has finished with it.
 //
-// Boxes are grown on the host by more than the rounding errors of both tests, so the test here needs no epsilon.
+// Boxes are grown by more than the rounding errors of both tests: on the host, so that the test here needs no epsilon;
+// or, in a scene whose reach is large compared with its triangles, here, in proportion to the box's distance.
 
 import package::constants::{NO_NODE, TINY_DIRECTION};
+@if(ray_padding) import package::constants::{BOX_PADDING};
 import package::state::{TRAV, ISECT_NO_HIT, ISECT_HIT, SHADE, BACKGROUND};
 
 struct BvhNode {
@@ -28,8 +30,14 @@ fn finite_inverse(direction: vec3f) -> vec3f {
 }
 
 fn hits_box(node: BvhNode, origin: vec3f, inverse: vec3f, nearest_t: f32) -> bool {
-    let t0 = (node.min - origin) * inverse;
-    let t1 = (node.max - origin) * inverse;
+    let low = node.min - origin;
+    let high = node.max - origin;
+    @if(ray_padding) let far = max(abs(low), abs(high));
+    @if(ray_padding) let padding = BOX_PADDING * max(max(far.x, far.y), far.z);
+    @if(ray_padding) let t0 = (low - padding) * inverse;
+    @if(ray_padding) let t1 = (high + padding) * inverse;
+    @if(!ray_padding) let t0 = low * inverse;
+    @if(!ray_padding) let t1 = high * inverse;
     let enter = min(t0, t1);
     let leave = max(t0, t1);
     let t_enter = max(max(enter.x, enter.y), max(enter.z, 0.0));

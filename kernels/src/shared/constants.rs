@@ -21,6 +21,10 @@ pub const MIN_NORMAL: f32 = f32::MIN_POSITIVE;
 /// The triangle of a ray that hit nothing.
 pub const NO_TRIANGLE: u32 = 0xffff_ffff;
 
+/// How much a box of the BVH is grown per distance from the ray's origin: 2⁻¹⁸, 64 roundings. See
+/// [`Padding`](crate::structures::bvh::Padding).
+pub const BOX_PADDING: f32 = 3.814_697_3e-6;
+
 /// Invocations per workgroup along x and along y. 64 in total, a multiple of every GPU's SIMD width.
 pub const WORKGROUP: u32 = 8;
 
@@ -66,7 +70,7 @@ pub fn wgsl_module(stack: u32, turns: u32) -> String {
     format!(
         "const INF: f32 = {INF:e}f;\nconst PARALLEL: f32 = {PARALLEL:e}f;\n\
          const PAPER_PARALLEL: f32 = {PAPER_PARALLEL:e}f;\nconst PAPER_EPSILON: f32 = {PAPER_EPSILON:e}f;\n\
-         const MIN_NORMAL: f32 = {MIN_NORMAL:e}f;\n\
+         const MIN_NORMAL: f32 = {MIN_NORMAL:e}f;\nconst BOX_PADDING: f32 = {BOX_PADDING:e}f;\n\
          const NO_TRIANGLE: u32 = {NO_TRIANGLE}u;\nconst WORKGROUP: u32 = {WORKGROUP}u;\n\
          const LIST_SIDE: u32 = {LIST_SIDE}u;\nconst LIST_GROUPS: u32 = {LIST_GROUPS}u;\nconst NOBODY: u32 = {NOBODY}u;\nconst NODES_A_STEP: u32 = {NODES_A_STEP}u;\nconst NO_NODE: u32 = {NO_NODE}u;\n\
          const TINY_DIRECTION: f32 = {PARALLEL:e}f;\nconst WIDE_STACK: u32 = {}u;\n\
@@ -83,5 +87,6 @@ mod tests {
     fn constants_are_the_powers_of_two_that_the_bounds_assume() {
         assert_eq!(INF, 100f32.exp2());
         assert_eq!(PARALLEL, (-64f32).exp2());
+        assert_eq!(BOX_PADDING, (-18f32).exp2());
     }
 }

@@ -1,6 +1,7 @@
 //! Twin of `wide_walk.wgsl`: one node of the compressed eight-wide BVH.
 
 use super::bvh_walk::finite_inverse;
+use super::constants::BOX_PADDING;
 use super::wide_node::WideNode;
 use crate::numbers::real::{Real, Vec3};
 
@@ -32,6 +33,8 @@ pub struct WideRay<R> {
     /// Bits 2, 1, 0: the direction is not negative along x, y, z.
     octant: u32,
     negative: [bool; 3],
+    /// Whether boxes are grown by their distance.
+    is_padded: bool,
 }
 
 /// Siblings that wait: `base` is the first child, and `bits` holds the hits (24-31, in the order of visits) and the
@@ -62,12 +65,12 @@ impl WideLeaves {
 }
 
 impl<R: Real> WideRay<R> {
-    /// Prepares a ray for the walk.
-    pub fn new(origin: Vec3<R>, direction: Vec3<R>) -> Self {
+    /// Prepares a ray for the walk, in which boxes are grown by their distance or not.
+    pub fn new(origin: Vec3<R>, direction: Vec3<R>, is_padded: bool) -> Self {
         let inverse = finite_inverse(direction);
         let negative = inverse.map(|v| v < R::zero()).to_array();
         let octant = u32::from(!negative[0]) << 2 | u32::from(!negative[1]) << 1 | u32::from(!negative[2]);
-        Self { origin, inverse, octant, negative }
+        Self { origin, inverse, octant, negative, is_padded }
     }
 
     /// The node for a hit in a group.
@@ -82,15 +85,24 @@ impl<R: Real> WideRay<R> {
     pub fn visit(&self, node: &WideNode, nearest_t: R) -> (WideGroup, WideLeaves) {
         let (mut enter, mut leave) = ([R::zero(); 8], [nearest_t; 8]);
         let (origin, inverse) = (self.origin.to_array(), self.inverse.to_array());
+        let spacing = node.exponents.map(|exponent| R::from_f32(f32::from_bits(u32::from(exponent) << 23)));
+        let low = [0, 1, 2].map(|axis| R::from_f32(node.origin[axis]) - origin[axis]);
+        let far = [0, 1, 2].map(|axis| low[axis].abs() + R::from_f32(256.0) * spacing[axis]);
+        let padding = R::from_f32(BOX_PADDING) * far[0].max(far[1]).max(far[2]);
         for axis in 0..3 {
-            let scale = R::from_f32(f32::from_bits(u32::from(node.exponents[axis]) << 23)) * inverse[axis];
-            let offset = (R::from_f32(node.origin[axis]) - origin[axis]) * inverse[axis];
+            let scale = spacing[axis] * inverse[axis];
+            let offset = low[axis] * inverse[axis];
+            let (mut enter_at, mut leave_at) = (offset, offset);
+            if self.is_padded {
+                let padding = padding * inverse[axis].abs();
+                (enter_at, leave_at) = (offset - padding, offset + padding);
+            }
             // A ray that goes down along an axis meets the upper plane first.
             let near = usize::from(self.negative[axis]);
-            let (near, far) = (&node.planes[axis][near], &node.planes[axis][1 - near]);
+            let (nearer, farther) = (&node.planes[axis][near], &node.planes[axis][1 - near]);
             for slot in 0..8 {
-                enter[slot] = enter[slot].max(R::from_i32(i32::from(near[slot])) * scale + offset);
-                leave[slot] = leave[slot].min(R::from_i32(i32::from(far[slot])) * scale + offset);
+                enter[slot] = enter[slot].max(R::from_i32(i32::from(nearer[slot])) * scale + enter_at);
+                leave[slot] = leave[slot].min(R::from_i32(i32::from(farther[slot])) * scale + leave_at);
             }
         }
         // The sign decides, as on the GPU: it may be that of -0 if a box ends at the ray's origin.

@@ -1,7 +1,9 @@
 // The walk through a compressed eight-wide BVH (Ylitie, Karras and Laine, 2017), one node per step, with a stack of one
 // group of siblings per level.
 //
-// Boxes are grown on the host by more than the rounding errors of the test here, so it needs no epsilon.
+// Boxes are grown by more than the rounding errors of the test: on the host, or here (see bvh_walk.wgsl).
+
+@if(ray_padding) import package::constants::{BOX_PADDING};
 
 // Five words per node, see WideNode in wide_node.rs.
 @group(1) @binding(20) var<storage, read> wide_nodes: array<vec4u>;
@@ -69,15 +71,16 @@ fn bytes(word: u32) -> vec4f {
     return vec4f((vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(0xffu));
 }
 
-// Shifts a bit for each of four boxes into the misses, the last box's lowest: the sign of leave - enter.
-fn misses_of_four(misses: u32, near: vec3u, far: vec3u, scale: vec3f, offset: vec3f, nearest_t: f32) -> u32 {
+// Shifts a bit for each of four boxes into the misses, the last box's lowest: the sign of leave - enter. Lower planes
+// along the ray are at `enter_at`, upper ones at `leave_at`, plus a number of `scale`.
+fn misses_of_four(misses: u32, near: vec3u, far: vec3u, scale: vec3f, enter_at: vec3f, leave_at: vec3f, nearest_t: f32) -> u32 {
     let enter = bitcast<vec4f>(max(
-        max(ints(bytes(near.x) * scale.x + offset.x), ints(bytes(near.y) * scale.y + offset.y)),
-        max(ints(bytes(near.z) * scale.z + offset.z), vec4i(0)),
+        max(ints(bytes(near.x) * scale.x + enter_at.x), ints(bytes(near.y) * scale.y + enter_at.y)),
+        max(ints(bytes(near.z) * scale.z + enter_at.z), vec4i(0)),
     ));
     let leave = bitcast<vec4f>(min(
-        min(ints(bytes(far.x) * scale.x + offset.x), ints(bytes(far.y) * scale.y + offset.y)),
-        min(ints(bytes(far.z) * scale.z + offset.z), vec4i(bitcast<i32>(nearest_t))),
+        min(ints(bytes(far.x) * scale.x + leave_at.x), ints(bytes(far.y) * scale.y + leave_at.y)),
+        min(ints(bytes(far.z) * scale.z + leave_at.z), vec4i(bitcast<i32>(nearest_t))),
     ));
     let inside = bitcast<vec4u>(leave - enter);
     var shifted = (misses << 1u) | (inside.w >> 31u);
@@ -110,7 +113,14 @@ fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
     let z = wide_nodes[5u * node + 4u];
     let spacing = bitcast<vec3f>(((vec3u(head.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu)) << vec3u(23u));
     let scale = spacing * ray.inverse;
-    let offset = (bitcast<vec3f>(head.xyz) - ray.origin) * ray.inverse;
+    let low = bitcast<vec3f>(head.xyz) - ray.origin;
+    let offset = low * ray.inverse;
+    @if(ray_padding) let far = abs(low) + 256.0 * spacing;
+    @if(ray_padding) let padding = (BOX_PADDING * max(max(far.x, far.y), far.z)) * abs(ray.inverse);
+    @if(ray_padding) let enter_at = offset - padding;
+    @if(ray_padding) let leave_at = offset + padding;
+    @if(!ray_padding) let enter_at = offset;
+    @if(!ray_padding) let leave_at = offset;
     // A ray that goes down along an axis meets the upper plane first.
     let x_near = select(x.xy, x.zw, ray.negative.x);
     let x_far = select(x.zw, x.xy, ray.negative.x);
@@ -119,9 +129,9 @@ fn visit_wide(node: u32, ray: WideRay, nearest_t: f32) -> WideHits {
     let z_near = select(z.xy, z.zw, ray.negative.z);
     let z_far = select(z.zw, z.xy, ray.negative.z);
     var misses = misses_of_four(0u, vec3u(x_near.y, y_near.y, z_near.y), vec3u(x_far.y, y_far.y, z_far.y),
-        scale, offset, nearest_t);
+        scale, enter_at, leave_at, nearest_t);
     misses = misses_of_four(misses, vec3u(x_near.x, y_near.x, z_near.x), vec3u(x_far.x, y_far.x, z_far.x),
-        scale, offset, nearest_t);
+        scale, enter_at, leave_at, nearest_t);
     let hits = ~misses & 0xffu;
     let inner = body.z >> 24u;
     return WideHits(

@@ -8,9 +8,9 @@
 //! packed_triangles 12 words  a corner and the triangle's id, a corner and 0, a corner and 0, in the order of the leaves
 //! ```
 //!
-//! **Boxes are conservative.** Every box contains the exact boxes of everything below it, grown by a distance that the
-//! caller gives, like the grid's cells (see [`crate::structures::grid`]): binary boxes are rounded outwards to f32,
-//! wide ones to their 8-bit planes, both decided in f64. `check` verifies this for a whole tree.
+//! **Boxes are conservative.** Every box contains the exact boxes of everything below it, grown by what [`Padding`] says,
+//! like the grid's cells (see [`crate::structures::grid`]): binary boxes are rounded outwards to f32, wide ones to their
+//! 8-bit planes, both decided in f64. `check` verifies this for a whole tree.
 //!
 //! **A triangle may be listed more than once.** Large oblique triangles are first cut into pieces, each with its own
 //! box ([`BvhQuality`] says how many); a ray may then test such a triangle again.
@@ -24,6 +24,7 @@ mod binary;
 mod check;
 mod cluster;
 mod median;
+mod padding;
 mod polygon;
 mod references;
 mod split;
@@ -35,6 +36,7 @@ pub use crate::shared::constants::{NO_NODE, WIDE_MAX_DEPTH};
 pub use crate::shared::wide_node::{WideChild, WideContent, WideNode};
 pub use binary::{BvhData, MAX_LEAF};
 pub use check::BvhFault;
+pub use padding::Padding;
 pub use tree::{MAX_DEPTH, TreeShape};
 pub use wide::{MAX_WIDE_LEAF, WideBvhData};
 
@@ -138,32 +140,42 @@ pub const MAX_TRIANGLES: u64 = 1 << 28;
 /// Largest coordinate and growth, in traced units: areas and their sums stay finite in f32.
 pub(crate) const MAX_COORDINATE: f32 = (1u64 << 40) as f32;
 
-/// Builds the binary BVH over `vertices` (nine floats per triangle, traced units), every box grown by `growth`.
+/// Builds the binary BVH over `vertices` (nine floats per triangle, traced units).
 ///
 /// # Errors
 /// If a corner is not finite or much too far away, or if the BVH does not fit the buffers.
-pub fn build(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<BvhData, BvhError> {
-    let references = gather(vertices, growth, options)?;
-    binary::build(vertices, growth, &references, options)
+pub fn build(vertices: &[f32], padding: impl Into<Padding>, options: &BvhOptions) -> Result<BvhData, BvhError> {
+    let padding = padding.into();
+    let references = gather(vertices, padding, options)?;
+    binary::build(vertices, padding, &references, options)
 }
 
-/// Builds the wide BVH over `vertices` (nine floats per triangle, traced units), every box grown by `growth`.
+/// Builds the wide BVH over `vertices` (nine floats per triangle, traced units).
 ///
 /// # Errors
 /// If a corner is not finite or much too far away, or if the BVH does not fit the buffers.
-pub fn build_wide(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<WideBvhData, BvhError> {
+pub fn build_wide(
+    vertices: &[f32],
+    padding: impl Into<Padding>,
+    options: &BvhOptions,
+) -> Result<WideBvhData, BvhError> {
+    let padding = padding.into();
     // Checked before anything is allocated: each triangle takes at least 12 words.
     fits("packed_triangles", 12 * (vertices.len() / 9) as u64, options)?;
-    let references = gather(vertices, growth, options)?;
-    wide::build(vertices, growth, &references, options)
+    let references = gather(vertices, padding, options)?;
+    wide::build(vertices, padding, &references, options)
 }
 
-fn gather(vertices: &[f32], growth: f32, options: &BvhOptions) -> Result<References, BvhError> {
+fn gather(vertices: &[f32], padding: Padding, options: &BvhOptions) -> Result<References, BvhError> {
+    let growth = padding.growth();
     if !(0.0..=MAX_COORDINATE).contains(&growth) {
         return Err(BvhError::Growth(growth));
     }
     let mut references = References::of(vertices)?;
     split::split(vertices, &mut references, options.quality.effort().pieces);
+    if padding == Padding::PerRay {
+        references.grow_pieces(vertices);
+    }
     Ok(references)
 }
 

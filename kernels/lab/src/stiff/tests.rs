@@ -1,8 +1,11 @@
 //! Families on the CPU: what is kept, stopped and reported.
 
 use std::cell::RefCell;
+use std::ops::ControlFlow;
 
-use raystep_kernels::Device;
+use pollster::block_on;
+use raystep_kernels::programs::closest_hit::streams;
+use raystep_kernels::{Device, Options, Renderer};
 
 use super::*;
 use crate::machine::now_ns;
@@ -127,4 +130,39 @@ fn time_to_go_follows_what_was_done() {
     let after = |seconds, measured, left| to_go(Duration::from_secs(seconds), measured, left);
     assert_eq!(after(9, 0, 5), "");
     assert_eq!((after(10, 2, 6), after(10, 1, 60)), (", about 30 s to go".into(), ", about 10 min to go".into()));
+}
+
+/// Cells or nodes and triangles per ray, summed: what a ray does, whatever the machine.
+fn work_of(workload: &Workload, accelerator: Accelerator) -> f64 {
+    let options = Options {
+        accelerator,
+        grid: workload.grid,
+        schedule: ScheduleKind::Fused,
+        counters: true,
+        shade: false,
+        ..Options::new(workload.rays.clone())
+    };
+    let device = Device::Cpu(None);
+    let (scene, counters) = (&workload.scene, streams::COUNTERS);
+    let mut renderer = block_on(Renderer::new(scene, &options, &device)).expect("a run");
+    block_on(renderer.run(|_| ControlFlow::Continue(()))).expect("passes");
+    let counts = block_on(renderer.values(counters)).expect("counters");
+    let rays = renderer.plan().rays as usize;
+    let sum: u64 = (0..rays).map(|ray| u64::from(counts.get(0, ray)) + u64::from(counts.get(1, ray))).sum();
+    sum as f64 / rays as f64
+}
+
+/// `auto` never takes a structure through which rays do ten times as much as through the best.
+#[test]
+fn auto_is_near_the_best_in_every_family() {
+    for family in FAMILIES {
+        for &point in family.points {
+            let workload = (family.make)(point, 64, 1).expect("a scene");
+            let [grid, bvh, auto] =
+                [Accelerator::Grid, Accelerator::Bvh, Accelerator::Auto].map(|a| work_of(&workload, a));
+            let best = grid.min(bvh).min(workload.scene.triangles.len() as f64);
+            println!("{} {point}: grid {grid:.0}, bvh {bvh:.0}, auto {auto:.0}", family.name);
+            assert!(auto <= 10.0 * best, "{} at {point}: {auto} for {best}", family.name);
+        }
+    }
 }

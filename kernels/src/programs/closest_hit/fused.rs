@@ -72,7 +72,7 @@ impl<R: Real> Trace<R> {
         if scene.info.triangles == 0 {
             return;
         }
-        let wide_ray = WideRay::new(self.origin, self.direction);
+        let wide_ray = WideRay::new(self.origin, self.direction, scene.features.ray_padding);
         let mut stack = [WideGroup::default(); WIDE_MAX_DEPTH as usize];
         let mut height = 0;
         // The root as the only hit of a group; its slot is chosen by the octant, so that no inner child precedes it.

@@ -5,7 +5,7 @@ use crate::programs::closest_hit::ray::{load_direction, load_interval, load_orig
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE};
 use crate::scene_data::SceneData;
-use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
+use crate::shared::bvh_walk::{TreeRay, Visit, next_node};
 use crate::shared::constants::{INF, NO_NODE};
 use crate::tables::texels::Texels;
 
@@ -17,12 +17,12 @@ pub fn traverse_bvh<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let features = &scene.features;
 
     let (origin, direction) = (load_origin(ray), load_direction(ray));
-    let inverse = finite_inverse(direction);
+    let tree_ray = TreeRay::new(origin, direction, features.ray_padding);
     let nearest_t: R = ray.load(STATE, 1);
     let has_hit = !features.any_hit && nearest_t < R::from_f32(INF);
     let here = Visit { node: ray.load_u32(STATE, 2), previous: ray.load_u32(PREVIOUS, 0), in_leaf: false };
     let farthest = nearest_t.min(load_interval(ray, features)[1]);
-    let at = next_node(&scene.bvh_nodes, &scene.bvh_parents, here, origin, direction, inverse, farthest);
+    let at = next_node(&scene.bvh_nodes, &scene.bvh_parents, here, &tree_ray, farthest);
 
     if features.counters {
         ray.store_u32(COUNTERS, 0, ray.load_u32(COUNTERS, 0) + 1);

@@ -7,7 +7,7 @@ use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, 
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, PREVIOUS, STATE, TMAX};
 use crate::programs::closest_hit::tracing::Trace;
 use crate::scene_data::SceneData;
-use crate::shared::bvh_walk::{Visit, finite_inverse, next_node};
+use crate::shared::bvh_walk::{TreeRay, Visit, next_node};
 use crate::shared::constants::{NO_NODE, NO_TRIANGLE, NODES_A_STEP};
 use crate::shared::grid_walk::Walk;
 use crate::shared::vector::smallest3;
@@ -92,7 +92,7 @@ impl<R: Real> Place<R> {
 
     fn through_tree(&mut self, ray: &mut Texels<'_, R>, scene: &SceneData) {
         let (origin, direction) = (self.trace.origin, self.trace.direction);
-        let inverse = finite_inverse(direction);
+        let tree_ray = TreeRay::new(origin, direction, scene.features.ray_padding);
         let mut at = Visit { node: self.cell, previous: ray.load_u32(PREVIOUS, 0), in_leaf: false };
         let mut step = 0;
         let mut waits = false;
@@ -104,15 +104,7 @@ impl<R: Real> Place<R> {
             // A ray that waits at an item is already in its leaf.
             at.in_leaf = self.waiting_item(scene) > 0;
             if !at.in_leaf {
-                at = next_node(
-                    &scene.bvh_nodes,
-                    &scene.bvh_parents,
-                    at,
-                    origin,
-                    direction,
-                    inverse,
-                    self.trace.farthest(),
-                );
+                at = next_node(&scene.bvh_nodes, &scene.bvh_parents, at, &tree_ray, self.trace.farthest());
                 self.trace.cells += 1;
             }
             if at.in_leaf {

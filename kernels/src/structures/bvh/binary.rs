@@ -5,7 +5,7 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use super::references::{Bounds, References};
 use super::tree::{self, TreeShape};
-use super::{BvhError, BvhOptions, down, fits, up};
+use super::{BvhError, BvhOptions, Padding, down, fits, up};
 use crate::shared::bvh_walk::{BvhNode, EMPTY};
 use crate::shared::constants::NO_NODE;
 
@@ -26,8 +26,8 @@ pub struct BvhData {
     pub items: Vec<u32>,
     /// Nodes on the longest path from the root to a leaf, both included.
     pub depth: u32,
-    /// Growth of the boxes, in traced units.
-    pub growth: f32,
+    /// How the boxes are grown.
+    pub padding: Padding,
     /// Triangles and pieces of triangles; a leaf lists a triangle once, however many of its pieces it holds.
     pub references: u32,
     /// Expected number of steps of a ray that passes through the scene without a hit, by the surface area heuristic on
@@ -39,16 +39,16 @@ pub struct BvhData {
 
 pub(super) fn build(
     vertices: &[f32],
-    growth: f32,
+    padding: Padding,
     references: &References,
     options: &BvhOptions,
 ) -> Result<BvhData, BvhError> {
     let data = if references.boxes.is_empty() {
-        empty(growth)
+        empty(padding)
     } else {
         let (tree, shape) = tree::build(&references.boxes, options.quality.effort());
         let (leaves, cost) = collapse(&tree);
-        layout(&tree, &leaves, references, growth, cost, shape)
+        layout(&tree, &leaves, references, padding, cost, shape)
     };
     fits("bvh_nodes", 8 * data.nodes.len() as u64, options)?;
     fits("bvh_items", data.items.len() as u64, options)?;
@@ -56,13 +56,13 @@ pub(super) fn build(
     Ok(data)
 }
 
-fn empty(growth: f32) -> BvhData {
+fn empty(padding: Padding) -> BvhData {
     BvhData {
         nodes: vec![BvhNode { min: [f32::MAX; 3], first: 0, max: [f32::MAX; 3], link: EMPTY }],
         parents: vec![NO_NODE],
         items: vec![0],
         depth: 1,
-        growth,
+        padding,
         references: 0,
         cost: 0.0,
         shape: TreeShape::Optimised,
@@ -93,13 +93,21 @@ fn collapse(tree: &Bvh2) -> (Vec<bool>, f64) {
 }
 
 /// Lays out the nodes in the order in which a walk that enters every node meets them.
-fn layout(tree: &Bvh2, leaves: &[bool], references: &References, growth: f32, cost: f64, shape: TreeShape) -> BvhData {
+fn layout(
+    tree: &Bvh2,
+    leaves: &[bool],
+    references: &References,
+    padding: Padding,
+    cost: f64,
+    shape: TreeShape,
+) -> BvhData {
+    let growth = padding.growth();
     let mut data = BvhData {
         nodes: vec![boxed(&tree.nodes[0], growth)],
         parents: vec![NO_NODE],
         items: Vec::with_capacity(references.boxes.len()),
         depth: 0,
-        growth,
+        padding,
         references: references.boxes.len() as u32,
         cost,
         shape,

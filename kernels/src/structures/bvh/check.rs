@@ -1,6 +1,7 @@
 //! Checks the guarantees of a built BVH from its buffers alone.
 
 use super::binary::{BvhData, order};
+use super::padding::{Padding, extent};
 use super::polygon::covered;
 use super::references::{Bounds, corners};
 use super::wide::WideBvhData;
@@ -48,8 +49,7 @@ fn meet(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
 
 /// Checks that every triangle is listed. The grown box of a triangle that is listed once must lie inside all boxes on
 /// the path to it; one that is listed several times must be covered by the boxes that lead to it, shrunk by the growth.
-fn contained(vertices: &[f32], growth: f32, mut listings: Vec<Listing>) -> Result<(), BvhFault> {
-    let growth = f64::from(growth);
+fn contained(vertices: &[f32], padding: Padding, mut listings: Vec<Listing>) -> Result<(), BvhFault> {
     listings.sort_by_key(|l| l.triangle);
     let mut next = 0;
     for same in listings.chunk_by(|a, b| a.triangle == b.triangle) {
@@ -61,14 +61,16 @@ fn contained(vertices: &[f32], growth: f32, mut listings: Vec<Listing>) -> Resul
         let corners = corners(vertices, triangle);
         let [a, b, c] = corners;
         let bounds = Bounds { min: a.min(b).min(c).to_array(), max: a.max(b).max(c).to_array() };
-        let [min, max] = bounds.grown(growth);
+        let first = 9 * triangle as usize;
+        let extent = f64::from(extent(&vertices[first..first + 9]));
+        let [min, max] = bounds.grown(padding.of_triangle(extent, false));
         let inside = |l: &Listing| (0..3).all(|i| l.bounds[0][i] <= min[i] && max[i] <= l.bounds[1][i]);
         if same.iter().any(inside) {
             continue;
         }
         // The rounding error of f64 where planes cut the triangle.
         let largest = min.iter().chain(&max).fold(0.0f64, |m, v| m.max(v.abs()));
-        let shrink = growth - largest * 2.0f64.powi(-40);
+        let shrink = padding.of_triangle(extent, true) - largest * 2.0f64.powi(-40);
         let shrunk = same.iter().map(|l| [l.bounds[0].map(|v| v + shrink), l.bounds[1].map(|v| v - shrink)]);
         if same.len() == 1 || !covered(corners, shrunk) {
             return Err(BvhFault::Uncovered(triangle));
@@ -132,7 +134,7 @@ impl BvhData {
         if listed > self.items.len() {
             return Err(BvhFault::Link(0));
         }
-        contained(vertices, self.growth, listings)
+        contained(vertices, self.padding, listings)
     }
 }
 
@@ -183,6 +185,6 @@ impl WideBvhData {
         if let Some(unused) = seen.iter().position(|seen| !seen) {
             return Err(BvhFault::Link(unused as u32));
         }
-        contained(vertices, self.growth, listings)
+        contained(vertices, self.padding, listings)
     }
 }

@@ -3,7 +3,8 @@
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 
-use super::{BvhError, MAX_COORDINATE, MAX_TRIANGLES};
+use super::padding::{Padding, extent};
+use super::{BvhError, MAX_COORDINATE, MAX_TRIANGLES, down, up};
 use crate::numbers::parallel::{for_chunks, map_ranges};
 
 /// Triangles per task.
@@ -11,7 +12,7 @@ const CHUNK: usize = 1 << 14;
 
 /// Boxes and the triangles they belong to, with the same indices.
 pub(super) struct References {
-    /// Not grown. A piece's box contains its part of the triangle.
+    /// Of triangles, exact. A piece's box contains its part of the triangle, grown only by [`grow_pieces`](Self::grow_pieces).
     pub(super) boxes: Vec<Aabb>,
     pub(super) triangles: Vec<u32>,
 }
@@ -40,6 +41,22 @@ impl References {
             }
         });
         Ok(Self { boxes, triangles: (0..count as u32).collect() })
+    }
+
+    /// Grows the boxes of triangles that were cut, see [`Padding::PerRay`].
+    pub(super) fn grow_pieces(&mut self, vertices: &[f32]) {
+        let mut pieces = vec![0u32; vertices.len() / 9];
+        for &triangle in &self.triangles {
+            pieces[triangle as usize] += 1;
+        }
+        for (bounds, &triangle) in self.boxes.iter_mut().zip(&self.triangles) {
+            if pieces[triangle as usize] > 1 {
+                let extent = extent(&vertices[9 * triangle as usize..9 * triangle as usize + 9]);
+                let growth = Padding::PerRay.of_triangle(f64::from(extent), true);
+                let [min, max] = Bounds::of(bounds).grown(growth);
+                *bounds = Aabb::new(Vec3A::from(min.map(down)), Vec3A::from(max.map(up)));
+            }
+        }
     }
 
     /// Lower and upper corner of a reference's box.

@@ -8,7 +8,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 
 use super::references::{Bounds, References};
 use super::tree::{self, TreeShape};
-use super::{BvhError, BvhOptions, down, fits};
+use super::{BvhError, BvhOptions, Padding, down, fits};
 use crate::numbers::units::floor_log2;
 use crate::shared::constants::WIDE_MAX_DEPTH;
 use crate::shared::wide_node::{WideContent, WideNode, spacing};
@@ -29,8 +29,8 @@ pub struct WideBvhData {
     pub triangles: Vec<[u32; 12]>,
     /// Nodes on the longest path from the root, both ends included; at most [`WIDE_MAX_DEPTH`].
     pub depth: u32,
-    /// Growth of the boxes, in traced units.
-    pub growth: f32,
+    /// How the boxes are grown.
+    pub padding: Padding,
     /// Triangles and pieces of triangles: the number of entries of `triangles` in use.
     pub references: u32,
     /// Expected cost of a ray that passes through the scene without a hit, by the surface area heuristic on boxes that
@@ -44,14 +44,14 @@ pub struct WideBvhData {
 
 pub(super) fn build(
     vertices: &[f32],
-    growth: f32,
+    padding: Padding,
     references: &References,
     options: &BvhOptions,
 ) -> Result<WideBvhData, BvhError> {
     let count = references.boxes.len();
     fits("packed_triangles", 12 * count as u64, options)?;
     if count == 0 {
-        return Ok(empty(growth));
+        return Ok(empty(padding));
     }
     let (tree, mut shape) = tree::build(&references.boxes, options.quality.effort());
     let (mut wide, mut depth) = widen(tree);
@@ -61,7 +61,7 @@ pub(super) fn build(
         (wide, depth) = widen(tree);
     }
     fits("wide_nodes", 20 * wide.nodes.len() as u64, options)?;
-    let quantised = quantise(&wide, references, growth);
+    let quantised = quantise(&wide, references, padding.growth());
     let data = WideBvhData {
         nodes: quantised.nodes,
         triangles: wide
@@ -70,7 +70,7 @@ pub(super) fn build(
             .map(|&reference| entry(vertices, references.triangles[reference as usize]))
             .collect(),
         depth,
-        growth,
+        padding,
         references: count as u32,
         cost: quantised.cost,
         shape,
@@ -80,12 +80,12 @@ pub(super) fn build(
     Ok(data)
 }
 
-fn empty(growth: f32) -> WideBvhData {
+fn empty(padding: Padding) -> WideBvhData {
     WideBvhData {
         nodes: vec![WideNode { exponents: [1; 3], planes: [[[255; 8], [0; 8]]; 3], ..WideNode::default() }],
         triangles: vec![[0; 12]],
         depth: 1,
-        growth,
+        padding,
         references: 0,
         cost: 0.0,
         shape: TreeShape::Optimised,
