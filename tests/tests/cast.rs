@@ -135,6 +135,11 @@ fn rays_from_afar_are_not_lost() {
         let hits = cast(&mut caster, &device, &rays).expect("hits");
         assert!(bits(&hits) == bits(&alone(&scene, &rays, &options, &device)), "{accelerator}, then with intervals");
         assert_eq!(growth[0], growth[1], "{accelerator}: rays from near need no other structure");
+        if accelerator == Accelerator::Bvh {
+            // A growth for such distances would be larger than the triangles: it follows the rays.
+            assert!(growth[1] > 0.0 && growth[2..] == [0.0; 3] && caster.data().features.ray_padding, "{growth:?}");
+            continue;
+        }
         assert!(growth[1] < growth[2] && growth[2] == growth[3] && growth[3] < growth[4], "{growth:?}");
         // What a plan for the farthest of these rays would grow it by.
         let alone = Options { rays: RaySource::Given(far(1e5)), ..options };

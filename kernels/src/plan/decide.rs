@@ -45,7 +45,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         in_cell: has_grid && (!robust || options.without == Some(Rule::Acceptance)),
         grid: has_grid,
         bvh: accelerator == Accelerator::Bvh,
-        ray_padding: false,
+        ray_padding: keep(Item::RayPadding),
         skip: false,
         stack: 0,
         live_lists: options.schedule == ScheduleKind::Compact,

@@ -7,7 +7,6 @@ use super::decide::features;
 use super::limits::Limits;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
-use crate::options::keep::Item;
 use crate::options::{Accelerator, GridSize, MOST_LISTED, Options, Rule, ScheduleKind, Skip};
 use crate::scene_data::{bvh_growth, reach, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
@@ -164,7 +163,7 @@ impl Site<'_> {
         let Self { options, vertices, reach, most_words } = *self;
         let padding = if options.without == Some(Rule::BoxPadding) {
             Padding::Fixed(0.0)
-        } else if options.keep.has(Item::RayPadding) && !vertices.is_empty() {
+        } else if features.ray_padding {
             Padding::PerRay
         } else {
             Padding::suits(vertices, bvh_growth(reach))

@@ -61,7 +61,7 @@ const ORIGINS: f32 = 3.0;
 /// A slice of any length is traced in batches. Their streams are allocated once for each power of four of rays; a batch
 /// takes the smallest that hold it. The structure's cells or boxes are grown by a bound on rounding errors that depends
 /// on where rays start: if a ray starts farther from the world's origin than three times the scene's farthest point, and
-/// farther than every ray before, the structure is built anew once.
+/// farther than every ray before, the structure is built anew once. A BVH whose boxes are grown for each ray stays.
 ///
 /// ```
 /// use raystep_kernels::{Caster, Device, Ray};
@@ -195,7 +195,9 @@ impl Caster {
         let units = self.data.units;
         let farthest = rays.iter().flat_map(|ray| ray.origin).fold(0.0, |m: f32, v| m.max(units.to_traced(v).abs()));
         let has_intervals = self.plan.features.intervals;
-        if farthest > self.farthest_origin {
+        // Boxes that are grown for each ray serve all of them.
+        let serves_all = self.plan.features.bvh && self.plan.features.ray_padding;
+        if farthest > self.farthest_origin && !serves_all {
             self.runs.clear();
             (self.plan, self.data, self.farthest_origin) = planned(&self.scene, &self.options, &self.device, farthest)?;
             if has_intervals {

@@ -28,7 +28,8 @@ impl From<f32> for Padding {
 /// A share of more than 1 in this many triangles that [`Padding::Fixed`] would make much larger is too many.
 const FEW: usize = 64;
 
-/// A box is much larger if it is grown by more than its longest side divided by this.
+/// A box is much larger if it is grown by more than this part of its middle side: the longest one does not tell of
+/// slivers side by side, and the shortest one is 0 in any plane across an axis.
 const LARGER: f32 = 16.0;
 
 impl Padding {
@@ -55,8 +56,8 @@ impl Padding {
     #[must_use]
     pub fn suits(vertices: &[f32], growth: f32) -> Self {
         let is_enlarged = |triangle: &[f32]| {
-            let extent = extent(triangle);
-            extent > 0.0 && extent < LARGER * growth
+            let [_, middle, longest] = sides(triangle);
+            longest > 0.0 && middle < LARGER * growth
         };
         let parts = crate::numbers::parallel::map_ranges(vertices.len() / 9, 1 << 14, |range| {
             vertices[9 * range.start..9 * range.end].chunks_exact(9).filter(|triangle| is_enlarged(triangle)).count()
@@ -66,12 +67,19 @@ impl Padding {
     }
 }
 
+/// The sides of a triangle's box, ascending.
+fn sides(triangle: &[f32]) -> [f32; 3] {
+    let mut sides = [0, 1, 2].map(|axis| {
+        let [a, b, c] = [0, 3, 6].map(|corner| triangle[corner + axis]);
+        a.max(b).max(c) - a.min(b).min(c)
+    });
+    sides.sort_by(f32::total_cmp);
+    sides
+}
+
 /// The longest side of a triangle's box.
 pub(super) fn extent(triangle: &[f32]) -> f32 {
-    (0..3).fold(0.0, |most: f32, axis| {
-        let [a, b, c] = [0, 3, 6].map(|corner| triangle[corner + axis]);
-        most.max(a.max(b).max(c) - a.min(b).min(c))
-    })
+    sides(triangle)[2]
 }
 
 #[cfg(test)]
@@ -95,6 +103,9 @@ mod tests {
         assert_eq!(Padding::suits(&mixed(11, 1.0 / 128.0), growth), Padding::PerRay);
         assert_eq!(Padding::suits(&mixed(600, 0.0), growth), fixed);
         assert_eq!(Padding::suits(&[], growth), fixed);
+        let mut slivers = row(640, 0.25);
+        slivers.iter_mut().skip(7).step_by(9).for_each(|y| *y /= 64.0);
+        assert_eq!(Padding::suits(&slivers, growth), Padding::PerRay);
     }
 
     #[test]
