@@ -5,6 +5,7 @@ pub mod bvh_walk;
 pub mod camera;
 pub mod constants;
 pub mod grid_walk;
+pub mod irregular_walk;
 pub mod launch;
 pub mod samples;
 pub mod scene;

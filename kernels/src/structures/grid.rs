@@ -18,7 +18,7 @@
 
 mod distance;
 pub(crate) mod overlap;
-mod resolution;
+pub(super) mod resolution;
 mod stats;
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -252,7 +252,7 @@ pub fn check_cells(cells: [u32; 3]) -> Result<u64, GridError> {
 }
 
 /// Lower and upper corner; the unit box if there are no triangles.
-fn bounds(vertices: &[f32]) -> ([f32; 3], [f32; 3]) {
+pub(super) fn bounds(vertices: &[f32]) -> ([f32; 3], [f32; 3]) {
     const CHUNK: usize = 9 << 14;
     let parts = map_ranges(vertices.len(), CHUNK, |range| {
         vertices[range].chunks_exact(3).fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), p| {
@@ -266,7 +266,7 @@ fn bounds(vertices: &[f32]) -> ([f32; 3], [f32; 3]) {
 }
 
 /// Places the planes: the box of the scene with a margin of twice the growth, on exact planes.
-fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
+pub(super) fn layout(min: [f32; 3], max: [f32; 3], cells: [u32; 3], growth: f32) -> Grid {
     let mut grid = Grid { cells: cells.map(|n| n as i32), ..Grid::default() };
     for a in 0..3 {
         let margin = 2.0 * f64::from(growth);

@@ -2,6 +2,7 @@
 
 pub mod bvh;
 pub mod grid;
+pub mod irregular;
 
 use bvh::{BvhData, WideBvhData};
 use grid::GridData;

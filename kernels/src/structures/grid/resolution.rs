@@ -11,7 +11,7 @@ pub fn automatic_cells(triangles: u64, extent: [f64; 3]) -> [u32; 3] {
 }
 
 /// About `wanted` nearly cubic cells in a box of these sides.
-pub(super) fn cubes(wanted: f64, extent: [f64; 3]) -> [u32; 3] {
+pub(in crate::structures) fn cubes(wanted: f64, extent: [f64; 3]) -> [u32; 3] {
     let mut flat = [false; 3];
     loop {
         let axes = (0..3).filter(|&a| !flat[a]).count();

@@ -1,0 +1,100 @@
+//! Twin of `irregular_walk.wgsl`: the walk through the irregular grid.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::constants::INF;
+use super::grid_walk::{Grid, GridRay, smallest_axis};
+use super::vector::smallest3;
+use crate::numbers::real::{Real, Vec3};
+
+/// Start of the list of a cell that lists nothing.
+pub const NO_LIST: u32 = u32::MAX;
+
+/// A cell: its expanded box in virtual cells, and its list.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct IrregularCell {
+    /// First virtual cell along each axis.
+    pub low: [u16; 3],
+    /// The one after the last.
+    pub high: [u16; 3],
+    /// Start of its list, or [`NO_LIST`].
+    pub first: u32,
+}
+
+/// Entries of the voxel map. Bits 0 and 1 are 0 for a cell, whose index is in the other bits; else they are the number
+/// of levels that a block of entries covers, 8 to the power of this, x fastest, and the other bits tell where it starts.
+#[derive(Clone, Copy, Debug)]
+pub struct MapEntry;
+
+impl MapEntry {
+    /// The bit of an item that marks the last one of a list.
+    pub const LAST_ITEM: u32 = 1 << 31;
+
+    /// The entry of a cell.
+    #[must_use]
+    pub const fn leaf(cell: u32) -> u32 {
+        cell << 2
+    }
+
+    /// The entry of a block, which covers 1 to 3 levels.
+    #[must_use]
+    pub const fn block(start: u32, levels: u32) -> u32 {
+        start << 2 | levels
+    }
+}
+
+impl IrregularCell {
+    /// The corners of its box.
+    #[must_use]
+    pub fn corners(&self) -> [[i32; 3]; 2] {
+        [self.low, self.high].map(|corner| corner.map(i32::from))
+    }
+
+    /// t at which the ray leaves the box, per axis.
+    pub fn exit<R: Real>(&self, grid: &Grid, ray: &GridRay<R>) -> Vec3<R> {
+        let [low, high] = self.corners();
+        let inverse = ray.per_axis;
+        let is_up = inverse.map(|v| v > R::zero()).to_array();
+        let ahead = [0, 1, 2].map(|a| if is_up[a] { high[a] } else { low[a] });
+        let t = ((grid.cell_plane::<R>(ahead) - ray.origin) * inverse).to_array();
+        let inverse = inverse.to_array();
+        Vec3::from([0, 1, 2].map(|a| if inverse[a] == R::zero() { R::from_f32(INF) } else { t[a] }))
+    }
+
+    /// The virtual cell behind the face by which the ray leaves the box, whose exits are given; `None` if that is the
+    /// grid's end. Along the other axes it is where the ray is at this t, but neither outside of the box nor before
+    /// `voxel`, the virtual cell in which the ray came: rounding cannot move it there.
+    pub fn next<R: Real>(&self, grid: &Grid, voxel: [i32; 3], exit: Vec3<R>, ray: &GridRay<R>) -> Option<[i32; 3]> {
+        let [low, high] = self.corners();
+        let axis = smallest_axis(exit);
+        let t = smallest3(exit);
+        let position = (ray.origin + ray.direction * Vec3::splat(t) - Vec3::from_f32(grid.corner))
+            * Vec3::from_f32(grid.inverse_width);
+        let position = position.map(|p| p.floor().to_i32()).to_array();
+        let is_up = ray.per_axis.map(|v| v > R::zero()).to_array();
+        let next = [0, 1, 2].map(|a| match (axis[a], is_up[a]) {
+            (true, true) => high[a],
+            (true, false) => low[a] - 1,
+            (false, true) => position[a].clamp(voxel[a], high[a] - 1),
+            (false, false) => position[a].clamp(low[a], voxel[a]),
+        });
+        (t < R::from_f32(INF) && grid.is_in_grid(next)).then_some(next)
+    }
+}
+
+/// The cell to which a virtual cell of the grid belongs.
+#[must_use]
+pub fn find(grid: &Grid, levels: u32, map: &[u32], voxel: [i32; 3]) -> u32 {
+    let voxel = voxel.map(|v| v as u32);
+    let mut shift = levels;
+    let (top, size) = (voxel.map(|v| v >> shift), grid.cells.map(|n| n as u32 >> shift));
+    let mut entry = map[(top[0] + size[0] * (top[1] + size[1] * top[2])) as usize];
+    while entry & 3 != 0 {
+        let depth = entry & 3;
+        shift -= depth;
+        let at = voxel.map(|v| v >> shift & ((1 << depth) - 1));
+        entry = map[((entry >> 2) + at[0] + ((at[1] + (at[2] << depth)) << depth)) as usize];
+    }
+    entry >> 2
+}

@@ -1,0 +1,123 @@
+//! The irregular grid (Pérard-Gayot, Kalojanov and Slusallek, 2017): cells of many sizes on one fine virtual grid.
+//!
+//! ```text
+//! irregular_map    u32      voxel map: for each top-level cell, and in blocks below, see [`MapEntry`]
+//! irregular_cells  16 bytes per cell, see [`IrregularCell`]
+//! irregular_items  u32      triangle ids, ascending within a cell; bit 31 marks the last of a list
+//! ```
+//!
+//! 1. A coarse uniform grid, `TOP_PER_TRIANGLE` cells per triangle, lists the triangles (`refine`).
+//! 2. Each of its cells is halved along all axes as long as rays gain by it: an octree whose depth follows from the
+//!    cell's own content (`refine`). Its leaves are the cells.
+//! 3. Neighbours that form a box are merged if the surface area heuristic says so (`merge`).
+//! 4. Each cell's box is expanded over neighbours that list nothing it does not list (`expand`): a ray leaves the
+//!    expanded box at once. A voxel still belongs to one cell, so expanded boxes overlap.
+//!
+//! **Planes are exact.** Every box lies on planes of one virtual grid, which is laid out as the uniform grid's
+//! (see [`crate::structures::grid`]).
+//!
+//! **Lists are conservative.** A cell lists every triangle that meets its box, grown by [`growth`](super::grid::growth);
+//! a triangle that meets the grown expanded box meets the grown box of one of the cells below it, whose lists are
+//! subsets of this cell's.
+//!
+//! **Decisions are made in integers**: lengths of lists, and areas in units of the virtual cells. Only whether a
+//! triangle meets a cell is computed in f64, as for the uniform grid. So the result depends neither on the number of
+//! threads nor on how a compiler rounds.
+
+mod expand;
+mod layout;
+mod map;
+mod merge;
+mod refine;
+#[cfg(test)]
+mod tests;
+
+use super::grid::GridError;
+use crate::shared::grid_walk::Grid;
+pub use crate::shared::irregular_walk::{IrregularCell, MapEntry, NO_LIST};
+
+/// An irregular grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IrregularData {
+    /// The virtual grid: its cells are the finest.
+    pub grid: Grid,
+    /// The virtual cells along an axis of a top-level cell are 2 to the power of this.
+    pub levels: u32,
+    /// The voxel map.
+    pub map: Vec<u32>,
+    /// The cells.
+    pub cells: Vec<IrregularCell>,
+    /// The lists; at least one entry, which an empty grid does not use.
+    pub items: Vec<u32>,
+    /// Growth of each cell, in traced units.
+    pub growth: f32,
+}
+
+/// A box of virtual cells: the first, and the one after the last, along each axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Span {
+    low: [i32; 3],
+    high: [i32; 3],
+}
+
+/// Cells before they are numbered for good: the box and the list of each.
+struct Draft {
+    spans: Vec<Span>,
+    lists: Vec<Vec<u32>>,
+}
+
+/// Builds the irregular grid over `vertices` (nine floats per triangle, traced units). `reach` bounds every coordinate
+/// of corners and ray origins and the distances between them; `most_words` is the size of the executor's largest buffer.
+///
+/// # Errors
+/// If a buffer would be larger.
+pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> Result<IrregularData, GridError> {
+    let plan = layout::Layout::new(vertices, reach, is_grown);
+    let (mut map, draft) = refine::refine(vertices, &plan, most_words)?;
+    let draft = merge::merge(draft, &mut map, &plan);
+    let spans = expand::expand(&draft, &map);
+    let too_many = |limit| GridError::TooManyReferences { cells: plan.grid.cells.map(|n| n as u32), limit };
+    let references: u64 = draft.lists.iter().map(|list| list.len() as u64).sum();
+    if references > most_words || 4 * spans.len() as u64 > most_words || map.entries.len() as u64 > most_words {
+        return Err(too_many(most_words));
+    }
+    let mut items = Vec::with_capacity((references as usize).max(1));
+    let cells = spans
+        .iter()
+        .zip(&draft.lists)
+        .map(|(span, list)| {
+            let first = if list.is_empty() { NO_LIST } else { items.len() as u32 };
+            items.extend_from_slice(list);
+            if let Some(last) = items.last_mut().filter(|_| !list.is_empty()) {
+                *last |= MapEntry::LAST_ITEM;
+            }
+            IrregularCell { low: span.low.map(|v| v as u16), high: span.high.map(|v| v as u16), first }
+        })
+        .collect();
+    if items.is_empty() {
+        items.push(MapEntry::LAST_ITEM);
+    }
+    Ok(IrregularData { grid: plan.grid, levels: plan.levels, map: map.entries, cells, items, growth: plan.growth })
+}
+
+impl IrregularData {
+    /// The triangles that a cell lists.
+    pub fn list(&self, cell: u32) -> impl Iterator<Item = u32> + '_ {
+        let first = self.cells.get(cell as usize).map_or(NO_LIST, |cell| cell.first);
+        let items = self.items.get(first as usize..).unwrap_or_default();
+        let length = items.iter().position(|item| item & MapEntry::LAST_ITEM != 0).map_or(0, |last| last + 1);
+        items[..length].iter().map(|item| item & !MapEntry::LAST_ITEM)
+    }
+
+    /// The cell to which a virtual cell belongs.
+    #[must_use]
+    pub fn find(&self, voxel: [i32; 3]) -> u32 {
+        crate::shared::irregular_walk::find(&self.grid, self.levels, &self.map, voxel)
+    }
+
+    /// Size in bytes of the three buffers.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        4 * (self.map.len() as u64 + self.items.len() as u64) + 16 * self.cells.len() as u64
+    }
+}

@@ -1,0 +1,68 @@
+//! Expands the box of each cell over neighbours whose triangles it lists too.
+
+use super::map::Map;
+use super::{Draft, Span};
+use crate::numbers::parallel::map_ranges;
+
+/// Most times that a cell's box is expanded on each side, by a layer of neighbours each.
+const ROUNDS: u32 = 12;
+
+/// Most neighbours of a face that are looked at; a face with more is not moved.
+const MOST_NEIGHBOURS: u32 = 4096;
+
+/// The expanded boxes. Each follows from the cells alone, not from those of others.
+pub(super) fn expand(draft: &Draft, map: &Map) -> Vec<Span> {
+    let parts =
+        map_ranges(draft.spans.len(), 1 << 8, |range| range.map(|cell| expanded(cell, draft, map)).collect::<Vec<_>>());
+    parts.into_iter().flatten().collect()
+}
+
+fn expanded(cell: usize, draft: &Draft, map: &Map) -> Span {
+    let mut span = draft.spans[cell];
+    for _ in 0..ROUNDS {
+        let before = span;
+        for axis in 0..3 {
+            if span.high[axis] < map.grid.cells[axis] {
+                span.high[axis] += layer(cell, &span, axis, true, draft, map);
+            }
+            if span.low[axis] > 0 {
+                span.low[axis] -= layer(cell, &span, axis, false, draft, map);
+            }
+        }
+        if span == before {
+            break;
+        }
+    }
+    span
+}
+
+/// By how much a face can be moved: to where the first of the neighbours behind it ends; 0 if one of them lists a
+/// triangle that the cell does not list.
+fn layer(cell: usize, span: &Span, axis: usize, is_up: bool, draft: &Draft, map: &Map) -> i32 {
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let mut at = span.low;
+    at[axis] = if is_up { span.high[axis] } else { span.low[axis] - 1 };
+    let (mut depth, mut seen) = (i32::MAX, 0);
+    while at[v] < span.high[v] {
+        let mut next_row = span.high[v];
+        at[u] = span.low[u];
+        while at[u] < span.high[u] {
+            let neighbour = map.find(at) as usize;
+            seen += 1;
+            if seen > MOST_NEIGHBOURS || !is_subset(&draft.lists[neighbour], &draft.lists[cell]) {
+                return 0;
+            }
+            let there = &draft.spans[neighbour];
+            depth = depth.min(if is_up { there.high[axis] - at[axis] } else { at[axis] + 1 - there.low[axis] });
+            next_row = next_row.min(there.high[v]);
+            at[u] = there.high[u];
+        }
+        at[v] = next_row;
+    }
+    depth
+}
+
+fn is_subset(small: &[u32], large: &[u32]) -> bool {
+    let mut large = large.iter();
+    small.len() <= large.len() && small.iter().all(|item| large.by_ref().find(|&&other| other >= *item) == Some(item))
+}

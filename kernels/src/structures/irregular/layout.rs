@@ -1,0 +1,63 @@
+//! The virtual grid and its levels.
+
+use super::Span;
+use crate::shared::grid_walk::Grid;
+use crate::structures::grid::resolution::cubes;
+use crate::structures::grid::{bounds, growth, layout as planes};
+
+/// Top-level cells per triangle.
+pub(super) const TOP_PER_TRIANGLE: f64 = 0.12;
+
+/// Most virtual cells along an axis: a cell's box is stored in 16 bits per coordinate.
+const MOST_VIRTUAL: u32 = 1 << 15;
+
+/// Most halvings of a top-level cell.
+const MOST_LEVELS: u32 = 12;
+
+/// Where cells can be, and what their surfaces count.
+pub(super) struct Layout {
+    pub(super) grid: Grid,
+    pub(super) levels: u32,
+    pub(super) growth: f32,
+    /// Width of a virtual cell along each axis, as an integer of at most 8 bits.
+    weights: [u64; 3],
+}
+
+impl Layout {
+    pub(super) fn new(vertices: &[f32], reach: f32, is_grown: bool) -> Self {
+        let (min, max) = bounds(vertices);
+        let margin = growth(reach);
+        let extent = [0, 1, 2].map(|a| f64::from(max[a]) - f64::from(min[a]));
+        // Cells not much larger than their growth would list their neighbours' triangles too.
+        let finest = extent.map(|e| (e / (8.0 * f64::from(margin))).clamp(1.0, f64::from(MOST_VIRTUAL)) as u32);
+        let triangles = (vertices.len() / 9) as f64;
+        let mut top = cubes((triangles * TOP_PER_TRIANGLE).clamp(1.0, 1e8), extent);
+        top.iter_mut().zip(finest).for_each(|(n, finest)| *n = (*n).min(finest));
+        let levels_of = |a: usize| (finest[a] / top[a]).max(1).ilog2();
+        let levels = (0..3).map(levels_of).max().unwrap_or(0).min(MOST_LEVELS);
+        // A flat axis has as many levels as the others.
+        let levels = (0..3).fold(levels, |levels, a| levels.min((MOST_VIRTUAL / top[a]).ilog2()));
+        let grid = planes(min, max, top.map(|n| n << levels), margin);
+        let widest = grid.width.iter().fold(0.0f32, |most, &width| most.max(width));
+        let weights = grid.width.map(|width| ((f64::from(width) / f64::from(widest) * 255.0).round() as u64).max(1));
+        Self { grid, levels, growth: if is_grown { margin } else { 0.0 }, weights }
+    }
+
+    /// The grid whose cells are 2 to the power of `levels − level` virtual cells wide.
+    pub(super) fn at(&self, level: u32) -> Grid {
+        let coarser = self.levels - level;
+        let scale = (1u32 << coarser) as f32;
+        Grid {
+            cells: self.grid.cells.map(|n| n >> coarser),
+            width: self.grid.width.map(|width| width * scale),
+            inverse_width: self.grid.inverse_width.map(|inverse| inverse / scale),
+            ..self.grid
+        }
+    }
+
+    /// Half of a box's surface area, in integers.
+    pub(super) fn half_area(&self, span: &Span) -> u64 {
+        let [x, y, z] = [0, 1, 2].map(|a| (span.high[a] - span.low[a]) as u64 * self.weights[a]);
+        x * y + y * z + z * x
+    }
+}

@@ -1,0 +1,136 @@
+use super::*;
+use crate::numbers::real::Vec3;
+use crate::shared::grid_walk::WalkRules;
+use crate::structures::grid::overlap::Overlap;
+use raystep_scenes::{Scene, generate};
+
+const RULES: WalkRules = WalkRules { robust: true, clip: true, drifting: false };
+
+fn vertices_of(scene: &Scene) -> Vec<f32> {
+    let units = crate::numbers::units::Units::of(&scene.bounds());
+    crate::scene_data::traced_vertices(scene, units)
+}
+
+fn scenes() -> Vec<(&'static str, Vec<f32>)> {
+    vec![
+        ("cornell", vertices_of(&generate::cornell_box())),
+        ("soup", vertices_of(&generate::soup(3000, 1).expect("a scene"))),
+        ("terrain", vertices_of(&generate::terrain(5000, 1).expect("a scene"))),
+        ("room", vertices_of(&generate::tiny_in_room(3000, 100).expect("a scene"))),
+        ("hair", vertices_of(&generate::hair(300, 1).expect("a scene"))),
+        ("nothing", Vec::new()),
+        (
+            "flat",
+            (0..500)
+                .flat_map(|i| {
+                    let (x, y) = ((i % 23) as f32 / 23.0, (i / 23) as f32 / 23.0);
+                    [x, y, 0.0, x + 0.06, y, 0.0, x, y + 0.05, 0.0]
+                })
+                .collect(),
+        ),
+    ]
+}
+
+/// Deterministic numbers.
+struct Random(u32);
+
+impl Random {
+    fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((self.0 >> (self.0 >> 28).wrapping_add(4)) ^ self.0).wrapping_mul(277_803_737);
+        word >> 22 ^ word
+    }
+
+    fn unit(&mut self) -> f32 {
+        (self.next() >> 8) as f32 / (1 << 24) as f32
+    }
+
+    fn voxel(&mut self, low: [i32; 3], high: [i32; 3]) -> [i32; 3] {
+        [0, 1, 2].map(|a| low[a] + (self.next() % (high[a] - low[a]) as u32) as i32)
+    }
+}
+
+/// In random virtual cells, and in random ones of expanded boxes: every triangle that meets one, grown, is listed.
+#[test]
+fn lists_hold_what_meets_any_part_of_their_cells() {
+    for (name, vertices) in scenes() {
+        let built = build(&vertices, 4.0, true, u64::MAX).expect("a grid");
+        let mut random = Random(7);
+        let check = |voxel: [i32; 3], cell: u32| {
+            let list: Vec<u32> = built.list(cell).collect();
+            assert!(list.is_sorted());
+            for (triangle, corners) in vertices.chunks_exact(9).enumerate() {
+                let overlap = Overlap::new(&built.grid, f64::from(built.growth), corners);
+                let is_near = (0..3).all(|a| overlap.low[a] <= voxel[a] && voxel[a] <= overlap.high[a]);
+                if is_near && overlap.span_mask(voxel, 1) == 1 {
+                    assert!(list.contains(&(triangle as u32)), "{name}: {voxel:?} in cell {cell} meets {triangle}");
+                }
+            }
+        };
+        for _ in 0..300 {
+            let voxel = random.voxel([0; 3], built.grid.cells);
+            let cell = built.find(voxel);
+            let [low, high] = built.cells[cell as usize].corners();
+            assert!((0..3).all(|a| low[a] <= voxel[a] && voxel[a] < high[a]), "{name}: {voxel:?} in {low:?} {high:?}");
+            check(voxel, cell);
+            check(random.voxel(low, high), cell);
+            let full = random.next() % built.cells.len() as u32;
+            let [low, high] = built.cells[full as usize].corners();
+            check(random.voxel(low, high), full);
+        }
+    }
+}
+
+/// What rays do in it, compared with a uniform grid: cells and tests per ray, until the first cell that lists anything
+/// beyond the middle of the ray.
+#[test]
+fn rays_take_few_steps() {
+    for (name, vertices) in scenes() {
+        let begin = std::time::Instant::now();
+        let built = build(&vertices, 4.0, true, u64::MAX).expect("a grid");
+        let seconds = begin.elapsed().as_secs_f64();
+        let uniform =
+            crate::structures::grid::build(&vertices, crate::options::GridSize::Auto, 4.0, u64::MAX).expect("a grid");
+        let mut random = Random(9);
+        let (mut steps, mut tests, mut cells, mut listed) = (0u64, 0u64, 0u64, 0u64);
+        for _ in 0..500 {
+            let point =
+                |random: &mut Random| {
+                    Vec3::from([0, 1, 2].map(|a| {
+                        built.grid.corner[a] + random.unit() * built.grid.width[a] * built.grid.cells[a] as f32
+                    }))
+                };
+            let (origin, target) = (point(&mut random), point(&mut random));
+            let direction = target - origin;
+            let ray = built.grid.ray(RULES, origin, direction);
+            let mut walk = Some(built.grid.enter(RULES, &ray)).filter(|walk| walk.inside).map(|walk| walk.cell);
+            while let Some(voxel) = walk {
+                let index = built.find(voxel);
+                let cell = built.cells[index as usize];
+                steps += 1;
+                tests += built.list(index).count() as u64;
+                walk = cell.next(&built.grid, voxel, cell.exit(&built.grid, &ray), &ray);
+            }
+            let ray = uniform.grid.ray(RULES, origin, direction);
+            let mut walk = uniform.grid.enter(RULES, &ray);
+            while walk.inside {
+                cells += 1;
+                listed += uniform.list(uniform.grid.cell_index(walk.cell)).len() as u64;
+                walk = uniform.grid.advance(RULES, walk, &ray);
+            }
+        }
+        println!(
+            "{name}: {} cells, {} items, map {}, virtual {:?} levels {}, {seconds:.3} s; irregular {:.1} steps {:.1} tests, uniform {:.1} {:.1}",
+            built.cells.len(),
+            built.items.len(),
+            built.map.len(),
+            built.grid.cells,
+            built.levels,
+            steps as f64 / 500.0,
+            tests as f64 / 500.0,
+            cells as f64 / 500.0,
+            listed as f64 / 500.0
+        );
+        assert!(name == "nothing" || steps + tests < cells + listed, "{name}");
+    }
+}
