@@ -33,6 +33,7 @@ features! {
     drifting: "tMax is accumulated: it grows by tDelta per cell; else it is computed from the cell.",
     in_cell: "A hit counts only inside the cell being tested, else the nearest is kept.",
     grid: "The scene is traced through a uniform grid.",
+    irregular: "The scene is traced through an irregular grid.",
     bvh: "The scene is traced through a BVH.",
     ray_padding: "Boxes of the BVH are grown as they are tested, by their distance; else when they are built.",
     skip: "Rays skip empty cells of the grid, several at a time.",

@@ -30,6 +30,8 @@ pub enum Accelerator {
     /// A uniform grid.
     #[default]
     Grid,
+    /// An irregular grid: cells of many sizes (Pérard-Gayot, Kalojanov and Slusallek, 2017). Only for robust numerics.
+    Irregular,
     /// A bounding volume hierarchy.
     Bvh,
     /// None: every ray tests every triangle (the paper's Table 3).
@@ -109,7 +111,15 @@ pub enum Rule {
     BoxPadding,
 }
 
-named!(Accelerator, "auto, grid, bvh, none", Auto "auto", Grid "grid", Bvh "bvh", None "none");
+named!(
+    Accelerator,
+    "auto, grid, irregular, bvh, none",
+    Auto "auto",
+    Grid "grid",
+    Irregular "irregular",
+    Bvh "bvh",
+    None "none"
+);
 named!(ProgramName, "closest-hit, grid-build", ClosestHit "closest-hit", GridBuild "grid-build");
 named!(ScheduleKind, "first, second, compact, fused", First "first", Second "second", Compact "compact", Fused "fused");
 named!(Skip, "auto, on, off", Auto "auto", On "on", Off "off");

@@ -66,6 +66,7 @@ impl Run<'_> {
                 (Because::Scene, "--accelerator auto chose none")
             }
             Accelerator::Bvh => (Because::Options, "--accelerator bvh"),
+            Accelerator::Irregular => (Because::Options, "--accelerator irregular"),
             Accelerator::None => (Because::Options, "--accelerator none"),
             Accelerator::Grid | Accelerator::Auto => (Because::Options, "--accelerator grid"),
         }

@@ -52,6 +52,9 @@ pub enum PlanError {
          other: move the scene to the origin"
     )]
     Extent,
+    /// The paper does not know the structure.
+    #[error("the paper has no rules for an irregular grid: use --numerics robust, or --accelerator grid")]
+    NoPaperRules,
     /// The camera cannot generate rays.
     #[error("the camera cannot generate rays: {0}")]
     Camera(String),

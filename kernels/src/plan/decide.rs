@@ -44,6 +44,7 @@ pub(super) fn features(scene: &Scene, options: &Options, accelerator: Accelerato
         drifting: robust && has_grid && options.without == Some(Rule::TMax),
         in_cell: has_grid && (!robust || options.without == Some(Rule::Acceptance)),
         grid: has_grid,
+        irregular: accelerator == Accelerator::Irregular,
         bvh: accelerator == Accelerator::Bvh,
         ray_padding: keep(Item::RayPadding),
         skip: false,
@@ -111,7 +112,12 @@ pub(super) fn left_out(plan: &Plan, scene: &Scene, options: &Options) -> Vec<Lef
     let f = &plan.features;
     let one_light = if scene.lights.is_empty() { "no light: one headlight" } else { "one light" };
     let code = [
-        (Item::Clipping, f.grid && f.robust, "code that clips rays to the grid", "the camera is inside the grid"),
+        (
+            Item::Clipping,
+            (f.grid || f.irregular) && f.robust,
+            "code that clips rays to the grid",
+            "the camera is inside the grid",
+        ),
         (
             Item::RayPadding,
             f.bvh && options.without != Some(Rule::BoxPadding),

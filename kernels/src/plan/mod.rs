@@ -21,7 +21,7 @@ use raystep_scenes::Scene;
 use crate::numbers::units::Units;
 use crate::options::features::Features;
 use crate::options::keep::Item;
-use crate::options::{Accelerator, Options, ProgramName, RaySource, ScheduleKind};
+use crate::options::{Accelerator, Numerics, Options, ProgramName, RaySource, ScheduleKind};
 use crate::program::schedule::{Schedule, Step};
 use crate::program::{Kernel, Program};
 use crate::programs::closest_hit;
@@ -244,6 +244,9 @@ impl Plan {
         check_scene(scene, units)?;
         check_rays(options, units)?;
         check_samples(options)?;
+        if options.accelerator == Accelerator::Irregular && options.numerics == Numerics::Paper {
+            return Err(PlanError::NoPaperRules);
+        }
         let given = matches!(options.rays, RaySource::Given(_));
         let Resolved { accelerator, mut features, structure, vertices, reach } =
             resolve(scene, options, units, limits, (width, height))?;

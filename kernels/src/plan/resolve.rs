@@ -10,7 +10,7 @@ use crate::options::features::Features;
 use crate::options::{Accelerator, GridSize, MOST_LISTED, Options, Rule, ScheduleKind, Skip};
 use crate::scene_data::{bvh_growth, reach, traced_vertices};
 use crate::structures::bvh::{self, BvhOptions, BvhQuality, Padding};
-use crate::structures::{Structure, grid};
+use crate::structures::{Structure, grid, irregular};
 use crate::tables::sizes::LIVE_REGIONS;
 
 /// A structure that was built, and the decisions that go with it.
@@ -118,6 +118,9 @@ impl Site<'_> {
                 Some(structure) => structure,
                 None => return Ok(None),
             }
+        } else if features.irregular {
+            let is_grown = self.options.without != Some(Rule::CellGrowth);
+            Structure::Irregular(irregular::build(self.vertices, self.reach, is_grown, self.most_words)?)
         } else if features.bvh {
             self.tree(&mut features)?
         } else {

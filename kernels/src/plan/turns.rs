@@ -63,6 +63,14 @@ impl Walk<'_> {
         if self.features.in_cell { 4 * sum + 64 } else { sum + 2 }
     }
 
+    /// Iterations to step to a cell of an irregular grid: one, and one per level of the map at most.
+    fn turns_of_a_cell(&self) -> u64 {
+        match self.structure {
+            Structure::Irregular(data) => 1 + u64::from(data.grid.levels),
+            _ => 1,
+        }
+    }
+
     fn longest_list(&self) -> u64 {
         u64::from(self.structure.longest_list())
     }
@@ -78,6 +86,8 @@ impl Walk<'_> {
                 let tests = if self.features.robust { tests.min(data.items.len() as u64) } else { tests };
                 cells + test * tests
             }
+            // With robust numerics, a ray visits no cell twice; to find one takes an iteration per level at most.
+            Structure::Irregular(data) => data.most_visited * self.turns_of_a_cell() + test * data.items.len() as u64,
             // A node's leaves are tested in its loop; resuming takes at most as many iterations as the tree is deep.
             Structure::Wide(tree) => {
                 tree.nodes.len() as u64 + test * tree.triangles.len() as u64 + u64::from(tree.depth)
@@ -93,6 +103,9 @@ impl Walk<'_> {
         let (test, steps) = (u64::from(TURNS_A_TEST), u64::from(steps));
         match self.structure {
             Structure::Grid { .. } => steps.min(self.cells()) * (1 + test * self.longest_list()),
+            Structure::Irregular(data) => {
+                steps.min(data.most_visited) * (self.turns_of_a_cell() + test * self.longest_list())
+            }
             Structure::Bvh(tree) => {
                 let nodes = (steps * u64::from(NODES_A_STEP)).min(2 * tree.nodes.len() as u64);
                 nodes * (1 + test * self.longest_list())
@@ -118,6 +131,7 @@ impl Walk<'_> {
     pub(super) fn most_passes(&self, is_fused: bool) -> u64 {
         let walk = match self.structure {
             Structure::Grid { .. } => self.structure.cells_along_axes().saturating_add(2) * (self.longest_list() + 2),
+            Structure::Irregular(data) => data.most_visited.saturating_add(2) * (self.longest_list() + 2),
             // The whole walk is bounded, and every pass takes a part of it.
             _ if self.features.resumes && is_fused => self.turns() / u64::from(self.features.turns) + 1,
             // A node is entered once, and returned to once.

@@ -8,6 +8,7 @@
 use super::SceneData;
 use crate::options::features::Features;
 use crate::shared::constants::wide_stack;
+use crate::shared::irregular_walk::{MapEntry, NO_LIST};
 use crate::shared::wide_node::WideNode;
 
 /// Whether the shader can count the buffer's words or vectors in u32, as `stride * index + rest`.
@@ -34,11 +35,37 @@ impl SceneData {
         triangles_hold
             && if features.grid {
                 self.grid_holds(features.skip)
+            } else if features.irregular {
+                self.irregular_holds()
             } else if features.bvh {
                 wide_depth(&self.wide_nodes, entries).is_some_and(|depth| depth <= wide_stack(features.stack) + 1)
             } else {
                 self.info.triangles as usize <= entries
             }
+    }
+
+    /// Whether every virtual cell leads to a cell whose box contains it and lies in the grid, in at most as many blocks as
+    /// there are levels, and every list ends with a marked item and has only triangles.
+    fn irregular_holds(&self) -> bool {
+        let (grid, map, cells) = (&self.grid, &self.irregular_map, &self.irregular_cells);
+        let entries = self.packed_triangles.len();
+        let items = &self.irregular_items;
+        let is_counted = grid.cells.iter().all(|&n| n > 0 && n <= 1 << 15) && grid.levels <= 15;
+        if !is_counted || !is_counted_in_u32(map.len(), 1) || !is_counted_in_u32(items.len(), 1) {
+            return false;
+        }
+        let top = grid.cells.map(|n| (n >> grid.levels) as usize);
+        let lists_hold = items.iter().all(|item| ((item & !MapEntry::LAST_ITEM) as usize) < entries.max(1))
+            && items.last().is_some_and(|item| item & MapEntry::LAST_ITEM != 0)
+            && cells.iter().all(|cell| cell.first == NO_LIST || (cell.first as usize) < items.len());
+        let boxes_hold = cells
+            .iter()
+            .all(|cell| (0..3).all(|a| cell.low[a] < cell.high[a] && i32::from(cell.high[a]) <= grid.cells[a]));
+        let count = top[0] * top[1] * top[2];
+        lists_hold
+            && boxes_hold
+            && count <= map.len()
+            && (0..count).all(|entry| block_holds(map, entry, grid.levels, cells.len()))
     }
 
     fn grid_holds(&self, leaps: bool) -> bool {
@@ -59,6 +86,20 @@ impl SceneData {
         self.grid_distances.len() == cells.div_ceil(4)
             && lists.zip(bytes).all(|(has_list, distance)| !has_list || distance == 0)
     }
+}
+
+/// Whether an entry of a voxel map leads to cells only, in blocks that come after it.
+fn block_holds(map: &[u32], entry: usize, levels: u32, cells: usize) -> bool {
+    let (word, depth) = (map[entry], map[entry] & 3);
+    let start = (word >> 2) as usize;
+    if depth == 0 {
+        return start < cells;
+    }
+    let length = 1usize << (3 * depth);
+    depth <= levels
+        && start > entry
+        && start.checked_add(length).is_some_and(|end| end <= map.len())
+        && (start..start + length).all(|below| block_holds(map, below, levels - depth, cells))
 }
 
 /// Nodes on the longest path from the root, both ends included. `None` if the nodes do not form one tree whose parents

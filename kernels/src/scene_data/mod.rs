@@ -17,6 +17,7 @@ use crate::shared::build::Build;
 use crate::shared::bvh_walk::link_above;
 use crate::shared::camera::Camera;
 use crate::shared::grid_walk::Grid;
+use crate::shared::irregular_walk::{Irregular, IrregularCell, MapEntry};
 use crate::shared::samples::Sampling;
 use crate::shared::scene::SceneInfo;
 use crate::shared::shading::{Light, Material, Shading};
@@ -58,6 +59,14 @@ pub struct SceneData {
     pub grid_items: Vec<u32>,
     /// One byte per cell, four cells per word: see [`crate::structures::grid::distances`].
     pub grid_distances: Vec<u32>,
+    /// The voxel map of an irregular grid: see [`crate::structures::irregular`].
+    pub irregular_map: Vec<u32>,
+    /// The cells of an irregular grid.
+    pub irregular_cells: Vec<IrregularCell>,
+    /// Triangle ids; bit 31 marks the last of a list.
+    pub irregular_items: Vec<u32>,
+    /// Most cells of an irregular grid that a ray visits.
+    pub most_visited: u64,
     /// Growth of cells or boxes, in traced units; 0 for boxes that are grown as they are tested.
     pub growth: f32,
     /// Bounds coordinates of corners and origins, and distances between them, in traced units.
@@ -122,6 +131,11 @@ impl SceneData {
         if self.features.grid {
             let first = self.grid_cells[cell as usize];
             (first, self.grid_cells[cell as usize + 1] - first)
+        } else if self.features.irregular {
+            let first = self.irregular_cells[cell as usize].first;
+            let items = self.irregular_items.get(first as usize..).unwrap_or_default();
+            let last = items.iter().position(|item| item & MapEntry::LAST_ITEM != 0);
+            (first, last.map_or(0, |last| last as u32 + 1))
         } else if self.features.bvh {
             let node = &self.bvh_nodes[cell as usize];
             (node.first, node.count())
@@ -135,11 +149,19 @@ impl SceneData {
     pub fn listed(&self, place: u32) -> u32 {
         if self.features.grid {
             self.grid_items[place as usize]
+        } else if self.features.irregular {
+            self.irregular_items[place as usize] & !MapEntry::LAST_ITEM
         } else if self.features.bvh {
             self.bvh_items[place as usize]
         } else {
             place
         }
+    }
+
+    /// What a walk needs of the irregular grid.
+    #[must_use]
+    pub fn irregular(&self) -> Irregular<'_> {
+        Irregular { grid: &self.grid, map: &self.irregular_map, cells: &self.irregular_cells }
     }
 
     /// Chessboard distance of an empty cell to the nearest one with a list; 0 for a cell with a list.
@@ -232,6 +254,10 @@ impl SceneData {
                 (self.grid, self.grid_cells, self.grid_items, self.growth) =
                     (data.grid, data.cells, data.items, data.growth);
                 self.grid_distances = distances;
+            }
+            Structure::Irregular(data) => {
+                (self.grid, self.growth, self.most_visited) = (data.grid, data.growth, data.most_visited);
+                (self.irregular_map, self.irregular_cells, self.irregular_items) = (data.map, data.cells, data.items);
             }
             Structure::Bvh(data) => {
                 self.bvh_parents = data.parents.iter().map(|&p| link_above(&data.nodes, p)).collect();

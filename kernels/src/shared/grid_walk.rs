@@ -15,7 +15,8 @@ pub struct Grid {
     pub(crate) _pad0: u32,
     /// Cells along each axis.
     pub cells: [i32; 3],
-    pub(crate) _pad1: u32,
+    /// Of an irregular grid's virtual grid: its cells along an axis of a top-level cell are 2 to the power of this.
+    pub levels: u32,
     /// Size of a cell, traced units.
     pub width: [f32; 3],
     pub(crate) _pad2: u32,

@@ -10,6 +10,8 @@ struct Grid {
     corner: vec3f,
     // Cells along each axis.
     cells: vec3i,
+    // Halvings of an irregular grid's top-level cells.
+    levels: u32,
     // Size of a cell, traced units.
     width: vec3f,
     // 1 / width, rounded.

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::constants::INF;
-use super::grid_walk::{Grid, GridRay, smallest_axis};
+use super::grid_walk::{Grid, GridRay, WalkRules, smallest_axis};
 use super::vector::smallest3;
 use crate::numbers::real::{Real, Vec3};
 
@@ -83,11 +83,56 @@ impl IrregularCell {
     }
 }
 
+/// A ray's position in the irregular grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoxelWalk<R> {
+    /// The virtual cell by which it came.
+    pub voxel: [i32; 3],
+    /// The cell.
+    pub cell: u32,
+    /// t at which the ray leaves the cell's box, per axis.
+    pub tmax: Vec3<R>,
+    /// False if the ray misses the grid or has left it.
+    pub inside: bool,
+}
+
+/// What a walk needs of an irregular grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Irregular<'a> {
+    /// The virtual grid.
+    pub grid: &'a Grid,
+    /// The voxel map.
+    pub map: &'a [u32],
+    /// The cells.
+    pub cells: &'a [IrregularCell],
+}
+
+impl Irregular<'_> {
+    /// In a cell, having come by a virtual cell.
+    pub fn at<R: Real>(&self, voxel: [i32; 3], cell: u32, ray: &GridRay<R>) -> VoxelWalk<R> {
+        VoxelWalk { voxel, cell, tmax: self.cells[cell as usize].exit(self.grid, ray), inside: true }
+    }
+
+    /// The first cell of a ray.
+    pub fn enter<R: Real>(&self, rules: WalkRules, ray: &GridRay<R>) -> VoxelWalk<R> {
+        let walk = self.grid.enter(rules, ray);
+        VoxelWalk { inside: walk.inside, ..self.at(walk.cell, find(self.grid, self.map, walk.cell), ray) }
+    }
+
+    /// The next cell.
+    pub fn step<R: Real>(&self, walk: &VoxelWalk<R>, ray: &GridRay<R>) -> VoxelWalk<R> {
+        match self.cells[walk.cell as usize].next(self.grid, walk.voxel, walk.tmax, ray) {
+            Some(voxel) => self.at(voxel, find(self.grid, self.map, voxel), ray),
+            None => VoxelWalk { inside: false, ..*walk },
+        }
+    }
+}
+
 /// The cell to which a virtual cell of the grid belongs.
 #[must_use]
-pub fn find(grid: &Grid, levels: u32, map: &[u32], voxel: [i32; 3]) -> u32 {
+pub fn find(grid: &Grid, map: &[u32], voxel: [i32; 3]) -> u32 {
     let voxel = voxel.map(|v| v as u32);
-    let mut shift = levels;
+    let mut shift = grid.levels;
     let (top, size) = (voxel.map(|v| v >> shift), grid.cells.map(|n| n as u32 >> shift));
     let mut entry = map[(top[0] + size[0] * (top[1] + size[1] * top[2])) as usize];
     while entry & 3 != 0 {

@@ -29,6 +29,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("packed_triangles", include_str!("packed_triangles.wgsl")),
     ("corners", include_str!("corners.wgsl")),
     ("grid_walk", include_str!("grid_walk.wgsl")),
+    ("irregular_walk", include_str!("irregular_walk.wgsl")),
     ("triangle", include_str!("triangle.wgsl")),
     ("texture", include_str!("texture.wgsl")),
 ];

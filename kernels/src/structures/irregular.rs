@@ -41,8 +41,6 @@ pub use crate::shared::irregular_walk::{IrregularCell, MapEntry, NO_LIST};
 pub struct IrregularData {
     /// The virtual grid: its cells are the finest.
     pub grid: Grid,
-    /// The virtual cells along an axis of a top-level cell are 2 to the power of this.
-    pub levels: u32,
     /// The voxel map.
     pub map: Vec<u32>,
     /// The cells.
@@ -51,6 +49,8 @@ pub struct IrregularData {
     pub items: Vec<u32>,
     /// Growth of each cell, in traced units.
     pub growth: f32,
+    /// Most cells that a ray visits: it crosses a plane on which a box ends between any two of them.
+    pub most_visited: u64,
 }
 
 /// A box of virtual cells: the first, and the one after the last, along each axis.
@@ -82,7 +82,7 @@ pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> R
         return Err(too_many(most_words));
     }
     let mut items = Vec::with_capacity((references as usize).max(1));
-    let cells = spans
+    let cells: Vec<IrregularCell> = spans
         .iter()
         .zip(&draft.lists)
         .map(|(span, list)| {
@@ -97,7 +97,19 @@ pub fn build(vertices: &[f32], reach: f32, is_grown: bool, most_words: u64) -> R
     if items.is_empty() {
         items.push(MapEntry::LAST_ITEM);
     }
-    Ok(IrregularData { grid: plan.grid, levels: plan.levels, map: map.entries, cells, items, growth: plan.growth })
+    let most_visited = crossings(&cells) + 1;
+    Ok(IrregularData { grid: plan.grid, map: map.entries, cells, items, growth: plan.growth, most_visited })
+}
+
+/// Number of planes on which boxes end, over all axes.
+fn crossings(cells: &[IrregularCell]) -> u64 {
+    let planes = |axis: usize| {
+        let mut planes: Vec<u16> = cells.iter().flat_map(|cell| [cell.low[axis], cell.high[axis]]).collect();
+        planes.sort_unstable();
+        planes.dedup();
+        planes.len() as u64
+    };
+    (0..3).map(planes).sum()
 }
 
 impl IrregularData {
@@ -112,7 +124,7 @@ impl IrregularData {
     /// The cell to which a virtual cell belongs.
     #[must_use]
     pub fn find(&self, voxel: [i32; 3]) -> u32 {
-        crate::shared::irregular_walk::find(&self.grid, self.levels, &self.map, voxel)
+        crate::shared::irregular_walk::find(&self.grid, &self.map, voxel)
     }
 
     /// Size in bytes of the three buffers.

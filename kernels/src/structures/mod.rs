@@ -1,4 +1,4 @@
-//! Acceleration structures: a uniform grid, or a bounding volume hierarchy.
+//! Acceleration structures: a uniform grid, an irregular one, or a bounding volume hierarchy.
 
 pub mod bvh;
 pub mod grid;
@@ -6,6 +6,7 @@ pub mod irregular;
 
 use bvh::{BvhData, WideBvhData};
 use grid::GridData;
+use irregular::IrregularData;
 
 /// The acceleration structure of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +21,8 @@ pub enum Structure {
         /// Distance of each empty cell to the next list, see [`grid::distances`]; empty without empty-space skipping.
         distances: Vec<u32>,
     },
+    /// An irregular grid.
+    Irregular(IrregularData),
     /// A binary BVH, for rays that are stepped.
     Bvh(BvhData),
     /// An eight-wide BVH, for the fused kernel.
@@ -32,6 +35,7 @@ impl Structure {
     pub fn longest_list(&self) -> u32 {
         let longest = match self {
             Self::Grid { data, .. } => data.cells.windows(2).map(|w| w[1] - w[0]).max(),
+            Self::Irregular(data) => (0..data.cells.len() as u32).map(|cell| data.list(cell).count() as u32).max(),
             Self::Bvh(data) => data.nodes.iter().map(|node| node.count()).max(),
             Self::Wide(_) | Self::None => None,
         };

@@ -33,6 +33,20 @@ fn bvh(options: &mut Options) {
     options.accelerator = Accelerator::Bvh;
 }
 
+fn irregular(options: &mut Options) {
+    options.accelerator = Accelerator::Irregular;
+}
+
+fn several_irregular(options: &mut Options) {
+    several(options);
+    irregular(options);
+}
+
+fn fused_irregular(options: &mut Options) {
+    fused(options);
+    irregular(options);
+}
+
 fn none(options: &mut Options) {
     options.accelerator = Accelerator::None;
 }
@@ -102,6 +116,12 @@ pub(super) const OF_TRAVERSE_GRID: &[Break] = &[
     Break::new(leaping, "forward * (distance - 1)", "forward * distance"),
 ];
 
+pub(super) const OF_TRAVERSE_IRREGULAR: &[Break] = &[
+    Break::new(irregular, "walk.high - vec3i(1), is_up", "walk.high, is_up"),
+    Break::new(irregular, "select(walk.low - vec3i(1), walk.high, is_up)", "select(walk.low, walk.high, is_up)"),
+    Break::new(irregular, "below.z << depth", "below.z"),
+];
+
 pub(super) const OF_TRAVERSE_BVH: &[Break] =
     &[Break::new(bvh, "((at.node - 1u) ^ 1u) + 1u", "at.node"), Break::new(listed_bvh, "min(t0, t1)", "t0")];
 
@@ -120,6 +140,7 @@ pub(super) const OF_WALK: &[Break] = &[
     Break::new(several_bvh, "let first = node.first", "let first = node.first + 1u"),
     Break::new(several_bvh, "select(0u, 1u, goes_down", "select(1u, 0u, goes_down"),
     Break::new(several_none, "3u * entry + 2u", "3u * entry + 1u"),
+    Break::new(several_irregular, "goes_on = (entry & LAST_ITEM) == 0u", "goes_on = false"),
     Break::new(several, "item + 1u - grid_cells", "item + 2u - grid_cells").in_parts(),
     Break::new(several_bvh, "at.in_leaf = place.item > 0u", "at.in_leaf = false").in_parts(),
     Break::new(several_none, "is_spent(place.trace)", "false").in_parts(),
@@ -128,6 +149,7 @@ pub(super) const OF_WALK: &[Break] = &[
 pub(super) const OF_FUSED: &[Break] = &[
     Break::new(fused, "trace.t <= smallest3(walk.tmax)", "trace.triangle != NO_TRIANGLE"),
     Break::new(fused_leaping, "distance > 1", "distance > 2"),
+    Break::new(fused_irregular, "trace.t <= exit", "trace.triangle != NO_TRIANGLE"),
     Break::new(fused_bvh, "bitcast<i32>(nearest_t)", "bitcast<i32>(0.5 * nearest_t)"),
     Break::new(fused_bvh, "leaves.base + countOneBits", "leaves.base + 0u * countOneBits"),
     Break::new(fused_eye_rays, "0.5", "0.4995"),

@@ -60,6 +60,24 @@ pub static BUFFERS: &[BufferInfo] = &[
         of_leaps,
     ),
     storage(
+        "irregular_map",
+        "u32 per top-level cell, and blocks below: a cell, or a block of finer entries",
+        |data| cast_slice(&data.irregular_map),
+        |run| run.other_accelerator(),
+    ),
+    storage(
+        "irregular_cells",
+        "16 bytes per cell: box in virtual cells, start of its list in irregular_items",
+        |data| cast_slice(&data.irregular_cells),
+        |run| run.other_accelerator(),
+    ),
+    storage(
+        "irregular_items",
+        "u32 triangle ids, ascending within a cell; bit 31 marks the last of a list",
+        |data| cast_slice(&data.irregular_items),
+        |run| run.other_accelerator(),
+    ),
+    storage(
         "bvh_nodes",
         "32 bytes per node: box, first child or item, link; traced units",
         |data| cast_slice(&data.bvh_nodes),

@@ -3,6 +3,7 @@
 //! kernels' own functions. Where the device rounds differently from the host, the explanation follows the device.
 
 mod grid;
+mod irregular;
 mod test;
 mod tree;
 
@@ -65,6 +66,10 @@ pub(super) fn of_traverse_grid(data: &SceneData, before: &RayState, after: &RayS
     (None, explain_step(data, before, after))
 }
 
+pub(super) fn of_traverse_irregular(data: &SceneData, before: &RayState, after: &RayState) -> Why {
+    (None, irregular::explain_step(data, before, after))
+}
+
 pub(super) fn of_traverse_bvh(data: &SceneData, before: &RayState, after: &RayState) -> Why {
     (None, explain_node(data, before, after))
 }
@@ -80,6 +85,7 @@ pub(super) fn of_count(_: &SceneData, _: &RayState, _: &RayState) -> Why {
 fn explain_setup(data: &SceneData, after: &RayState) -> String {
     match (data.features.grid, data.features.bvh) {
         (true, _) => explain_start(data, after),
+        _ if data.features.irregular => irregular::explain_start(data, after),
         _ if data.info.triangles == 0 => "no triangles: there is nothing to hit".into(),
         (_, true) => format!("starts at the root of {} nodes", data.bvh_nodes.len()),
         _ => format!("no grid: all {} triangles are tested", data.info.triangles),
@@ -92,6 +98,7 @@ fn explain_walk(data: &SceneData, before: &RayState, after: &RayState) -> String
     let most = match (features.grid, features.bvh) {
         (true, _) if features.skip => format!("up to {steps} steps or leaps"),
         (true, _) => format!("up to {steps} steps"),
+        _ if features.irregular => format!("up to {steps} steps"),
         (_, true) => format!("up to {} nodes", u64::from(NODES_A_STEP) * u64::from(steps)),
         _ => format!("up to {steps} triangles"),
     };
@@ -100,6 +107,7 @@ fn explain_walk(data: &SceneData, before: &RayState, after: &RayState) -> String
         states::SHADE if features.any_hit => "over, any hit ends the ray".into(),
         states::SHADE => "over, the nearest hit is found".into(),
         _ if features.grid => format!("now in {}", cell_at(data, after.cell_index)),
+        _ if features.irregular => format!("now in {}", irregular::cell_at(data, after.cell_index)),
         _ if features.bvh => format!("now at node {}", after.cell_index),
         _ => format!("{} of {} triangles tested", after.item, data.info.triangles),
     };

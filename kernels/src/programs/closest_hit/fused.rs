@@ -2,7 +2,7 @@
 //! loop iterations.
 
 use crate::numbers::real::{Real, Vec3};
-use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_voxel, store_voxel};
 use crate::programs::closest_hit::states::{ISECT_HIT, ISECT_NO_HIT, TRAV, TRAV_SETUP, UNWRITTEN};
 use crate::programs::closest_hit::streams::{self, COUNTERS, HIT, STATE};
 use crate::programs::closest_hit::tracing::Trace;
@@ -65,6 +65,43 @@ impl<R: Real> Trace<R> {
             }
             walk =
                 if distance > 1 { grid.leap(walk, distance, &grid_ray) } else { grid.advance(rules, walk, &grid_ray) };
+        }
+    }
+
+    fn through_irregular(&mut self, ray: &mut Texels<'_, R>, wait: &mut Wait, scene: &SceneData) {
+        let (irregular, features) = (scene.irregular(), &scene.features);
+        let rules = features.walk_rules();
+        let grid_ray = scene.grid.ray(rules, self.origin, self.direction);
+        let mut walk = match wait.before {
+            true => irregular.at(load_voxel(ray), wait.cell, &grid_ray),
+            false => irregular.enter(rules, &grid_ray),
+        };
+        while walk.inside {
+            if self.is_spent(scene) {
+                store_voxel(ray, walk.voxel);
+                wait.at(walk.cell, 0);
+                return;
+            }
+            self.turns += 1 + scene.grid.levels;
+            self.cells += u32::from(wait.item == 0);
+            let (first, count) = scene.list(walk.cell);
+            for item in first + wait.item..first + count {
+                self.test(scene, scene.listed(item), [0; 3]);
+                if self.ended {
+                    return;
+                }
+                if self.is_spent(scene) && item + 1 < first + count {
+                    store_voxel(ray, walk.voxel);
+                    wait.at(walk.cell, item + 1 - first);
+                    return;
+                }
+            }
+            wait.item = 0;
+            let exit = smallest3(walk.tmax);
+            if self.t <= exit || features.intervals && self.interval[1] <= exit {
+                return;
+            }
+            walk = irregular.step(&walk, &grid_ray);
         }
     }
 
@@ -249,6 +286,8 @@ pub fn fused<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     }
     if features.grid {
         trace.through_grid(ray, &mut wait, scene);
+    } else if features.irregular {
+        trace.through_irregular(ray, &mut wait, scene);
     } else if features.bvh {
         trace.through_tree(ray, &mut wait, scene);
     } else {

@@ -19,6 +19,11 @@ import package::scene::{scene};
 @if(grid && skip) import package::grid_walk::{leap};
 @if(grid && skip) import package::grid_lists::{empty_distance};
 @if(grid) import package::grid_lists::{grid_cells, grid_items};
+@if(irregular) import package::vector::{smallest3};
+@if(irregular) import package::grid_walk::{grid_ray};
+@if(irregular && resumes) import package::grid_walk::{GridRay, grid};
+@if(irregular) import package::irregular_walk::{NO_LIST, LAST_ITEM, irregular_items, enter_irregular, step_voxel};
+@if(irregular && resumes) import package::irregular_walk::{VoxelWalk, at_voxel};
 @if(bvh) import package::bvh_walk::{finite_inverse};
 @if(bvh) import package::wide_walk::{WideGroup, wide_ray, visit_wide, wide_child, wide_entry};
 @if(bvh && resumes) import package::wide_walk::{TRAIL_WORDS, MOST_LEVELS, NO_CHILD, trail_child, with_trail_child};
@@ -30,6 +35,7 @@ import package::scene::{scene};
 @if(counters && !resumes) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, write>;
 @if(counters && resumes) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(grid && resumes && (!robust || drifting)) @group(0) @binding(6) var place: texture_storage_2d_array<r32uint, read_write>;
+@if(irregular && resumes) @group(0) @binding(6) var voxel: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh && resumes) @group(0) @binding(6) var trail: texture_storage_2d_array<r32uint, read_write>;
 
 // A ray's position between two dispatches.
@@ -149,6 +155,69 @@ fn traced(start: Trace) -> Trace {
     return trace;
 }
 
+// The first cell, or the one at which the ray waits.
+@if(irregular && resumes)
+fn resumed(ray: GridRay) -> VoxelWalk {
+    if (!wait.before) {
+        return enter_irregular(ray);
+    }
+    let x = textureLoad(voxel, wait.texel, 0).x;
+    let y = textureLoad(voxel, wait.texel, 1).x;
+    let z = textureLoad(voxel, wait.texel, 2).x;
+    return at_voxel(vec3i(vec3u(x, y, z)), wait.cell, ray);
+}
+
+@if(irregular && resumes)
+fn wait_in(walk: VoxelWalk, item: u32) {
+    textureStore(voxel, wait.texel, 0, vec4u(u32(walk.voxel.x)));
+    textureStore(voxel, wait.texel, 1, vec4u(u32(walk.voxel.y)));
+    textureStore(voxel, wait.texel, 2, vec4u(u32(walk.voxel.z)));
+    wait_at(walk.cell, item);
+}
+
+@if(irregular)
+fn traced(start: Trace) -> Trace {
+    var trace = start;
+    let ray = grid_ray(trace.origin, trace.direction);
+    @if(!resumes) var walk = enter_irregular(ray);
+    @if(resumes) var walk = resumed(ray);
+    while (walk.inside) {
+        @if(resumes) if (is_spent(trace)) {
+            wait_in(walk, 0u);
+            return trace;
+        }
+        @if(resumes) trace.turns += 1u + grid.levels;
+        @if(counters && !resumes) trace.cells += 1u;
+        @if(counters && resumes) trace.cells += select(0u, 1u, wait.item == 0u);
+        var goes_on = walk.first != NO_LIST;
+        @if(!resumes) var item = walk.first;
+        @if(resumes) var item = walk.first + wait.item;
+        while (goes_on) {
+            let entry = irregular_items[item];
+            trace = tested(trace, entry & ~LAST_ITEM, vec3i(0));
+            @if(any_hit) if (trace.ended) {
+                return trace;
+            }
+            goes_on = (entry & LAST_ITEM) == 0u;
+            item += 1u;
+            @if(resumes) if (is_spent(trace) && goes_on) {
+                wait_in(walk, item - walk.first);
+                return trace;
+            }
+        }
+        @if(resumes) wait.item = 0u;
+        let exit = smallest3(walk.tmax);
+        if (trace.t <= exit) {
+            break;
+        }
+        @if(intervals) if (trace.interval.y <= exit) {
+            break;
+        }
+        walk = step_voxel(walk, ray);
+    }
+    return trace;
+}
+
 @if(bvh)
 fn traced(start: Trace) -> Trace {
     var trace = start;
@@ -241,7 +310,7 @@ fn traced(start: Trace) -> Trace {
     return trace;
 }
 
-@if(!grid && !bvh)
+@if(!grid && !irregular && !bvh)
 fn traced(start: Trace) -> Trace {
     var trace = start;
     @if(!resumes) let first = 0u;

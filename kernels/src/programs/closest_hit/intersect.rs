@@ -129,7 +129,7 @@ pub fn intersect<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
 
     let ended = if features.robust { item >= count } else { !in_list };
     if ended {
-        tag = if features.grid {
+        tag = if features.grid || features.irregular {
             let exit = if !features.in_cell { smallest3(ray.load_vec3(TMAX)) } else { R::from_f32(INF) };
             match list_ended(features, tag, nearest_t, exit) {
                 TRAV if features.intervals && !features.in_cell && load_interval(ray, features)[1] <= exit => {

@@ -19,6 +19,8 @@ import package::scene::{scene};
 import package::live::{send};
 @if(live_lists) import package::live::{listed_texel};
 @if(grid) import package::grid_lists::{grid_cells, grid_items, list_ended};
+@if(irregular) import package::grid_lists::{list_ended};
+@if(irregular) import package::irregular_walk::{NO_LIST, LAST_ITEM, irregular_cells, irregular_items};
 @if(bvh) import package::bvh_walk::{bvh_nodes};
 @if(in_cell) import package::grid_walk::{is_in_cell, cell_of_index};
 @if(grid && counters) import package::grid_walk::{Walk, grid, grid_ray, enter_grid, advance, cell_index};
@@ -27,7 +29,7 @@ import package::live::{send};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
-@if(grid && !in_cell) @group(0) @binding(4) var tmax: texture_2d_array<f32>;
+@if((grid || irregular) && !in_cell) @group(0) @binding(4) var tmax: texture_2d_array<f32>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh) @group(1) @binding(19) var<storage, read> bvh_items: array<u32>;
 
@@ -113,15 +115,21 @@ fn step_item(texel: vec2u) -> u32 {
     @if(grid) let count = grid_cells[cell + 1u] - first;
     @if(bvh) let first = bvh_nodes[cell].first;
     @if(bvh) let count = bvh_nodes[cell].link & 0x3fffffffu;
-    @if(!grid && !bvh) let count = scene.triangles;
+    @if(irregular) let first = irregular_cells[cell].w;
+    @if(!grid && !irregular && !bvh) let count = scene.triangles;
 
     let origin = load_origin(texel);
     let direction = load_direction(texel);
-    let in_list = item < count;
+    @if(irregular) let in_list = first != NO_LIST;
+    @if(irregular) var is_last = !in_list;
+    @if(!irregular) let in_list = item < count;
     if (in_list) {
         @if(grid) let triangle = grid_items[first + item];
         @if(bvh) let triangle = bvh_items[first + item];
-        @if(!grid && !bvh) let triangle = item;
+        @if(irregular) let entry = irregular_items[first + item];
+        @if(irregular) let triangle = entry & ~LAST_ITEM;
+        @if(irregular) is_last = (entry & LAST_ITEM) != 0u;
+        @if(!grid && !irregular && !bvh) let triangle = item;
         @if(grid && counters) let repeated = repetition(texel, triangle, cell, origin, direction);
         @if(grid && counters && resumes_scan) if (repeated == NOT_KNOWN_YET) {
             return tag;
@@ -150,10 +158,11 @@ fn step_item(texel: vec2u) -> u32 {
         }
     }
 
-    @if(robust) let ended = item >= count;
-    @else let ended = !in_list;
+    @if(irregular) let ended = is_last;
+    @if(!irregular && robust) let ended = item >= count;
+    @if(!irregular && !robust) let ended = !in_list;
     if (ended) {
-        @if(grid && !in_cell) {
+        @if((grid || irregular) && !in_cell) {
             let exit = smallest3(vec3f(
                 textureLoad(tmax, texel, 0, 0).x,
                 textureLoad(tmax, texel, 1, 0).x,
@@ -170,7 +179,7 @@ fn step_item(texel: vec2u) -> u32 {
         @if(bvh) {
             tag = TRAV;
         }
-        @if(!grid && !bvh) {
+        @if(!grid && !irregular && !bvh) {
             tag = select(BACKGROUND, SHADE, tag == ISECT_HIT);
         }
     }

@@ -96,6 +96,31 @@ kernels! {
         },
         breaks: breaks::OF_TRAVERSE_GRID,
     }
+    /// Moves a ray to its next cell of the irregular grid.
+    TRAVERSE_IRREGULAR traverse_irregular of RAYS, twin: element, {
+        takes: &[TRAV],
+        sends: &[
+            send(TRAV, "next cell", ISECT_NO_HIT),
+            send(TRAV, "next cell, hit kept", ISECT_HIT),
+            send(TRAV, "leaves the grid", BACKGROUND),
+            send(TRAV, "leaves the grid, hit kept", SHADED),
+        ],
+        role: Role::Step,
+        workgroup: LIST_SIDE,
+        launch: Launch::Whole,
+        counts: Counts::Sent,
+        resumes: |_| false,
+        list: Some(TRAVERSE_LIST),
+        colour: [66, 124, 200],
+        why_absent: of_a_step,
+        summary: "moves the ray to its next cell of the irregular grid",
+        own: Own {
+            explain: explain::of_traverse_irregular,
+            path: Path::NextCell,
+            rounding: rounding::OF_TRAVERSE_GRID,
+        },
+        breaks: breaks::OF_TRAVERSE_IRREGULAR,
+    }
     /// Moves a ray to its next node of the BVH.
     TRAVERSE_BVH traverse_bvh of RAYS, twin: element, {
         takes: &[TRAV],

@@ -24,6 +24,7 @@ pub mod streams;
 pub mod tracing;
 pub mod traverse_bvh;
 pub mod traverse_grid;
+pub mod traverse_irregular;
 pub mod walk;
 
 use std::borrow::Cow;

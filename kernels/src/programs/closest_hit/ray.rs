@@ -22,6 +22,19 @@ pub fn load_interval<R: Real>(ray: &Texels<'_, R>, features: &Features) -> [R; 2
     }
 }
 
+/// The virtual cell by which the ray came into its cell of an irregular grid.
+#[must_use]
+pub fn load_voxel<R: Real>(ray: &Texels<'_, R>) -> [i32; 3] {
+    [0, 1, 2].map(|layer| ray.load_u32(streams::VOXEL, layer) as i32)
+}
+
+/// Stores it.
+pub fn store_voxel<R: Real>(ray: &mut Texels<'_, R>, voxel: [i32; 3]) {
+    for (layer, v) in voxel.into_iter().enumerate() {
+        ray.store_u32(streams::VOXEL, layer, v as u32);
+    }
+}
+
 /// Direction of the ray, traced units per unit of t.
 #[must_use]
 pub fn load_direction<R: Real>(ray: &Texels<'_, R>) -> Vec3<R> {

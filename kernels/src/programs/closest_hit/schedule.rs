@@ -1,6 +1,8 @@
 //! Which kernels run, in what order and until which condition holds.
 
-use super::kernels::{ACCUMULATE, FUSED, GENERATE, INTERSECT, SETUP, SHADE, TRAVERSE_BVH, TRAVERSE_GRID, WALK};
+use super::kernels::{
+    ACCUMULATE, FUSED, GENERATE, INTERSECT, SETUP, SHADE, TRAVERSE_BVH, TRAVERSE_GRID, TRAVERSE_IRREGULAR, WALK,
+};
 use crate::options::features::Features;
 use crate::options::{Accelerator, Options, RaySource, ScheduleKind};
 use crate::program::schedule::{Schedule, Step};
@@ -34,6 +36,14 @@ pub fn new(
             Accelerator::Grid | Accelerator::Auto => Step::LoopWhileActive(
                 vec![INTERSECT, TRAVERSE_GRID],
                 vec![Step::Run(INTERSECT), Step::Run(TRAVERSE_GRID)],
+            ),
+            Accelerator::Irregular if is_first => Step::LoopWhileActive(
+                vec![INTERSECT, TRAVERSE_IRREGULAR],
+                vec![Step::RunUntilIdle(INTERSECT), Step::Run(TRAVERSE_IRREGULAR)],
+            ),
+            Accelerator::Irregular => Step::LoopWhileActive(
+                vec![INTERSECT, TRAVERSE_IRREGULAR],
+                vec![Step::Run(INTERSECT), Step::Run(TRAVERSE_IRREGULAR)],
             ),
             // A BVH's root has no triangles, so its walk begins with a step.
             Accelerator::Bvh if is_first => Step::LoopWhileActive(

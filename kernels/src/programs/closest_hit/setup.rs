@@ -1,7 +1,7 @@
 //! Twin of `setup.wgsl`: finds where the ray's walk begins.
 
 use crate::numbers::real::Real;
-use crate::programs::closest_hit::ray::{load_direction, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_origin, store_voxel};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_NO_HIT, TRAV, TRAV_SETUP};
 use crate::programs::closest_hit::streams::{COUNTERS, PREVIOUS, STATE, TMAX};
 use crate::scene_data::SceneData;
@@ -33,6 +33,22 @@ pub fn setup<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
             ray.store_vec3(TMAX, walk.tmax);
         }
         ray.store_u32(STATE, 2, scene.grid.cell_index(walk.cell));
+        if features.counters {
+            ray.store_u32(COUNTERS, 0, 1);
+        }
+    }
+    if features.irregular {
+        let rules = features.walk_rules();
+        let walk = scene.irregular().enter(rules, &scene.grid.ray(rules, load_origin(ray), load_direction(ray)));
+        if !walk.inside {
+            ray.store_u32(STATE, 0, BACKGROUND);
+            return;
+        }
+        if !features.many_steps {
+            ray.store_vec3(TMAX, walk.tmax);
+        }
+        store_voxel(ray, walk.voxel);
+        ray.store_u32(STATE, 2, walk.cell);
         if features.counters {
             ray.store_u32(COUNTERS, 0, 1);
         }

@@ -6,6 +6,7 @@
 //! ray_interval  f32  t_min  t_max        t; hits count between the two
 //! state         u32  tag  nearest-t  cell  item      while lights are summed, item is 2³¹ + their number
 //! tmax          f32  x  y  z             t
+//! voxel         u32  x  y  z             virtual cell by which the ray came into its cell
 //! previous      u32  node                index of the BVH's previous node
 //! hit           u32  u  v  triangle      u, v as f32 bits
 //! color         f32  r  g  b             linear light
@@ -54,7 +55,9 @@ fn of_steps(run: &Run<'_>) -> Reason {
 fn of_tmax(run: &Run<'_>) -> Reason {
     match run {
         run if run.is_fused() => FUSED,
-        run if run.features.grid => (Because::Options, "several steps per pass: computed from the cell"),
+        run if run.features.grid || run.features.irregular => {
+            (Because::Options, "several steps per pass: computed from the cell")
+        }
         run => run.other_accelerator(),
     }
 }
@@ -75,6 +78,9 @@ streams! {
     /// t at which the ray leaves its cell, per axis.
     TMAX of RAYS: "tmax" F32 &["x", "y", "z"], meaning: &[Distance; 3], unit: "t",
         unwritten: &[0; 3], why_absent: of_tmax;
+    /// Virtual cell of an irregular grid by which the ray came into its cell.
+    VOXEL of RAYS: "voxel" U32 &["x", "y", "z"], meaning: &[Id; 3], unit: "coordinates of a virtual cell",
+        unwritten: &[0; 3], why_absent: of_steps;
     /// Node visited before this one.
     PREVIOUS of RAYS: "previous" U32 &["node"], meaning: &[Id], unit: "index of a node",
         unwritten: &[NO_NODE], why_absent: of_steps;

@@ -2,7 +2,7 @@
 
 use crate::numbers::real::Real;
 use crate::programs::closest_hit::grid_lists::list_ended;
-use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin};
+use crate::programs::closest_hit::ray::{load_direction, load_interval, load_origin, load_voxel, store_voxel};
 use crate::programs::closest_hit::states::{BACKGROUND, ISECT_HIT, ISECT_NO_HIT, SHADE, TRAV};
 use crate::programs::closest_hit::streams::{COUNTERS, HIT, PREVIOUS, STATE, TMAX};
 use crate::programs::closest_hit::tracing::Trace;
@@ -90,6 +90,58 @@ impl<R: Real> Place<R> {
         }
     }
 
+    fn through_irregular(&mut self, ray: &mut Texels<'_, R>, scene: &SceneData) {
+        let (irregular, features) = (scene.irregular(), &scene.features);
+        let grid_ray = scene.grid.ray(features.walk_rules(), self.trace.origin, self.trace.direction);
+        let mut walk = irregular.at(load_voxel(ray), self.cell, &grid_ray);
+        for _ in 0..scene.info.steps {
+            if self.trace.is_spent(scene) {
+                break;
+            }
+            // One to find the next cell in each level of the map, at most.
+            self.trace.turns += 1 + scene.grid.levels;
+            let (first, count) = scene.list(self.cell);
+            let mut waits = false;
+            for item in first + self.waiting_item(scene)..first + count {
+                self.trace.test(scene, scene.listed(item), [0; 3]);
+                if self.trace.ended {
+                    self.tag = SHADE;
+                    return;
+                }
+                if self.trace.is_spent(scene) && item + 1 < first + count {
+                    self.item = item + 1 - first;
+                    waits = true;
+                    break;
+                }
+            }
+            if waits {
+                if !features.any_hit {
+                    self.tag = if self.trace.triangle == NO_TRIANGLE { ISECT_NO_HIT } else { ISECT_HIT };
+                }
+                break;
+            }
+            self.item = 0;
+            let has_hit = !features.any_hit && self.trace.triangle != NO_TRIANGLE;
+            let tag = if has_hit { ISECT_HIT } else { ISECT_NO_HIT };
+            self.tag = list_ended(features, tag, self.trace.t, smallest3(walk.tmax));
+            if features.intervals && self.tag == TRAV && self.trace.interval[1] <= smallest3(walk.tmax) {
+                self.tag = BACKGROUND;
+            }
+            if self.tag != TRAV {
+                break;
+            }
+            walk = irregular.step(&walk, &grid_ray);
+            if !walk.inside {
+                self.tag = if has_hit { SHADE } else { BACKGROUND };
+                break;
+            }
+            self.tag = tag;
+            self.cell = walk.cell;
+            self.trace.cells += 1;
+        }
+        store_voxel(ray, walk.voxel);
+    }
+
     fn through_tree(&mut self, ray: &mut Texels<'_, R>, scene: &SceneData) {
         let (origin, direction) = (self.trace.origin, self.trace.direction);
         let tree_ray = TreeRay::new(origin, direction, scene.features.ray_padding);
@@ -169,6 +221,8 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
     let mut place = Place { tag, cell: ray.load_u32(STATE, 2), item: ray.load_u32(STATE, 3), trace };
     if features.grid {
         place.through_grid(ray, scene);
+    } else if features.irregular {
+        place.through_irregular(ray, scene);
     } else if features.bvh {
         place.through_tree(ray, scene);
     } else {
@@ -183,7 +237,7 @@ pub fn walk<R: Real>(ray: &mut Texels<'_, R>, scene: &SceneData) {
         ray.store(STATE, 1, trace.t);
     }
     ray.store_u32(STATE, 0, place.tag);
-    let is_through_all = !features.grid && !features.bvh;
+    let is_through_all = !features.grid && !features.irregular && !features.bvh;
     if !is_through_all {
         ray.store_u32(STATE, 2, place.cell);
     }

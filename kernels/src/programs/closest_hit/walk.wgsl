@@ -19,11 +19,16 @@ import package::live::{listed_texel, send};
 @if(grid && skip) import package::grid_walk::{leap};
 @if(grid && skip) import package::grid_lists::{empty_distance};
 @if(grid) import package::grid_lists::{grid_cells, grid_items, list_ended};
+@if(irregular) import package::vector::{smallest3};
+@if(irregular) import package::grid_walk::{grid, grid_ray};
+@if(irregular) import package::grid_lists::{list_ended};
+@if(irregular) import package::irregular_walk::{NO_LIST, LAST_ITEM, irregular_items, at_voxel, step_voxel};
 @if(bvh) import package::bvh_walk::{Visit, bvh_nodes, next_node, finite_inverse};
 
 @group(0) @binding(2) var state: texture_storage_2d_array<r32uint, read_write>;
 @group(0) @binding(3) var hit: texture_storage_2d_array<r32uint, read_write>;
 @if(grid && (!robust || drifting)) @group(0) @binding(4) var tmax: texture_storage_2d_array<r32float, read_write>;
+@if(irregular) @group(0) @binding(4) var voxel: texture_storage_2d_array<r32uint, read_write>;
 @if(bvh) @group(0) @binding(4) var previous: texture_storage_2d_array<r32uint, read_write>;
 @if(counters) @group(0) @binding(5) var counters: texture_storage_2d_array<r32uint, read_write>;
 
@@ -112,6 +117,70 @@ fn walked(start: Place, texel: vec2u) -> Place {
     return place;
 }
 
+@if(irregular)
+fn walked(start: Place, texel: vec2u) -> Place {
+    var place = start;
+    let ray = grid_ray(place.trace.origin, place.trace.direction);
+    let came_by = vec3i(vec3u(
+        textureLoad(voxel, texel, 0).x,
+        textureLoad(voxel, texel, 1).x,
+        textureLoad(voxel, texel, 2).x,
+    ));
+    var walk = at_voxel(came_by, place.cell, ray);
+    @if(resumes) var waits = false;
+    for (var step = 0u; step < scene.steps; step++) {
+        @if(resumes) if (is_spent(place.trace)) {
+            break;
+        }
+        // One to find the next cell in each level of the map, at most.
+        @if(resumes) place.trace.turns += 1u + grid.levels;
+        var goes_on = walk.first != NO_LIST;
+        @if(!resumes) var item = walk.first;
+        @if(resumes) var item = walk.first + place.item;
+        while (goes_on) {
+            let entry = irregular_items[item];
+            place.trace = tested(place.trace, entry & ~LAST_ITEM, vec3i(0));
+            @if(any_hit) if (place.trace.ended) {
+                place.tag = SHADE;
+                return place;
+            }
+            goes_on = (entry & LAST_ITEM) == 0u;
+            item += 1u;
+            @if(resumes) if (is_spent(place.trace) && goes_on) {
+                place.item = item - walk.first;
+                waits = true;
+                break;
+            }
+        }
+        @if(resumes) if (waits) {
+            @if(!any_hit) place.tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
+            break;
+        }
+        @if(resumes) place.item = 0u;
+        @if(any_hit) let tag = ISECT_NO_HIT;
+        @else let tag = select(ISECT_HIT, ISECT_NO_HIT, place.trace.triangle == NO_TRIANGLE);
+        place.tag = list_ended(tag, place.trace.t, smallest3(walk.tmax));
+        @if(intervals) if (place.tag == TRAV && place.trace.interval.y <= smallest3(walk.tmax)) {
+            place.tag = BACKGROUND;
+        }
+        if (place.tag != TRAV) {
+            break;
+        }
+        walk = step_voxel(walk, ray);
+        if (!walk.inside) {
+            place.tag = select(SHADE, BACKGROUND, tag == ISECT_NO_HIT);
+            break;
+        }
+        place.tag = tag;
+        place.cell = walk.cell;
+        @if(counters) place.trace.cells += 1u;
+    }
+    textureStore(voxel, texel, 0, vec4u(u32(walk.voxel.x)));
+    textureStore(voxel, texel, 1, vec4u(u32(walk.voxel.y)));
+    textureStore(voxel, texel, 2, vec4u(u32(walk.voxel.z)));
+    return place;
+}
+
 @if(bvh)
 fn walked(start: Place, texel: vec2u) -> Place {
     var place = start;
@@ -167,7 +236,7 @@ fn walked(start: Place, texel: vec2u) -> Place {
     return place;
 }
 
-@if(!grid && !bvh)
+@if(!grid && !irregular && !bvh)
 fn walked(start: Place, texel: vec2u) -> Place {
     var place = start;
     let end = min(place.item + scene.steps, scene.triangles);
@@ -197,7 +266,7 @@ fn take_steps(texel: vec2u) -> u32 {
         return NOBODY;
     }
     place.cell = textureLoad(state, texel, 2).x;
-    @if(resumes || (!grid && !bvh)) place.item = textureLoad(state, texel, 3).x;
+    @if(resumes || (!grid && !irregular && !bvh)) place.item = textureLoad(state, texel, 3).x;
     place.trace.origin = load_origin(texel);
     place.trace.direction = load_direction(texel);
     place.trace.shear = shear_of(place.trace.direction);
@@ -215,8 +284,8 @@ fn take_steps(texel: vec2u) -> u32 {
         textureStore(state, texel, 1, vec4u(bitcast<u32>(place.trace.t)));
     }
     textureStore(state, texel, 0, vec4u(place.tag));
-    @if(grid || bvh) textureStore(state, texel, 2, vec4u(place.cell));
-    @if(resumes || (!grid && !bvh)) textureStore(state, texel, 3, vec4u(place.item));
+    @if(grid || irregular || bvh) textureStore(state, texel, 2, vec4u(place.cell));
+    @if(resumes || (!grid && !irregular && !bvh)) textureStore(state, texel, 3, vec4u(place.item));
     @if(counters) {
         textureStore(counters, texel, 0, vec4u(textureLoad(counters, texel, 0).x + place.trace.cells));
         textureStore(counters, texel, 1, vec4u(textureLoad(counters, texel, 1).x + place.trace.tests));

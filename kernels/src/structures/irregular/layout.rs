@@ -37,7 +37,7 @@ impl Layout {
         let levels = (0..3).map(levels_of).max().unwrap_or(0).min(MOST_LEVELS);
         // A flat axis has as many levels as the others.
         let levels = (0..3).fold(levels, |levels, a| levels.min((MOST_VIRTUAL / top[a]).ilog2()));
-        let grid = planes(min, max, top.map(|n| n << levels), margin);
+        let grid = Grid { levels, ..planes(min, max, top.map(|n| n << levels), margin) };
         let widest = grid.width.iter().fold(0.0f32, |most, &width| most.max(width));
         let weights = grid.width.map(|width| ((f64::from(width) / f64::from(widest) * 255.0).round() as u64).max(1));
         Self { grid, levels, growth: if is_grown { margin } else { 0.0 }, weights }
@@ -51,6 +51,7 @@ impl Layout {
             cells: self.grid.cells.map(|n| n >> coarser),
             width: self.grid.width.map(|width| width * scale),
             inverse_width: self.grid.inverse_width.map(|inverse| inverse / scale),
+            levels: 0,
             ..self.grid
         }
     }

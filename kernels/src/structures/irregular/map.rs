@@ -9,7 +9,6 @@ use crate::shared::irregular_walk::{self, MapEntry};
 pub(super) struct Map {
     pub(super) entries: Vec<u32>,
     pub(super) grid: Grid,
-    pub(super) levels: u32,
 }
 
 /// Most levels that one block of entries covers.
@@ -22,12 +21,12 @@ impl Map {
         for (at, (first, tree)) in trees.iter().enumerate() {
             place(&mut entries, at, tree, *first);
         }
-        Self { entries, grid: layout.grid, levels: layout.levels }
+        Self { entries, grid: layout.grid }
     }
 
     /// The cell of a virtual cell.
     pub(super) fn find(&self, voxel: [i32; 3]) -> u32 {
-        irregular_walk::find(&self.grid, self.levels, &self.entries, voxel)
+        irregular_walk::find(&self.grid, &self.entries, voxel)
     }
 
     /// Replaces every cell by another one.

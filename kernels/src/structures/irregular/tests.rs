@@ -125,7 +125,7 @@ fn rays_take_few_steps() {
             built.items.len(),
             built.map.len(),
             built.grid.cells,
-            built.levels,
+            built.grid.levels,
             steps as f64 / 500.0,
             tests as f64 / 500.0,
             cells as f64 / 500.0,

@@ -30,25 +30,26 @@ pub(in super::super) fn explain_intersect(
 /// What follows when the list or the ray ends.
 fn explain_end(data: &SceneData, before: &RayState, after: &RayState, tested: Option<u32>, count: u32) -> String {
     let features = &data.features;
+    let has_cells = features.grid || features.irregular;
     let exit = before.tmax.iter().flatten().fold(INF, |m, &t| m.min(t));
     let t = after.t.unwrap_or(INF);
     let ended = match tested {
-        None if count == 0 && features.grid => "empty cell",
+        None if count == 0 && has_cells => "empty cell",
         None if count == 0 => "no triangles",
-        Some(_) if !features.grid => "last triangle",
+        Some(_) if !has_cells => "last triangle",
         _ => "list ended",
     };
     let on = if leap_from(data, before.cell_index) > 1 { "on past empty cells" } else { "on to the next cell" };
     match after.tag {
         states::TRAV if features.bvh => "the leaf is done".into(),
         states::SHADE if features.any_hit => "any hit ends the ray".into(),
-        states::SHADE if !features.grid => format!("{ended}: the nearest hit is accepted"),
+        states::SHADE if !has_cells => format!("{ended}: the nearest hit is accepted"),
         states::SHADE if features.in_cell => format!("{ended} with a hit: accepted"),
         states::SHADE => format!("{ended}: t {t} <= exit {exit}, accepted"),
-        states::BACKGROUND if features.grid && ray_end(before).is_some_and(|end| end <= exit) => {
+        states::BACKGROUND if has_cells && ray_end(before).is_some_and(|end| end <= exit) => {
             format!("{ended}: the ray ends at t {} <= exit {exit}, nothing hit", ray_end(before).unwrap_or(t))
         }
-        states::BACKGROUND if features.grid => format!("{ended}: the ray ends at t {t} <= exit {exit}, nothing hit"),
+        states::BACKGROUND if has_cells => format!("{ended}: the ray ends at t {t} <= exit {exit}, nothing hit"),
         states::BACKGROUND => format!("{ended}: nothing hit"),
         _ if after.triangle.is_some() => format!("{ended}: t {t} is beyond the exit {exit}, kept; {on}"),
         _ => format!("{ended}: {on}"),

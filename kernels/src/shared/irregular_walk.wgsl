@@ -1,0 +1,85 @@
+// The walk through the irregular grid (Pérard-Gayot, Kalojanov and Slusallek, 2017): its start, and one step.
+//
+// A ray is in a cell, whose box it leaves at once, and knows the virtual cell by which it came. Both ends of the step are
+// integers: the plane that it crosses, and, along the other axes, a virtual cell that is neither outside of the box nor
+// behind the one before. So no error grows along the walk, and every step goes forward.
+
+import package::constants::{INF};
+import package::vector::{smallest3};
+import package::grid_walk::{GridRay, grid, enter_grid, cell_plane, is_in_grid, smallest_axis};
+
+@group(1) @binding(22) var<storage, read> irregular_map: array<u32>;
+// Two words with the first virtual cell, and the one after the last, 16 bits per coordinate, and where the list starts.
+@group(1) @binding(23) var<storage, read> irregular_cells: array<vec4u>;
+// Triangles; bit 31 marks the last of a list.
+@group(1) @binding(24) var<storage, read> irregular_items: array<u32>;
+
+// Start of the list of a cell that lists nothing.
+const NO_LIST: u32 = 0xffffffffu;
+const LAST_ITEM: u32 = 0x80000000u;
+
+struct VoxelWalk {
+    voxel: vec3i,
+    cell: u32,
+    // Start of the cell's list.
+    first: u32,
+    // The cell's box.
+    low: vec3i,
+    high: vec3i,
+    // t at which the ray leaves the box, per axis.
+    tmax: vec3f,
+    inside: bool,
+}
+
+// The cell to which a virtual cell belongs.
+fn find_cell(voxel: vec3i) -> u32 {
+    let at = vec3u(voxel);
+    var shift = grid.levels;
+    let size = vec3u(grid.cells) >> vec3u(shift);
+    let top = at >> vec3u(shift);
+    var entry = irregular_map[top.x + size.x * (top.y + size.y * top.z)];
+    // Bits 0 and 1: how many levels the block of entries covers; 0 for a cell.
+    while ((entry & 3u) != 0u) {
+        let depth = entry & 3u;
+        shift -= depth;
+        let below = (at >> vec3u(shift)) & vec3u((1u << depth) - 1u);
+        entry = irregular_map[(entry >> 2u) + below.x + ((below.y + (below.z << depth)) << depth)];
+    }
+    return entry >> 2u;
+}
+
+// In a cell, having come by a virtual cell.
+fn at_voxel(voxel: vec3i, cell: u32, ray: GridRay) -> VoxelWalk {
+    let words = irregular_cells[cell];
+    let low = vec3i(vec3u(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu));
+    let high = vec3i(vec3u(words.y >> 16u, words.z & 0xffffu, words.z >> 16u));
+    let ahead = select(low, high, ray.inverse > vec3f(0.0));
+    let t = (cell_plane(ahead) - ray.origin) * ray.inverse;
+    let tmax = select(t, vec3f(INF), ray.inverse == vec3f(0.0));
+    return VoxelWalk(voxel, cell, words.w, low, high, tmax, true);
+}
+
+fn enter_irregular(ray: GridRay) -> VoxelWalk {
+    let walk = enter_grid(ray);
+    var entered = at_voxel(walk.cell, find_cell(walk.cell), ray);
+    entered.inside = walk.inside;
+    return entered;
+}
+
+fn step_voxel(walk: VoxelWalk, ray: GridRay) -> VoxelWalk {
+    let axis = smallest_axis(walk.tmax);
+    let t = smallest3(walk.tmax);
+    let position = (ray.origin + ray.direction * t - grid.corner) * grid.inverse_width;
+    let is_up = ray.inverse > vec3f(0.0);
+    let least = select(walk.low, walk.voxel, is_up);
+    let most = select(walk.voxel, walk.high - vec3i(1), is_up);
+    let place = clamp(vec3i(floor(position)), least, most);
+    let beyond = select(walk.low - vec3i(1), walk.high, is_up);
+    let voxel = select(place, beyond, axis);
+    if (!(t < INF && is_in_grid(voxel))) {
+        var left = walk;
+        left.inside = false;
+        return left;
+    }
+    return at_voxel(voxel, find_cell(voxel), ray);
+}
